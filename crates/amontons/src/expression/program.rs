@@ -1,0 +1,659 @@
+//! The operations of an expression, and the register program that carries them out.
+
+use std::collections::HashMap;
+
+use super::Variable;
+
+/// Points evaluated together: enough for the decoding of an instruction to vanish beside its
+/// arithmetic, few enough for the registers of a typical expression to stay in the first cache.
+const LANES: usize = 128;
+
+/// Slots of a scalar evaluation that are kept on the stack.
+const STACK_SLOTS: usize = 64;
+
+/// Integer exponents up to this magnitude are carried out by multiplication, which is exact where
+/// the product is, and much faster than the general power.
+const LARGEST_INTEGER_EXPONENT: u32 = 16;
+
+/// Up to this many points the evaluation point by point is faster than that of a block.
+const FEW_POINTS: usize = 2;
+
+type Block = [f64; LANES];
+
+/// An operation on one to three numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Op {
+    Negate,
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+    Sin,
+    Cos,
+    Tan,
+    Asin,
+    Acos,
+    Atan,
+    Sinh,
+    Cosh,
+    Tanh,
+    Exp,
+    Log,
+    Log10,
+    Sqrt,
+    Abs,
+    Sign,
+    Floor,
+    Ceil,
+    Step,
+    Min,
+    Max,
+    Atan2,
+    Modulo,
+    If,
+}
+
+/// A way of applying a function to operands: to numbers, or to blocks of them.
+trait Operands {
+    type Output;
+    fn unary(self, function: impl Fn(f64) -> f64) -> Self::Output;
+    fn binary(self, function: impl Fn(f64, f64) -> f64) -> Self::Output;
+    fn ternary(self, function: impl Fn(f64, f64, f64) -> f64) -> Self::Output;
+}
+
+/// The one table of what the operations mean. Folding of constants, evaluation at a point and
+/// evaluation at a block all go through it, which is what makes their results equal.
+#[allow(clippy::inline_always)] // a call would cost the scalar evaluation more than the operation
+#[inline(always)]
+fn apply<O: Operands>(op: Op, operands: O) -> O::Output {
+    match op {
+        Op::Negate => operands.unary(|a| -a),
+        Op::Add => operands.binary(|a, b| a + b),
+        Op::Subtract => operands.binary(|a, b| a - b),
+        Op::Multiply => operands.binary(|a, b| a * b),
+        Op::Divide => operands.binary(|a, b| a / b),
+        Op::Power => operands.binary(power),
+        Op::Less => operands.binary(|a, b| truth(a < b)),
+        Op::LessEqual => operands.binary(|a, b| truth(a <= b)),
+        Op::Greater => operands.binary(|a, b| truth(a > b)),
+        Op::GreaterEqual => operands.binary(|a, b| truth(a >= b)),
+        // The user asks for exact equality, as in `t == 0`; a tolerance is theirs to write.
+        #[allow(clippy::float_cmp)]
+        Op::Equal => operands.binary(|a, b| truth(a == b)),
+        #[allow(clippy::float_cmp)]
+        Op::NotEqual => operands.binary(|a, b| truth(a != b)),
+        Op::Sin => operands.unary(f64::sin),
+        Op::Cos => operands.unary(f64::cos),
+        Op::Tan => operands.unary(f64::tan),
+        Op::Asin => operands.unary(f64::asin),
+        Op::Acos => operands.unary(f64::acos),
+        Op::Atan => operands.unary(f64::atan),
+        Op::Sinh => operands.unary(f64::sinh),
+        Op::Cosh => operands.unary(f64::cosh),
+        Op::Tanh => operands.unary(f64::tanh),
+        Op::Exp => operands.unary(f64::exp),
+        Op::Log => operands.unary(f64::ln),
+        Op::Log10 => operands.unary(f64::log10),
+        Op::Sqrt => operands.unary(f64::sqrt),
+        Op::Abs => operands.unary(f64::abs),
+        Op::Sign => operands.unary(sign),
+        Op::Floor => operands.unary(f64::floor),
+        Op::Ceil => operands.unary(f64::ceil),
+        Op::Step => operands.unary(step),
+        Op::Min => operands.binary(minimum),
+        Op::Max => operands.binary(maximum),
+        Op::Atan2 => operands.binary(f64::atan2),
+        Op::Modulo => operands.binary(modulo),
+        Op::If => operands.ternary(select),
+    }
+}
+
+// Written as a choice, and not as a conversion of the truth value, because a choice vectorises.
+#[inline]
+fn truth(condition: bool) -> f64 {
+    if condition { 1.0 } else { 0.0 }
+}
+
+#[inline]
+fn sign(a: f64) -> f64 {
+    if a > 0.0 {
+        1.0
+    } else if a < 0.0 {
+        -1.0
+    } else {
+        a
+    }
+}
+
+#[inline]
+fn step(a: f64) -> f64 {
+    if a < 0.0 {
+        0.0
+    } else if a >= 0.0 {
+        1.0
+    } else {
+        a
+    }
+}
+
+// `f64::min` and `f64::max` would swallow a NaN, and leave the sign of a zero open.
+#[inline]
+fn minimum(a: f64, b: f64) -> f64 {
+    if a < b || a.is_nan() { a } else { b }
+}
+
+#[inline]
+fn maximum(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+// The remainder is exact, where `a - b*floor(a/b)` suffers from the rounding of the quotient.
+#[inline]
+fn modulo(a: f64, b: f64) -> f64 {
+    let remainder = a % b;
+    if remainder != 0.0 && (remainder < 0.0) != (b < 0.0) {
+        remainder + b
+    } else {
+        remainder
+    }
+}
+
+#[inline]
+fn select(condition: f64, a: f64, b: f64) -> f64 {
+    if condition == 0.0 {
+        b
+    } else if condition.is_nan() {
+        condition
+    } else {
+        a
+    }
+}
+
+/// Whether an exponent known only at evaluation is a small integer is decided here in the same way
+/// as for a constant one, so that `x^t` at `t = 2` is `x^2` to the last bit.
+fn power(base: f64, exponent: f64) -> f64 {
+    match small_integer(exponent) {
+        Some(0) => 1.0,
+        Some(n) => {
+            let product = integer_power(base, n.unsigned_abs(), |a, b| a * b);
+            if n < 0 { 1.0 / product } else { product }
+        }
+        None => base.powf(exponent),
+    }
+}
+
+#[allow(clippy::float_cmp)] // an integer is wanted, not a number close to one
+fn small_integer(value: f64) -> Option<i32> {
+    let n = value as i32;
+    (f64::from(n) == value && n.unsigned_abs() <= LARGEST_INTEGER_EXPONENT).then_some(n)
+}
+
+/// `base` to the power `n >= 1` by squaring, on numbers as on nodes of the graph: one order of the
+/// multiplications for both.
+fn integer_power<T: Copy>(base: T, n: u32, mut multiply: impl FnMut(T, T) -> T) -> T {
+    let mut result = base;
+    for bit in (0..n.ilog2()).rev() {
+        result = multiply(result, result);
+        if n >> bit & 1 == 1 {
+            result = multiply(result, base);
+        }
+    }
+    result
+}
+
+/// The sign and payload of a NaN depend on the instructions chosen by the compiler; everything
+/// else does not.
+#[inline]
+fn canonical(value: f64) -> f64 {
+    if value.is_nan() { f64::NAN } else { value }
+}
+
+/// A node of the graph under construction; operands are earlier nodes. Operations of fewer than
+/// three operands repeat the last one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Node {
+    Constant(u64),
+    Variable(Variable),
+    Apply(Op, [usize; 3]),
+}
+
+/// A handle to a node of a [`Graph`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct NodeId(usize);
+
+/// The operations of an expression, each distinct one once, constants folded.
+#[derive(Debug, Default)]
+pub(super) struct Graph {
+    nodes: Vec<Node>,
+    known: HashMap<Node, usize>,
+}
+
+impl Graph {
+    pub(super) fn constant(&mut self, value: f64) -> NodeId {
+        self.insert(Node::Constant(value.to_bits()))
+    }
+
+    pub(super) fn variable(&mut self, variable: Variable) -> NodeId {
+        self.insert(Node::Variable(variable))
+    }
+
+    pub(super) fn unary(&mut self, op: Op, a: NodeId) -> NodeId {
+        self.apply(op, [a, a, a])
+    }
+
+    pub(super) fn binary(&mut self, op: Op, a: NodeId, b: NodeId) -> NodeId {
+        if op == Op::Power
+            && let Node::Constant(bits) = self.nodes[b.0]
+            && let Some(n) = small_integer(f64::from_bits(bits))
+        {
+            return self.integer_power(a, n);
+        }
+        self.apply(op, [a, b, b])
+    }
+
+    pub(super) fn ternary(&mut self, op: Op, a: NodeId, b: NodeId, c: NodeId) -> NodeId {
+        self.apply(op, [a, b, c])
+    }
+
+    fn integer_power(&mut self, base: NodeId, n: i32) -> NodeId {
+        if n == 0 {
+            return self.constant(1.0);
+        }
+        let product = integer_power(base, n.unsigned_abs(), |a, b| {
+            self.binary(Op::Multiply, a, b)
+        });
+        if n < 0 {
+            let one = self.constant(1.0);
+            self.binary(Op::Divide, one, product)
+        } else {
+            product
+        }
+    }
+
+    fn apply(&mut self, op: Op, operands: [NodeId; 3]) -> NodeId {
+        let nodes = operands.map(|operand| operand.0);
+        let constants = nodes.map(|node| match self.nodes[node] {
+            Node::Constant(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        });
+        if let [Some(a), Some(b), Some(c)] = constants {
+            let file = [a, b, c];
+            return self.constant(apply(
+                op,
+                Numbers {
+                    file: &file,
+                    operands: [0, 1, 2],
+                },
+            ));
+        }
+        self.insert(Node::Apply(op, nodes))
+    }
+
+    fn insert(&mut self, node: Node) -> NodeId {
+        NodeId(*self.known.entry(node).or_insert_with(|| {
+            self.nodes.push(node);
+            self.nodes.len() - 1
+        }))
+    }
+}
+
+/// What has to change for a node to change its value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Stage {
+    Constant,
+    Time,
+    Space,
+}
+
+/// `slot := op(operands)`
+#[derive(Clone, Copy, Debug)]
+struct Instruction {
+    op: Op,
+    slot: usize,
+    operands: [usize; 3],
+}
+
+/// A compiled expression.
+///
+/// Values are kept in numbered slots. The first ones are uniform, of one value for all points:
+/// the constants, then the time and what follows from it. The others differ from point to point
+/// and are reused as soon as their value is no longer needed.
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    constants: Vec<f64>,
+    uniform: usize,
+    slots: usize,
+    time: Option<usize>,
+    /// The axes that are read, each with its slot.
+    axes: Vec<(usize, usize)>,
+    prologue: Vec<Instruction>,
+    body: Vec<Instruction>,
+    result: usize,
+}
+
+impl Program {
+    pub(super) fn new(graph: &Graph, root: NodeId) -> Program {
+        let nodes = &graph.nodes;
+        let last_use = last_uses(nodes, root.0);
+        let live = |node: usize| last_use[node].is_some();
+        let stages = stages(nodes);
+
+        let mut slot = vec![0; nodes.len()];
+        let mut constants = Vec::new();
+        for (i, node) in nodes.iter().enumerate() {
+            if let Node::Constant(bits) = node
+                && live(i)
+            {
+                slot[i] = constants.len();
+                constants.push(f64::from_bits(*bits));
+            }
+        }
+
+        let mut uniform = constants.len();
+        let mut time = None;
+        let mut prologue = Vec::new();
+        for (i, node) in nodes.iter().enumerate() {
+            if stages[i] != Stage::Time || !live(i) {
+                continue;
+            }
+            slot[i] = uniform;
+            uniform += 1;
+            match *node {
+                Node::Apply(op, operands) => {
+                    let operands = operands.map(|operand| slot[operand]);
+                    prologue.push(Instruction {
+                        op,
+                        slot: slot[i],
+                        operands,
+                    });
+                }
+                _ => time = Some(slot[i]),
+            }
+        }
+
+        let mut slots = uniform;
+        let mut axes = Vec::new();
+        for (i, node) in nodes.iter().enumerate() {
+            if let Node::Variable(variable) = node
+                && let Some(axis) = variable.axis()
+                && live(i)
+            {
+                slot[i] = slots;
+                axes.push((axis, slots));
+                slots += 1;
+            }
+        }
+        let mut body = Vec::new();
+        let mut free = Vec::new();
+        for (i, node) in nodes.iter().enumerate() {
+            let Node::Apply(op, operands) = *node else {
+                continue;
+            };
+            if stages[i] != Stage::Space || !live(i) {
+                continue;
+            }
+            // The result takes its slot before the operands give theirs up: an instruction never
+            // writes what it reads, which lets the blocks be borrowed side by side.
+            slot[i] = free.pop().unwrap_or_else(|| {
+                slots += 1;
+                slots - 1
+            });
+            let [a, b, c] = operands;
+            body.push(Instruction {
+                op,
+                slot: slot[i],
+                operands: operands.map(|o| slot[o]),
+            });
+            for (operand, first) in [(a, true), (b, b != a), (c, c != a && c != b)] {
+                if first && stages[operand] == Stage::Space && last_use[operand] == Some(i) {
+                    free.push(slot[operand]);
+                }
+            }
+        }
+        let result = slot[root.0];
+        Program {
+            constants,
+            uniform,
+            slots,
+            time,
+            axes,
+            prologue,
+            body,
+            result,
+        }
+    }
+
+    pub(super) fn value(&self, x: &[f64; 3], t: f64) -> f64 {
+        with_slots(self.slots, |file| {
+            self.start(file, t);
+            for &(axis, slot) in &self.axes {
+                file[slot] = x[axis];
+            }
+            run(&self.body, file);
+            canonical(file[self.result])
+        })
+    }
+
+    pub(super) fn values(&self, points: &[[f64; 3]], t: f64, out: &mut [f64]) {
+        if points.len() <= FEW_POINTS {
+            for (point, out) in points.iter().zip(out) {
+                *out = self.value(point, t);
+            }
+            return;
+        }
+        with_slots(self.uniform, |uniform| {
+            self.start(uniform, t);
+            if self.result < self.uniform {
+                let value = canonical(uniform[self.result]);
+                for (out, _) in out.iter_mut().zip(points) {
+                    *out = value;
+                }
+            } else {
+                self.blocks(points, uniform, out);
+            }
+        });
+    }
+
+    fn blocks(&self, points: &[[f64; 3]], uniform: &[f64], out: &mut [f64]) {
+        let mut blocks: Vec<Block> = vec![[0.0; LANES]; self.slots - self.uniform];
+        for (points, out) in points.chunks(LANES).zip(out.chunks_mut(LANES)) {
+            for &(axis, slot) in &self.axes {
+                for (lane, point) in blocks[slot - self.uniform].iter_mut().zip(points) {
+                    *lane = point[axis];
+                }
+            }
+            for &Instruction { op, slot, operands } in &self.body {
+                let (before, rest) = blocks.split_at_mut(slot - self.uniform);
+                let Some((result, after)) = rest.split_first_mut() else {
+                    continue;
+                };
+                let result = &mut result[..points.len()];
+                apply(
+                    op,
+                    Blocks {
+                        uniform,
+                        before,
+                        after,
+                        operands,
+                        result,
+                    },
+                );
+            }
+            for (out, &value) in out.iter_mut().zip(&blocks[self.result - self.uniform]) {
+                *out = canonical(value);
+            }
+        }
+    }
+
+    /// Fills the uniform slots.
+    fn start(&self, file: &mut [f64], t: f64) {
+        file[..self.constants.len()].copy_from_slice(&self.constants);
+        if let Some(time) = self.time {
+            file[time] = t;
+        }
+        run(&self.prologue, file);
+    }
+}
+
+/// Lends `count` slots, from the stack where they are few.
+fn with_slots<T>(count: usize, run: impl FnOnce(&mut [f64]) -> T) -> T {
+    if count <= STACK_SLOTS {
+        run(&mut [0.0; STACK_SLOTS][..count])
+    } else {
+        run(&mut vec![0.0; count])
+    }
+}
+
+fn run(instructions: &[Instruction], file: &mut [f64]) {
+    for &Instruction { op, slot, operands } in instructions {
+        file[slot] = apply(op, Numbers { file, operands });
+    }
+}
+
+/// For every node the last one that reads it, or `None` if the root does not depend on it.
+fn last_uses(nodes: &[Node], root: usize) -> Vec<Option<usize>> {
+    let mut last_use = vec![None; nodes.len()];
+    last_use[root] = Some(nodes.len());
+    for (i, node) in nodes.iter().enumerate().rev() {
+        if let Node::Apply(_, operands) = node
+            && last_use[i].is_some()
+        {
+            for &operand in operands {
+                last_use[operand] = last_use[operand].max(Some(i));
+            }
+        }
+    }
+    last_use
+}
+
+fn stages(nodes: &[Node]) -> Vec<Stage> {
+    let mut stages = Vec::with_capacity(nodes.len());
+    for node in nodes {
+        stages.push(match node {
+            Node::Constant(_) => Stage::Constant,
+            Node::Variable(Variable::T) => Stage::Time,
+            Node::Variable(_) => Stage::Space,
+            Node::Apply(_, [a, b, c]) => {
+                let [a, b, c]: [Stage; 3] = [stages[*a], stages[*b], stages[*c]];
+                a.max(b).max(c)
+            }
+        });
+    }
+    stages
+}
+
+/// Operands at one point.
+struct Numbers<'a> {
+    file: &'a [f64],
+    operands: [usize; 3],
+}
+
+impl Operands for Numbers<'_> {
+    type Output = f64;
+
+    #[inline]
+    fn unary(self, function: impl Fn(f64) -> f64) -> f64 {
+        function(self.file[self.operands[0]])
+    }
+
+    #[inline]
+    fn binary(self, function: impl Fn(f64, f64) -> f64) -> f64 {
+        let [a, b, _] = self.operands;
+        function(self.file[a], self.file[b])
+    }
+
+    #[inline]
+    fn ternary(self, function: impl Fn(f64, f64, f64) -> f64) -> f64 {
+        let [a, b, c] = self.operands;
+        function(self.file[a], self.file[b], self.file[c])
+    }
+}
+
+/// Operands at a block of points; the length of `result` says how many.
+struct Blocks<'a> {
+    uniform: &'a [f64],
+    before: &'a [Block],
+    after: &'a [Block],
+    operands: [usize; 3],
+    result: &'a mut [f64],
+}
+
+enum Source<'a> {
+    Uniform(f64),
+    Lanes(&'a Block),
+}
+
+impl<'a> Blocks<'a> {
+    #[inline]
+    fn source(&self, operand: usize) -> Source<'a> {
+        let slot = self.operands[operand];
+        let Some(block) = slot.checked_sub(self.uniform.len()) else {
+            return Source::Uniform(self.uniform[slot]);
+        };
+        Source::Lanes(match block.checked_sub(self.before.len() + 1) {
+            Some(block) => &self.after[block],
+            None => &self.before[block],
+        })
+    }
+
+    /// The operand as a block of its own, for operations too rare for a loop per kind of operand.
+    fn block(&self, operand: usize) -> Block {
+        match self.source(operand) {
+            Source::Uniform(value) => [value; LANES],
+            Source::Lanes(lanes) => *lanes,
+        }
+    }
+}
+
+impl Operands for Blocks<'_> {
+    type Output = ();
+
+    #[inline]
+    fn unary(self, function: impl Fn(f64) -> f64) {
+        match self.source(0) {
+            Source::Uniform(a) => self.result.fill(function(a)),
+            Source::Lanes(a) => {
+                for (result, &a) in self.result.iter_mut().zip(a) {
+                    *result = function(a);
+                }
+            }
+        }
+    }
+
+    #[inline]
+    fn binary(self, function: impl Fn(f64, f64) -> f64) {
+        match (self.source(0), self.source(1)) {
+            (Source::Lanes(a), Source::Lanes(b)) => {
+                for ((result, &a), &b) in self.result.iter_mut().zip(a).zip(b) {
+                    *result = function(a, b);
+                }
+            }
+            (Source::Lanes(a), Source::Uniform(b)) => {
+                for (result, &a) in self.result.iter_mut().zip(a) {
+                    *result = function(a, b);
+                }
+            }
+            (Source::Uniform(a), Source::Lanes(b)) => {
+                for (result, &b) in self.result.iter_mut().zip(b) {
+                    *result = function(a, b);
+                }
+            }
+            (Source::Uniform(a), Source::Uniform(b)) => self.result.fill(function(a, b)),
+        }
+    }
+
+    #[inline]
+    fn ternary(self, function: impl Fn(f64, f64, f64) -> f64) {
+        let (a, b, c) = (self.block(0), self.block(1), self.block(2));
+        for (((result, &a), &b), &c) in self.result.iter_mut().zip(&a).zip(&b).zip(&c) {
+            *result = function(a, b, c);
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! Data that may vary in space and time: a number or an expression in x, y, z, t.
+
+use crate::expression::Expression;
+use crate::tensor::Point;
+
+/// A scalar function of position and time, in the unit of what it stands for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Field {
+    /// The same value everywhere and always.
+    Constant(f64),
+    /// An expression in x, y, z and t.
+    Expression(Expression),
+}
+
+impl Default for Field {
+    fn default() -> Field {
+        Field::ZERO
+    }
+}
+
+impl From<f64> for Field {
+    fn from(value: f64) -> Field {
+        Field::Constant(value)
+    }
+}
+
+impl Field {
+    /// Zero everywhere and always.
+    pub const ZERO: Field = Field::Constant(0.0);
+
+    /// Value at a point and a time.
+    #[must_use]
+    pub fn value(&self, x: &Point, t: f64) -> f64 {
+        match self {
+            Field::Constant(value) => *value,
+            Field::Expression(e) => e.value(x, t),
+        }
+    }
+
+    /// Values at many points at one time.
+    #[must_use]
+    pub fn values(&self, points: &[Point], t: f64) -> Vec<f64> {
+        let mut out = vec![0.0; points.len()];
+        match self {
+            Field::Constant(value) => out.fill(*value),
+            Field::Expression(e) => e.values(points, t, &mut out),
+        }
+        out
+    }
+
+    /// Whether the value changes with time.
+    #[must_use]
+    pub fn depends_on_time(&self) -> bool {
+        matches!(self, Field::Expression(e) if e.depends_on_time())
+    }
+
+    /// Whether the field is the number zero.
+    #[must_use]
+    pub fn is_zero(&self) -> bool {
+        matches!(self, Field::Constant(0.0))
+    }
+}

@@ -1,0 +1,631 @@
+//! One factorization K = L Lᵀ, contact unknowns last, and the two sweeps of a step (design, D3).
+//!
+//! With the unknowns ordered (I, C), interior before contact, the trailing block of the factor is the
+//! condensed operator for free: S = K_CC − K_CI K_II⁻¹ K_IC = L_CC L_CCᵀ. The forward sweep over the
+//! interior columns reduces the right-hand side to Γ_C; with the contact unknowns found there, the
+//! backward sweep expands them to the body. Together they read the factor twice, which is the
+//! bound on the time of a step.
+
+use std::fmt::Debug;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Mat, Par, Side};
+use rayon::prelude::*;
+
+use super::ordering::nested_dissection;
+use super::sparse::BlockMatrix;
+use crate::tensor::Point;
+
+/// Why a system could not be factorized.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FactorError {
+    /// A pivot was not positive: the matrix is not positive definite.
+    #[error("the matrix is not positive definite: pivot {pivot} of {size} is not positive")]
+    NotPositive {
+        /// Number of the pivot in elimination order.
+        pivot: usize,
+        /// Size of the matrix.
+        size: usize,
+    },
+    /// The factor does not fit.
+    #[error("the factor of {size} unknowns does not fit into memory")]
+    Memory {
+        /// Size of the matrix.
+        size: usize,
+    },
+}
+
+/// The unknowns of a system in elimination order: interior, then contact.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    /// Degree of freedom at each position.
+    pub dofs: Vec<u32>,
+    /// How many positions are interior.
+    pub interior: usize,
+}
+
+impl Unknowns {
+    /// Orders the degrees of freedom that are `free` (node-major, `components` a node), those of
+    /// the nodes `contact` last.
+    #[must_use]
+    pub fn new(matrix: &BlockMatrix, points: &[Point], components: usize, free: &[bool], contact: &[u32]) -> Unknowns {
+        let keep: Vec<bool> = free.chunks_exact(components).map(|node| node.iter().any(|&f| f)).collect();
+        let ordering = nested_dissection(matrix.graph(), points, &keep, contact);
+        let (mut dofs, mut interior) = (Vec::new(), 0);
+        for (k, &node) in ordering.order.iter().enumerate() {
+            dofs.extend((0..components as u32).map(|c| node * components as u32 + c).filter(|&d| free[d as usize]));
+            if k < ordering.interior {
+                interior = dofs.len();
+            }
+        }
+        Unknowns { dofs, interior }
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// Whether there is nothing to solve for.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.dofs.is_empty()
+    }
+
+    /// Degrees of freedom of the contact unknowns.
+    #[must_use]
+    pub fn contact(&self) -> &[u32] {
+        &self.dofs[self.interior..]
+    }
+
+    /// The entries of a vector over all degrees of freedom, in elimination order.
+    #[must_use]
+    pub fn gather(&self, full: &[f64]) -> Vec<f64> {
+        self.dofs.iter().map(|&d| full[d as usize]).collect()
+    }
+
+    /// Adds a vector in elimination order to its degrees of freedom.
+    pub fn add(&self, x: &[f64], full: &mut [f64]) {
+        for (&d, &value) in self.dofs.iter().zip(x) {
+            full[d as usize] += value;
+        }
+    }
+}
+
+/// A way to factorize symmetric positive definite systems.
+pub trait Backend: Debug + Send + Sync {
+    /// Factorizes the rows and columns of `matrix` that `unknowns` names.
+    ///
+    /// # Errors
+    /// When the matrix is not positive definite or does not fit into memory.
+    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError>;
+}
+
+/// A factorized system, vectors in elimination order.
+pub trait Factor: Debug + Send + Sync {
+    /// Eliminates the interior: on return the contact entries hold the reduced right-hand side
+    /// r_C − K_CI K_II⁻¹ r_I, the interior ones what [`Factor::backward`] needs.
+    fn forward(&self, r: &mut [f64]);
+    /// Expands: takes the contact entries as solved and returns the interior ones.
+    fn backward(&self, x: &mut [f64]);
+    /// The condensed operator S = K_CC − K_CI K_II⁻¹ K_IC.
+    fn condensed(&self) -> Mat<f64>;
+    /// Numbers that the factor stores; a sweep reads them once.
+    fn stored(&self) -> usize;
+}
+
+/// Every backend, for tests that loop over them.
+#[must_use]
+pub fn backends() -> Vec<Box<dyn Backend>> {
+    vec![Box::new(Supernodal), Box::new(Dense)]
+}
+
+/// The sparse supernodal Cholesky factorization of `faer` with sweeps of our own.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Supernodal;
+
+impl Backend for Supernodal {
+    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+        Ok(Box::new(SupernodalFactor::new(matrix, unknowns)?))
+    }
+}
+
+/// Upper triangle in elimination order by compressed columns.
+struct UpperColumns {
+    start: Vec<u32>,
+    rows: Vec<u32>,
+    values: Vec<f64>,
+}
+
+fn upper_columns(matrix: &BlockMatrix, unknowns: &Unknowns) -> UpperColumns {
+    let (components, _) = matrix.block_shape();
+    let mut position = vec![u32::MAX; matrix.graph().len() * components];
+    for (k, &dof) in unknowns.dofs.iter().enumerate() {
+        position[dof as usize] = k as u32;
+    }
+    let mut upper = UpperColumns { start: vec![0], rows: Vec::new(), values: Vec::new() };
+    let mut column: Vec<(u32, f64)> = Vec::new();
+    for (k, &dof) in unknowns.dofs.iter().enumerate() {
+        let (i, r) = (dof as usize / components, dof as usize % components);
+        column.clear();
+        // The matrix is symmetric: its row is its column.
+        for (j, block) in matrix.row(i) {
+            for c in 0..components {
+                let p = position[j * components + c];
+                if p as usize <= k {
+                    column.push((p, block[r * components + c]));
+                }
+            }
+        }
+        column.sort_unstable_by_key(|&(p, _)| p);
+        upper.rows.extend(column.iter().map(|&(p, _)| p));
+        upper.values.extend(column.iter().map(|&(_, v)| v));
+        upper.start.push(upper.rows.len() as u32);
+    }
+    upper
+}
+
+/// A dense panel of the factor: columns `first..first + columns` of a task's vector, with the
+/// positions of the rows below them in that vector.
+#[derive(Debug)]
+struct Panel {
+    first: usize,
+    columns: usize,
+    below: Vec<u32>,
+    /// Offset of the column-major values; the leading dimension is `columns + below.len()`.
+    values: usize,
+    leading: usize,
+}
+
+/// A subtree of the elimination tree. Its vector is (own columns, ancestors that it touches).
+#[derive(Debug, Default)]
+struct Task {
+    children: Vec<Task>,
+    /// Columns of the whole subtree that precede the own ones are the children's.
+    begin: usize,
+    own: std::ops::Range<usize>,
+    panels: Vec<Panel>,
+    /// Positions in the parent's vector of the ancestors touched.
+    ancestors: Vec<u32>,
+    /// How many ancestors are touched.
+    touched: usize,
+}
+
+#[derive(Debug)]
+struct SupernodalFactor {
+    values: Vec<f64>,
+    root: Task,
+    size: usize,
+    interior: usize,
+    condensed: Mat<f64>,
+}
+
+impl SupernodalFactor {
+    fn new(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<SupernodalFactor, FactorError> {
+        let size = unknowns.len();
+        if size == 0 {
+            return Ok(SupernodalFactor { values: Vec::new(), root: Task::default(), size, interior: 0, condensed: Mat::new() });
+        }
+        let memory = || FactorError::Memory { size };
+        let upper = upper_columns(matrix, unknowns);
+        let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
+        let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..CholeskySymbolicParams::default() };
+        let symbolic: SymbolicCholesky<u32> =
+            factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| memory())?;
+        let mut values = Vec::new();
+        values.try_reserve_exact(symbolic.len_val()).map_err(|_| memory())?;
+        values.resize(symbolic.len_val(), 0.0);
+        let scratch = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, faer::Spec::default());
+        let mut buffer = MemBuffer::try_new(scratch).map_err(|_| memory())?;
+        symbolic
+            .factorize_numeric_llt(
+                &mut values,
+                SparseColMatRef::new(pattern, &upper.values),
+                Side::Upper,
+                LltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut buffer),
+                faer::Spec::default(),
+            )
+            .map_err(|LltError::NonPositivePivot { index }| FactorError::NotPositive { pivot: index, size })?;
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(memory()) };
+        let tree = Tree::new(symbolic, unknowns.interior);
+        let root = tree.root(size);
+        let condensed = tree.condensed(&values, size);
+        Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed })
+    }
+}
+
+impl Factor for SupernodalFactor {
+    fn forward(&self, r: &mut [f64]) {
+        let (interior, contact) = r.split_at_mut(self.interior);
+        let update = self.root.forward(&self.values, interior);
+        for (r, u) in contact.iter_mut().zip(&update) {
+            *r += u;
+        }
+    }
+    fn backward(&self, x: &mut [f64]) {
+        let (interior, contact) = x.split_at_mut(self.interior);
+        self.root.backward(&self.values, interior, contact);
+    }
+    fn condensed(&self) -> Mat<f64> {
+        self.condensed.clone()
+    }
+    fn stored(&self) -> usize {
+        debug_assert!(self.size >= self.interior);
+        self.values.len()
+    }
+}
+
+/// The supernodes of a factor, for cutting them into tasks.
+struct Tree<'a> {
+    symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
+    interior: usize,
+    /// Supernodes that have interior columns.
+    count: usize,
+    children: Vec<Vec<usize>>,
+    roots: Vec<usize>,
+    /// First supernode of the subtree of each.
+    first: Vec<usize>,
+    /// Numbers stored in the subtree of each.
+    work: Vec<usize>,
+}
+
+impl<'a> Tree<'a> {
+    fn new(symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>, interior: usize) -> Tree<'a> {
+        let begin = symbolic.supernode_begin();
+        let count = (0..symbolic.n_supernodes()).take_while(|&s| (begin[s] as usize) < interior).count();
+        let mut owner = vec![u32::MAX; interior];
+        for s in 0..count {
+            for column in begin[s] as usize..(symbolic.supernode_end()[s] as usize).min(interior) {
+                owner[column] = s as u32;
+            }
+        }
+        let mut tree = Tree {
+            symbolic,
+            interior,
+            count,
+            children: vec![Vec::new(); count],
+            roots: Vec::new(),
+            first: (0..count).collect(),
+            work: vec![0; count],
+        };
+        for s in 0..count {
+            let view = symbolic.supernode(s);
+            let columns = symbolic.supernode_end()[s] as usize - view.start();
+            tree.work[s] += columns * (columns + view.pattern().len());
+            let parent = view.pattern().first().and_then(|&row| owner.get(row as usize));
+            match parent {
+                Some(&p) => {
+                    let p = p as usize;
+                    tree.children[p].push(s);
+                    tree.work[p] += tree.work[s];
+                    tree.first[p] = tree.first[p].min(tree.first[s]);
+                }
+                None => tree.roots.push(s),
+            }
+        }
+        tree
+    }
+
+    /// The interior as one task whose ancestors are all contact unknowns.
+    fn root(&self, size: usize) -> Task {
+        let contact: Vec<u32> = (self.interior as u32..size as u32).collect();
+        let groups = self.tasks(&self.roots);
+        self.task(groups, self.interior..self.interior, 0..0, &contact)
+    }
+
+    /// Numbers below which a subtree is one task. A fixed share, whatever the number of threads: the
+    /// order of summation, hence every bit of the result, must not depend on it.
+    fn grain(&self) -> usize {
+        (self.roots.iter().map(|&r| self.work[r]).sum::<usize>() / 16).max(1 << 14)
+    }
+
+    /// Sibling subtrees as first and last supernode; neighbours that are small are joined.
+    fn tasks(&self, siblings: &[usize]) -> Vec<(usize, usize)> {
+        let mut groups: Vec<(usize, usize)> = Vec::new();
+        let (mut joined, grain) = (0, self.grain());
+        for &s in siblings {
+            let small = self.work[s] <= grain;
+            if small && joined > 0 && joined + self.work[s] <= grain {
+                if let Some(last) = groups.last_mut() {
+                    last.1 = s;
+                }
+                joined += self.work[s];
+            } else {
+                groups.push((self.first[s], s));
+                joined = if small { self.work[s] } else { 0 };
+            }
+        }
+        groups
+    }
+
+    fn task(&self, groups: Vec<(usize, usize)>, own: std::ops::Range<usize>, panels: std::ops::Range<usize>, ancestors: &[u32]) -> Task {
+        // Where a row of the matrix stands in the vector of this task.
+        let local = |row: u32| {
+            if (row as usize) < own.end {
+                row - own.start as u32
+            } else {
+                (own.len() + ancestors.partition_point(|&a| a < row)) as u32
+            }
+        };
+        let begin = self.symbolic.supernode_begin();
+        let end = self.symbolic.supernode_end();
+        let children: Vec<Task> = groups
+            .into_iter()
+            .map(|(first, last)| {
+                let whole = begin[first] as usize..(end[last] as usize).min(self.interior);
+                let mut touched: Vec<u32> = Vec::new();
+                for s in first..=last {
+                    let straddling = (self.interior as u32).max(begin[s])..end[s].max(self.interior as u32);
+                    touched.extend(straddling);
+                    touched.extend(self.symbolic.supernode(s).pattern().iter().copied().filter(|&r| r as usize >= whole.end));
+                }
+                touched.sort_unstable();
+                touched.dedup();
+                let single = self.first[last] == first;
+                let mut task = if single && self.work[last] > self.grain() && !self.children[last].is_empty() {
+                    self.task(self.tasks(&self.children[last]), begin[last] as usize..whole.end, last..last + 1, &touched)
+                } else {
+                    self.task(Vec::new(), whole, first..last + 1, &touched)
+                };
+                task.ancestors = touched.into_iter().map(&local).collect();
+                task
+            })
+            .collect();
+        let panels = panels
+            .filter(|&s| s < self.count)
+            .map(|s| {
+                let view = self.symbolic.supernode(s);
+                let (first, last) = (view.start(), end[s] as usize);
+                let columns = last.min(self.interior) - first;
+                let below = ((first + columns) as u32..last as u32).chain(view.pattern().iter().copied()).map(&local).collect();
+                Panel {
+                    first: first - own.start,
+                    columns,
+                    below,
+                    values: self.symbolic.col_ptr_for_val()[s] as usize,
+                    leading: last - first + view.pattern().len(),
+                }
+            })
+            .collect();
+        let start = children.iter().map(|c| c.begin).min().unwrap_or(own.start);
+        Task { children, begin: start, own, panels, ancestors: Vec::new(), touched: ancestors.len() }
+    }
+
+    /// S = L_CC L_CCᵀ from the trailing columns.
+    fn condensed(&self, values: &[f64], size: usize) -> Mat<f64> {
+        let n = size - self.interior;
+        let mut l = Mat::<f64>::zeros(n, n);
+        for s in 0..self.symbolic.n_supernodes() {
+            let view = self.symbolic.supernode(s);
+            let (first, last) = (view.start(), self.symbolic.supernode_end()[s] as usize);
+            let rows: Vec<usize> = (first..last).chain(view.pattern().iter().map(|&r| r as usize)).collect();
+            let offset = self.symbolic.col_ptr_for_val()[s] as usize;
+            for column in first.max(self.interior)..last {
+                for (k, &row) in rows.iter().enumerate().skip(column - first) {
+                    l[(row - self.interior, column - self.interior)] = values[offset + (column - first) * rows.len() + k];
+                }
+            }
+        }
+        let mut s = Mat::<f64>::zeros(n, n);
+        faer::linalg::matmul::matmul(s.as_mut(), faer::Accum::Replace, l.as_ref(), l.as_ref().transpose(), 1.0, Par::Seq);
+        s
+    }
+}
+
+impl Task {
+    /// Solves L y = r on the columns of the subtree; returns what is added to the ancestors.
+    fn forward(&self, values: &[f64], x: &mut [f64]) -> Vec<f64> {
+        let (mut inner, own) = x.split_at_mut(self.own.start - self.begin);
+        let mut slices = Vec::with_capacity(self.children.len());
+        for child in &self.children {
+            let (slice, rest) = inner.split_at_mut(child.own.end - child.begin);
+            slices.push((child, slice));
+            inner = rest;
+        }
+        let updates: Vec<Vec<f64>> = slices.into_par_iter().map(|(child, slice)| child.forward(values, slice)).collect();
+        let width = self.own.len();
+        let mut vector = vec![0.0; width + self.touched];
+        vector[..width].copy_from_slice(own);
+        for (child, update) in self.children.iter().zip(&updates) {
+            for (&at, &value) in child.ancestors.iter().zip(update) {
+                vector[at as usize] += value;
+            }
+        }
+        let mut dense = Vec::new();
+        for panel in &self.panels {
+            panel.forward(values, &mut vector, &mut dense);
+        }
+        own.copy_from_slice(&vector[..width]);
+        vector.split_off(width)
+    }
+
+    /// Solves Lᵀ x = y on the columns of the subtree with the ancestors known.
+    fn backward(&self, values: &[f64], x: &mut [f64], ancestors: &[f64]) {
+        let (mut inner, own) = x.split_at_mut(self.own.start - self.begin);
+        let width = self.own.len();
+        let mut vector = Vec::with_capacity(width + ancestors.len());
+        vector.extend_from_slice(own);
+        vector.extend_from_slice(ancestors);
+        let mut dense = Vec::new();
+        for panel in self.panels.iter().rev() {
+            panel.backward(values, &mut vector, &mut dense);
+        }
+        own.copy_from_slice(&vector[..width]);
+        let mut slices = Vec::with_capacity(self.children.len());
+        for child in &self.children {
+            let (slice, rest) = inner.split_at_mut(child.own.end - child.begin);
+            slices.push((child, slice));
+            inner = rest;
+        }
+        let vector = &vector;
+        slices.into_par_iter().for_each(|(child, slice)| {
+            let known: Vec<f64> = child.ancestors.iter().map(|&at| vector[at as usize]).collect();
+            child.backward(values, slice, &known);
+        });
+    }
+}
+
+impl Panel {
+    fn forward(&self, values: &[f64], vector: &mut [f64], dense: &mut Vec<f64>) {
+        let (n, ld) = (self.columns, self.leading);
+        dense.clear();
+        dense.extend_from_slice(&vector[self.first..self.first + n]);
+        dense.resize(ld, 0.0);
+        let column = |j: usize| &values[self.values + j * ld..self.values + (j + 1) * ld];
+        let mut j = 0;
+        while j + 4 <= n {
+            let c = [column(j), column(j + 1), column(j + 2), column(j + 3)];
+            let mut z = [0.0; 4];
+            for a in 0..4 {
+                let mut s = dense[j + a];
+                for b in 0..a {
+                    s -= c[b][j + a] * z[b];
+                }
+                z[a] = s / c[a][j + a];
+            }
+            dense[j..j + 4].copy_from_slice(&z);
+            let tail = &mut dense[j + 4..];
+            let c = c.map(|c| &c[j + 4..]);
+            let m = tail.len();
+            let (c0, c1, c2, c3) = (&c[0][..m], &c[1][..m], &c[2][..m], &c[3][..m]);
+            for i in 0..m {
+                tail[i] -= (c0[i] * z[0] + c1[i] * z[1]) + (c2[i] * z[2] + c3[i] * z[3]);
+            }
+            j += 4;
+        }
+        while j < n {
+            let c = column(j);
+            let z = dense[j] / c[j];
+            dense[j] = z;
+            for (d, c) in dense[j + 1..].iter_mut().zip(&c[j + 1..]) {
+                *d -= c * z;
+            }
+            j += 1;
+        }
+        vector[self.first..self.first + n].copy_from_slice(&dense[..n]);
+        for (&at, d) in self.below.iter().zip(&dense[n..]) {
+            vector[at as usize] += d;
+        }
+    }
+
+    fn backward(&self, values: &[f64], vector: &mut [f64], dense: &mut Vec<f64>) {
+        let (n, ld) = (self.columns, self.leading);
+        dense.clear();
+        dense.extend_from_slice(&vector[self.first..self.first + n]);
+        dense.extend(self.below.iter().map(|&at| vector[at as usize]));
+        let column = |j: usize| &values[self.values + j * ld..self.values + (j + 1) * ld];
+        let mut j = n;
+        // The odd columns come last here as they did in the forward sweep.
+        while j % 4 != 0 {
+            j -= 1;
+            let c = column(j);
+            let s: f64 = c[j + 1..].iter().zip(&dense[j + 1..]).map(|(c, d)| c * d).sum();
+            dense[j] = (dense[j] - s) / c[j];
+        }
+        while j >= 4 {
+            j -= 4;
+            let c = [column(j), column(j + 1), column(j + 2), column(j + 3)];
+            let tail = &dense[j + 4..];
+            let sums = dot4(c.map(|c| &c[j + 4..]), tail);
+            for a in (0..4).rev() {
+                let mut s = dense[j + a] - sums[a];
+                for b in a + 1..4 {
+                    s -= c[a][j + b] * dense[j + b];
+                }
+                dense[j + a] = s / c[a][j + a];
+            }
+        }
+        vector[self.first..self.first + n].copy_from_slice(&dense[..n]);
+    }
+}
+
+/// Four dot products with one vector, in four lanes each so that the loop vectorizes.
+fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
+    let (x4, rest) = x.as_chunks::<4>();
+    let mut lanes = [[0.0; 4]; 4];
+    let columns = c.map(|c| c.as_chunks::<4>().0);
+    let m = x4.len();
+    let (c0, c1, c2, c3) = (&columns[0][..m], &columns[1][..m], &columns[2][..m], &columns[3][..m]);
+    for i in 0..m {
+        for l in 0..4 {
+            lanes[0][l] += c0[i][l] * x4[i][l];
+            lanes[1][l] += c1[i][l] * x4[i][l];
+            lanes[2][l] += c2[i][l] * x4[i][l];
+            lanes[3][l] += c3[i][l] * x4[i][l];
+        }
+    }
+    std::array::from_fn(|a| {
+        let tail: f64 = c[a][4 * m..].iter().zip(rest).map(|(c, x)| c * x).sum();
+        (lanes[a][0] + lanes[a][1]) + (lanes[a][2] + lanes[a][3]) + tail
+    })
+}
+
+/// A dense factorization, for small systems and as the reference of the sparse one.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Dense;
+
+#[derive(Debug)]
+struct DenseFactor {
+    l: Mat<f64>,
+    interior: usize,
+}
+
+impl Backend for Dense {
+    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+        let size = unknowns.len();
+        let upper = upper_columns(matrix, unknowns);
+        let mut l = Mat::<f64>::zeros(size, size);
+        for j in 0..size {
+            for k in upper.start[j] as usize..upper.start[j + 1] as usize {
+                l[(j, upper.rows[k] as usize)] = upper.values[k];
+            }
+        }
+        for j in 0..size {
+            for k in 0..j {
+                for i in j..size {
+                    l[(i, j)] -= l[(i, k)] * l[(j, k)];
+                }
+            }
+            if l[(j, j)].is_nan() || l[(j, j)] <= 0.0 {
+                return Err(FactorError::NotPositive { pivot: j, size });
+            }
+            let d = l[(j, j)].sqrt();
+            for i in j..size {
+                l[(i, j)] /= d;
+            }
+        }
+        Ok(Box::new(DenseFactor { l, interior: unknowns.interior }))
+    }
+}
+
+impl Factor for DenseFactor {
+    fn forward(&self, r: &mut [f64]) {
+        for j in 0..self.interior {
+            r[j] /= self.l[(j, j)];
+            for i in j + 1..r.len() {
+                r[i] -= self.l[(i, j)] * r[j];
+            }
+        }
+    }
+    fn backward(&self, x: &mut [f64]) {
+        for j in (0..self.interior).rev() {
+            let sum: f64 = (j + 1..x.len()).map(|i| self.l[(i, j)] * x[i]).sum();
+            x[j] = (x[j] - sum) / self.l[(j, j)];
+        }
+    }
+    fn condensed(&self) -> Mat<f64> {
+        let n = self.l.nrows() - self.interior;
+        let l = self.l.submatrix(self.interior, self.interior, n, n);
+        l * l.transpose()
+    }
+    fn stored(&self) -> usize {
+        self.l.nrows() * (self.l.nrows() + 1) / 2
+    }
+}

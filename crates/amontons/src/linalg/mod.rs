@@ -1,0 +1,14 @@
+//! Linear and nonsmooth algebra: sparse matrices, the factor with its condensed operator, and
+//! Newton's method on the contact boundary.
+
+mod condensed;
+mod factor;
+mod newton;
+mod ordering;
+mod sparse;
+
+pub use condensed::{Condensed, Entry};
+pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved};
+pub use factor::{Backend, Dense, Factor, FactorError, Supernodal, Unknowns, backends};
+pub use ordering::{Ordering, nested_dissection};
+pub use sparse::{BlockMatrix, Graph, dot, max_abs};

@@ -1,0 +1,507 @@
+//! Newton's method on the contact boundary.
+//!
+//! After condensation, a step is a small nonsmooth problem on Γ_C. In mechanics, with
+//! r = u_{n−1,ν} + k w_ν − g at each contact point,
+//!
+//! ```text
+//!     S w + Σ ω Nᵀ (p ν + q) = r̂,      p = p_ν(r),      q = Π_{‖·‖ ≤ s}(q + ρ w_τ),  s = p_τ(r, p, ‖w_τ‖)
+//! ```
+//!
+//! Its semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated point by point
+//! needs linear systems in w only. ρ is the diagonal of S over the weight of the point, so decisions
+//! do not depend on units. In heat, S θ + Σ ω Nᵀ k_c φ_L(θ − θ_F) = r̂ is the same without q.
+//!
+//! **Globalisation.** Full steps are tried first: they end in a few iterations unless they return to
+//! a contact pattern already left. Then steps are shortened until the residual decreases.
+
+use super::condensed::{Condensed, Entry};
+use super::sparse::max_abs;
+use crate::contact::{Bound, Contact, ContactBoundary, ContactPoint, PointOnBoundary, Status};
+use crate::tensor::{Point, dot, length};
+
+/// Residual, relative to the largest term, at which the iteration ends. Round-off of a
+/// well-conditioned condensed system is two orders below.
+const TOLERANCE: f64 = 1e-12;
+/// Iterations with full steps, and iterations altogether.
+const FULL_STEPS: usize = 30;
+const ITERATIONS: usize = 400;
+/// Stiffness of a stuck point over ρ. The error of one iteration is of the order of its inverse and
+/// vanishes with the iterations, because each starts from the multiplier of the one before.
+const STICK: f64 = (1u64 << 27) as f64;
+
+/// State of the contact points that a step starts from and ends with.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Multipliers {
+    /// q = −σ_τ at each contact point, Pa.
+    pub q: Vec<Point>,
+}
+
+/// What is known of a mechanical step on Γ_C before it is solved.
+pub struct MechanicalStep<'a> {
+    /// The laws.
+    pub contact: &'a Contact,
+    /// The contact points.
+    pub boundary: &'a ContactBoundary,
+    /// Unknown of (contact node, component), none where prescribed.
+    pub unknown: &'a [Option<u32>],
+    /// Dimension d.
+    pub dim: usize,
+    /// Time step k in s.
+    pub k: f64,
+    /// u_{n−1} at the contact nodes, node-major.
+    pub u_old: &'a [f64],
+    /// Velocities at the contact nodes, those that are prescribed filled in.
+    pub w_prescribed: &'a [f64],
+    /// g(t_n) at the contact points, m.
+    pub gap: &'a [f64],
+}
+
+/// State of one contact point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointState {
+    /// Penetration r = u_ν − g in m.
+    pub penetration: f64,
+    /// Pressure p in Pa.
+    pub pressure: f64,
+    /// Friction bound s in Pa.
+    pub bound: f64,
+    /// q = −σ_τ in Pa.
+    pub q: Point,
+    /// Slip velocity w_τ in m/s.
+    pub slip: Point,
+    /// Open, stick or slip.
+    pub status: Status,
+}
+
+/// A nonsmooth iteration that ended.
+#[derive(Clone, Debug)]
+pub struct Solved {
+    /// The contact unknowns.
+    pub x: Vec<f64>,
+    /// Newton iterations.
+    pub iterations: usize,
+}
+
+/// A nonsmooth iteration that did not end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NotConverged {
+    /// Newton iterations.
+    pub iterations: usize,
+    /// Residual relative to the largest term.
+    pub residual: f64,
+    /// Points that were open, stuck and slipping at the last iterate.
+    pub pattern: [usize; 3],
+}
+
+/// A point with the state that its law sees and its linearisation.
+struct Local {
+    state: PointState,
+    /// Slope of the pressure in w_ν: k dp/dr.
+    p_slope: f64,
+    /// Derivatives of s with respect to w_ν and ‖w_τ‖.
+    s_normal: f64,
+    s_speed: f64,
+    /// z = q + ρ w_τ and its projection onto the disc of radius s.
+    z: Point,
+    projected: Point,
+}
+
+impl MechanicalStep<'_> {
+    /// Velocity at a contact point.
+    fn velocity(&self, point: &PointOnBoundary, w: &[f64]) -> Point {
+        let mut v = [0.0; 3];
+        for &(node, value) in &point.nodes {
+            for c in 0..self.dim {
+                let i = node * self.dim + c;
+                v[c] += value * self.unknown[i].map_or(self.w_prescribed[i], |u| w[u as usize]);
+            }
+        }
+        v
+    }
+
+    fn local(&self, i: usize, w: &[f64], q: &Point, rho: f64) -> Local {
+        let point = &self.boundary.points[i];
+        let v = self.velocity(point, w);
+        let nu = &point.normal;
+        let w_nu = dot(&v, nu);
+        let slip: Point = std::array::from_fn(|c| v[c] - w_nu * nu[c]);
+        let mut u_nu = 0.0;
+        for &(node, value) in &point.nodes {
+            for c in 0..self.dim {
+                u_nu += value * self.u_old[node * self.dim + c] * nu[c];
+            }
+        }
+        let penetration = u_nu + self.k * w_nu - self.gap[i];
+        let p = self.contact.normal.pressure(&point.x, penetration, 0.0);
+        let slip_speed = length(&slip);
+        let at = ContactPoint { x: point.x, penetration, pressure: p.value, slip_speed, ..ContactPoint::default() };
+        let s = if p.value > 0.0 { self.contact.friction.bound(&at) } else { Bound::default() };
+        let z: Point = std::array::from_fn(|c| q[c] + rho * slip[c]);
+        let z_length = length(&z);
+        let stick = z_length <= s.value;
+        let projected = if stick { z } else { z.map(|c| c * (s.value / z_length)) };
+        let status = match (p.value > 0.0, stick) {
+            (false, _) => Status::Open,
+            (true, true) if s.value > 0.0 => Status::Stick,
+            _ => Status::Slip,
+        };
+        Local {
+            state: PointState { penetration, pressure: p.value, bound: s.value, q: *q, slip, status },
+            p_slope: self.k * p.slope,
+            s_normal: self.k * (s.by_penetration + s.by_pressure * p.slope),
+            s_speed: s.by_slip_speed,
+            z,
+            projected,
+        }
+    }
+
+    /// The states of the contact points, the multipliers as they are.
+    #[must_use]
+    pub fn states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        let rho = 0.0;
+        (0..self.boundary.points.len())
+            .map(|i| {
+                let mut state = self.local(i, w, &multipliers.q[i], rho).state;
+                if state.status != Status::Open {
+                    // At the bound to round-off, and moving: slip.
+                    let at_bound = length(&state.q) >= state.bound * (1.0 - 1e-9);
+                    state.status = if at_bound { Status::Slip } else { Status::Stick };
+                }
+                state
+            })
+            .collect()
+    }
+
+    /// Adds Σ ω Nᵀ (p ν + q) to a vector over the contact unknowns.
+    fn add_forces(&self, locals: &[Local], out: &mut [f64]) {
+        for (point, local) in self.boundary.points.iter().zip(locals) {
+            for &(node, value) in &point.nodes {
+                for c in 0..self.dim {
+                    if let Some(u) = self.unknown[node * self.dim + c] {
+                        out[u as usize] += point.weight * value * (local.state.pressure * point.normal[c] + local.state.q[c]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// ρ of each point: the diagonal of S over the weight of its nodes.
+    fn rho(&self, condensed: &Condensed) -> Vec<f64> {
+        let mut weight = vec![0.0; self.boundary.nodes.len()];
+        for point in &self.boundary.points {
+            for &(node, value) in &point.nodes {
+                weight[node] += point.weight * value;
+            }
+        }
+        let of_node = |node: usize| {
+            let diagonal: Vec<f64> =
+                (0..self.dim).filter_map(|c| self.unknown[node * self.dim + c]).map(|u| condensed.operator()[(u as usize, u as usize)]).collect();
+            diagonal.iter().sum::<f64>() / (diagonal.len().max(1) as f64 * weight[node])
+        };
+        self.boundary.points.iter().map(|p| p.nodes.iter().map(|&(node, value)| value * of_node(node)).sum()).collect()
+    }
+
+    /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced
+    /// right-hand side for the increment of the velocity over the guess.
+    ///
+    /// # Errors
+    /// When the iteration does not end; the multipliers are then as they were.
+    pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64], multipliers: &mut Multipliers) -> Result<Solved, NotConverged> {
+        let rho = self.rho(condensed);
+        let right = Right { r, guess };
+        let mut now = self.evaluate(condensed, &right, &rho, guess.to_vec(), multipliers.q.clone());
+        let mut seen: Vec<Vec<Entry>> = Vec::new();
+        let mut damped = false;
+        for iteration in 0..ITERATIONS {
+            if now.converged() {
+                multipliers.q = now.q;
+                return Ok(Solved { x: now.w, iterations: iteration });
+            }
+            let (entries, mut step) = self.linearise(&rho, &now);
+            damped |= iteration >= FULL_STEPS || seen.contains(&entries);
+            condensed.solve(&entries, &mut step);
+            let q_new = self.multipliers_after(&rho, &now, &step);
+            if !damped {
+                seen.push(entries);
+                let w = now.w.iter().zip(&step).map(|(w, step)| w + step).collect();
+                now = self.evaluate(condensed, &right, &rho, w, q_new);
+                continue;
+            }
+            let mut alpha = 1.0;
+            let mut best: Option<Evaluation> = None;
+            while alpha > 1e-6 {
+                let w = now.w.iter().zip(&step).map(|(w, step)| w + alpha * step).collect();
+                let q = now.q.iter().zip(&q_new).map(|(a, b)| std::array::from_fn(|c| a[c] + alpha * (b[c] - a[c]))).collect();
+                let trial = self.evaluate(condensed, &right, &rho, w, q);
+                if trial.converged() || trial.merit < now.merit * (1.0 - 1e-4 * alpha) {
+                    best = Some(trial);
+                    break;
+                }
+                alpha *= 0.5;
+            }
+            let Some(next) = best else { return Err(self.failure(iteration + 1, &now)) };
+            now = next;
+        }
+        Err(self.failure(ITERATIONS, &now))
+    }
+
+    fn failure(&self, iterations: usize, now: &Evaluation) -> NotConverged {
+        let mut pattern = [0; 3];
+        for local in &now.locals {
+            pattern[local.state.status as usize] += 1;
+        }
+        NotConverged { iterations, residual: now.residual / now.scale, pattern }
+    }
+
+    fn evaluate(&self, condensed: &Condensed, right: &Right, rho: &[f64], w: Vec<f64>, q: Vec<Point>) -> Evaluation {
+        let locals: Vec<Local> = (0..q.len()).map(|i| self.local(i, &w, &q[i], rho[i])).collect();
+        let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
+        let inner = condensed.apply(&increment);
+        let mut forces = vec![0.0; w.len()];
+        self.add_forces(&locals, &mut forces);
+        let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
+        let rest: Vec<f64> = (0..w.len()).map(|i| right.r[i] - inner[i]).collect();
+        let mut errors: Vec<f64> = (0..w.len()).map(|i| forces[i] - rest[i]).collect();
+        for (point, local) in self.boundary.points.iter().zip(&locals) {
+            errors.extend((0..3).map(|c| point.weight * (local.state.q[c] - local.projected[c])));
+        }
+        let merit = errors.iter().map(|e| e * e).sum();
+        let residual = max_abs(&errors);
+        let floor = 8.0 * f64::EPSILON * condensed.magnitude(&increment);
+        Evaluation { w, q, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
+    }
+
+    /// The entries of J and the right-hand side of the Newton step, (S + J) δw = b.
+    fn linearise(&self, rho: &[f64], now: &Evaluation) -> (Vec<Entry>, Vec<f64>) {
+        let mut entries = Vec::new();
+        let mut b = now.rest.clone();
+        for (i, point) in self.boundary.points.iter().enumerate() {
+            let (force, tangent) = now.locals[i].linear(point, rho[i], self.dim);
+            for &(na, va) in &point.nodes {
+                for c in 0..self.dim {
+                    let Some(row) = self.unknown[na * self.dim + c] else { continue };
+                    b[row as usize] -= point.weight * va * force[c];
+                    for &(nb, vb) in &point.nodes {
+                        for e in 0..self.dim {
+                            if let (Some(col), true) = (self.unknown[nb * self.dim + e], tangent[c][e] != 0.0) {
+                                entries.push((row, col, point.weight * va * vb * tangent[c][e]));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        (entries, b)
+    }
+
+    /// The multipliers of the linearised laws after the step δw.
+    fn multipliers_after(&self, rho: &[f64], now: &Evaluation, step: &[f64]) -> Vec<Point> {
+        self.boundary
+            .points
+            .iter()
+            .enumerate()
+            .map(|(i, point)| {
+                let local = &now.locals[i];
+                let (force, tangent) = local.linear(point, rho[i], self.dim);
+                let mut moved = [0.0; 3];
+                for &(node, value) in &point.nodes {
+                    for c in 0..self.dim {
+                        moved[c] += value * self.unknown[node * self.dim + c].map_or(0.0, |u| step[u as usize]);
+                    }
+                }
+                let f: Point = std::array::from_fn(|c| force[c] + dot(&tangent[c], &moved));
+                let normal = dot(&f, &point.normal);
+                std::array::from_fn(|c| f[c] - normal * point.normal[c])
+            })
+            .collect()
+    }
+}
+
+impl Local {
+    /// Force p ν + q on the foundation and its derivative in the velocity, laws linearised.
+    fn linear(&self, point: &PointOnBoundary, rho: f64, dim: usize) -> (Point, [[f64; 3]; 3]) {
+        let nu = &point.normal;
+        let state = &self.state;
+        let mut force: Point = std::array::from_fn(|c| state.pressure * nu[c]);
+        let mut tangent = [[0.0; 3]; 3];
+        for c in 0..dim {
+            for e in 0..dim {
+                tangent[c][e] = self.p_slope * nu[c] * nu[e];
+            }
+        }
+        match state.status {
+            Status::Open => {}
+            Status::Stick => {
+                let stiffness = STICK * rho;
+                for c in 0..dim {
+                    force[c] += state.q[c] + stiffness * state.slip[c];
+                    for e in 0..dim {
+                        tangent[c][e] += stiffness * (f64::from(u8::from(c == e)) - nu[c] * nu[e]);
+                    }
+                }
+            }
+            Status::Slip if state.bound > 0.0 => {
+                let z_length = length(&self.z);
+                let n: Point = self.z.map(|c| c / z_length);
+                let speed = length(&state.slip);
+                // Across n the projection turns: δq = s/‖z‖ (δq + ρ δw) is solved for δq here.
+                let turn = (state.bound * rho / (z_length - state.bound)).min(STICK * rho);
+                let along = dot(&state.q, &n);
+                for c in 0..dim {
+                    let across = state.q[c] - along * n[c];
+                    let lag = (self.projected[c] - state.q[c]) - (state.bound - along) * n[c];
+                    force[c] += state.bound * n[c] + if dim > 2 { across + lag * z_length / (z_length - state.bound) } else { 0.0 };
+                    for e in 0..dim {
+                        let in_speed = if speed > 0.0 { self.s_speed * state.slip[e] / speed } else { 0.0 };
+                        tangent[c][e] += n[c] * (self.s_normal * nu[e] + in_speed);
+                        if dim > 2 {
+                            tangent[c][e] += turn * (f64::from(u8::from(c == e)) - nu[c] * nu[e] - n[c] * n[e]);
+                        }
+                    }
+                }
+            }
+            Status::Slip => {}
+        }
+        (force, tangent)
+    }
+}
+
+/// S (w − guess) + Σ ω Nᵀ (p ν + q) = r: the increment is solved for, so that the round-off of the
+/// sweeps is relative to the change within a step and not to the velocity.
+struct Right<'a> {
+    r: &'a [f64],
+    guess: &'a [f64],
+}
+
+struct Evaluation {
+    w: Vec<f64>,
+    q: Vec<Point>,
+    locals: Vec<Local>,
+    /// r − S (w − guess).
+    rest: Vec<f64>,
+    merit: f64,
+    residual: f64,
+    scale: f64,
+    tolerance: f64,
+}
+
+impl Evaluation {
+    fn converged(&self) -> bool {
+        self.residual <= self.tolerance
+    }
+}
+
+/// What is known of a heat step on Γ_C before it is solved.
+pub struct HeatStep<'a> {
+    /// The laws.
+    pub contact: &'a Contact,
+    /// The contact points.
+    pub boundary: &'a ContactBoundary,
+    /// Unknown of each contact node, none where prescribed.
+    pub unknown: &'a [Option<u32>],
+    /// Temperatures at the contact nodes, those that are prescribed filled in, K.
+    pub theta_prescribed: &'a [f64],
+    /// θ_F(t_n) at the contact points, K.
+    pub foundation: &'a [f64],
+    /// States of the contact points at u_n.
+    pub states: &'a [PointState],
+}
+
+impl HeatStep<'_> {
+    /// Temperature of the body at a contact point.
+    fn temperature(&self, point: &PointOnBoundary, theta: &[f64]) -> f64 {
+        point.nodes.iter().map(|&(node, value)| value * self.unknown[node].map_or(self.theta_prescribed[node], |u| theta[u as usize])).sum()
+    }
+
+    /// Temperature of the body and heat flux q·ν at each contact point.
+    #[must_use]
+    pub fn fluxes(&self, theta: &[f64]) -> Vec<(f64, crate::contact::Flux)> {
+        self.boundary
+            .points
+            .iter()
+            .enumerate()
+            .map(|(i, point)| {
+                let temperature = self.temperature(point, theta);
+                let state = &self.states[i];
+                let at = ContactPoint {
+                    x: point.x,
+                    penetration: state.penetration,
+                    pressure: state.pressure,
+                    slip_speed: length(&state.slip),
+                    temperature,
+                    foundation_temperature: self.foundation[i],
+                };
+                (temperature, self.contact.heat.flux(&at))
+            })
+            .collect()
+    }
+
+    /// Solves the step: `guess` is where the iteration starts, `r` the reduced right-hand side for
+    /// the increment of the temperature over the guess.
+    ///
+    /// # Errors
+    /// When the iteration does not end.
+    pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64]) -> Result<Solved, NotConverged> {
+        let right = Right { r, guess };
+        let mut now = self.evaluate(condensed, &right, guess.to_vec());
+        for iteration in 0..ITERATIONS {
+            if now.residual <= now.tolerance {
+                return Ok(Solved { x: now.theta, iterations: iteration });
+            }
+            let mut entries = Vec::new();
+            for (point, (_, flux)) in self.boundary.points.iter().zip(&now.fluxes) {
+                for &(na, va) in &point.nodes {
+                    for &(nb, vb) in &point.nodes {
+                        if let (Some(row), Some(col), true) = (self.unknown[na], self.unknown[nb], flux.by_temperature != 0.0) {
+                            entries.push((row, col, point.weight * va * vb * flux.by_temperature));
+                        }
+                    }
+                }
+            }
+            let mut step: Vec<f64> = now.errors.iter().map(|e| -e).collect();
+            condensed.solve(&entries, &mut step);
+            let mut alpha = 1.0;
+            loop {
+                let trial = self.evaluate(condensed, &right, now.theta.iter().zip(&step).map(|(t, s)| t + alpha * s).collect());
+                if trial.residual <= trial.tolerance || trial.merit < now.merit * (1.0 - 1e-4 * alpha) {
+                    now = trial;
+                    break;
+                }
+                alpha *= 0.5;
+                if alpha < 1e-6 {
+                    return Err(NotConverged { iterations: iteration + 1, residual: now.residual / now.scale, pattern: [0; 3] });
+                }
+            }
+        }
+        Err(NotConverged { iterations: ITERATIONS, residual: now.residual / now.scale, pattern: [0; 3] })
+    }
+
+    fn evaluate(&self, condensed: &Condensed, right: &Right, theta: Vec<f64>) -> HeatEvaluation {
+        let fluxes = self.fluxes(&theta);
+        let increment: Vec<f64> = theta.iter().zip(right.guess).map(|(theta, guess)| theta - guess).collect();
+        let inner = condensed.apply(&increment);
+        let mut heat = vec![0.0; theta.len()];
+        for (point, (_, flux)) in self.boundary.points.iter().zip(&fluxes) {
+            for &(node, value) in &point.nodes {
+                if let Some(u) = self.unknown[node] {
+                    heat[u as usize] += point.weight * value * flux.value;
+                }
+            }
+        }
+        let scale = max_abs(&inner).max(max_abs(&heat)).max(max_abs(right.r));
+        let errors: Vec<f64> = (0..theta.len()).map(|i| inner[i] + heat[i] - right.r[i]).collect();
+        let floor = 8.0 * f64::EPSILON * condensed.magnitude(&increment);
+        let merit = errors.iter().map(|e| e * e).sum();
+        HeatEvaluation { residual: max_abs(&errors), errors, merit, scale, tolerance: (TOLERANCE * scale).max(floor), theta, fluxes }
+    }
+}
+
+struct HeatEvaluation {
+    theta: Vec<f64>,
+    fluxes: Vec<(f64, crate::contact::Flux)>,
+    errors: Vec<f64>,
+    merit: f64,
+    residual: f64,
+    scale: f64,
+    tolerance: f64,
+}

@@ -1,0 +1,316 @@
+//! Block-sparse matrices on the graph of the nodes.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::mesh::Mesh;
+
+/// Which nodes share a cell: compressed rows, columns ascending, the node itself included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    start: Vec<usize>,
+    columns: Vec<u32>,
+}
+
+impl Graph {
+    /// The graph of the nodes of a mesh.
+    #[must_use]
+    pub fn of_mesh(mesh: &Mesh) -> Graph {
+        let n = mesh.points.len();
+        let mut count = vec![0usize; n + 1];
+        for block in &mesh.blocks {
+            for cell in block.cells() {
+                for &a in cell {
+                    count[a as usize + 1] += cell.len();
+                }
+            }
+        }
+        for i in 0..n {
+            count[i + 1] += count[i];
+        }
+        let mut filled = count.clone();
+        let mut pairs = vec![0u32; count[n]];
+        for block in &mesh.blocks {
+            for cell in block.cells() {
+                for &a in cell {
+                    for &b in cell {
+                        pairs[filled[a as usize]] = b;
+                        filled[a as usize] += 1;
+                    }
+                }
+            }
+        }
+        let (mut start, mut columns) = (vec![0], Vec::new());
+        for i in 0..n {
+            let row = &mut pairs[count[i]..count[i + 1]];
+            row.sort_unstable();
+            for (k, &c) in row.iter().enumerate() {
+                if k == 0 || row[k - 1] != c {
+                    columns.push(c);
+                }
+            }
+            start.push(columns.len());
+        }
+        Graph { start, columns }
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Whether there are no nodes.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The nodes that share a cell with node `i`, itself included, ascending.
+    #[must_use]
+    pub fn row(&self, i: usize) -> &[u32] {
+        &self.columns[self.start[i]..self.start[i + 1]]
+    }
+
+    /// Position of the pair (i, j) among all pairs, if they share a cell.
+    fn slot(&self, i: usize, j: u32) -> Option<usize> {
+        self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
+    }
+}
+
+/// A matrix of R × C blocks, one for each pair of nodes that share a cell; the entry of components
+/// (r, c) of the nodes (i, j) stands in row `i R + r` and column `j C + c`.
+#[derive(Clone, Debug)]
+pub struct BlockMatrix {
+    graph: Arc<Graph>,
+    rows: usize,
+    cols: usize,
+    values: Vec<f64>,
+    /// Whether A x = 0 for every x that is the same at all nodes.
+    of_differences: bool,
+}
+
+/// Nodes whose rows are worked on at once: large enough to pay for a task.
+const CHUNK: usize = 2048;
+
+impl BlockMatrix {
+    /// The zero matrix of `rows` × `cols` blocks.
+    #[must_use]
+    pub fn zero(graph: &Arc<Graph>, rows: usize, cols: usize) -> BlockMatrix {
+        BlockMatrix { graph: Arc::clone(graph), rows, cols, values: vec![0.0; graph.columns.len() * rows * cols], of_differences: false }
+    }
+
+    /// States that the form depends on differences of x only (x enters by its gradient). Products are
+    /// then summed as Σ A_ij (x_j − x_i), whose round-off is that of the differences, 1/h times smaller.
+    #[must_use]
+    pub fn of_differences(mut self) -> BlockMatrix {
+        self.of_differences = true;
+        self
+    }
+
+    /// Rows and columns of a block.
+    #[must_use]
+    pub fn block_shape(&self) -> (usize, usize) {
+        (self.rows, self.cols)
+    }
+
+    /// The graph of the nodes.
+    #[must_use]
+    pub fn graph(&self) -> &Arc<Graph> {
+        &self.graph
+    }
+
+    /// Adds the matrix of a cell, row-major over (node, component), to the blocks of its nodes.
+    pub fn add(&mut self, nodes: &[u32], cell: &[f64]) {
+        let width = nodes.len() * self.cols;
+        for (a, &i) in nodes.iter().enumerate() {
+            for (b, &j) in nodes.iter().enumerate() {
+                let Some(slot) = self.graph.slot(i as usize, j) else { continue };
+                let block = &mut self.values[slot * self.rows * self.cols..][..self.rows * self.cols];
+                for r in 0..self.rows {
+                    for c in 0..self.cols {
+                        block[r * self.cols + c] += cell[(a * self.rows + r) * width + b * self.cols + c];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Adds `factor` times a matrix on the same graph: of the same block shape, or of 1 × 1 blocks,
+    /// which then act on each component.
+    pub fn add_scaled(&mut self, factor: f64, other: &BlockMatrix) {
+        if factor == 0.0 {
+            return;
+        }
+        self.of_differences &= other.of_differences;
+        let size = self.rows * self.cols;
+        if other.rows * other.cols == size {
+            for (a, b) in self.values.iter_mut().zip(&other.values) {
+                *a += factor * b;
+            }
+        } else {
+            for (block, b) in self.values.chunks_exact_mut(size).zip(&other.values) {
+                for r in 0..self.rows {
+                    block[r * self.cols + r] += factor * b;
+                }
+            }
+        }
+    }
+
+    /// Entry of components (r, c) of the nodes (i, j); zero where they share no cell.
+    #[must_use]
+    pub fn get(&self, i: usize, r: usize, j: usize, c: usize) -> f64 {
+        self.graph.slot(i, j as u32).map_or(0.0, |slot| self.values[(slot * self.rows + r) * self.cols + c])
+    }
+
+    /// The blocks of the row of node `i`: neighbour and row-major block.
+    pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> {
+        let size = self.rows * self.cols;
+        let from = self.graph.start[i] * size;
+        self.graph.row(i).iter().enumerate().map(move |(k, &j)| (j as usize, &self.values[from + k * size..][..size]))
+    }
+
+    /// y ← A x. Every row is summed in the order of its columns, whatever the number of threads.
+    ///
+    /// A matrix of 1 × 1 blocks acts on each of the `components` that `x` has a node.
+    #[must_use]
+    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
+        let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
+        let mut y = vec![0.0; self.graph.len() * self.rows * components];
+        let width = self.rows * components;
+        y.par_chunks_mut(CHUNK * width).enumerate().for_each(|(chunk, y)| {
+            let first = chunk * CHUNK;
+            match (self.rows, self.cols, components) {
+                (1, 1, 1) => self.rows_of::<1, 1>(first, x, y),
+                (1, 1, 2) => self.diagonal_rows_of::<2>(first, x, y),
+                (1, 1, 3) => self.diagonal_rows_of::<3>(first, x, y),
+                (2, 2, _) => self.rows_of::<2, 2>(first, x, y),
+                (2, 1, _) => self.rows_of::<2, 1>(first, x, y),
+                (1, 2, _) => self.rows_of::<1, 2>(first, x, y),
+                (3, 3, _) => self.rows_of::<3, 3>(first, x, y),
+                (3, 1, _) => self.rows_of::<3, 1>(first, x, y),
+                (1, 3, _) => self.rows_of::<1, 3>(first, x, y),
+                _ => unreachable!("blocks have as many rows and columns as there are components"),
+            }
+        });
+        y
+    }
+
+    fn rows_of<const R: usize, const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
+        let (x, _) = x.as_chunks::<C>();
+        let (y, _) = y.as_chunks_mut::<R>();
+        for (k, y) in y.iter_mut().enumerate() {
+            let range = self.graph.start[first + k]..self.graph.start[first + k + 1];
+            let blocks = self.values[range.start * R * C..range.end * R * C].chunks_exact(R * C);
+            let origin = if self.of_differences { x[first + k] } else { [0.0; C] };
+            let mut sum = [0.0; R];
+            for (&j, block) in self.graph.columns[range].iter().zip(blocks) {
+                let x = &x[j as usize];
+                for r in 0..R {
+                    for c in 0..C {
+                        sum[r] += block[r * C + c] * (x[c] - origin[c]);
+                    }
+                }
+            }
+            *y = sum;
+        }
+    }
+
+    fn diagonal_rows_of<const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
+        let (x, _) = x.as_chunks::<C>();
+        let (y, _) = y.as_chunks_mut::<C>();
+        for (k, y) in y.iter_mut().enumerate() {
+            let range = self.graph.start[first + k]..self.graph.start[first + k + 1];
+            let mut sum = [0.0; C];
+            for (&j, value) in self.graph.columns[range.clone()].iter().zip(&self.values[range]) {
+                for c in 0..C {
+                    sum[c] += value * x[j as usize][c];
+                }
+            }
+            *y = sum;
+        }
+    }
+
+    /// Largest absolute difference to the transpose of `other` over the largest entry.
+    #[must_use]
+    pub fn asymmetry(&self, other: &BlockMatrix) -> f64 {
+        let largest = self.values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let mut difference: f64 = 0.0;
+        for i in 0..self.graph.len() {
+            for (j, block) in self.row(i) {
+                for r in 0..self.rows {
+                    for c in 0..self.cols {
+                        difference = difference.max((block[r * self.cols + c] - other.get(j, c, i, r)).abs());
+                    }
+                }
+            }
+        }
+        if largest > 0.0 { difference / largest } else { 0.0 }
+    }
+}
+
+/// Sum of the products, in blocks of fixed size, so that it does not depend on the number of threads.
+#[must_use]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let partial: Vec<f64> = a
+        .par_chunks(1 << 14)
+        .zip(b.par_chunks(1 << 14))
+        .map(|(a, b)| {
+            let mut lanes = [0.0; 8];
+            let (a8, a_rest) = a.as_chunks::<8>();
+            let (b8, b_rest) = b.as_chunks::<8>();
+            for (x, y) in a8.iter().zip(b8) {
+                for l in 0..8 {
+                    lanes[l] += x[l] * y[l];
+                }
+            }
+            lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum::<f64>()
+        })
+        .collect();
+    partial.iter().sum()
+}
+
+/// Largest absolute value; NaN if there is one.
+#[must_use]
+pub fn max_abs(v: &[f64]) -> f64 {
+    v.iter().fold(0.0, |m: f64, x| if x.is_nan() || m.is_nan() { f64::NAN } else { m.max(x.abs()) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonal, MeshError};
+
+    #[test]
+    fn products_agree_with_entries() -> Result<(), MeshError> {
+        let mesh = Mesh::rectangle([1.0, 1.0], [3, 2], Diagonal::Left)?;
+        let graph = Arc::new(Graph::of_mesh(&mesh));
+        for (rows, cols) in [(1, 1), (2, 2), (2, 1), (1, 2), (3, 3)] {
+            let mut a = BlockMatrix::zero(&graph, rows, cols);
+            for (s, block) in mesh.blocks.iter().enumerate() {
+                for (k, cell) in block.cells().enumerate() {
+                    let values: Vec<f64> = (0..9 * rows * cols).map(|v| ((v * 7 + k * 3 + s) % 11) as f64 - 4.0).collect();
+                    a.add(cell, &values);
+                }
+            }
+            let x: Vec<f64> = (0..graph.len() * cols).map(|i| (i as f64).sin()).collect();
+            let y = a.apply(&x);
+            for i in 0..graph.len() {
+                for r in 0..rows {
+                    let sum: f64 = (0..graph.len()).flat_map(|j| (0..cols).map(move |c| (j, c))).map(|(j, c)| a.get(i, r, j, c) * x[j * cols + c]).sum();
+                    assert!((sum - y[i * rows + r]).abs() < 1e-12);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn dot_is_the_sum_of_products() {
+        let a: Vec<f64> = (0..40_001).map(|i| f64::from(i % 7)).collect();
+        let plain: f64 = a.iter().map(|x| x * x).sum();
+        assert!((dot(&a, &a) - plain).abs() < 1e-9);
+        assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
+    }
+}

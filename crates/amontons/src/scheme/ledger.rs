@@ -1,0 +1,69 @@
+//! The energy and heat audit: what flowed where since the start, and how far the sums are from closing.
+
+use serde::{Deserialize, Serialize};
+
+/// Energies at a time and flows accumulated since the start, J per unit of thickness in two dimensions.
+///
+/// Tested with k w_n, (4.1) becomes an identity in which every term is one of these:
+///
+/// ```text
+/// [½ρ‖w‖²] + ½ρ‖wₙ − wₙ₋₁‖² + [½a(u,u)] + ½a(uₙ − uₙ₋₁, uₙ − uₙ₋₁) + k b(wₙ, wₙ)
+///     + k Σ ω p w_ν + k Σ ω q·w_τ = k (fₙ, wₙ) + k m(θₙ₋₁, wₙ)
+/// ```
+///
+/// where k Σ ω p w_ν is the change of the compliance energy Ψ plus a part ψ ≥ 0 that the scheme dissipates.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// ½ρ‖w‖² at t.
+    pub kinetic: f64,
+    /// ½a(u, u) at t.
+    pub elastic: f64,
+    /// Σ k b(w, w).
+    pub viscous_dissipation: f64,
+    /// Σ k Σ ω q·w_τ.
+    pub friction_dissipation: f64,
+    /// Ψ at t, the energy stored in the compliant layer.
+    pub contact_energy: f64,
+    /// Σ k (f, w), with the work of the supports that move and of a foundation that moves.
+    pub load_work: f64,
+    /// Σ k m(θ, w).
+    pub thermal_work: f64,
+    /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ.
+    pub scheme_dissipation: f64,
+    /// Left minus right side of the identity, accumulated.
+    pub closing_error: f64,
+    /// Energy at the start plus the absolute work done since: what closing errors are compared with.
+    pub turned_over: f64,
+    /// ∫ c θ at t.
+    pub heat_content: f64,
+    /// Heat that left through Γ_C.
+    pub heat_contact: f64,
+    /// Heat that left through the boundary with prescribed temperature.
+    pub heat_prescribed: f64,
+    /// Heat of the source and the inflow.
+    pub heat_supplied: f64,
+    /// Σ k ∫ 𝓡:ε(u), heat of the deformation.
+    pub heat_coupling: f64,
+    /// Change of content minus what came in plus what went out, accumulated.
+    pub heat_closing_error: f64,
+    /// Heat at the start plus the absolute amounts moved since.
+    pub heat_turned_over: f64,
+}
+
+impl Ledger {
+    /// Closing error of the mechanical identity relative to the energy turned over.
+    #[must_use]
+    pub fn relative_closing_error(&self) -> f64 {
+        relative(self.closing_error, self.turned_over)
+    }
+
+    /// Closing error of the heat balance relative to the heat turned over.
+    #[must_use]
+    pub fn relative_heat_closing_error(&self) -> f64 {
+        relative(self.heat_closing_error, self.heat_turned_over)
+    }
+}
+
+fn relative(error: f64, scale: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / scale }
+}

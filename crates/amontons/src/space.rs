@@ -1,0 +1,90 @@
+//! Degrees of freedom: node-major components, some of them prescribed.
+
+use crate::field::Field;
+use crate::mesh::Mesh;
+use crate::tensor::Point;
+
+/// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
+#[derive(Clone, Debug)]
+pub struct Space {
+    /// Components a node.
+    pub components: usize,
+    /// Which degrees of freedom are unknown.
+    pub free: Vec<bool>,
+    prescribed: Vec<Prescribed>,
+}
+
+#[derive(Clone, Debug)]
+struct Prescribed {
+    field: Field,
+    points: Vec<Point>,
+    dofs: Vec<u32>,
+}
+
+impl Space {
+    /// The space in which `conditions`, pairs of a facet set and a field a component, are prescribed.
+    /// At a node of two facet sets the condition that comes first holds.
+    pub fn new<'a>(mesh: &Mesh, components: usize, conditions: impl Iterator<Item = (&'a str, &'a [Field])>) -> Space {
+        let mut free = vec![true; mesh.points.len() * components];
+        let mut prescribed = Vec::new();
+        for (on, fields) in conditions {
+            let Some(set) = mesh.facets.get(on) else { continue };
+            let nodes = set.node_list();
+            for (c, field) in fields.iter().enumerate().take(components) {
+                let mut part = Prescribed { field: field.clone(), points: Vec::new(), dofs: Vec::new() };
+                for &node in &nodes {
+                    let dof = node as usize * components + c;
+                    if free[dof] {
+                        free[dof] = false;
+                        part.dofs.push(dof as u32);
+                        part.points.push(mesh.points[node as usize]);
+                    }
+                }
+                prescribed.push(part);
+            }
+        }
+        Space { components, free, prescribed }
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn unknowns(&self) -> usize {
+        self.free.iter().filter(|&&f| f).count()
+    }
+
+    /// Whether every prescribed value is the number zero.
+    #[must_use]
+    pub fn is_homogeneous(&self) -> bool {
+        self.prescribed.iter().all(|p| p.field.is_zero())
+    }
+
+    /// Writes the prescribed values at time t into a vector over all degrees of freedom.
+    pub fn prescribe(&self, t: f64, values: &mut [f64]) {
+        for part in &self.prescribed {
+            for (&dof, value) in part.dofs.iter().zip(part.field.values(&part.points, t)) {
+                values[dof as usize] = value;
+            }
+        }
+    }
+
+    /// Sets the entries of prescribed degrees of freedom to zero.
+    pub fn mask(&self, values: &mut [f64]) {
+        for (value, &free) in values.iter_mut().zip(&self.free) {
+            if !free {
+                *value = 0.0;
+            }
+        }
+    }
+
+    /// The interpolant of fields, one a component (zero where there are none).
+    #[must_use]
+    pub fn interpolate(&self, mesh: &Mesh, fields: &[Field], t: f64) -> Vec<f64> {
+        let mut values = vec![0.0; mesh.points.len() * self.components];
+        for (c, field) in fields.iter().enumerate().take(self.components) {
+            for (node, value) in field.values(&mesh.points, t).into_iter().enumerate() {
+                values[node * self.components + c] = value;
+            }
+        }
+        values
+    }
+}
