@@ -11,8 +11,9 @@
 //! needs linear systems in w only. ρ is the diagonal of S over the weight of the point, so decisions
 //! do not depend on units. In heat, S θ + Σ ω Nᵀ k_c φ_L(θ − θ_F) = r̂ is the same without q.
 //!
-//! **Globalisation.** Full steps are tried first: they end in a few iterations unless they return to
-//! a contact pattern already left. Then steps are shortened until the residual decreases.
+//! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved
+//! until the residual decreases. Where that ends at a kink, the solution is followed from the step
+//! without friction, a convex problem, to the one with all of it.
 
 use super::condensed::{Condensed, Entry};
 use super::sparse::max_abs;
@@ -22,9 +23,11 @@ use crate::tensor::{Point, dot, length};
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.
 const TOLERANCE: f64 = 1e-12;
-/// Iterations with full steps, and iterations altogether.
-const FULL_STEPS: usize = 30;
-const ITERATIONS: usize = 400;
+/// Iterations after which, and step length below which, an iteration has failed.
+const ITERATIONS: usize = 200;
+const SHORTEST_STEP: f64 = 1e-6;
+/// Increment of the friction below which the path to a solution is lost.
+const SMALLEST_ADVANCE: f64 = 1e-4;
 /// Stiffness of a stuck point over ρ. The error of one iteration is of the order of its inverse and
 /// vanishes with the iterations, because each starts from the multiplier of the one before.
 const STICK: f64 = (1u64 << 27) as f64;
@@ -119,7 +122,7 @@ impl MechanicalStep<'_> {
         v
     }
 
-    fn local(&self, i: usize, w: &[f64], q: &Point, rho: f64) -> Local {
+    fn local(&self, i: usize, w: &[f64], q: &Point, rho: f64, friction: f64) -> Local {
         let point = &self.boundary.points[i];
         let v = self.velocity(point, w);
         let nu = &point.normal;
@@ -135,7 +138,7 @@ impl MechanicalStep<'_> {
         let p = self.contact.normal.pressure(&point.x, penetration, 0.0);
         let slip_speed = length(&slip);
         let at = ContactPoint { x: point.x, penetration, pressure: p.value, slip_speed, ..ContactPoint::default() };
-        let s = if p.value > 0.0 { self.contact.friction.bound(&at) } else { Bound::default() };
+        let s = if p.value > 0.0 { self.contact.friction.bound(&at).scaled(friction) } else { Bound::default() };
         let z: Point = std::array::from_fn(|c| q[c] + rho * slip[c]);
         let z_length = length(&z);
         let stick = z_length <= s.value;
@@ -158,10 +161,9 @@ impl MechanicalStep<'_> {
     /// The states of the contact points, the multipliers as they are.
     #[must_use]
     pub fn states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        let rho = 0.0;
         (0..self.boundary.points.len())
             .map(|i| {
-                let mut state = self.local(i, w, &multipliers.q[i], rho).state;
+                let mut state = self.local(i, w, &multipliers.q[i], 0.0, 1.0).state;
                 if state.status != Status::Open {
                     // At the bound to round-off, and moving: slip.
                     let at_bound = length(&state.q) >= state.bound * (1.0 - 1e-9);
@@ -207,40 +209,68 @@ impl MechanicalStep<'_> {
     /// # Errors
     /// When the iteration does not end; the multipliers are then as they were.
     pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64], multipliers: &mut Multipliers) -> Result<Solved, NotConverged> {
-        let rho = self.rho(condensed);
-        let right = Right { r, guess };
-        let mut now = self.evaluate(condensed, &right, &rho, guess.to_vec(), multipliers.q.clone());
-        let mut seen: Vec<Vec<Entry>> = Vec::new();
-        let mut damped = false;
+        let right = Right { r, guess, rho: self.rho(condensed), friction: 1.0 };
+        let start = Iterate { w: guess.to_vec(), q: multipliers.q.clone() };
+        let (end, iterations) = match self.iterate(condensed, &right, start) {
+            Ok(done) => done,
+            Err(failed) => self.follow(condensed, right, &failed)?,
+        };
+        multipliers.q = end.q;
+        Ok(Solved { x: end.w, iterations })
+    }
+
+    /// Follows the solution from no friction, where the step is a convex problem, to all of it.
+    fn follow(&self, condensed: &mut Condensed, mut right: Right, failed: &NotConverged) -> Result<(Iterate, usize), NotConverged> {
+        let with = |iterations: usize| move |why: NotConverged| NotConverged { iterations: iterations + why.iterations, ..why };
+        right.friction = 0.0;
+        let start = Iterate { w: right.guess.to_vec(), q: vec![[0.0; 3]; self.boundary.points.len()] };
+        let (mut reached, done) = self.iterate(condensed, &right, start).map_err(with(failed.iterations))?;
+        let mut iterations = failed.iterations + done;
+        let (mut friction, mut advance) = (0.0, 0.5);
+        while friction < 1.0 {
+            right.friction = f64::min(friction + advance, 1.0);
+            match self.iterate(condensed, &right, reached.clone()) {
+                Ok((next, done)) => {
+                    (reached, friction, advance) = (next, right.friction, 2.0 * advance);
+                    iterations += done;
+                }
+                Err(why) => {
+                    iterations += why.iterations;
+                    advance *= 0.25;
+                    if advance < SMALLEST_ADVANCE || iterations > 10 * ITERATIONS {
+                        return Err(NotConverged { iterations, ..why });
+                    }
+                }
+            }
+        }
+        Ok((reached, iterations))
+    }
+
+    /// Newton's method from an iterate: after a first full step, each is shortened until the
+    /// residual decreases.
+    fn iterate(&self, condensed: &mut Condensed, right: &Right, start: Iterate) -> Result<(Iterate, usize), NotConverged> {
+        let mut now = self.evaluate(condensed, right, start);
         for iteration in 0..ITERATIONS {
             if now.converged() {
-                multipliers.q = now.q;
-                return Ok(Solved { x: now.w, iterations: iteration });
+                return Ok((now.at, iteration));
             }
-            let (entries, mut step) = self.linearise(&rho, &now);
-            damped |= iteration >= FULL_STEPS || seen.contains(&entries);
+            let (entries, mut step) = self.linearise(right, &now);
             condensed.solve(&entries, &mut step);
-            let q_new = self.multipliers_after(&rho, &now, &step);
-            if !damped {
-                seen.push(entries);
-                let w = now.w.iter().zip(&step).map(|(w, step)| w + step).collect();
-                now = self.evaluate(condensed, &right, &rho, w, q_new);
-                continue;
-            }
+            let q_new = self.multipliers_after(right, &now, &step);
             let mut alpha = 1.0;
-            let mut best: Option<Evaluation> = None;
-            while alpha > 1e-6 {
-                let w = now.w.iter().zip(&step).map(|(w, step)| w + alpha * step).collect();
-                let q = now.q.iter().zip(&q_new).map(|(a, b)| std::array::from_fn(|c| a[c] + alpha * (b[c] - a[c]))).collect();
-                let trial = self.evaluate(condensed, &right, &rho, w, q);
-                if trial.converged() || trial.merit < now.merit * (1.0 - 1e-4 * alpha) {
-                    best = Some(trial);
+            loop {
+                let w = now.at.w.iter().zip(&step).map(|(w, step)| w + alpha * step).collect();
+                let q = now.at.q.iter().zip(&q_new).map(|(a, b)| std::array::from_fn(|c| a[c] + alpha * (b[c] - a[c]))).collect();
+                let trial = self.evaluate(condensed, right, Iterate { w, q });
+                if trial.converged() || trial.merit < now.merit * (1.0 - 1e-4 * alpha) || (iteration == 0 && trial.merit.is_finite()) {
+                    now = trial;
                     break;
                 }
                 alpha *= 0.5;
+                if alpha < SHORTEST_STEP {
+                    return Err(self.failure(iteration + 1, &now));
+                }
             }
-            let Some(next) = best else { return Err(self.failure(iteration + 1, &now)) };
-            now = next;
         }
         Err(self.failure(ITERATIONS, &now))
     }
@@ -253,8 +283,9 @@ impl MechanicalStep<'_> {
         NotConverged { iterations, residual: now.residual / now.scale, pattern }
     }
 
-    fn evaluate(&self, condensed: &Condensed, right: &Right, rho: &[f64], w: Vec<f64>, q: Vec<Point>) -> Evaluation {
-        let locals: Vec<Local> = (0..q.len()).map(|i| self.local(i, &w, &q[i], rho[i])).collect();
+    fn evaluate(&self, condensed: &Condensed, right: &Right, at: Iterate) -> Evaluation {
+        let Iterate { w, q } = &at;
+        let locals: Vec<Local> = (0..q.len()).map(|i| self.local(i, w, &q[i], right.rho[i], right.friction)).collect();
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let inner = condensed.apply(&increment);
         let mut forces = vec![0.0; w.len()];
@@ -267,16 +298,16 @@ impl MechanicalStep<'_> {
         }
         let merit = errors.iter().map(|e| e * e).sum();
         let residual = max_abs(&errors);
-        let floor = 8.0 * f64::EPSILON * condensed.magnitude(&increment);
-        Evaluation { w, q, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
+        let floor = f64::EPSILON * condensed.magnitude(&increment);
+        Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
     }
 
     /// The entries of J and the right-hand side of the Newton step, (S + J) δw = b.
-    fn linearise(&self, rho: &[f64], now: &Evaluation) -> (Vec<Entry>, Vec<f64>) {
+    fn linearise(&self, right: &Right, now: &Evaluation) -> (Vec<Entry>, Vec<f64>) {
         let mut entries = Vec::new();
         let mut b = now.rest.clone();
         for (i, point) in self.boundary.points.iter().enumerate() {
-            let (force, tangent) = now.locals[i].linear(point, rho[i], self.dim);
+            let (force, tangent) = now.locals[i].linear(point, right.rho[i], self.dim);
             for &(na, va) in &point.nodes {
                 for c in 0..self.dim {
                     let Some(row) = self.unknown[na * self.dim + c] else { continue };
@@ -295,14 +326,14 @@ impl MechanicalStep<'_> {
     }
 
     /// The multipliers of the linearised laws after the step δw.
-    fn multipliers_after(&self, rho: &[f64], now: &Evaluation, step: &[f64]) -> Vec<Point> {
+    fn multipliers_after(&self, right: &Right, now: &Evaluation, step: &[f64]) -> Vec<Point> {
         self.boundary
             .points
             .iter()
             .enumerate()
             .map(|(i, point)| {
                 let local = &now.locals[i];
-                let (force, tangent) = local.linear(point, rho[i], self.dim);
+                let (force, tangent) = local.linear(point, right.rho[i], self.dim);
                 let mut moved = [0.0; 3];
                 for &(node, value) in &point.nodes {
                     for c in 0..self.dim {
@@ -371,11 +402,21 @@ impl Local {
 struct Right<'a> {
     r: &'a [f64],
     guess: &'a [f64],
+    /// ρ of each contact point.
+    rho: Vec<f64>,
+    /// Share of the friction bound, 1 but on the path of [`MechanicalStep::follow`].
+    friction: f64,
+}
+
+/// Contact velocities and multipliers.
+#[derive(Clone)]
+struct Iterate {
+    w: Vec<f64>,
+    q: Vec<Point>,
 }
 
 struct Evaluation {
-    w: Vec<f64>,
-    q: Vec<Point>,
+    at: Iterate,
     locals: Vec<Local>,
     /// r − S (w − guess).
     rest: Vec<f64>,
@@ -442,7 +483,7 @@ impl HeatStep<'_> {
     /// # Errors
     /// When the iteration does not end.
     pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64]) -> Result<Solved, NotConverged> {
-        let right = Right { r, guess };
+        let right = Right { r, guess, rho: Vec::new(), friction: 1.0 };
         let mut now = self.evaluate(condensed, &right, guess.to_vec());
         for iteration in 0..ITERATIONS {
             if now.residual <= now.tolerance {
@@ -490,7 +531,7 @@ impl HeatStep<'_> {
         }
         let scale = max_abs(&inner).max(max_abs(&heat)).max(max_abs(right.r));
         let errors: Vec<f64> = (0..theta.len()).map(|i| inner[i] + heat[i] - right.r[i]).collect();
-        let floor = 8.0 * f64::EPSILON * condensed.magnitude(&increment);
+        let floor = f64::EPSILON * condensed.magnitude(&increment);
         let merit = errors.iter().map(|e| e * e).sum();
         HeatEvaluation { residual: max_abs(&errors), errors, merit, scale, tolerance: (TOLERANCE * scale).max(floor), theta, fluxes }
     }

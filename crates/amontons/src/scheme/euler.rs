@@ -8,6 +8,8 @@ use crate::tensor::Point;
 
 /// Largest relative residual of a step that is accepted.
 const ACCEPTED: f64 = 1e-10;
+/// Relative residual above which another pass of sweeps is made.
+const REFINE: f64 = 1e-11;
 
 /// Backward Euler for (4.1) and (4.2): mechanics with θ_{n−1}, then heat with u_{n−1} in e and u_n in χ.
 #[derive(Debug)]
@@ -64,12 +66,16 @@ impl System {
 
     /// One pair of sweeps around the problem on Γ_C: adds the increment that `right` causes to the
     /// values; `solve` finds the contact unknowns from the reduced right-hand side.
-    fn solve<T>(&mut self, right: &[f64], values: &mut [f64], solve: impl FnOnce(&mut Condensed, &[f64]) -> Result<(Vec<f64>, T), NotConverged>) -> Result<T, NotConverged> {
+    fn solve<T>(
+        &mut self,
+        right: &[f64],
+        values: &mut [f64],
+        solve: impl FnOnce(&mut Condensed, &[Option<u32>], &[f64]) -> Result<(Vec<f64>, T), NotConverged>,
+    ) -> Result<T, NotConverged> {
         let mut x = self.unknowns.gather(right);
         self.factor.forward(&mut x);
-        let (interior, contact) = x.split_at_mut(self.unknowns.interior);
-        debug_assert_eq!(interior.len(), self.unknowns.interior);
-        let (solved, result) = solve(&mut self.condensed, contact)?;
+        let (_, contact) = x.split_at_mut(self.unknowns.interior);
+        let (solved, result) = solve(&mut self.condensed, &self.on_contact, contact)?;
         for (x, (solved, &dof)) in contact.iter_mut().zip(solved.iter().zip(self.unknowns.contact())) {
             *x = solved - values[dof as usize];
         }
@@ -137,12 +143,10 @@ impl BackwardEuler {
     /// The mechanical half-step (4.1).
     fn mechanics(&mut self, old: &State, products: &Products, t: f64) -> Result<Mechanics, StepError> {
         let (k, rho) = (self.problem.k(), self.problem.material.density);
-        let discrete = &self.discrete;
+        let Self { problem, discrete, mechanics: system, .. } = self;
         let step = old.step + 1;
         let load = discrete.f.at(t);
         let thermal = discrete.m.apply(&old.theta);
-        // The step is solved for the increment over w_{n−1}, whose inertia vanishes.
-        let mut right: Vec<f64> = (0..load.len()).map(|i| load[i] + thermal[i] - products.b_w[i] - products.a_u[i] - k * products.a_w[i]).collect();
 
         // Prescribed displacements are met by the velocity: w = (u_D(t_n) − u_{n−1})/k.
         let mut w = vec![0.0; load.len()];
@@ -150,126 +154,123 @@ impl BackwardEuler {
         for (i, w) in w.iter_mut().enumerate() {
             *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / k };
         }
-        let increment = difference(&w, &old.w);
-        if increment.iter().any(|&w| w != 0.0) {
-            let (m, a, b) = (discrete.mass.apply(&increment), discrete.a.apply(&increment), discrete.b.apply(&increment));
-            for i in 0..right.len() {
-                right[i] -= rho / k * m[i] + b[i] + k * a[i];
-            }
-        }
-        finite(&right, step, t, "the data")?;
+        let [mut mass_w, mut a_w, mut b_w] = if w == old.w {
+            [products.mass_w.clone(), products.a_w.clone(), products.b_w.clone()]
+        } else {
+            [&discrete.mass, &discrete.a, &discrete.b].map(|form| form.apply(&w))
+        };
+        let mut a_u: Vec<f64> = products.a_u.iter().zip(&a_w).map(|(a_u, a_w)| a_u + k * a_w).collect();
 
-        let gap = self.problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));
+        let gap = problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));
         let (u_old, w_prescribed) = (at_nodes(discrete, discrete.mesh.dim, &old.u), at_nodes(discrete, discrete.mesh.dim, &w));
-        let guess = self.mechanics.contact_of(&old.w);
         let mut multipliers = old.multipliers.clone();
-        let on_contact = std::mem::take(&mut self.mechanics.on_contact);
-        let result = self.mechanics.solve(&right, &mut w, |condensed, r| match &self.problem.contact {
-            None => Ok((Vec::new(), (Vec::new(), 0))),
-            Some(contact) => {
-                let on_boundary = MechanicalStep {
-                    contact,
-                    boundary: &discrete.boundary,
-                    unknown: &on_contact,
-                    dim: discrete.mesh.dim,
-                    k,
-                    u_old: &u_old,
-                    w_prescribed: &w_prescribed,
-                    gap: &gap,
-                };
-                let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
-                let states = on_boundary.states(&solved.x, &multipliers);
-                Ok((solved.x, (states, solved.iterations)))
+        let (mut iterations, mut sweeps) = (0, 0);
+        let mut previous = f64::INFINITY;
+        loop {
+            // The step is solved for the increment over the velocity at hand, at first w_{n−1}; what the
+            // round-off of the sweeps leaves is met by another pass.
+            let right: Vec<f64> =
+                (0..load.len()).map(|i| load[i] + thermal[i] - rho / k * (mass_w[i] - products.mass_w[i]) - b_w[i] - a_u[i]).collect();
+            finite(&right, step, t, "the data")?;
+            let guess = system.contact_of(&w);
+            let (states, newton) = system
+                .solve(&right, &mut w, |condensed, unknown, r| {
+                    let Some(contact) = &problem.contact else { return Ok((Vec::new(), (Vec::new(), 0))) };
+                    let dim = discrete.mesh.dim;
+                    let on_boundary =
+                        MechanicalStep { contact, boundary: &discrete.boundary, unknown, dim, k, u_old: &u_old, w_prescribed: &w_prescribed, gap: &gap };
+                    let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
+                    let states = on_boundary.states(&solved.x, &multipliers);
+                    Ok((solved.x, (states, solved.iterations)))
+                })
+                .map_err(|why| StepError::NotConverged { step, t, part: "mechanics", why })?;
+            iterations += newton;
+            sweeps += 2;
+            finite(&w, step, t, "mechanics")?;
+            let u: Vec<f64> = (0..w.len()).map(|i| old.u[i] + k * w[i]).collect();
+            [mass_w, a_w, b_w] = [&discrete.mass, &discrete.a, &discrete.b].map(|form| form.apply(&w));
+            a_u = discrete.a.apply(&u);
+            let (force, contact_force) = contact_forces(discrete, &states);
+            // What is left of (4.1) tested with every basis function; at prescribed nodes the reaction.
+            let mut rest: Vec<f64> = (0..w.len())
+                .map(|i| rho / k * (mass_w[i] - products.mass_w[i]) + b_w[i] + a_u[i] - thermal[i] - load[i] + contact_force[i])
+                .collect();
+            let support_work = (0..w.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * w[i]).sum();
+            discrete.v.mask(&mut rest);
+            let inertia = rho / k * max_abs(&mass_w).max(max_abs(&products.mass_w));
+            let terms = [&b_w, &a_u, &thermal, &load, &contact_force].map(|term| max_abs(term));
+            let residual = relative(max_abs(&rest), terms.into_iter().fold(inertia, f64::max), step, t, "mechanics")?;
+            if residual > REFINE && residual < 0.5 * previous {
+                previous = residual;
+                continue;
             }
-        });
-        self.mechanics.on_contact = on_contact;
-        let (states, iterations) = result.map_err(|why| StepError::NotConverged { step, t, part: "mechanics", why })?;
-        finite(&w, step, t, "mechanics")?;
-        let u: Vec<f64> = (0..w.len()).map(|i| old.u[i] + k * w[i]).collect();
-
-        let discrete = &self.discrete;
-        let (mass_w, a_u, a_w, b_w) = (discrete.mass.apply(&w), discrete.a.apply(&u), discrete.a.apply(&w), discrete.b.apply(&w));
-        let mut contact_force = vec![0.0; w.len()];
-        let mut force = [0.0; 3];
-        for (point, state) in discrete.boundary.points.iter().zip(&states) {
-            for c in 0..discrete.mesh.dim {
-                let traction = state.pressure * point.normal[c] + state.q[c];
-                force[c] -= point.weight * traction;
-                for &(node, value) in &point.nodes {
-                    contact_force[discrete.boundary.nodes[node] as usize * discrete.mesh.dim + c] += point.weight * value * traction;
-                }
-            }
+            let residual = accept(residual, step, t, "mechanics")?;
+            return Ok(Mechanics { u, w, multipliers, states, iterations, sweeps, residual, load, thermal, mass_w, a_u, a_w, b_w, gap, force, support_work });
         }
-        // What is left of (4.1) tested with every basis function; at prescribed nodes the reaction.
-        let mut rest: Vec<f64> = (0..w.len())
-            .map(|i| rho / k * (mass_w[i] - products.mass_w[i]) + b_w[i] + a_u[i] - thermal[i] - load[i] + contact_force[i])
-            .collect();
-        let support_work = (0..w.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * w[i]).sum();
-        discrete.v.mask(&mut rest);
-        let inertia = rho / k * max_abs(&mass_w).max(max_abs(&products.mass_w));
-        let scale = [inertia, max_abs(&b_w), max_abs(&a_u), max_abs(&thermal), max_abs(&load), max_abs(&contact_force)].into_iter().fold(0.0, f64::max);
-        let residual = accept(max_abs(&rest), scale, step, t, "mechanics")?;
-        Ok(Mechanics { u, w, multipliers, states, iterations, residual, load, thermal, mass_w, a_u, a_w, b_w, gap, force, support_work })
     }
 
     /// The heat half-step (4.2).
     fn heat(&mut self, old: &State, products: &Products, t: f64, states: &[PointState]) -> Result<Heat, StepError> {
         let (k, c) = (self.problem.k(), self.problem.material.heat_capacity);
-        let discrete = &self.discrete;
+        let Self { problem, discrete, heat: system, .. } = self;
         let step = old.step + 1;
         let supply = discrete.q_h.at(t);
         let coupling = discrete.e.apply(&old.u);
-        let mut right: Vec<f64> = (0..supply.len()).map(|i| supply[i] + coupling[i] - products.d_theta[i]).collect();
         let mut theta = old.theta.clone();
         discrete.q.prescribe(t, &mut theta);
-        let increment = difference(&theta, &old.theta);
-        if increment.iter().any(|&i| i != 0.0) {
-            let (m, d) = (discrete.mass.apply(&increment), discrete.d.apply(&increment));
-            for i in 0..right.len() {
-                right[i] -= c / k * m[i] + d[i];
-            }
-        }
-        finite(&right, step, t, "the data")?;
-        let foundation = self.problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.foundation_temperature, t));
+        let [mut mass_theta, mut d_theta] = if theta == old.theta {
+            [products.mass_theta.clone(), products.d_theta.clone()]
+        } else {
+            [&discrete.mass, &discrete.d].map(|form| form.apply(&theta))
+        };
+        let foundation = problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.foundation_temperature, t));
         let prescribed = at_nodes(discrete, 1, &theta);
-        let guess = self.heat.contact_of(&old.theta);
-        let on_contact = std::mem::take(&mut self.heat.on_contact);
-        let result = self.heat.solve(&right, &mut theta, |condensed, r| match &self.problem.contact {
-            None => Ok((Vec::new(), (Vec::new(), 0))),
-            Some(contact) => {
-                let on_boundary =
-                    HeatStep { contact, boundary: &discrete.boundary, unknown: &on_contact, theta_prescribed: &prescribed, foundation: &foundation, states };
-                let solved = on_boundary.solve(condensed, r, &guess)?;
-                let fluxes = on_boundary.fluxes(&solved.x);
-                Ok((solved.x, (fluxes, solved.iterations)))
+        let (mut iterations, mut sweeps) = (0, 0);
+        let mut previous = f64::INFINITY;
+        loop {
+            let right: Vec<f64> =
+                (0..supply.len()).map(|i| supply[i] + coupling[i] - c / k * (mass_theta[i] - products.mass_theta[i]) - d_theta[i]).collect();
+            finite(&right, step, t, "the data")?;
+            let guess = system.contact_of(&theta);
+            let (at_points, newton) = system
+                .solve(&right, &mut theta, |condensed, unknown, r| {
+                    let Some(contact) = &problem.contact else { return Ok((Vec::new(), (Vec::new(), 0))) };
+                    let on_boundary = HeatStep { contact, boundary: &discrete.boundary, unknown, theta_prescribed: &prescribed, foundation: &foundation, states };
+                    let solved = on_boundary.solve(condensed, r, &guess)?;
+                    let fluxes = on_boundary.fluxes(&solved.x);
+                    Ok((solved.x, (fluxes, solved.iterations)))
+                })
+                .map_err(|why| StepError::NotConverged { step, t, part: "heat", why })?;
+            iterations += newton;
+            sweeps += 2;
+            finite(&theta, step, t, "heat")?;
+            [mass_theta, d_theta] = [&discrete.mass, &discrete.d].map(|form| form.apply(&theta));
+            let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
+            let mut chi = vec![0.0; theta.len()];
+            let mut heat_flow = 0.0;
+            for (point, flux) in discrete.boundary.points.iter().zip(&flux) {
+                heat_flow += point.weight * flux.value;
+                for &(node, value) in &point.nodes {
+                    chi[discrete.boundary.nodes[node] as usize] += point.weight * value * flux.value;
+                }
             }
-        });
-        self.heat.on_contact = on_contact;
-        let (at_points, iterations) = result.map_err(|why| StepError::NotConverged { step, t, part: "heat", why })?;
-        finite(&theta, step, t, "heat")?;
-
-        let discrete = &self.discrete;
-        let (mass_theta, d_theta) = (discrete.mass.apply(&theta), discrete.d.apply(&theta));
-        let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
-        let mut chi = vec![0.0; theta.len()];
-        let mut heat_flow = 0.0;
-        for (point, flux) in discrete.boundary.points.iter().zip(&flux) {
-            heat_flow += point.weight * flux.value;
-            for &(node, value) in &point.nodes {
-                chi[discrete.boundary.nodes[node] as usize] += point.weight * value * flux.value;
+            // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
+            let mut rest: Vec<f64> =
+                (0..theta.len()).map(|i| c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]).collect();
+            let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
+            discrete.q.mask(&mut rest);
+            let storage = c / k * max_abs(&mass_theta).max(max_abs(&products.mass_theta));
+            let terms = [&d_theta, &coupling, &supply, &chi].map(|term| max_abs(term));
+            let residual = relative(max_abs(&rest), terms.into_iter().fold(storage, f64::max), step, t, "heat")?;
+            if residual > REFINE && residual < 0.5 * previous {
+                previous = residual;
+                continue;
             }
+            let residual = accept(residual, step, t, "heat")?;
+            let sum = |v: &[f64]| v.iter().sum::<f64>();
+            let amounts = HeatAmounts { supplied: k * sum(&supply), coupling: k * sum(&coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
+            return Ok(Heat { theta, mass_theta, d_theta, temperature, flux, heat_flow, iterations, sweeps, residual, amounts });
         }
-        // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
-        let mut rest: Vec<f64> =
-            (0..theta.len()).map(|i| c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]).collect();
-        let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
-        discrete.q.mask(&mut rest);
-        let storage = c / k * max_abs(&mass_theta).max(max_abs(&products.mass_theta));
-        let scale = [storage, max_abs(&d_theta), max_abs(&coupling), max_abs(&supply), max_abs(&chi)].into_iter().fold(0.0, f64::max);
-        let residual = accept(max_abs(&rest), scale, step, t, "heat")?;
-        let sum = |v: &[f64]| v.iter().sum::<f64>();
-        let amounts = HeatAmounts { supplied: k * sum(&supply), coupling: k * sum(&coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
-        Ok(Heat { theta, mass_theta, d_theta, temperature, flux, heat_flow, iterations, residual, amounts })
     }
 
     /// The ledger after a step.
@@ -390,7 +391,7 @@ impl Scheme for BackwardEuler {
             newton_mechanics_total: old.counts.newton_mechanics_total + mechanics.iterations,
             newton_mechanics_max: old.counts.newton_mechanics_max.max(mechanics.iterations),
             newton_heat_total: old.counts.newton_heat_total + heat.iterations,
-            sweeps: old.counts.sweeps + 4,
+            sweeps: old.counts.sweeps + mechanics.sweeps + heat.sweeps,
             residual_max: old.counts.residual_max.max(mechanics.residual).max(heat.residual),
         };
         let report = StepReport {
@@ -424,6 +425,7 @@ struct Mechanics {
     multipliers: Multipliers,
     states: Vec<PointState>,
     iterations: usize,
+    sweeps: usize,
     residual: f64,
     load: Vec<f64>,
     thermal: Vec<f64>,
@@ -445,6 +447,7 @@ struct Heat {
     flux: Vec<crate::contact::Flux>,
     heat_flow: f64,
     iterations: usize,
+    sweeps: usize,
     residual: f64,
     amounts: HeatAmounts,
 }
@@ -465,14 +468,29 @@ fn finite(values: &[f64], step: usize, t: f64, part: &'static str) -> Result<(),
     if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(StepError::NotFinite { step, t, part }) }
 }
 
-/// The relative residual, if it is small enough to be a result.
-fn accept(residual: f64, scale: f64, step: usize, t: f64, part: &'static str) -> Result<f64, StepError> {
+/// A residual relative to the largest term of its equation.
+fn relative(residual: f64, scale: f64, step: usize, t: f64, part: &'static str) -> Result<f64, StepError> {
     let relative = if residual == 0.0 { 0.0 } else { residual / scale };
-    if relative.is_nan() {
-        return Err(StepError::NotFinite { step, t, part });
+    if relative.is_nan() { Err(StepError::NotFinite { step, t, part }) } else { Ok(relative) }
+}
+
+/// The relative residual, if it is small enough to be a result.
+fn accept(residual: f64, step: usize, t: f64, part: &'static str) -> Result<f64, StepError> {
+    if residual > ACCEPTED { Err(StepError::Residual { step, t, part, residual, accepted: ACCEPTED }) } else { Ok(residual) }
+}
+
+/// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
+fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, Vec<f64>) {
+    let dim = discrete.mesh.dim;
+    let (mut resultant, mut forces) = ([0.0; 3], vec![0.0; discrete.v.free.len()]);
+    for (point, state) in discrete.boundary.points.iter().zip(states) {
+        for c in 0..dim {
+            let traction = state.pressure * point.normal[c] + state.q[c];
+            resultant[c] -= point.weight * traction;
+            for &(node, value) in &point.nodes {
+                forces[discrete.boundary.nodes[node] as usize * dim + c] += point.weight * value * traction;
+            }
+        }
     }
-    if relative > ACCEPTED {
-        return Err(StepError::Residual { step, t, part, residual: relative, accepted: ACCEPTED });
-    }
-    Ok(relative)
+    (resultant, forces)
 }

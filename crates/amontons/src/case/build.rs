@@ -1,0 +1,259 @@
+//! From the raw case to the [`Problem`]: what the schema cannot say is checked here.
+
+use std::sync::Arc;
+
+use super::material;
+use super::memory::{self, Demand};
+use super::path::Path;
+use super::place::{At, Finding};
+use super::raw::{self, Cells, Scalar};
+use super::schema::one_of;
+use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
+use crate::expression::{Expression, Variable};
+use crate::field::Field;
+use crate::mesh::{Diagonal, Mesh};
+use crate::problem::{BoundaryCondition, Initial, Problem};
+use crate::tensor::Point;
+
+/// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
+///
+/// At and below `doubtful` paths stand-ins are in the place of faulty values, so that nothing found
+/// there counts.
+pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path]) -> (Option<Problem>, Vec<Finding>) {
+    let mut build = Build { findings: Vec::new(), doubtful, end: raw.time.end };
+    build.name(&raw.name);
+    let contact_on = raw.contact.as_ref().map(|c| c.on.clone());
+    let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), available);
+    let material = material::material(&raw.material, mesh.dim, &mut build.findings);
+    let problem = Problem {
+        name: raw.name,
+        end: raw.time.end,
+        steps: raw.time.steps,
+        material,
+        body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
+        heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
+        boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
+        contact: raw.contact.map(|c| build.contact(c, &mesh)),
+        initial: build.initial(&raw.initial, &mesh.points),
+        mesh: Arc::new(mesh),
+    };
+    let problem = match problem.checked() {
+        Ok(problem) => Some(problem),
+        Err(faults) => {
+            build.findings.extend(faults.0.into_iter().map(Finding::from));
+            None
+        }
+    };
+    let said = |finding: &Finding| build.is_doubtful(&finding.path);
+    let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
+    (problem.filter(|_| findings.is_empty()), findings)
+}
+
+/// The expected values of a case.
+pub(super) fn expected(raw: &raw::Expected) -> super::Expected {
+    let list = |values: &raw::Values| match values {
+        raw::Values::One(value) => vec![*value],
+        raw::Values::Several(values) => values.clone(),
+    };
+    let values = raw.values.iter().map(|(path, values)| (path.clone(), list(values))).collect();
+    super::Expected { tolerance: raw.tolerance, values }
+}
+
+struct Build<'d> {
+    findings: Vec<Finding>,
+    doubtful: &'d [Path],
+    /// T in s.
+    end: f64,
+}
+
+impl Build<'_> {
+    fn note(&mut self, path: &str, at: At, found: impl Into<String>, expected: impl Into<String>, hint: Option<&str>) {
+        let path = Path::parse(path).unwrap_or_default();
+        self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
+    }
+
+    fn is_doubtful(&self, path: &Path) -> bool {
+        // A side cannot be looked up while the mesh that has the sides is unknown.
+        let names_side = path.to_string().ends_with("on");
+        let mesh_unknown = self.doubtful.iter().any(|p| p.to_string() == "mesh");
+        (names_side && mesh_unknown) || self.doubtful.iter().any(|d| path.is_at_or_below(d))
+    }
+
+    /// The name is that of a folder too.
+    fn name(&mut self, name: &str) {
+        const LONGEST: usize = 100;
+        const REFUSED: [char; 9] = ['/', '\\', ':', '*', '?', '"', '<', '>', '|'];
+        let quoted = format!("\"{}\"", name.escape_debug());
+        let found = if name.trim().is_empty() {
+            "an empty name".to_owned()
+        } else if let Some(c) = name.chars().find(|c| c.is_control() || REFUSED.contains(c)) {
+            format!("`{}` in {quoted}", c.escape_debug())
+        } else if name.starts_with('.') {
+            format!("a dot before {quoted}")
+        } else if name.ends_with([' ', '.']) || name.starts_with(' ') {
+            format!("a blank or a dot at an end of {quoted}")
+        } else if name.len() > LONGEST {
+            format!("a name of {} bytes", name.len())
+        } else {
+            return;
+        };
+        let expected = "a name that a folder can have: letters, digits, `-`, `_`";
+        self.note("name", At::Value, found, expected, Some("results go to results/<name>"));
+    }
+
+    /// The mesh, or one cell of it if it cannot be had.
+    fn mesh(&mut self, raw: &raw::Mesh, contact_on: Option<&str>, available: Option<f64>) -> Mesh {
+        let raw::Mesh::Rectangle { size, n, diagonal } = raw;
+        let cells = match *n {
+            Cells::Same(n) => [n, n],
+            Cells::Each(n) => n,
+        };
+        let diagonal = match diagonal {
+            raw::Diagonal::Right => Diagonal::Right,
+            raw::Diagonal::Left => Diagonal::Left,
+            raw::Diagonal::Crossed => Diagonal::Crossed,
+        };
+        let contact_cells = match contact_on {
+            Some("left" | "right") => cells[1],
+            Some(_) => cells[0],
+            None => 0,
+        };
+        let affordable = self.affordable(cells, diagonal, contact_cells, available);
+        let built = if affordable { Mesh::rectangle(*size, cells, diagonal) } else { Mesh::rectangle(*size, [1, 1], diagonal) };
+        built.unwrap_or_else(|error| {
+            self.note("mesh", At::Value, error.to_string(), "a mesh that can be built", None);
+            Mesh { dim: 2, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: std::collections::BTreeMap::new() }
+        })
+    }
+
+    /// Whether a run on the mesh fits into memory and its nodes can be numbered.
+    fn affordable(&mut self, cells: [usize; 2], diagonal: Diagonal, contact_cells: usize, available: Option<f64>) -> bool {
+        let demand = Demand::of_rectangle(cells, diagonal, contact_cells);
+        let count = if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
+        let found = format!("{} × {} cells: {count} unknowns", cells[0], cells[1]);
+        let hint = Some("take fewer cells");
+        if let Some(available) = available.filter(|available| demand.bytes > *available) {
+            let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
+            let expected = format!("a mesh for the {} of memory that are free", memory::bytes(available));
+            self.note("mesh.n", At::Value, found, expected, hint);
+            return false;
+        }
+        if demand.nodes > f64::from(u32::MAX) {
+            self.note("mesh.n", At::Value, found, format!("at most {} nodes", u32::MAX), hint);
+            return false;
+        }
+        true
+    }
+
+    /// A scalar of space and time, finite at the points on which it acts.
+    fn field(&mut self, path: &str, scalar: &Scalar, points: &[Point]) -> Field {
+        let text = match scalar {
+            Scalar::Number(value) => return Field::Constant(*value),
+            Scalar::Expression(text) => text,
+        };
+        let expression = match Expression::parse(text) {
+            Ok(expression) => expression,
+            Err(error) => {
+                self.note(path, At::Inside(error.offset), error.found, error.expected, error.hint.as_deref());
+                return Field::ZERO;
+            }
+        };
+        if expression.uses(Variable::Z) {
+            self.note(path, At::Value, "`z` in an expression", "an expression in x, y, t: the body is plane", None);
+            return Field::ZERO;
+        }
+        let field = Field::Expression(expression);
+        self.check_finite(path, &field, points);
+        field
+    }
+
+    /// A field without a finite value somewhere at the beginning or the end is refused.
+    fn check_finite(&mut self, path: &str, field: &Field, points: &[Point]) {
+        // Points of a stand-in mesh say nothing.
+        if self.doubtful.iter().any(|p| p.to_string().starts_with("mesh")) {
+            return;
+        }
+        for t in [0.0, self.end] {
+            let values = field.values(points, t);
+            if let Some((x, value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
+                let found = format!("the value {value} at x = {}, y = {}, t = {t}", x[0], x[1]);
+                self.note(path, At::Value, found, "finite values at all nodes on which it acts, at t = 0 and t = end", None);
+                return;
+            }
+        }
+    }
+
+    fn vector(&mut self, path: &str, scalars: &[Scalar], points: &[Point]) -> Vec<Field> {
+        scalars.iter().enumerate().map(|(i, s)| self.field(&format!("{path}[{i}]"), s, points)).collect()
+    }
+
+    fn boundary(&mut self, i: usize, raw: raw::Boundary, mesh: &Mesh) -> BoundaryCondition {
+        let points = side(mesh, &raw.on);
+        let path = |key: &str| format!("boundary[{i}].{key}");
+        let keys = ["displacement", "traction", "temperature", "heat_inflow"];
+        if raw.displacement.is_none() && raw.traction.is_none() && raw.temperature.is_none() && raw.heat_inflow.is_none() {
+            let hint = "a side without an entry is free and insulated";
+            self.note(&format!("boundary[{i}]"), At::Value, "a side without a condition", one_of(&keys).replace('"', "`"), Some(hint));
+        }
+        BoundaryCondition {
+            displacement: raw.displacement.map(|v| self.vector(&path("displacement"), &v, &points)),
+            traction: raw.traction.map(|v| self.vector(&path("traction"), &v, &points)),
+            temperature: raw.temperature.map(|s| self.field(&path("temperature"), &s, &points)),
+            heat_inflow: raw.heat_inflow.map(|s| self.field(&path("heat_inflow"), &s, &points)),
+            on: raw.on,
+        }
+    }
+
+    fn contact(&mut self, raw: raw::Contact, mesh: &Mesh) -> Contact {
+        let points = side(mesh, &raw.on);
+        let raw::Normal::Compliance { stiffness } = raw.normal;
+        let friction: Arc<dyn FrictionLaw> = match raw.friction {
+            raw::Friction::None => Arc::new(Frictionless),
+            raw::Friction::Coulomb { coefficient } => Arc::new(Coulomb { coefficient }),
+        };
+        let (heat, foundation_temperature): (Arc<dyn HeatLaw>, Field) = match raw.heat {
+            raw::Heat::None => (Arc::new(Insulated), Field::ZERO),
+            raw::Heat::Ramp { conductance, width, foundation_temperature, truncation } => (
+                Arc::new(Ramp { conductance, width, truncation }),
+                self.field("contact.heat.foundation_temperature", &foundation_temperature, &points),
+            ),
+        };
+        Contact {
+            gap: self.field("contact.gap", &raw.gap, &points),
+            quadrature: match raw.quadrature {
+                raw::Quadrature::Nodal => Quadrature::Nodal,
+                raw::Quadrature::Gauss => Quadrature::Gauss,
+            },
+            normal: Arc::new(Compliance { stiffness }),
+            friction,
+            heat,
+            foundation_temperature,
+            on: raw.on,
+        }
+    }
+
+    fn initial(&mut self, raw: &raw::Initial, points: &[Point]) -> Initial {
+        let initial = Initial {
+            displacement: self.vector("initial.displacement", &raw.displacement, points),
+            velocity: self.vector("initial.velocity", &raw.velocity, points),
+            temperature: self.field("initial.temperature", &raw.temperature, points),
+        };
+        let indexed = |name: &'static str, fields: &[Field]| -> Vec<String> {
+            let timed = fields.iter().enumerate().filter(|(_, f)| f.depends_on_time());
+            timed.map(|(i, _)| format!("initial.{name}[{i}]")).collect()
+        };
+        let mut timed = indexed("displacement", &initial.displacement);
+        timed.extend(indexed("velocity", &initial.velocity));
+        timed.extend(initial.temperature.depends_on_time().then(|| "initial.temperature".to_owned()));
+        for path in timed {
+            self.note(&path, At::Value, "`t` in an expression", "an expression in x, y: it holds at t = 0", None);
+        }
+        initial
+    }
+}
+
+/// The nodes of a side; none if there is no such side, which is found elsewhere.
+fn side(mesh: &Mesh, name: &str) -> Vec<Point> {
+    let nodes = mesh.facets.get(name).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
+    nodes.iter().filter_map(|&n| mesh.points.get(n as usize).copied()).collect()
+}

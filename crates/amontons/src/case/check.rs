@@ -1,0 +1,288 @@
+//! The document against the schema of the case file: all departures at once.
+//!
+//! The walk returns the document as JSON with stand-ins where it departs, so that it can be read
+//! into [`super::raw::Case`] and what depends on several values be checked as well.
+
+use serde_json::{Map, Value};
+use toml::de::{DeArray, DeTable, DeValue};
+
+use super::path::Path;
+use super::place::{At, Finding};
+use super::schema::{View, one_of};
+
+/// What the walk gives.
+pub(super) struct Checked {
+    /// The document, stand-ins in the place of what departs from the schema.
+    pub value: Value,
+    /// The departures.
+    pub findings: Vec<Finding>,
+    /// Where stand-ins are: nothing that is found there later says anything about the case.
+    pub doubtful: Vec<Path>,
+}
+
+/// Walks a document along a schema.
+pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
+    let mut walk = Walk { all: View::new(schema), findings: Vec::new(), doubtful: Vec::new() };
+    let value = walk.table(walk.all, &Path::default(), document);
+    Checked { value, findings: walk.findings, doubtful: walk.doubtful }
+}
+
+struct Walk<'s> {
+    all: View<'s>,
+    findings: Vec<Finding>,
+    doubtful: Vec<Path>,
+}
+
+impl<'s> Walk<'s> {
+    fn value(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Value {
+        let alternatives = schema.alternatives();
+        if !alternatives.is_empty() {
+            return match alternatives.into_iter().find(|form| takes(form.kind(), found)) {
+                Some(form) => self.value(form, path, found),
+                None => self.mismatch(schema, path, found, None),
+            };
+        }
+        match found {
+            _ if !takes(schema.kind(), found) => self.mismatch(schema, path, found, hint_for_kind(schema.kind(), found)),
+            DeValue::Table(table) => self.table(schema, path, table),
+            DeValue::Array(array) => self.array(schema, path, array),
+            DeValue::String(word) => self.word(schema, path, found, word),
+            DeValue::Integer(_) | DeValue::Float(_) => self.number(schema, path, found),
+            DeValue::Boolean(value) => Value::from(*value),
+            DeValue::Datetime(_) => self.mismatch(schema, path, found, None),
+        }
+    }
+
+    /// Notes that a value is not what the schema expects, and puts a stand-in there.
+    fn mismatch(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>, hint: Option<String>) -> Value {
+        self.findings.push(Finding::new(path.clone(), At::Value, describe(found), schema.expected()).hint(hint));
+        self.doubtful.push(path.clone());
+        schema.sample()
+    }
+
+    fn number(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Value {
+        let integer = integer(found);
+        let Some(number) = number(found).filter(|n| n.is_finite()) else {
+            let hint = match found {
+                DeValue::Integer(_) => Some("an integer has at most 19 digits; write a larger number as 1e20".to_owned()),
+                _ => None,
+            };
+            return self.mismatch(schema, path, found, hint);
+        };
+        if !schema.admits(number) {
+            return self.mismatch(schema, path, found, None);
+        }
+        match integer {
+            Some(integer) => Value::from(integer),
+            None => Value::from(number),
+        }
+    }
+
+    fn word(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>, word: &str) -> Value {
+        let words = schema.words();
+        if words.is_empty() || words.contains(&word) {
+            return Value::from(word);
+        }
+        let hint = nearest(word, &words).map(|near| format!("did you mean \"{near}\"?"));
+        self.mismatch(schema, path, found, hint)
+    }
+
+    fn array(&mut self, schema: View<'s>, path: &Path, array: &DeArray<'_>) -> Value {
+        let (least, most) = schema.lengths();
+        let count = array.len() as u64;
+        if count < least || count > most {
+            let found = format!("an array of {count}");
+            self.findings.push(Finding::new(path.clone(), At::Value, found, schema.expected()));
+            self.doubtful.push(path.clone());
+            return schema.sample();
+        }
+        let Some(items) = schema.items() else { return Value::Array(Vec::new()) };
+        array.iter().enumerate().map(|(i, entry)| self.value(items, &path.index(i), entry.get_ref())).collect()
+    }
+
+    fn table(&mut self, schema: View<'s>, path: &Path, table: &DeTable<'_>) -> Value {
+        let Some((tag, variants)) = schema.variants() else {
+            return Value::Object(self.entries(schema, path, table));
+        };
+        let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
+        let found = table.iter().find(|(key, _)| key.get_ref() == tag).map(|(_, value)| value.get_ref());
+        let chosen = found.and_then(DeValue::as_str).and_then(|word| variants.iter().find(|(name, _)| *name == word));
+        if let Some((_, variant)) = chosen {
+            return Value::Object(self.entries(*variant, path, table));
+        }
+        let finding = match found {
+            Some(value) => Finding::new(path.key(tag), At::Value, describe(value), one_of(&names))
+                .hint(value.as_str().and_then(|word| nearest(word, &names)).map(|near| format!("did you mean \"{near}\"?"))),
+            None => Finding::new(path.key(tag), At::Missing, "no such key", one_of(&names)),
+        };
+        self.findings.push(finding);
+        self.doubtful.push(path.clone());
+        schema.sample()
+    }
+
+    /// The keys of a table: known ones are walked on, unknown and missing ones noted.
+    fn entries(&mut self, schema: View<'s>, path: &Path, table: &DeTable<'_>) -> Map<String, Value> {
+        let mut entries = Map::new();
+        let mut meant = Vec::new();
+        for (key, value) in table {
+            let key = key.get_ref();
+            let at = path.key(key);
+            match schema.property(key) {
+                Some(property) => {
+                    let value = self.value(property, &at, value.get_ref());
+                    entries.insert(key.to_string(), value);
+                }
+                None => meant.extend(self.unknown_key(schema, at, key, table)),
+            }
+        }
+        for key in schema.required() {
+            if entries.contains_key(key) {
+                continue;
+            }
+            let (Some(property), at) = (schema.property(key), path.key(key)) else { continue };
+            if !meant.contains(&key) {
+                self.findings.push(Finding::new(at.clone(), At::Missing, "no such key", property.expected()));
+            }
+            self.doubtful.push(at);
+            entries.insert(key.to_owned(), property.sample());
+        }
+        entries
+    }
+
+    /// Notes an unknown key; returns the key of this table that was meant, where that can be told.
+    fn unknown_key(&mut self, schema: View<'s>, at: Path, key: &str, table: &DeTable<'_>) -> Option<&'s str> {
+        let keys = schema.keys();
+        let absent: Vec<&str> = keys.iter().copied().filter(|k| table.get(*k).is_none()).collect();
+        let meant = nearest(key, &absent).or_else(|| nearest(key, &keys)).or_else(|| synonym(key, &keys));
+        let hint = match meant {
+            Some(meant) => Some(format!("did you mean `{meant}`?")),
+            None => self.home_of(key, &at),
+        };
+        let expected = match keys.as_slice() {
+            [] => "no key here".to_owned(),
+            [only] => format!("`{only}` alone"),
+            _ => format!("one of {}", keys.join(", ")),
+        };
+        self.doubtful.push(at.clone());
+        self.findings.push(Finding::new(at, At::Key, "an unknown key", expected).hint(hint));
+        meant
+    }
+
+    /// Where a key belongs that stands in the wrong table.
+    fn home_of(&self, key: &str, at: &Path) -> Option<String> {
+        let homes = self.all.homes(key);
+        let names: Vec<String> = homes
+            .iter()
+            .map(|home| match home.as_str() {
+                "" => "the beginning of the file, above all tables".to_owned(),
+                "boundary" => "[[boundary]]".to_owned(),
+                home => format!("[{home}]"),
+            })
+            .collect();
+        let table = at.parent().filter(|p| !p.0.is_empty()).map_or_else(String::new, |p| format!(" of [{p}]"));
+        if names.is_empty() { None } else { Some(format!("`{key}` is no key{table} but belongs to {}", names.join(" or "))) }
+    }
+}
+
+/// Whether a value has the type that the schema names.
+fn takes(kind: &str, found: &DeValue<'_>) -> bool {
+    match found {
+        DeValue::String(_) => kind == "string",
+        DeValue::Integer(_) => matches!(kind, "integer" | "number"),
+        DeValue::Float(_) => kind == "number",
+        DeValue::Boolean(_) => kind == "boolean",
+        DeValue::Datetime(_) => false,
+        DeValue::Array(_) => kind == "array",
+        DeValue::Table(_) => kind == "object",
+    }
+}
+
+fn integer(found: &DeValue<'_>) -> Option<i64> {
+    let integer = found.as_integer()?;
+    i64::from_str_radix(integer.as_str(), integer.radix()).ok()
+}
+
+fn number(found: &DeValue<'_>) -> Option<f64> {
+    match found {
+        DeValue::Float(float) => float.as_str().parse().ok(),
+        _ => integer(found).map(|i| i as f64),
+    }
+}
+
+/// What to write where the type is wrong but the value can be told.
+fn hint_for_kind(kind: &str, found: &DeValue<'_>) -> Option<String> {
+    match (kind, found) {
+        ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => {
+            Some(format!("write {} without quotes", text.trim()))
+        }
+        ("integer", DeValue::Float(_)) => {
+            let whole = number(found).filter(|n| n.fract() == 0.0 && n.abs() < 1e15)?;
+            Some(format!("write {whole}"))
+        }
+        _ => None,
+    }
+}
+
+/// A value in a message.
+fn describe(found: &DeValue<'_>) -> String {
+    const LONGEST: usize = 40;
+    match found {
+        DeValue::String(text) if text.chars().count() > LONGEST => {
+            format!("\"{}…\"", text.chars().take(LONGEST).collect::<String>().escape_debug())
+        }
+        DeValue::String(text) => format!("\"{}\"", text.escape_debug()),
+        DeValue::Integer(integer) => integer.to_string(),
+        DeValue::Float(float) => float.to_string(),
+        DeValue::Boolean(value) => value.to_string(),
+        DeValue::Datetime(date) => format!("the date {date}"),
+        DeValue::Array(array) => format!("an array of {}", array.len()),
+        DeValue::Table(_) => "a table".to_owned(),
+    }
+}
+
+/// The word that was probably meant: the nearest one if it is near.
+pub(super) fn nearest<'w>(word: &str, words: &[&'w str]) -> Option<&'w str> {
+    let word = word.to_lowercase().replace([' ', '_'], "-");
+    let distance = |w: &str| strsim::damerau_levenshtein(&w.to_lowercase().replace('_', "-"), &word);
+    let near = words.iter().copied().min_by_key(|w| distance(w))?;
+    // A third of the letters may be wrong: of a word of two or fewer, none.
+    let budget = near.chars().count().max(word.chars().count()) / 3;
+    (distance(near) <= budget).then_some(near)
+}
+
+/// Other names of our keys, as other programs and textbooks have them.
+const SYNONYMS: [(&str, &[&str]); 26] = [
+    ("on", &["side", "sides", "facets", "facet_set", "where", "part", "surface", "name"]),
+    ("n", &["cells", "elements", "divisions", "resolution", "subdivisions", "nx"]),
+    ("size", &["lengths", "dimensions", "extent", "width", "length"]),
+    ("kind", &["type", "shape"]),
+    ("law", &["type", "model", "kind"]),
+    ("end", &["t", "t_end", "final", "final_time", "duration", "stop"]),
+    ("steps", &["n", "dt", "k", "step", "time_step", "number_of_steps"]),
+    ("density", &["rho", "ρ", "mass_density"]),
+    ("heat_capacity", &["c", "cp", "c_p", "specific_heat", "capacity"]),
+    ("expansion", &["m", "alpha", "thermal_expansion", "𝓜"]),
+    ("coupling", &["r", "𝓡", "thermal_coupling"]),
+    ("conductivity", &["k", "kappa", "𝓚", "thermal_conductivity"]),
+    ("young", &["e", "youngs_modulus", "young_modulus", "modulus"]),
+    ("poisson", &["nu", "ν", "poissons_ratio", "poisson_ratio"]),
+    ("first", &["lambda", "mu1", "mu_1", "bulk"]),
+    ("second", &["mu", "mu2", "mu_2", "shear"]),
+    ("body_force", &["force", "f", "f0", "f_0", "gravity", "volume_force"]),
+    ("heat_source", &["q", "q0", "q_0", "source", "heat"]),
+    ("displacement", &["u", "u0", "u_0", "dirichlet", "fixed", "clamped"]),
+    ("velocity", &["v", "w", "v0", "u1", "u_1"]),
+    ("traction", &["f1", "f_1", "force", "pressure", "stress", "neumann"]),
+    ("temperature", &["theta", "theta0", "theta_0", "θ", "t"]),
+    ("heat_inflow", &["flux", "heat_flux", "q"]),
+    ("stiffness", &["c", "c_nu", "penalty"]),
+    ("coefficient", &["mu", "μ", "mu_tau", "friction"]),
+    ("foundation_temperature", &["theta_f", "temperature", "ambient"]),
+];
+
+/// The key of a table that goes by another name elsewhere.
+fn synonym<'k>(word: &str, keys: &[&'k str]) -> Option<&'k str> {
+    let word = word.to_lowercase().replace('-', "_");
+    let ours = SYNONYMS.iter().filter(|(_, others)| others.contains(&word.as_str())).map(|(ours, _)| *ours);
+    ours.into_iter().find_map(|ours| keys.iter().copied().find(|key| *key == ours))
+}

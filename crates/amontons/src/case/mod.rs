@@ -1,0 +1,122 @@
+//! The case file: from TOML to a checked [`Problem`], or all its faults at once.
+//!
+//! A case passes four gates. The TOML parser reads it; overrides are set into its text;
+//! the document is held against the JSON Schema of the file, which is derived from the types that
+//! mirror it; what depends on several values is checked while the problem is built. Faults
+//! of the later gates are collected and each is given the place in the file, or the override, where its value
+//! comes from.
+//!
+//! ```
+//! use amontons::case::{self, Source};
+//!
+//! let source = Source { name: "starter.toml".to_owned(), text: case::STARTER.to_owned() };
+//! let case = case::parse(&source, &["mesh.n=8".to_owned()])?;
+//! assert_eq!(case.problem.mesh.points.len(), 81);
+//! # Ok::<(), case::CaseError>(())
+//! ```
+
+mod build;
+mod check;
+mod fault;
+mod material;
+mod memory;
+mod overrides;
+mod path;
+mod place;
+mod raw;
+mod read;
+mod schema;
+mod syntax;
+
+use std::collections::BTreeMap;
+
+use toml::de::DeTable;
+
+pub use fault::{CaseError, CaseFault, Place, Source};
+pub use schema::schema;
+
+use crate::problem::Problem;
+use overrides::Applied;
+use place::{At, Finding, Origin};
+
+/// A small complete case that runs, with every key explained: what `amontons new` writes.
+pub const STARTER: &str = include_str!("starter.toml");
+
+/// A case, ready to run.
+#[derive(Clone, Debug)]
+pub struct Case {
+    /// The problem.
+    pub problem: Problem,
+    /// Steps between field snapshots; 0: only the last.
+    pub every: usize,
+    /// Values that a run must give.
+    pub expected: Option<Expected>,
+    /// The text of the case as run, overrides applied.
+    pub text: String,
+}
+
+/// Values that a run of a case must give.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Expected {
+    /// Allowed deviation, relative to the largest magnitude in the value.
+    pub tolerance: f64,
+    /// The values by their dotted path in `summary.json`, one entry a component.
+    pub values: BTreeMap<String, Vec<f64>>,
+}
+
+/// Reads a case file; overrides are given as `KEY=VALUE`.
+///
+/// # Errors
+/// [`CaseError::Read`] when the file cannot be read, [`CaseError::Faults`] when it, or an override, has faults.
+pub fn read(path: &std::path::Path, overrides: &[String]) -> Result<Case, CaseError> {
+    let text = read::text(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
+    parse(&Source { name: path.display().to_string(), text }, overrides)
+}
+
+/// Reads a case from its text; overrides are given as `KEY=VALUE`.
+///
+/// # Errors
+/// [`CaseError::Faults`] with all faults of the text and of the overrides.
+pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
+    let (document, errors) = DeTable::parse_recoverable(&source.text);
+    if !errors.is_empty() {
+        let errors = errors.iter().map(|e| (e.message().to_owned(), e.span())).collect();
+        let mut faults = syntax::faults(&source.text, errors);
+        faults.extend(overrides::faults(overrides));
+        return Err(CaseError::faults(source, faults));
+    }
+    let applied = overrides::apply(&source.text, overrides)
+        .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
+    let Applied { text, set, mut faults } = applied;
+    let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
+    let (case, findings) = build_case(&text);
+    faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
+    match case {
+        Some((problem, every, expected)) if faults.is_empty() => Ok(Case { problem, every, expected, text }),
+        _ => Err(CaseError::faults(source, faults)),
+    }
+}
+
+type Parts = (Problem, usize, Option<Expected>);
+
+/// Checks and builds the case of a text with overrides applied; without a case there are findings.
+fn build_case(text: &str) -> (Option<Parts>, Vec<Finding>) {
+    let whole = |found: String| Finding::new(path::Path::default(), At::Value, found, "a case file");
+    let document = match DeTable::parse(text) {
+        Ok(document) => document,
+        Err(error) => return (None, vec![whole(error.message().to_owned())]),
+    };
+    let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document.get_ref());
+    let raw: raw::Case = match serde_json::from_value(value) {
+        Ok(raw) => raw,
+        Err(error) => {
+            // The schema and the types are one source, so this speaks of a gap between the two.
+            findings.push(whole(error.to_string()));
+            return (None, findings);
+        }
+    };
+    let (every, expected) = (raw.output.every, raw.expected.as_ref().map(build::expected));
+    let (problem, later) = build::problem(raw, memory::available(), &doubtful);
+    findings.extend(later);
+    (problem.map(|problem| (problem, every, expected)), findings)
+}

@@ -1,0 +1,223 @@
+//! `--set KEY=VALUE`: changes of a case that keep its comments and its order.
+
+use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
+
+use super::fault::{CaseFault, Place};
+use super::path::{Path, Segment};
+use super::syntax::SyntaxError;
+
+/// A case with overrides applied.
+pub(super) struct Applied {
+    /// The text with all overrides that could be applied.
+    pub text: String,
+    /// What they set, and how they were given.
+    pub set: Vec<(Path, String)>,
+    /// Those that could not be applied.
+    pub faults: Vec<CaseFault>,
+}
+
+/// Applies overrides, each `KEY=VALUE`, to the text of a case, one after the other.
+///
+/// # Errors
+/// When the text is not TOML.
+pub(super) fn apply(text: &str, overrides: &[String]) -> Result<Applied, SyntaxError> {
+    let mut applied = Applied { text: text.to_owned(), set: Vec::new(), faults: Vec::new() };
+    if overrides.is_empty() {
+        return Ok(applied);
+    }
+    let mut document: DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
+    for given in overrides {
+        match read(given).and_then(|(path, value)| set(&mut document, &path, value)) {
+            Ok(path) => applied.set.push((path, given.clone())),
+            Err(refusal) => applied.faults.push(refusal.into_fault(given)),
+        }
+    }
+    applied.text = document.to_string();
+    Ok(applied)
+}
+
+/// The overrides that are faulty whatever the document.
+pub(super) fn faults(overrides: &[String]) -> Vec<CaseFault> {
+    overrides.iter().filter_map(|given| read(given).err().map(|refusal| refusal.into_fault(given))).collect()
+}
+
+/// Why an override cannot be applied.
+struct Refusal {
+    path: String,
+    found: String,
+    expected: String,
+    hint: Option<String>,
+}
+
+impl Refusal {
+    fn new(path: impl ToString, found: impl Into<String>, expected: impl Into<String>) -> Refusal {
+        Refusal { path: path.to_string(), found: found.into(), expected: expected.into(), hint: None }
+    }
+
+    fn hint(mut self, hint: impl Into<String>) -> Refusal {
+        self.hint = Some(hint.into());
+        self
+    }
+
+    fn into_fault(self, given: &str) -> CaseFault {
+        let Refusal { path, found, expected, hint } = self;
+        CaseFault { place: Place::Override(given.to_owned()), path, found, expected, hint }
+    }
+}
+
+/// Reads `KEY=VALUE`.
+fn read(given: &str) -> Result<(Path, Value), Refusal> {
+    let Some((key, value)) = given.split_once('=') else {
+        return Err(Refusal::new("", "no `=`", "KEY=VALUE, such as mesh.n=32"));
+    };
+    let (key, value) = (key.trim(), value.trim());
+    let path = Path::parse(key).map_err(|found| Refusal::new("", found, "a dotted key, such as mesh.n or boundary[1].traction"))?;
+    if value.is_empty() {
+        return Err(Refusal::new(key, "no value", "a TOML value behind `=`"));
+    }
+    match value.parse::<Value>() {
+        Ok(mut value) => {
+            value.decor_mut().clear();
+            Ok((path, value))
+        }
+        Err(_) if is_bare_word(value) => Ok((path, Value::from(value))),
+        Err(error) => {
+            let what = error.message().lines().next().unwrap_or_default().to_owned();
+            Err(Refusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(if what.contains("quoted") {
+                format!("a string stands in quotes that the shell leaves alone: '{key}=\"{value}\"'")
+            } else {
+                what
+            }))
+        }
+    }
+}
+
+/// Whether a value can do without the quotes of a string.
+fn is_bare_word(value: &str) -> bool {
+    value.starts_with(|c: char| c.is_alphabetic()) && value.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'))
+}
+
+/// A place in a document that can be changed.
+enum Node<'d> {
+    Item(&'d mut Item),
+    Value(&'d mut Value),
+    Table(&'d mut Table),
+}
+
+impl<'d> Node<'d> {
+    /// The entries of a table of any notation.
+    fn into_table(self) -> Option<&'d mut dyn TableLike> {
+        match self {
+            Node::Item(item) => item.as_table_like_mut(),
+            Node::Value(value) => value.as_inline_table_mut().map(|t| t as &mut dyn TableLike),
+            Node::Table(table) => Some(table),
+        }
+    }
+
+    fn is_table(&self) -> bool {
+        match self {
+            Node::Item(item) => item.is_table_like(),
+            Node::Value(value) => value.is_inline_table(),
+            Node::Table(_) => true,
+        }
+    }
+
+    /// Number of entries of an array of any notation.
+    fn array_len(&self) -> Option<usize> {
+        match self {
+            Node::Item(Item::ArrayOfTables(array)) => Some(array.len()),
+            Node::Item(Item::Value(Value::Array(array))) | Node::Value(Value::Array(array)) => Some(array.len()),
+            _ => None,
+        }
+    }
+
+    /// Entry of an array of any notation.
+    fn into_entry(self, index: usize) -> Option<Node<'d>> {
+        match self {
+            Node::Item(Item::ArrayOfTables(array)) => array.get_mut(index).map(Node::Table),
+            Node::Item(Item::Value(Value::Array(array))) | Node::Value(Value::Array(array)) => array.get_mut(index).map(Node::Value),
+            _ => None,
+        }
+    }
+
+    /// Puts a value here; comments around the old one stay.
+    fn replace(self, mut value: Value) -> Result<(), &'static str> {
+        match self {
+            Node::Item(Item::Value(old)) | Node::Value(old) => {
+                *value.decor_mut() = old.decor().clone();
+                *old = value;
+            }
+            Node::Item(item) => *item = Item::Value(value),
+            Node::Table(table) => match value {
+                Value::InlineTable(new) => *table = new.into_table(),
+                _ => return Err("a table"),
+            },
+        }
+        Ok(())
+    }
+}
+
+/// Sets the value at a path, making the tables that lead there; returns the path with its indices told from keys.
+fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Refusal> {
+    let lost = || Refusal::new(path, "no entry", "an entry that can be changed");
+    let mut node = Node::Table(document.as_table_mut());
+    let mut at = Path::default();
+    for (i, segment) in path.0.iter().enumerate() {
+        let last = i + 1 == path.0.len();
+        if node.is_table() {
+            let Segment::Key(key) = segment else {
+                return Err(Refusal::new(path, format!("an index into {at}, which is a table"), "a key"));
+            };
+            at = at.key(key);
+            let inline = !matches!(node, Node::Table(_) | Node::Item(Item::Table(_)));
+            let Some(table) = node.into_table() else { return Err(lost()) };
+            if table.get(key).is_none() {
+                let new = if last { Item::Value(value.clone()) } else { new_table(inline) };
+                table.insert(key, new);
+                if last {
+                    return Ok(at);
+                }
+            }
+            let Some(item) = table.get_mut(key) else { return Err(lost()) };
+            node = Node::Item(item);
+        } else if let Some(count) = node.array_len() {
+            let index = array_index(segment, count).map_err(|(found, expected)| Refusal::new(path, found, expected))?;
+            at = at.index(index);
+            let Some(entry) = node.into_entry(index) else { return Err(lost()) };
+            node = entry;
+        } else {
+            return Err(Refusal::new(path, format!("a value at {at}"), "a table or an array that the key leads through"));
+        }
+    }
+    node.replace(value).map_err(|expected| Refusal::new(path, "a value for a whole entry of an array of tables", expected))?;
+    Ok(at)
+}
+
+/// A table that takes no room of its own if only tables are in it.
+fn new_table(inline: bool) -> Item {
+    if inline {
+        return Item::Value(Value::InlineTable(InlineTable::new()));
+    }
+    let mut table = Table::new();
+    table.set_implicit(true);
+    table.decor_mut().set_prefix("\n");
+    Item::Table(table)
+}
+
+/// The entry that a segment names: `[1]` or `.1`.
+fn array_index(segment: &Segment, count: usize) -> Result<usize, (String, String)> {
+    let expected = match count {
+        0 => "no index: the array is empty".to_owned(),
+        _ => format!("an index from 0 to {}", count - 1),
+    };
+    let index = match segment {
+        Segment::Index(index) => Some(*index),
+        Segment::Key(key) => key.parse().ok(),
+    };
+    match (index, segment) {
+        (Some(index), _) if index < count => Ok(index),
+        (Some(index), _) => Err((format!("index {index}"), expected)),
+        (None, Segment::Key(key)) => Err((format!("the key `{key}` in an array"), expected)),
+        (None, Segment::Index(_)) => Err(("an index".to_owned(), expected)),
+    }
+}

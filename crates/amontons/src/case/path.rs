@@ -1,0 +1,123 @@
+//! Dotted paths into a case: `boundary[1].traction[0]`.
+
+use std::fmt;
+
+/// One step of a path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Segment {
+    /// Into a table.
+    Key(String),
+    /// Into an array.
+    Index(usize),
+}
+
+/// A path from the root of a case to one of its values.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Path(pub Vec<Segment>);
+
+impl Path {
+    /// Reads a path: keys parted by dots, indices in brackets or between dots. A key that has
+    /// dots or brackets itself stands in quotes.
+    ///
+    /// Numbers between dots are read as keys; what they are depends on the document.
+    ///
+    /// # Errors
+    /// What is wrong with the text.
+    pub fn parse(text: &str) -> Result<Path, String> {
+        let mut path = Path::default();
+        let mut rest = text;
+        loop {
+            rest = path.read_key(rest)?;
+            while let Some(inside) = rest.strip_prefix('[') {
+                let (digits, tail) = inside.split_once(']').ok_or("`[` without `]`")?;
+                let index = digits.trim().parse().map_err(|_| format!("`{digits}` as an index"))?;
+                path.0.push(Segment::Index(index));
+                rest = tail;
+            }
+            match rest.strip_prefix('.') {
+                Some(tail) => rest = tail,
+                None if rest.is_empty() => return Ok(path),
+                None => return Err(format!("`{rest}` behind a key")),
+            }
+        }
+    }
+
+    /// Reads one key from the beginning of a text and returns what follows it.
+    fn read_key<'t>(&mut self, text: &'t str) -> Result<&'t str, String> {
+        let quote = text.chars().next().filter(|c| matches!(c, '"' | '\''));
+        let (key, rest) = match quote {
+            Some(quote) => {
+                let inside = text.get(1..).unwrap_or_default();
+                inside.split_once(quote).ok_or_else(|| format!("{quote} without a second one"))?
+            }
+            None => text.split_at(text.find(['.', '[', ']']).unwrap_or(text.len())),
+        };
+        let key = if quote.is_some() { key } else { key.trim() };
+        if key.is_empty() {
+            return Err("an empty key".to_owned());
+        }
+        self.0.push(Segment::Key(key.to_owned()));
+        Ok(rest)
+    }
+
+    /// The path to an entry of the table at this path.
+    pub fn key(&self, key: &str) -> Path {
+        self.child(Segment::Key(key.to_owned()))
+    }
+
+    /// The path to an entry of the array at this path.
+    pub fn index(&self, index: usize) -> Path {
+        self.child(Segment::Index(index))
+    }
+
+    fn child(&self, segment: Segment) -> Path {
+        let mut path = self.clone();
+        path.0.push(segment);
+        path
+    }
+
+    /// The path without its last segment; none for the root.
+    pub fn parent(&self) -> Option<Path> {
+        self.0.split_last().map(|(_, parent)| Path(parent.to_vec()))
+    }
+
+    /// Whether `self` is `other` or leads through it.
+    pub fn is_at_or_below(&self, other: &Path) -> bool {
+        self.0.starts_with(&other.0)
+    }
+}
+
+impl fmt::Display for Path {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, segment) in self.0.iter().enumerate() {
+            match segment {
+                Segment::Index(index) => write!(f, "[{index}]")?,
+                Segment::Key(key) => {
+                    let bare = !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+                    let dot = if i == 0 { "" } else { "." };
+                    if bare { write!(f, "{dot}{key}")? } else { write!(f, "{dot}{key:?}")? }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_are_written_as_they_are_read() {
+        for text in ["mesh.n", "boundary[1].traction[0]", "a[0][1].b", "expected.values.\"final.temperature_max\""] {
+            assert_eq!(Path::parse(text).map(|p| p.to_string()), Ok(text.to_owned()));
+        }
+    }
+
+    #[test]
+    fn what_is_no_path_is_refused() {
+        for text in ["", ".", "a.", ".a", "a..b", "a[", "a[x]", "a[-1]", "a[0]b", "[0]", "\"a", "a]"] {
+            assert!(Path::parse(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! The file of a case.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+use super::check::nearest;
+
+/// Longest case file in bytes: far above any real one, far below what memory holds.
+const LONGEST: u64 = 16 << 20;
+
+/// Reads a case file.
+///
+/// # Errors
+/// When the file is not there, not a file, too long or not UTF-8; the message says what to try.
+pub(super) fn text(path: &Path) -> io::Result<String> {
+    if fs::metadata(path).map_err(|error| explain(path, error))?.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "found a folder, expected a case file"));
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(|error| explain(path, error))?;
+    file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(|error| explain(path, error))?;
+    if bytes.len() as u64 > LONGEST {
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("found more than {LONGEST} bytes, expected a case file")));
+    }
+    String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = error.as_bytes().iter().take(valid).filter(|b| **b == b'\n').count() + 1;
+        let byte = error.as_bytes().get(valid).copied().unwrap_or_default();
+        let found = format!("found the byte 0x{byte:02x} in line {line}, expected UTF-8 text; save the file as UTF-8");
+        io::Error::new(io::ErrorKind::InvalidData, found)
+    })
+}
+
+/// The same error with what was expected, and for a missing file the name of one that is there.
+fn explain(path: &Path, error: io::Error) -> io::Error {
+    match error.kind() {
+        io::ErrorKind::NotFound => {
+            let hint = similar(path).map_or_else(String::new, |near| format!("; did you mean {near}?"));
+            io::Error::new(error.kind(), format!("found no such file, expected a case file{hint}"))
+        }
+        io::ErrorKind::PermissionDenied => io::Error::new(error.kind(), "found a file that may not be read, expected a case file"),
+        _ => error,
+    }
+}
+
+/// A file of the folder that goes by a similar name, as it would be given.
+fn similar(path: &Path) -> Option<String> {
+    let name = path.file_name()?.to_str()?;
+    let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+    let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
+    let mut names: Vec<String> = entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
+    names.sort();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let with_ending = format!("{name}.toml");
+    let near = names.iter().copied().find(|n| *n == with_ending).or_else(|| nearest(name, &names))?;
+    Some(path.with_file_name(near).display().to_string())
+}

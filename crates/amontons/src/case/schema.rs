@@ -1,0 +1,274 @@
+//! The JSON Schema of the case file, and a view of it that words what a key expects.
+
+use schemars::transform::{Transform, transform_subschemas};
+use serde_json::{Map, Value};
+
+use super::raw;
+
+/// The JSON Schema (2020-12) of the case file.
+#[must_use]
+pub fn schema() -> Value {
+    let mut schema = schemars::schema_for!(raw::Case);
+    NoNull.transform(&mut schema);
+    schema.to_value()
+}
+
+/// TOML has no null: a key that may be left out is left out.
+struct NoNull;
+
+impl Transform for NoNull {
+    fn transform(&mut self, schema: &mut schemars::Schema) {
+        transform_subschemas(self, schema);
+        let Some(object) = schema.as_object_mut() else { return };
+        let is_null = |v: &Value| v.as_str() == Some("null") || v.get("type").and_then(Value::as_str) == Some("null");
+        for keyword in ["type", "anyOf"] {
+            let Some(Value::Array(alternatives)) = object.get_mut(keyword) else { continue };
+            alternatives.retain(|v| !is_null(v));
+            let [only] = alternatives.as_mut_slice() else { continue };
+            let only = only.take();
+            match only {
+                Value::Object(fields) => {
+                    object.remove(keyword);
+                    object.extend(fields);
+                }
+                kind => {
+                    object.insert(keyword.to_owned(), kind);
+                }
+            }
+        }
+    }
+}
+
+/// A place in a schema, references resolved.
+#[derive(Clone, Copy)]
+pub(super) struct View<'s> {
+    root: &'s Value,
+    node: &'s Value,
+    /// What the nearest key above is about.
+    about: Option<&'s str>,
+}
+
+impl<'s> View<'s> {
+    /// The schema as a whole.
+    pub fn new(root: &'s Value) -> View<'s> {
+        View { root, node: root, about: None }
+    }
+
+    /// A part of this schema; it is about the same as the whole unless it says itself.
+    fn at(&self, node: &'s Value) -> View<'s> {
+        let about = node.get("description").and_then(Value::as_str).or(self.about);
+        let mut node = node;
+        while let Some(target) = node.get("$ref").and_then(Value::as_str) {
+            match self.root.pointer(target.trim_start_matches('#')) {
+                Some(next) => node = next,
+                None => break,
+            }
+        }
+        View { root: self.root, node, about }
+    }
+
+    fn list(&self, keyword: &str) -> impl Iterator<Item = &'s Value> + use<'s> {
+        self.node.get(keyword).and_then(Value::as_array).into_iter().flatten()
+    }
+
+    fn properties(&self) -> Option<&'s Map<String, Value>> {
+        self.node.get("properties").and_then(Value::as_object)
+    }
+
+    /// The keys of a table, in alphabetical order.
+    pub fn keys(&self) -> Vec<&'s str> {
+        self.properties().into_iter().flat_map(Map::keys).map(String::as_str).collect()
+    }
+
+    /// The keys that a table must have.
+    pub fn required(&self) -> Vec<&'s str> {
+        self.list("required").filter_map(Value::as_str).collect()
+    }
+
+    /// The schema of a key of a table; that of any key if the table is free.
+    pub fn property(&self, key: &str) -> Option<View<'s>> {
+        let named = self.properties().and_then(|p| p.get(key));
+        named.or_else(|| self.node.get("additionalProperties").filter(|p| p.is_object())).map(|p| self.at(p))
+    }
+
+    /// The schema of the entries of an array.
+    pub fn items(&self) -> Option<View<'s>> {
+        self.node.get("items").map(|items| self.at(items))
+    }
+
+    /// Fewest and most entries of an array.
+    pub fn lengths(&self) -> (u64, u64) {
+        let bound = |keyword: &str| self.node.get(keyword).and_then(Value::as_u64);
+        (bound("minItems").unwrap_or(0), bound("maxItems").unwrap_or(u64::MAX))
+    }
+
+    /// The forms that a value may take, such as number or string.
+    pub fn alternatives(&self) -> Vec<View<'s>> {
+        self.list("anyOf").map(|v| View { about: self.about, ..self.at(v) }).collect()
+    }
+
+    /// The words that a string may be.
+    pub fn words(&self) -> Vec<&'s str> {
+        let constants = self.list("oneOf").filter_map(|v| v.get("const").and_then(Value::as_str));
+        self.list("enum").filter_map(Value::as_str).chain(constants).collect()
+    }
+
+    /// The tables that a tag tells apart: the key of the tag and the tables by their tag.
+    pub fn variants(&self) -> Option<(&'s str, Vec<(&'s str, View<'s>)>)> {
+        let mut tag = None;
+        let mut variants = Vec::new();
+        for variant in self.list("oneOf") {
+            let (key, name) = variant.get("properties").and_then(Value::as_object)?.iter().find_map(|(key, property)| {
+                property.get("const").and_then(Value::as_str).map(|name| (key.as_str(), name))
+            })?;
+            tag = Some(key);
+            variants.push((name, View { about: self.about, ..self.at(variant) }));
+        }
+        tag.map(|tag| (tag, variants))
+    }
+
+    /// The type: `object`, `array`, `string`, `number`, `integer` or `boolean`.
+    pub fn kind(&self) -> &'s str {
+        match self.node.get("type").and_then(Value::as_str) {
+            Some(kind) => kind,
+            None if self.variants().is_some() => "object",
+            None => "string",
+        }
+    }
+
+    /// The bounds that a number breaks, none if it keeps them.
+    pub fn admits(&self, number: f64) -> bool {
+        let bound = |keyword: &str| self.node.get(keyword).and_then(Value::as_f64);
+        bound("minimum").is_none_or(|b| number >= b)
+            && bound("exclusiveMinimum").is_none_or(|b| number > b)
+            && bound("maximum").is_none_or(|b| number <= b)
+            && bound("exclusiveMaximum").is_none_or(|b| number < b)
+    }
+
+    /// What is expected here and what it is about: `a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)`.
+    pub fn expected(&self) -> String {
+        let phrase = self.phrase();
+        match self.about.map(first_paragraph).filter(|about| !about.is_empty()) {
+            Some(about) => format!("{phrase} ({about})"),
+            None => phrase,
+        }
+    }
+
+    /// What is expected here: `a number ≥ 0`.
+    fn phrase(&self) -> String {
+        if let Some(title) = self.node.get("title").and_then(Value::as_str) {
+            return title.to_owned();
+        }
+        let words = self.words();
+        if !words.is_empty() {
+            return one_of(&words);
+        }
+        match self.kind() {
+            "object" => match self.variants() {
+                Some((tag, _)) => format!("a table with `{tag}`"),
+                None => "a table".to_owned(),
+            },
+            "array" => {
+                let each = self.items().map_or_else(String::new, |items| format!(", each {}", items.phrase()));
+                match self.lengths() {
+                    (least, most) if least == most => format!("an array of {least}{each}"),
+                    _ => format!("an array{each}"),
+                }
+            }
+            "string" => "a string".to_owned(),
+            "boolean" => "true or false".to_owned(),
+            kind => {
+                let noun = if kind == "integer" { "an integer" } else { "a number" };
+                format!("{noun}{}", self.range())
+            }
+        }
+    }
+
+    fn range(&self) -> String {
+        let bounds = [("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<")];
+        let parts: Vec<String> = bounds
+            .iter()
+            .filter_map(|(keyword, sign)| {
+                let bound = self.node.get(*keyword).and_then(Value::as_f64)?;
+                Some(format!(" {sign} {bound}"))
+            })
+            .collect();
+        parts.join(" and")
+    }
+
+    /// A value that the schema takes, to stand in for a faulty one so that the check can go on.
+    pub fn sample(&self) -> Value {
+        if let Some(first) = self.alternatives().first() {
+            return first.sample();
+        }
+        if let Some((tag, variants)) = self.variants() {
+            let Some((name, table)) = variants.first() else { return Value::Null };
+            let mut sample = table.sample();
+            sample[tag] = Value::from(*name);
+            return sample;
+        }
+        match self.kind() {
+            "object" => {
+                let entries = self.required().into_iter().filter_map(|k| Some((k.to_owned(), self.property(k)?.sample())));
+                Value::Object(entries.collect())
+            }
+            "array" => (0..self.lengths().0).filter_map(|_| self.items().map(|i| i.sample())).collect(),
+            "string" => Value::from(self.words().first().copied().unwrap_or_default()),
+            "boolean" => Value::from(false),
+            "integer" => Value::from(1),
+            _ => Value::from(if self.admits(1.0) { 1.0 } else { 0.0 }),
+        }
+    }
+
+    /// The sections that have a key of this name, `[material]`, and the keys that hold it.
+    pub fn homes(&self, key: &str) -> Vec<String> {
+        let mut homes = Vec::new();
+        self.collect_homes(key, "", &mut homes);
+        homes.dedup();
+        homes
+    }
+
+    fn collect_homes(&self, key: &str, section: &str, homes: &mut Vec<String>) {
+        let tables: Vec<View<'s>> = match self.variants() {
+            Some((_, variants)) => variants.into_iter().map(|(_, table)| table).collect(),
+            None => vec![*self],
+        };
+        for table in tables {
+            for (name, property) in table.properties().into_iter().flatten() {
+                if name == key {
+                    homes.push(section.to_owned());
+                }
+                let dotted = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
+                let property = table.at(property);
+                property.items().unwrap_or(property).collect_homes(key, &dotted, homes);
+            }
+        }
+    }
+}
+
+/// `"right", "left" or "crossed"`.
+pub(super) fn one_of(words: &[&str]) -> String {
+    let quoted: Vec<String> = words.iter().map(|w| format!("\"{w}\"")).collect();
+    match quoted.split_last() {
+        Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
+        _ => quoted.concat(),
+    }
+}
+
+/// The first paragraph of a description as it reads inside a sentence.
+fn first_paragraph(description: &str) -> String {
+    let paragraph = description.split("\n\n").next().unwrap_or_default().replace('\n', " ");
+    let text = paragraph.trim_end_matches('.');
+    let mut chars = text.chars();
+    match (chars.next(), chars.next()) {
+        (Some(first), Some(second)) if first.is_ascii_uppercase() && second.is_ascii_lowercase() && !is_name(text) => {
+            format!("{}{}", first.to_ascii_lowercase(), text.get(1..).unwrap_or_default())
+        }
+        _ => text.to_owned(),
+    }
+}
+
+/// Whether a text starts with the name of a person.
+fn is_name(text: &str) -> bool {
+    ["Young", "Poisson"].iter().any(|name| text.starts_with(name))
+}
