@@ -23,7 +23,13 @@ use crate::quadrature::{Rule, rule};
 use crate::tensor::{MANDEL, Point, Sym, mandel_len, mandel_weight};
 
 /// Sums `form(map, matrix of the cell, weight)` over the quadrature points of all cells.
-fn assemble(mesh: &Mesh, graph: &Arc<Graph>, shape: (usize, usize), degree: impl Fn(&Element) -> usize, form: impl Fn(&CellMap, f64, usize, &mut [f64])) -> BlockMatrix {
+fn assemble(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    shape: (usize, usize),
+    degree: impl Fn(&Element) -> usize,
+    form: impl Fn(&CellMap, f64, usize, &mut [f64]),
+) -> BlockMatrix {
     let mut matrix = BlockMatrix::zero(graph, shape.0, shape.1);
     for block in &mesh.blocks {
         let n = block.element.nodes.len();
@@ -55,13 +61,19 @@ fn strain_of(dim: usize, g: &Point, c: usize) -> Sym {
 /// (θ, η)_{L²(Ω)}, and by components (w, v)_H.
 #[must_use]
 pub fn inner_h(mesh: &Mesh, graph: &Arc<Graph>) -> BlockMatrix {
-    assemble(mesh, graph, (1, 1), |e| 2 * e.degree, |map, weight, n, out| {
-        for i in 0..n {
-            for j in 0..n {
-                out[i * n + j] += weight * map.values[i] * map.values[j];
+    assemble(
+        mesh,
+        graph,
+        (1, 1),
+        |e| 2 * e.degree,
+        |map, weight, n, out| {
+            for i in 0..n {
+                for j in 0..n {
+                    out[i * n + j] += weight * map.values[i] * map.values[j];
+                }
             }
-        }
-    })
+        },
+    )
 }
 
 /// a(u, v) = ∫ 𝓔ε(u):ε(v) of a linear law.
@@ -78,35 +90,47 @@ pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &dyn TensorLaw) -> BlockMat
 
 fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, law: &dyn TensorLaw) -> BlockMatrix {
     let dim = mesh.dim;
-    assemble(mesh, graph, (dim, dim), |e| 2 * (e.degree - 1), |map, weight, n, out| {
-        let tangent = law.tangent(&map.position, &Sym::ZERO);
-        let width = n * dim;
-        for j in 0..n {
-            for c in 0..dim {
-                let stress = weight * tangent.apply(&strain_of(dim, &map.gradients[j], c));
-                for i in 0..n {
-                    for r in 0..dim {
-                        // Components 33 of a plane law do no work: the strain has none.
-                        out[(i * dim + r) * width + j * dim + c] += stress.dot(&strain_of(dim, &map.gradients[i], r));
+    assemble(
+        mesh,
+        graph,
+        (dim, dim),
+        |e| 2 * (e.degree - 1),
+        |map, weight, n, out| {
+            let tangent = law.tangent(&map.position, &Sym::ZERO);
+            let width = n * dim;
+            for j in 0..n {
+                for c in 0..dim {
+                    let stress = weight * tangent.apply(&strain_of(dim, &map.gradients[j], c));
+                    for i in 0..n {
+                        for r in 0..dim {
+                            // Components 33 of a plane law do no work: the strain has none.
+                            out[(i * dim + r) * width + j * dim + c] += stress.dot(&strain_of(dim, &map.gradients[i], r));
+                        }
                     }
                 }
             }
-        }
-    })
+        },
+    )
     .of_differences()
 }
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.
 #[must_use]
 pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &Sym) -> BlockMatrix {
-    assemble(mesh, graph, (1, 1), |e| 2 * (e.degree - 1), |map, weight, n, out| {
-        for j in 0..n {
-            let flux = conductivity.apply(&map.gradients[j]);
-            for i in 0..n {
-                out[i * n + j] += weight * crate::tensor::dot(&flux, &map.gradients[i]);
+    assemble(
+        mesh,
+        graph,
+        (1, 1),
+        |e| 2 * (e.degree - 1),
+        |map, weight, n, out| {
+            for j in 0..n {
+                let flux = conductivity.apply(&map.gradients[j]);
+                for i in 0..n {
+                    out[i * n + j] += weight * crate::tensor::dot(&flux, &map.gradients[i]);
+                }
             }
-        }
-    })
+        },
+    )
     .of_differences()
 }
 
@@ -114,32 +138,44 @@ pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &Sym) -> BlockMatrix {
 #[must_use]
 pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &Sym) -> BlockMatrix {
     let dim = mesh.dim;
-    assemble(mesh, graph, (dim, 1), |e| 2 * e.degree - 1, |map, weight, n, out| {
-        for i in 0..n {
-            for r in 0..dim {
-                let work = weight * expansion.dot(&strain_of(dim, &map.gradients[i], r));
-                for j in 0..n {
-                    out[(i * dim + r) * n + j] += work * map.values[j];
+    assemble(
+        mesh,
+        graph,
+        (dim, 1),
+        |e| 2 * e.degree - 1,
+        |map, weight, n, out| {
+            for i in 0..n {
+                for r in 0..dim {
+                    let work = weight * expansion.dot(&strain_of(dim, &map.gradients[i], r));
+                    for j in 0..n {
+                        out[(i * dim + r) * n + j] += work * map.values[j];
+                    }
                 }
             }
-        }
-    })
+        },
+    )
 }
 
 /// e(u, η) = ∫ 𝓡:ε(u) η, rows η, columns u.
 #[must_use]
 pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &Sym) -> BlockMatrix {
     let dim = mesh.dim;
-    assemble(mesh, graph, (1, dim), |e| 2 * e.degree - 1, |map, weight, n, out| {
-        for j in 0..n {
-            for c in 0..dim {
-                let heat = weight * coupling.dot(&strain_of(dim, &map.gradients[j], c));
-                for i in 0..n {
-                    out[i * n * dim + j * dim + c] += heat * map.values[i];
+    assemble(
+        mesh,
+        graph,
+        (1, dim),
+        |e| 2 * e.degree - 1,
+        |map, weight, n, out| {
+            for j in 0..n {
+                for c in 0..dim {
+                    let heat = weight * coupling.dot(&strain_of(dim, &map.gradients[j], c));
+                    for i in 0..n {
+                        out[i * n * dim + j * dim + c] += heat * map.values[i];
+                    }
                 }
             }
-        }
-    })
+        },
+    )
     .of_differences()
 }
 

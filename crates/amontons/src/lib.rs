@@ -1,17 +1,16 @@
 //! Contact of deformable bodies with friction and heat.
 
+pub mod case;
 pub mod contact;
 pub mod element;
+pub mod expression;
+pub mod field;
 pub mod forms;
 pub mod linalg;
-pub mod space;
 pub mod material;
 pub mod mesh;
-pub mod quadrature;
-pub mod tensor;
-
-pub mod field;
-/// x
-pub mod expression;
 pub mod problem;
+pub mod quadrature;
 pub mod scheme;
+pub mod space;
+pub mod tensor;

@@ -67,11 +67,7 @@ impl Isotropic {
     #[must_use]
     pub fn elastic(dim: usize, young: f64, poisson: f64, state: StressState) -> Isotropic {
         let plane_stress = dim == 2 && state == StressState::PlaneStress;
-        let lambda = if plane_stress {
-            young * poisson / (1.0 - poisson * poisson)
-        } else {
-            young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
-        };
+        let lambda = if plane_stress { young * poisson / (1.0 - poisson * poisson) } else { young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) };
         Isotropic::new(dim, lambda, young / (1.0 + poisson), dim == 2 && !plane_stress)
     }
 

@@ -352,11 +352,7 @@ mod tests {
             let mesh = Mesh::rectangle([2.0, 3.0], [4, 5], diagonal)?;
             mesh.check()?;
             assert_eq!(mesh.points.len(), rectangle_nodes([4, 5], diagonal) as usize);
-            let area: f64 = mesh
-                .blocks
-                .iter()
-                .flat_map(|b| b.cells().map(|c| 0.5 * CellMap::new(&mesh, b.element, c, &[0.2, 0.3, 0.0]).determinant))
-                .sum();
+            let area: f64 = mesh.blocks.iter().flat_map(|b| b.cells().map(|c| 0.5 * CellMap::new(&mesh, b.element, c, &[0.2, 0.3, 0.0]).determinant)).sum();
             assert!((area - 6.0).abs() < 1e-13);
             assert_eq!(mesh.unnamed_boundary_facets(), 0);
             for (name, normal, length) in

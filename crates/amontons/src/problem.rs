@@ -217,10 +217,7 @@ impl Problem {
                 );
             }
             if b.temperature.is_some() && b.heat_inflow.is_some() {
-                faults.push(
-                    Fault::new(format!("boundary[{i}].heat_inflow"), "a heat inflow besides a temperature", "one of the two")
-                        .hint("drop one of them"),
-                );
+                faults.push(Fault::new(format!("boundary[{i}].heat_inflow"), "a heat inflow besides a temperature", "one of the two").hint("drop one of them"));
             }
             if let Some(contact) = self.contact.as_ref().filter(|c| c.on == b.on) {
                 if b.displacement.is_some() {

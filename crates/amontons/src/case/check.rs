@@ -212,9 +212,7 @@ fn number(found: &DeValue<'_>) -> Option<f64> {
 /// What to write where the type is wrong but the value can be told.
 fn hint_for_kind(kind: &str, found: &DeValue<'_>) -> Option<String> {
     match (kind, found) {
-        ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => {
-            Some(format!("write {} without quotes", text.trim()))
-        }
+        ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => Some(format!("write {} without quotes", text.trim())),
         ("integer", DeValue::Float(_)) => {
             let whole = number(found).filter(|n| n.fract() == 0.0 && n.abs() < 1e15)?;
             Some(format!("write {whole}"))

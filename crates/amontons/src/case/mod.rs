@@ -85,8 +85,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         faults.extend(overrides::faults(overrides));
         return Err(CaseError::faults(source, faults));
     }
-    let applied = overrides::apply(&source.text, overrides)
-        .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
+    let applied = overrides::apply(&source.text, overrides).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
     let Applied { text, set, mut faults } = applied;
     let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
     let (case, findings) = build_case(&text);

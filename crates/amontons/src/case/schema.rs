@@ -118,9 +118,11 @@ impl<'s> View<'s> {
         let mut tag = None;
         let mut variants = Vec::new();
         for variant in self.list("oneOf") {
-            let (key, name) = variant.get("properties").and_then(Value::as_object)?.iter().find_map(|(key, property)| {
-                property.get("const").and_then(Value::as_str).map(|name| (key.as_str(), name))
-            })?;
+            let (key, name) = variant
+                .get("properties")
+                .and_then(Value::as_object)?
+                .iter()
+                .find_map(|(key, property)| property.get("const").and_then(Value::as_str).map(|name| (key.as_str(), name)))?;
             tag = Some(key);
             variants.push((name, View { about: self.about, ..self.at(variant) }));
         }

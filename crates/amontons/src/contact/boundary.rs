@@ -76,11 +76,8 @@ impl ContactBoundary {
 
 /// A point a node: weight ∫ N_i, and the normal of the weighted sum over the facets that meet there.
 fn nodal_points(mesh: &Mesh, set: &FacetSet, nodes: &[u32], local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
-    let mut points: Vec<PointOnBoundary> = nodes
-        .iter()
-        .enumerate()
-        .map(|(i, &n)| PointOnBoundary { x: mesh.points[n as usize], normal: [0.0; 3], weight: 0.0, nodes: vec![(i, 1.0)] })
-        .collect();
+    let mut points: Vec<PointOnBoundary> =
+        nodes.iter().enumerate().map(|(i, &n)| PointOnBoundary { x: mesh.points[n as usize], normal: [0.0; 3], weight: 0.0, nodes: vec![(i, 1.0)] }).collect();
     let quadrature = rule(set.element.shape, set.element.degree);
     for facet in set.facets() {
         for (at, weight) in quadrature.iter() {

@@ -110,11 +110,7 @@ impl Expression {
     /// is too long or too deeply nested.
     pub fn parse(source: &str) -> Result<Expression, ExpressionError> {
         let parsed = parse::parse(source)?;
-        Ok(Expression {
-            source: source.to_owned(),
-            variables: parsed.variables,
-            program: Program::new(&parsed.graph, parsed.root),
-        })
+        Ok(Expression { source: source.to_owned(), variables: parsed.variables, program: Program::new(&parsed.graph, parsed.root) })
     }
 
     /// The text it was compiled from.
@@ -151,18 +147,13 @@ impl Expression {
 
     /// Whether the text mentions a coordinate.
     pub fn depends_on_space(&self) -> bool {
-        [Variable::X, Variable::Y, Variable::Z]
-            .into_iter()
-            .any(|variable| self.uses(variable))
+        [Variable::X, Variable::Y, Variable::Z].into_iter().any(|variable| self.uses(variable))
     }
 }
 
 impl fmt::Debug for Expression {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter
-            .debug_tuple("Expression")
-            .field(&self.source)
-            .finish()
+        formatter.debug_tuple("Expression").field(&self.source).finish()
     }
 }
 
@@ -175,12 +166,7 @@ impl PartialEq for Expression {
 impl Eq for Expression {}
 
 #[cfg(test)]
-#[allow(
-    clippy::unwrap_used,
-    clippy::float_cmp,
-    clippy::panic,
-    clippy::cast_sign_loss
-)]
+#[allow(clippy::unwrap_used, clippy::float_cmp, clippy::panic, clippy::cast_sign_loss)]
 mod tests {
     use proptest::prelude::*;
 
@@ -320,11 +306,7 @@ mod tests {
             let varying = Expression::parse("x^t").unwrap();
             for x in [-3.0, -0.7, 0.0, 1.1, 25.0] {
                 let (a, b) = (constant.value(&[x, 0.0, 0.0], 0.0), f64::from(n));
-                assert_eq!(
-                    a.to_bits(),
-                    varying.value(&[x, 0.0, 0.0], b).to_bits(),
-                    "{x}^{n}"
-                );
+                assert_eq!(a.to_bits(), varying.value(&[x, 0.0, 0.0], b).to_bits(), "{x}^{n}");
                 let exact = x.powi(n);
                 assert!(a == exact || (a / exact - 1.0).abs() < 1e-14, "{x}^{n}");
             }
@@ -371,60 +353,20 @@ mod tests {
             ("xy", 0, "`xy`", "write x*y"),
             ("x**2", 1, "`**`", "write ^ for a power"),
             ("x = 1", 2, "`=`", "write == to compare"),
-            (
-                "x < y < z",
-                6,
-                "`<`",
-                "write (a < b)*(b < c) where both must hold",
-            ),
-            (
-                "x == y != z",
-                7,
-                "`!=`",
-                "write (a < b)*(b < c) where both must hold",
-            ),
-            (
-                "(x < 1) && (y < 1)",
-                8,
-                "`&&`",
-                "write (a)*(b) where both conditions must hold",
-            ),
+            ("x < y < z", 6, "`<`", "write (a < b)*(b < c) where both must hold"),
+            ("x == y != z", 7, "`!=`", "write (a < b)*(b < c) where both must hold"),
+            ("(x < 1) && (y < 1)", 8, "`&&`", "write (a)*(b) where both conditions must hold"),
             ("1,5*x", 1, "`,`", "write decimals with a point, as in 2.5"),
-            (
-                "(x + 1",
-                6,
-                "the end of the expression",
-                "the parenthesis opened at byte 0 is not closed",
-            ),
+            ("(x + 1", 6, "the end of the expression", "the parenthesis opened at byte 0 is not closed"),
             ("x + 1)", 5, "`)`", "no parenthesis is open here"),
             ("()", 1, "`)`", ""),
             ("sin x", 4, "`x`", "sin takes one argument: sin(a)"),
-            (
-                "sin",
-                3,
-                "the end of the expression",
-                "sin takes one argument: sin(a)",
-            ),
+            ("sin", 3, "the end of the expression", "sin takes one argument: sin(a)"),
             ("sin()", 4, "`)`", "sin takes one argument: sin(a)"),
             ("sin(x, y)", 5, "`,`", "sin takes one argument: sin(a)"),
-            (
-                "atan2(x)",
-                7,
-                "`)`",
-                "atan2 takes two arguments: atan2(a, b)",
-            ),
-            (
-                "if(x, y)",
-                7,
-                "`)`",
-                "if takes three arguments: if(a, b, c)",
-            ),
-            (
-                "min(x)",
-                5,
-                "`)`",
-                "min takes two or more arguments: min(a, b)",
-            ),
+            ("atan2(x)", 7, "`)`", "atan2 takes two arguments: atan2(a, b)"),
+            ("if(x, y)", 7, "`)`", "if takes three arguments: if(a, b, c)"),
+            ("min(x)", 5, "`)`", "min takes two or more arguments: min(a, b)"),
             ("1 + sine(x)", 4, "`sine`", "did you mean sin?"),
             ("Sin(x)", 0, "`Sin`", "did you mean sin?"),
             ("sqr(x)", 0, "`sqr`", "did you mean sqrt?"),
@@ -444,21 +386,14 @@ mod tests {
             ("1.2.3", 3, "`.3`", "write 1.2*.3"),
         ] {
             let error = error(source);
-            let actual = (
-                error.offset,
-                error.found.as_str(),
-                error.hint.as_deref().unwrap_or(""),
-            );
+            let actual = (error.offset, error.found.as_str(), error.hint.as_deref().unwrap_or(""));
             assert_eq!(actual, (offset, found, hint), "{source}");
         }
     }
 
     #[test]
     fn errors_read_as_a_sentence() {
-        assert_eq!(
-            error("2x").to_string(),
-            "at byte 1: found `x`, expected an operator or the end of the expression (write 2*x)"
-        );
+        assert_eq!(error("2x").to_string(), "at byte 1: found `x`, expected an operator or the end of the expression (write 2*x)");
         assert_eq!(
             error("1 +").to_string(),
             "at byte 3: found the end of the expression, expected a number, a variable, \
@@ -471,17 +406,8 @@ mod tests {
         assert_eq!(error(&"(".repeat(50_000)).offset, parse::MAX_LENGTH);
         assert_eq!(error(&"x+".repeat(50_000)).offset, parse::MAX_LENGTH);
         assert_eq!(error(&"é".repeat(50_000)).offset, parse::MAX_LENGTH);
-        assert_eq!(
-            error(&format!("x{}", "é".repeat(9_000))).offset,
-            parse::MAX_LENGTH - 1
-        );
-        for (piece, offset) in [
-            ("(", 200),
-            ("-", 200),
-            ("2^", 400),
-            ("sin(", 800),
-            ("if(", 600),
-        ] {
+        assert_eq!(error(&format!("x{}", "é".repeat(9_000))).offset, parse::MAX_LENGTH - 1);
+        for (piece, offset) in [("(", 200), ("-", 200), ("2^", 400), ("sin(", 800), ("if(", 600)] {
             let error = error(&piece.repeat(9_000 / piece.len()));
             assert_eq!(error.offset, offset, "{piece}");
             assert!(error.expected.contains("200 levels"), "{piece}");
@@ -502,10 +428,7 @@ mod tests {
         let expression = Expression::parse(&nested).unwrap();
         let mut out = [0.0; 5];
         expression.values(&[POINT; 5], TIME, &mut out);
-        assert!(
-            out.iter()
-                .all(|value| value.to_bits() == at(&nested).to_bits())
-        );
+        assert!(out.iter().all(|value| value.to_bits() == at(&nested).to_bits()));
     }
 
     #[test]
@@ -524,8 +447,7 @@ mod tests {
             assert_eq!(expression.depends_on_time(), time, "{source}");
         }
         let expression = Expression::parse("x + max(z, 1)").unwrap();
-        let used = [Variable::X, Variable::Y, Variable::Z, Variable::T]
-            .map(|variable| expression.uses(variable));
+        let used = [Variable::X, Variable::Y, Variable::Z, Variable::T].map(|variable| expression.uses(variable));
         assert_eq!(used, [true, false, true, false]);
     }
 
@@ -582,22 +504,14 @@ mod tests {
                 Tree::Negate(a) => format!("-{}", a.text(3)),
                 Tree::Infix("^", a, b) => format!("{}^{}", a.text(5), b.text(3)),
                 Tree::Infix(op, a, b) => {
-                    format!(
-                        "{} {op} {}",
-                        a.text(self.level().max(1)),
-                        b.text(self.level() + 1)
-                    )
+                    format!("{} {op} {}", a.text(self.level().max(1)), b.text(self.level() + 1))
                 }
                 Tree::Call(name, arguments) => {
                     let arguments: Vec<_> = arguments.iter().map(|a| a.text(0)).collect();
                     format!("{name}({})", arguments.join(", "))
                 }
             };
-            if self.level() < least {
-                format!("({text})")
-            } else {
-                text
-            }
+            if self.level() < least { format!("({text})") } else { text }
         }
 
         fn value(&self, x: &[f64; 3], t: f64) -> f64 {
@@ -667,25 +581,19 @@ mod tests {
             ("pow", [a, b]) => power(*a, *b),
             ("mod", [a, b]) => {
                 let r = a % b;
-                if r < 0.0 && *b > 0.0 || r > 0.0 && *b < 0.0 {
-                    r + b
-                } else {
-                    r
-                }
+                if r < 0.0 && *b > 0.0 || r > 0.0 && *b < 0.0 { r + b } else { r }
             }
             ("if", [c, a, b]) => match *c {
                 0.0 => *b,
                 c if c.is_nan() => c,
                 _ => *a,
             },
-            ("min" | "max", [first, others @ ..]) => {
-                others.iter().fold(*first, |a, &b| match name {
-                    _ if a.is_nan() || b.is_nan() => f64::NAN,
-                    "min" if a < b => a,
-                    "max" if a > b => a,
-                    _ => b,
-                })
-            }
+            ("min" | "max", [first, others @ ..]) => others.iter().fold(*first, |a, &b| match name {
+                _ if a.is_nan() || b.is_nan() => f64::NAN,
+                "min" if a < b => a,
+                "max" if a > b => a,
+                _ => b,
+            }),
             _ => panic!("{name} of {} arguments", values.len()),
         }
     }
@@ -694,11 +602,8 @@ mod tests {
         let leaf = prop_oneof![
             (0_u8..20).prop_map(|n| Tree::Number(f64::from(n))),
             (0.0..1e3).prop_map(Tree::Number),
-            any::<f64>().prop_filter_map("finite", |v| {
-                v.is_finite().then_some(Tree::Number(v.abs()))
-            }),
-            prop::sample::select(vec!["x", "y", "z", "t", "x", "y", "z", "t", "pi", "e"])
-                .prop_map(Tree::Name),
+            any::<f64>().prop_filter_map("finite", |v| { v.is_finite().then_some(Tree::Number(v.abs())) }),
+            prop::sample::select(vec!["x", "y", "z", "t", "x", "y", "z", "t", "pi", "e"]).prop_map(Tree::Name),
         ];
         leaf.prop_recursive(6, 80, 4, |inner| {
             let boxed = inner.clone().prop_map(Box::new).boxed();
@@ -720,10 +625,8 @@ mod tests {
                 ("min", 4),
                 ("max", 3),
             ];
-            let call = prop::sample::select(calls).prop_flat_map(move |(name, count)| {
-                prop::collection::vec(inner.clone(), count)
-                    .prop_map(move |arguments| Tree::Call(name, arguments))
-            });
+            let call = prop::sample::select(calls)
+                .prop_flat_map(move |(name, count)| prop::collection::vec(inner.clone(), count).prop_map(move |arguments| Tree::Call(name, arguments)));
             prop_oneof![
                 1 => boxed.clone().prop_map(Tree::Negate),
                 6 => (prop::sample::select(infix), boxed.clone(), boxed)

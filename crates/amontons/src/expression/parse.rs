@@ -50,12 +50,7 @@ const FUNCTIONS: [(&str, Op, Arity); 25] = [
     ("if", Op::If, Arity::Exactly(3)),
 ];
 
-const VARIABLES: [(&str, Variable); 4] = [
-    ("x", Variable::X),
-    ("y", Variable::Y),
-    ("z", Variable::Z),
-    ("t", Variable::T),
-];
+const VARIABLES: [(&str, Variable); 4] = [("x", Variable::X), ("y", Variable::Y), ("z", Variable::Z), ("t", Variable::T)];
 
 const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
 
@@ -79,10 +74,7 @@ const FOREIGN_SYMBOLS: [(&str, &str); 23] = [
     ("&&", "write (a)*(b) where both conditions must hold"),
     ("&", "write (a)*(b) where both conditions must hold"),
     ("||", "write max(a, b) where one condition must hold"),
-    (
-        "|",
-        "write abs(a) for a magnitude, max(a, b) where one condition must hold",
-    ),
+    ("|", "write abs(a) for a magnitude, max(a, b) where one condition must hold"),
     ("=", "write == to compare"),
     ("!", "write a == 0 for the contrary of a condition"),
     ("%", "write mod(a, b) for a remainder"),
@@ -135,26 +127,14 @@ pub(super) fn parse(source: &str) -> Result<Parsed, ExpressionError> {
             hint: None,
         });
     }
-    let mut parser = Parser {
-        source,
-        token: Token::End,
-        span: 0..0,
-        previous: Token::End,
-        previous_span: 0..0,
-        depth: 0,
-        graph: Graph::default(),
-        variables: [false; 4],
-    };
+    let mut parser =
+        Parser { source, token: Token::End, span: 0..0, previous: Token::End, previous_span: 0..0, depth: 0, graph: Graph::default(), variables: [false; 4] };
     parser.advance()?;
     let root = parser.comparison()?;
     if parser.token != Token::End {
         return Err(parser.after_operand("an operator or the end of the expression", None));
     }
-    Ok(Parsed {
-        graph: parser.graph,
-        root,
-        variables: parser.variables,
-    })
+    Ok(Parsed { graph: parser.graph, root, variables: parser.variables })
 }
 
 struct Parser<'a> {
@@ -188,10 +168,7 @@ impl<'a> Parser<'a> {
         let right = self.sum()?;
         if let Token::Compare(_) = self.token {
             // `a < b < c` would compare the outcome 0 or 1 of the first with c.
-            return Err(self.error(
-                "a single comparison",
-                Some("write (a < b)*(b < c) where both must hold".to_owned()),
-            ));
+            return Err(self.error("a single comparison", Some("write (a < b)*(b < c) where both must hold".to_owned())));
         }
         Ok(self.graph.binary(op, left, right))
     }
@@ -227,10 +204,9 @@ impl<'a> Parser<'a> {
     /// Every recursion passes through here, so here it is bounded.
     fn signed(&mut self) -> Result<NodeId, ExpressionError> {
         if self.depth >= MAX_DEPTH {
-            return Err(self.error(
-                &format!("at most {MAX_DEPTH} levels of nesting"),
-                Some("remove parentheses, signs or powers that are not needed".to_owned()),
-            ));
+            return Err(
+                self.error(&format!("at most {MAX_DEPTH} levels of nesting"), Some("remove parentheses, signs or powers that are not needed".to_owned()))
+            );
         }
         self.depth += 1;
         let node = match self.token {
@@ -296,10 +272,7 @@ impl<'a> Parser<'a> {
             return self.call(name, op, arity);
         }
         let hint = suggestion(name);
-        Err(self.error(
-            "a variable (x, y, z, t), a constant (pi, e) or a function",
-            hint,
-        ))
+        Err(self.error("a variable (x, y, z, t), a constant (pi, e) or a function", hint))
     }
 
     fn call(&mut self, name: &str, op: Op, arity: Arity) -> Result<NodeId, ExpressionError> {
@@ -336,9 +309,9 @@ impl<'a> Parser<'a> {
             (Arity::Exactly(1), &[a]) => self.graph.unary(op, a),
             (Arity::Exactly(2), &[a, b]) => self.graph.binary(op, a, b),
             (Arity::Exactly(3), &[a, b, c]) => self.graph.ternary(op, a, b, c),
-            (Arity::AtLeastTwo, &[first, ref others @ ..]) if !others.is_empty() => others
-                .iter()
-                .fold(first, |result, &other| self.graph.binary(op, result, other)),
+            (Arity::AtLeastTwo, &[first, ref others @ ..]) if !others.is_empty() => {
+                others.iter().fold(first, |result, &other| self.graph.binary(op, result, other))
+            }
             _ => return Err(self.error("`,` and a further argument", usage())),
         };
         self.advance()?;
@@ -354,35 +327,21 @@ impl<'a> Parser<'a> {
             Token::End => "the end of the expression".to_owned(),
             _ => format!("`{}`", quote(self.text())),
         };
-        ExpressionError {
-            offset: self.span.start,
-            found,
-            expected: expected.to_owned(),
-            hint,
-        }
+        ExpressionError { offset: self.span.start, found, expected: expected.to_owned(), hint }
     }
 
     /// The error for a token that cannot follow an operand, inside the parenthesis opened at
     /// `open` if any.
     fn after_operand(&self, expected: &str, open: Option<usize>) -> ExpressionError {
-        let before = self
-            .source
-            .get(self.previous_span.clone())
-            .unwrap_or_default();
+        let before = self.source.get(self.previous_span.clone()).unwrap_or_default();
         let hint = match (self.token, self.previous) {
-            (Token::Number(_) | Token::Name | Token::Open, Token::Number(_) | Token::Name) => Some(
-                format!("write {}*{}", factors(before), factors(self.text())),
-            ),
-            (Token::Number(_) | Token::Name | Token::Open, _) => {
-                Some("write * between two factors".to_owned())
+            (Token::Number(_) | Token::Name | Token::Open, Token::Number(_) | Token::Name) => {
+                Some(format!("write {}*{}", factors(before), factors(self.text())))
             }
-            (Token::Comma, Token::Number(_)) => {
-                Some("write decimals with a point, as in 2.5".to_owned())
-            }
+            (Token::Number(_) | Token::Name | Token::Open, _) => Some("write * between two factors".to_owned()),
+            (Token::Comma, Token::Number(_)) => Some("write decimals with a point, as in 2.5".to_owned()),
             (Token::Close, _) => Some("no parenthesis is open here".to_owned()),
-            (Token::End, _) => {
-                open.map(|open| format!("the parenthesis opened at byte {open} is not closed"))
-            }
+            (Token::End, _) => open.map(|open| format!("the parenthesis opened at byte {open} is not closed")),
             _ => None,
         };
         self.error(expected, hint)
@@ -397,12 +356,7 @@ impl<'a> Parser<'a> {
         let (token, length) = match token(trimmed) {
             Ok(found) => found,
             Err((found, expected, hint)) => {
-                return Err(ExpressionError {
-                    offset: start,
-                    found,
-                    expected,
-                    hint,
-                });
+                return Err(ExpressionError { offset: start, found, expected, hint });
             }
         };
         self.token = token;
@@ -415,11 +369,7 @@ impl<'a> Parser<'a> {
 /// was found, what was expected, and the hint.
 fn token(text: &str) -> Result<(Token, usize), (String, String, Option<String>)> {
     let two = |second| text.as_bytes().get(1) == Some(&second);
-    let foreign = || {
-        FOREIGN_SYMBOLS
-            .iter()
-            .find(|entry| text.starts_with(entry.0))
-    };
+    let foreign = || FOREIGN_SYMBOLS.iter().find(|entry| text.starts_with(entry.0));
     Ok(match text.chars().next() {
         None => (Token::End, 0),
         Some('+') => (Token::Plus, 1),
@@ -487,11 +437,7 @@ fn number(text: &str) -> Result<(Token, usize), (String, String, Option<String>)
 
 /// A piece of the source, cut to a length fit for a message and without control characters.
 fn quote(text: &str) -> String {
-    let mut quoted: String = text
-        .chars()
-        .take(MAX_QUOTE)
-        .flat_map(char::escape_debug)
-        .collect();
+    let mut quoted: String = text.chars().take(MAX_QUOTE).flat_map(char::escape_debug).collect();
     if text.chars().nth(MAX_QUOTE).is_some() {
         quoted.push_str("...");
     }
@@ -527,14 +473,9 @@ fn suggestion(name: &str) -> Option<String> {
     let known = || {
         let functions = FUNCTIONS.iter().map(|entry| entry.0);
         let constants = CONSTANTS.iter().map(|entry| entry.0);
-        functions
-            .chain(constants)
-            .chain(VARIABLES.iter().map(|entry| entry.0))
+        functions.chain(constants).chain(VARIABLES.iter().map(|entry| entry.0))
     };
-    let foreign = FOREIGN_NAMES
-        .iter()
-        .find(|entry| entry.0 == lower)
-        .map(|entry| entry.1);
+    let foreign = FOREIGN_NAMES.iter().find(|entry| entry.0 == lower).map(|entry| entry.1);
     let close = || {
         // In a short name, a single letter is already half of it.
         let most = if length <= 4 { 1 } else { 2 };
@@ -544,8 +485,6 @@ fn suggestion(name: &str) -> Option<String> {
             .min_by_key(|&(distance, _)| distance)
             .map(|(_, candidate)| candidate)
     };
-    let meant = foreign
-        .or_else(|| known().find(|&candidate| candidate == lower))
-        .or_else(close)?;
+    let meant = foreign.or_else(|| known().find(|&candidate| candidate == lower)).or_else(close)?;
     Some(format!("did you mean {meant}?"))
 }

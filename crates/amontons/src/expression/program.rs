@@ -158,11 +158,7 @@ fn maximum(a: f64, b: f64) -> f64 {
 #[inline]
 fn modulo(a: f64, b: f64) -> f64 {
     let remainder = a % b;
-    if remainder != 0.0 && (remainder < 0.0) != (b < 0.0) {
-        remainder + b
-    } else {
-        remainder
-    }
+    if remainder != 0.0 && (remainder < 0.0) != (b < 0.0) { remainder + b } else { remainder }
 }
 
 #[inline]
@@ -266,9 +262,7 @@ impl Graph {
         if n == 0 {
             return self.constant(1.0);
         }
-        let product = integer_power(base, n.unsigned_abs(), |a, b| {
-            self.binary(Op::Multiply, a, b)
-        });
+        let product = integer_power(base, n.unsigned_abs(), |a, b| self.binary(Op::Multiply, a, b));
         if n < 0 {
             let one = self.constant(1.0);
             self.binary(Op::Divide, one, product)
@@ -285,13 +279,7 @@ impl Graph {
         });
         if let [Some(a), Some(b), Some(c)] = constants {
             let file = [a, b, c];
-            return self.constant(apply(
-                op,
-                Numbers {
-                    file: &file,
-                    operands: [0, 1, 2],
-                },
-            ));
+            return self.constant(apply(op, Numbers { file: &file, operands: [0, 1, 2] }));
         }
         self.insert(Node::Apply(op, nodes))
     }
@@ -368,11 +356,7 @@ impl Program {
             match *node {
                 Node::Apply(op, operands) => {
                     let operands = operands.map(|operand| slot[operand]);
-                    prologue.push(Instruction {
-                        op,
-                        slot: slot[i],
-                        operands,
-                    });
+                    prologue.push(Instruction { op, slot: slot[i], operands });
                 }
                 _ => time = Some(slot[i]),
             }
@@ -406,11 +390,7 @@ impl Program {
                 slots - 1
             });
             let [a, b, c] = operands;
-            body.push(Instruction {
-                op,
-                slot: slot[i],
-                operands: operands.map(|o| slot[o]),
-            });
+            body.push(Instruction { op, slot: slot[i], operands: operands.map(|o| slot[o]) });
             for (operand, first) in [(a, true), (b, b != a), (c, c != a && c != b)] {
                 if first && stages[operand] == Stage::Space && last_use[operand] == Some(i) {
                     free.push(slot[operand]);
@@ -418,16 +398,7 @@ impl Program {
             }
         }
         let result = slot[root.0];
-        Program {
-            constants,
-            uniform,
-            slots,
-            time,
-            axes,
-            prologue,
-            body,
-            result,
-        }
+        Program { constants, uniform, slots, time, axes, prologue, body, result }
     }
 
     pub(super) fn value(&self, x: &[f64; 3], t: f64) -> f64 {
@@ -475,16 +446,7 @@ impl Program {
                     continue;
                 };
                 let result = &mut result[..points.len()];
-                apply(
-                    op,
-                    Blocks {
-                        uniform,
-                        before,
-                        after,
-                        operands,
-                        result,
-                    },
-                );
+                apply(op, Blocks { uniform, before, after, operands, result });
             }
             for (out, &value) in out.iter_mut().zip(&blocks[self.result - self.uniform]) {
                 *out = canonical(value);
@@ -504,11 +466,7 @@ impl Program {
 
 /// Lends `count` slots, from the stack where they are few.
 fn with_slots<T>(count: usize, run: impl FnOnce(&mut [f64]) -> T) -> T {
-    if count <= STACK_SLOTS {
-        run(&mut [0.0; STACK_SLOTS][..count])
-    } else {
-        run(&mut vec![0.0; count])
-    }
+    if count <= STACK_SLOTS { run(&mut [0.0; STACK_SLOTS][..count]) } else { run(&mut vec![0.0; count]) }
 }
 
 fn run(instructions: &[Instruction], file: &mut [f64]) {

@@ -81,7 +81,8 @@ impl Condensed {
 
     /// Solves (S + J) x = b in place, J the sum of the entries.
     pub fn solve(&mut self, entries: &[Entry], b: &mut [f64]) {
-        let same = |kept: &[Entry]| kept.len() == entries.len() && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits());
+        let same =
+            |kept: &[Entry]| kept.len() == entries.len() && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits());
         let lu = match self.kept.iter().position(|(key, _)| same(key)) {
             Some(0) => &self.kept[0].1,
             Some(found) => {

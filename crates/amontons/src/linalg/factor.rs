@@ -215,8 +215,7 @@ impl SupernodalFactor {
         let upper = upper_columns(matrix, unknowns);
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
         let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..CholeskySymbolicParams::default() };
-        let symbolic: SymbolicCholesky<u32> =
-            factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| memory())?;
+        let symbolic: SymbolicCholesky<u32> = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| memory())?;
         let mut values = Vec::new();
         values.try_reserve_exact(symbolic.len_val()).map_err(|_| memory())?;
         values.resize(symbolic.len_val(), 0.0);
@@ -286,15 +285,8 @@ impl<'a> Tree<'a> {
                 owner[column] = s as u32;
             }
         }
-        let mut tree = Tree {
-            symbolic,
-            interior,
-            count,
-            children: vec![Vec::new(); count],
-            roots: Vec::new(),
-            first: (0..count).collect(),
-            work: vec![0; count],
-        };
+        let mut tree =
+            Tree { symbolic, interior, count, children: vec![Vec::new(); count], roots: Vec::new(), first: (0..count).collect(), work: vec![0; count] };
         for s in 0..count {
             let view = symbolic.supernode(s);
             let columns = symbolic.supernode_end()[s] as usize - view.start();
@@ -348,11 +340,7 @@ impl<'a> Tree<'a> {
     fn task(&self, groups: Vec<(usize, usize)>, own: std::ops::Range<usize>, panels: std::ops::Range<usize>, ancestors: &[u32]) -> Task {
         // Where a row of the matrix stands in the vector of this task.
         let local = |row: u32| {
-            if (row as usize) < own.end {
-                row - own.start as u32
-            } else {
-                (own.len() + ancestors.partition_point(|&a| a < row)) as u32
-            }
+            if (row as usize) < own.end { row - own.start as u32 } else { (own.len() + ancestors.partition_point(|&a| a < row)) as u32 }
         };
         let begin = self.symbolic.supernode_begin();
         let end = self.symbolic.supernode_end();

@@ -8,7 +8,7 @@ mod ordering;
 mod sparse;
 
 pub use condensed::{Condensed, Entry};
-pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved};
 pub use factor::{Backend, Dense, Factor, FactorError, Supernodal, Unknowns, backends};
+pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved};
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs};

@@ -169,8 +169,7 @@ impl BackwardEuler {
         loop {
             // The step is solved for the increment over the velocity at hand, at first w_{n−1}; what the
             // round-off of the sweeps leaves is met by another pass.
-            let right: Vec<f64> =
-                (0..load.len()).map(|i| load[i] + thermal[i] - rho / k * (mass_w[i] - products.mass_w[i]) - b_w[i] - a_u[i]).collect();
+            let right: Vec<f64> = (0..load.len()).map(|i| load[i] + thermal[i] - rho / k * (mass_w[i] - products.mass_w[i]) - b_w[i] - a_u[i]).collect();
             finite(&right, step, t, "the data")?;
             let guess = system.contact_of(&w);
             let (states, newton) = system
@@ -192,9 +191,8 @@ impl BackwardEuler {
             a_u = discrete.a.apply(&u);
             let (force, contact_force) = contact_forces(discrete, &states);
             // What is left of (4.1) tested with every basis function; at prescribed nodes the reaction.
-            let mut rest: Vec<f64> = (0..w.len())
-                .map(|i| rho / k * (mass_w[i] - products.mass_w[i]) + b_w[i] + a_u[i] - thermal[i] - load[i] + contact_force[i])
-                .collect();
+            let mut rest: Vec<f64> =
+                (0..w.len()).map(|i| rho / k * (mass_w[i] - products.mass_w[i]) + b_w[i] + a_u[i] - thermal[i] - load[i] + contact_force[i]).collect();
             let support_work = (0..w.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * w[i]).sum();
             discrete.v.mask(&mut rest);
             let inertia = rho / k * max_abs(&mass_w).max(max_abs(&products.mass_w));
@@ -228,14 +226,14 @@ impl BackwardEuler {
         let (mut iterations, mut sweeps) = (0, 0);
         let mut previous = f64::INFINITY;
         loop {
-            let right: Vec<f64> =
-                (0..supply.len()).map(|i| supply[i] + coupling[i] - c / k * (mass_theta[i] - products.mass_theta[i]) - d_theta[i]).collect();
+            let right: Vec<f64> = (0..supply.len()).map(|i| supply[i] + coupling[i] - c / k * (mass_theta[i] - products.mass_theta[i]) - d_theta[i]).collect();
             finite(&right, step, t, "the data")?;
             let guess = system.contact_of(&theta);
             let (at_points, newton) = system
                 .solve(&right, &mut theta, |condensed, unknown, r| {
                     let Some(contact) = &problem.contact else { return Ok((Vec::new(), (Vec::new(), 0))) };
-                    let on_boundary = HeatStep { contact, boundary: &discrete.boundary, unknown, theta_prescribed: &prescribed, foundation: &foundation, states };
+                    let on_boundary =
+                        HeatStep { contact, boundary: &discrete.boundary, unknown, theta_prescribed: &prescribed, foundation: &foundation, states };
                     let solved = on_boundary.solve(condensed, r, &guess)?;
                     let fluxes = on_boundary.fluxes(&solved.x);
                     Ok((solved.x, (fluxes, solved.iterations)))
@@ -300,7 +298,9 @@ impl BackwardEuler {
         let gap_work = load_work - (k * dot(&m.w, &m.load) + m.support_work);
         let compliance_scheme = pressing + gap_work - (contact_energy - before.contact_energy);
         let scheme = inertial + elastic_scheme + compliance_scheme;
-        let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + scheme - load_work - thermal_work;
+        let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + scheme
+            - load_work
+            - thermal_work;
 
         let heat_content = c * heat.mass_theta.iter().sum::<f64>();
         let amounts = &heat.amounts;
@@ -398,7 +398,13 @@ impl Scheme for BackwardEuler {
             newton_mechanics: mechanics.iterations,
             newton_heat: heat.iterations,
             residual: mechanics.residual.max(heat.residual),
-            contact: ContactReport { states: mechanics.states, temperature: heat.temperature, flux: heat.flux, force: mechanics.force, heat_flow: heat.heat_flow },
+            contact: ContactReport {
+                states: mechanics.states,
+                temperature: heat.temperature,
+                flux: heat.flux,
+                force: mechanics.force,
+                heat_flow: heat.heat_flow,
+            },
         };
         self.products = Some(Products {
             step,
