@@ -2,6 +2,7 @@
 
 pub mod case;
 pub mod contact;
+pub mod contract;
 pub mod element;
 pub mod expression;
 pub mod field;

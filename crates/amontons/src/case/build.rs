@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::material;
 use super::memory::{self, Demand};
-use super::path::Path;
+use super::path::{Path, Segment};
 use super::place::{At, Finding};
 use super::raw::{self, Cells, Scalar};
 use super::schema::one_of;
@@ -17,11 +17,12 @@ use crate::tensor::Point;
 
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
 ///
-/// At and below `doubtful` paths stand-ins are in the place of faulty values, so that nothing found
-/// there counts.
+/// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
+/// found there, below, or in the tables around.
 pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path]) -> (Option<Problem>, Vec<Finding>) {
     let mut build = Build { findings: Vec::new(), doubtful, end: raw.time.end };
     build.name(&raw.name);
+    build.step(&raw.time);
     let contact_on = raw.contact.as_ref().map(|c| c.on.clone());
     let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), available);
     let material = material::material(&raw.material, mesh.dim, &mut build.findings);
@@ -74,9 +75,10 @@ impl Build<'_> {
 
     fn is_doubtful(&self, path: &Path) -> bool {
         // A side cannot be looked up while the mesh that has the sides is unknown.
-        let names_side = path.to_string().ends_with("on");
+        let names_side = path.0.last() == Some(&Segment::Key("on".to_owned()));
         let mesh_unknown = self.doubtful.iter().any(|p| p.to_string() == "mesh");
-        (names_side && mesh_unknown) || self.doubtful.iter().any(|d| path.is_at_or_below(d))
+        let related = |d: &Path| path.is_at_or_below(d) || d.is_at_or_below(path);
+        (names_side && mesh_unknown) || self.doubtful.iter().any(related)
     }
 
     /// The name is that of a folder too.
@@ -99,6 +101,14 @@ impl Build<'_> {
         };
         let expected = "a name that a folder can have: letters, digits, `-`, `_`";
         self.note("name", At::Value, found, expected, Some("results go to results/<name>"));
+    }
+
+    /// Steps are not so short that their length is no number to divide by.
+    fn step(&mut self, time: &raw::Time) {
+        let k = time.end / time.steps as f64;
+        if !(k.is_normal() && k.recip().is_finite()) {
+            self.note("time.end", At::Value, format!("steps of {k:?} s"), "steps of a length that can be computed with", None);
+        }
     }
 
     /// The mesh, or one cell of it if it cannot be had.
@@ -175,8 +185,8 @@ impl Build<'_> {
         }
         for t in [0.0, self.end] {
             let values = field.values(points, t);
-            if let Some((x, value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
-                let found = format!("the value {value} at x = {}, y = {}, t = {t}", x[0], x[1]);
+            if let Some(([x, y, _], value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
+                let found = format!("the value {value} at x = {x:?}, y = {y:?}, t = {t:?}");
                 self.note(path, At::Value, found, "finite values at all nodes on which it acts, at t = 0 and t = end", None);
                 return;
             }
@@ -213,9 +223,10 @@ impl Build<'_> {
         };
         let (heat, foundation_temperature): (Arc<dyn HeatLaw>, Field) = match raw.heat {
             raw::Heat::None => (Arc::new(Insulated), Field::ZERO),
-            raw::Heat::Ramp { conductance, width, foundation_temperature, truncation } => {
-                (Arc::new(Ramp { conductance, width, truncation }), self.field("contact.heat.foundation_temperature", &foundation_temperature, &points))
-            }
+            raw::Heat::Ramp { conductance, width, foundation_temperature, truncation } => (
+                Arc::new(Ramp { conductance, width, truncation }),
+                self.field("contact.heat.foundation_temperature", &foundation_temperature, &points),
+            ),
         };
         Contact {
             gap: self.field("contact.gap", &raw.gap, &points),
@@ -255,4 +266,20 @@ impl Build<'_> {
 fn side(mesh: &Mesh, name: &str) -> Vec<Point> {
     let nodes = mesh.facets.get(name).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
     nodes.iter().filter_map(|&n| mesh.points.get(n as usize).copied()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
+        let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
+        let (problem, findings) = problem(raw, Some(2e6), &[]);
+        let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
+        let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
+        assert_eq!(said, [expected]);
+        assert!(problem.is_none());
+        Ok(())
+    }
 }

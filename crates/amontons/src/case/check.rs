@@ -37,13 +37,14 @@ impl<'s> Walk<'s> {
     fn value(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Value {
         let alternatives = schema.alternatives();
         if !alternatives.is_empty() {
-            return match alternatives.into_iter().find(|form| takes(form.kind(), found)) {
-                Some(form) => self.value(form, path, found),
-                None => self.mismatch(schema, path, found, None),
-            };
+            if let Some(form) = alternatives.iter().find(|form| takes(form.kind(), found)) {
+                return self.value(*form, path, found);
+            }
+            let hint = alternatives.iter().find_map(|form| hint_for_kind(*form, path, found));
+            return self.mismatch(schema, path, found, hint);
         }
         match found {
-            _ if !takes(schema.kind(), found) => self.mismatch(schema, path, found, hint_for_kind(schema.kind(), found)),
+            _ if !takes(schema.kind(), found) => self.mismatch(schema, path, found, hint_for_kind(schema, path, found)),
             DeValue::Table(table) => self.table(schema, path, table),
             DeValue::Array(array) => self.array(schema, path, array),
             DeValue::String(word) => self.word(schema, path, found, word),
@@ -156,7 +157,7 @@ impl<'s> Walk<'s> {
         let meant = nearest(key, &absent).or_else(|| nearest(key, &keys)).or_else(|| synonym(key, &keys));
         let hint = match meant {
             Some(meant) => Some(format!("did you mean `{meant}`?")),
-            None => self.home_of(key, &at),
+            None => self.home_of(key),
         };
         let expected = match keys.as_slice() {
             [] => "no key here".to_owned(),
@@ -169,18 +170,9 @@ impl<'s> Walk<'s> {
     }
 
     /// Where a key belongs that stands in the wrong table.
-    fn home_of(&self, key: &str, at: &Path) -> Option<String> {
+    fn home_of(&self, key: &str) -> Option<String> {
         let homes = self.all.homes(key);
-        let names: Vec<String> = homes
-            .iter()
-            .map(|home| match home.as_str() {
-                "" => "the beginning of the file, above all tables".to_owned(),
-                "boundary" => "[[boundary]]".to_owned(),
-                home => format!("[{home}]"),
-            })
-            .collect();
-        let table = at.parent().filter(|p| !p.0.is_empty()).map_or_else(String::new, |p| format!(" of [{p}]"));
-        if names.is_empty() { None } else { Some(format!("`{key}` is no key{table} but belongs to {}", names.join(" or "))) }
+        (!homes.is_empty()).then(|| format!("`{key}` belongs to {}", homes.join(" or ")))
     }
 }
 
@@ -210,13 +202,14 @@ fn number(found: &DeValue<'_>) -> Option<f64> {
 }
 
 /// What to write where the type is wrong but the value can be told.
-fn hint_for_kind(kind: &str, found: &DeValue<'_>) -> Option<String> {
-    match (kind, found) {
+fn hint_for_kind(schema: View<'_>, path: &Path, found: &DeValue<'_>) -> Option<String> {
+    match (schema.kind(), found) {
         ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => Some(format!("write {} without quotes", text.trim())),
         ("integer", DeValue::Float(_)) => {
             let whole = number(found).filter(|n| n.fract() == 0.0 && n.abs() < 1e15)?;
             Some(format!("write {whole}"))
         }
+        ("array", DeValue::Table(_)) => schema.items().filter(|items| items.kind() == "object").map(|_| format!("write [[{path}]]")),
         _ => None,
     }
 }

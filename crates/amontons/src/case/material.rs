@@ -22,13 +22,13 @@ pub(super) fn material(raw: &raw::Material, dim: usize, findings: &mut Vec<Findi
     if state == StressState::PlaneStrain && poisson >= 0.5 {
         let hint = "a nearly incompressible material has 0.49; an incompressible one needs a pressure unknown, which there is not";
         let expected = "a number > -1 and < 0.5 in plane strain (Poisson's ratio ν)".to_owned();
-        note("elasticity.poisson", poisson.to_string(), expected, Some(hint));
+        note("elasticity.poisson", format!("{poisson:?}"), expected, Some(hint));
     }
     let Viscosity::Lame { first, second } = raw.viscosity;
     // (H1) on 𝕊^d: the eigenvalues are `second` and d first + second. No viscosity at all is no operator to be monotone.
     let least = dim as f64 * first + second;
     if (first, second) != (0.0, 0.0) && !(second > 0.0 && least > 0.0) {
-        let found = format!("first = {first} and second = {second}, so {dim}·first + second = {least}");
+        let found = format!("first = {first:?} and second = {second:?}, so {dim}·first + second = {least:?}");
         let expected = format!("second > 0 and {dim}·first + second > 0, as (H1) asks");
         note("viscosity", found, expected, Some("both 0 for no viscosity"));
     }
@@ -63,7 +63,7 @@ fn check_conductivity(k: &Sym, heat_capacity: f64, dim: usize, mut note: impl Fn
     let (least, most) = (eigenvalues.first().copied().unwrap_or_default(), eigenvalues.last().copied().unwrap_or_default());
     if least < -1e-12 * most.abs() {
         let expected = "no negative eigenvalue: heat flows from warm to cold".to_owned();
-        note("conductivity", format!("the eigenvalue {least}"), expected, None);
+        note("conductivity", format!("the eigenvalue {least:?}"), expected, None);
     } else if heat_capacity == 0.0 && most <= 0.0 {
         let expected = "a conductivity where the heat is steady".to_owned();
         note("conductivity", "0 besides heat_capacity 0".to_owned(), expected, Some("give one of the two a positive value"));
@@ -83,13 +83,13 @@ fn symmetric(raw: &Tensor, dim: usize) -> Result<Sym, String> {
         return Err(format!("a matrix of {} rows", rows.len()));
     }
     if let Some((i, row)) = rows.iter().enumerate().find(|(_, row)| row.len() != dim) {
-        return Err(format!("{} entries in row {}", row.len(), i + 1));
+        return Err(format!("a row {} of length {}", i + 1, row.len()));
     }
     let entry = |i: usize, j: usize| rows.get(i).and_then(|row| row.get(j)).copied().unwrap_or_default();
     for i in 0..dim {
         for j in 0..i {
             if (entry(i, j) - entry(j, i)).abs() > 0.0 {
-                return Err(format!("{} in row {}, column {} but {} in row {}, column {}", entry(j, i), j + 1, i + 1, entry(i, j), i + 1, j + 1));
+                return Err(format!("{:?} in row {}, column {} but {:?} in row {}, column {}", entry(j, i), j + 1, i + 1, entry(i, j), i + 1, j + 1));
             }
         }
     }

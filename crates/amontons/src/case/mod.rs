@@ -83,12 +83,20 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         let errors = errors.iter().map(|e| (e.message().to_owned(), e.span())).collect();
         let mut faults = syntax::faults(&source.text, errors);
         faults.extend(overrides::faults(overrides));
+        // With keys given twice alone the rest can be read; overrides might change what it says.
+        if overrides.is_empty() && faults.iter().all(syntax::is_duplicate) {
+            let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
+            faults.extend(build_case(document.get_ref()).1.into_iter().map(|finding| origin.locate(finding)));
+        }
         return Err(CaseError::faults(source, faults));
     }
     let applied = overrides::apply(&source.text, overrides).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
     let Applied { text, set, mut faults } = applied;
     let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
-    let (case, findings) = build_case(&text);
+    let (case, findings) = match DeTable::parse(&text) {
+        Ok(changed) => build_case(changed.get_ref()),
+        Err(error) => (None, vec![whole(error.message())]),
+    };
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
     match case {
         Some((problem, every, expected)) if faults.is_empty() => Ok(Case { problem, every, expected, text }),
@@ -98,14 +106,14 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
 
 type Parts = (Problem, usize, Option<Expected>);
 
-/// Checks and builds the case of a text with overrides applied; without a case there are findings.
-fn build_case(text: &str) -> (Option<Parts>, Vec<Finding>) {
-    let whole = |found: String| Finding::new(path::Path::default(), At::Value, found, "a case file");
-    let document = match DeTable::parse(text) {
-        Ok(document) => document,
-        Err(error) => return (None, vec![whole(error.message().to_owned())]),
-    };
-    let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document.get_ref());
+/// A finding about the file as a whole.
+fn whole(found: impl Into<String>) -> Finding {
+    Finding::new(path::Path::default(), At::Value, found, "a case file")
+}
+
+/// Checks and builds the case of a document with overrides applied; without a case there are findings.
+fn build_case(document: &DeTable<'_>) -> (Option<Parts>, Vec<Finding>) {
+    let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document);
     let raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
         Err(error) => {

@@ -50,7 +50,7 @@ struct Refusal {
 }
 
 impl Refusal {
-    fn new(path: impl ToString, found: impl Into<String>, expected: impl Into<String>) -> Refusal {
+    fn new(path: &(impl ToString + ?Sized), found: impl Into<String>, expected: impl Into<String>) -> Refusal {
         Refusal { path: path.to_string(), found: found.into(), expected: expected.into(), hint: None }
     }
 
@@ -189,7 +189,7 @@ fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Re
             return Err(Refusal::new(path, format!("a value at {at}"), "a table or an array that the key leads through"));
         }
     }
-    node.replace(value).map_err(|expected| Refusal::new(path, "a value for a whole entry of an array of tables", expected))?;
+    node.replace(value).map_err(|expected| Refusal::new(path, "a value that is no table for a [[table]]", expected))?;
     Ok(at)
 }
 

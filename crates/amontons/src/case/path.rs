@@ -24,6 +24,11 @@ impl Path {
     /// # Errors
     /// What is wrong with the text.
     pub fn parse(text: &str) -> Result<Path, String> {
+        // Each segment may cost a level of recursion where the document is written.
+        const LONGEST: usize = 1000;
+        if text.len() > LONGEST {
+            return Err(format!("a key of {} bytes", text.len()));
+        }
         let mut path = Path::default();
         let mut rest = text;
         loop {

@@ -51,8 +51,12 @@ fn similar(path: &Path) -> Option<String> {
     let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
     let mut names: Vec<String> = entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
     names.sort();
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let with_ending = format!("{name}.toml");
-    let near = names.iter().copied().find(|n| *n == with_ending).or_else(|| nearest(name, &names))?;
+    let names: Vec<&str> = names.iter().map(String::as_str).filter(|n| Path::new(n).extension().is_some_and(|e| e == "toml")).collect();
+    // Endings are alike by custom, so it is the stems that are compared.
+    let stem = |name: &str| Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or_default().to_owned();
+    let stems: Vec<String> = names.iter().map(|n| stem(n)).collect();
+    let stems: Vec<&str> = stems.iter().map(String::as_str).collect();
+    let near = nearest(&stem(name), &stems)?;
+    let near = names.iter().find(|n| stem(n) == near)?;
     Some(path.with_file_name(near).display().to_string())
 }

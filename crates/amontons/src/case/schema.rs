@@ -222,27 +222,37 @@ impl<'s> View<'s> {
         }
     }
 
-    /// The sections that have a key of this name, `[material]`, and the keys that hold it.
+    /// The sections that have a key of this name: `[material]`, `[contact.friction] with law = "coulomb"`.
     pub fn homes(&self, key: &str) -> Vec<String> {
         let mut homes = Vec::new();
-        self.collect_homes(key, "", &mut homes);
-        homes.dedup();
+        self.collect_homes(key, "", "the beginning of the file, above all tables", &mut homes);
         homes
     }
 
-    fn collect_homes(&self, key: &str, section: &str, homes: &mut Vec<String>) {
-        let tables: Vec<View<'s>> = match self.variants() {
-            Some((_, variants)) => variants.into_iter().map(|(_, table)| table).collect(),
-            None => vec![*self],
+    /// Collects the homes of a key in this schema, whose path is `section` and which is called `header`.
+    fn collect_homes(&self, key: &str, section: &str, header: &str, homes: &mut Vec<String>) {
+        let Some((tag, variants)) = self.variants() else {
+            return self.collect_homes_in_table(key, section, header, homes);
         };
-        for table in tables {
-            for (name, property) in table.properties().into_iter().flatten() {
-                if name == key {
-                    homes.push(section.to_owned());
-                }
-                let dotted = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
-                let property = table.at(property);
-                property.items().unwrap_or(property).collect_homes(key, &dotted, homes);
+        for (name, table) in &variants {
+            let with = if variants.len() > 1 { format!("{header} with {tag} = \"{name}\"") } else { header.to_owned() };
+            // A tag is in so many tables that it says nothing.
+            if key != tag {
+                table.collect_homes_in_table(key, section, &with, homes);
+            }
+        }
+    }
+
+    fn collect_homes_in_table(&self, key: &str, section: &str, header: &str, homes: &mut Vec<String>) {
+        for (name, property) in self.properties().into_iter().flatten() {
+            if name == key {
+                homes.push(header.to_owned());
+            }
+            let dotted = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
+            let property = self.at(property);
+            match property.items() {
+                Some(items) => items.collect_homes(key, &dotted, &format!("[[{dotted}]]"), homes),
+                None => property.collect_homes(key, &dotted, &format!("[{dotted}]"), homes),
             }
         }
     }

@@ -7,6 +7,9 @@ use super::fault::{CaseFault, Place};
 /// An error of the TOML parser: its message and its place.
 pub(super) type SyntaxError = (String, Option<Range<usize>>);
 
+/// What is expected of a key.
+const ONCE: &str = "each key once in its table";
+
 /// One fault a line: further errors of a line are mostly consequences of the first.
 pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> Vec<CaseFault> {
     errors.sort_by_key(|(_, span)| span.as_ref().map_or(0, |s| s.start));
@@ -18,16 +21,27 @@ pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> Vec<CaseFault>
         if faults.last().is_none_or(|(last, _)| *last != line) {
             faults.push((line, fault(text, &message, span, place)));
         }
+        // Behind a bracket that is not closed everything is misread.
+        if message.starts_with("unclosed") || message.starts_with("missing comma") {
+            break;
+        }
     }
     faults.into_iter().map(|(_, fault)| fault).collect()
+}
+
+/// Whether a fault is a key given twice, behind which the rest of the text can be read.
+pub(super) fn is_duplicate(fault: &CaseFault) -> bool {
+    fault.path.is_empty() && fault.expected == ONCE
 }
 
 fn fault(text: &str, message: &str, span: Range<usize>, place: Place) -> CaseFault {
     let found = excerpt(text, span);
     let (what, expected) = message.split_once(", expected ").unwrap_or((message, "valid TOML"));
     let (found, expected, hint) = match (what, expected) {
-        ("duplicate key", _) => (format!("{found} again"), "each key once in its table".to_owned(), None),
+        ("duplicate key", _) => (format!("{found} again"), ONCE.to_owned(), None),
+        (_, "literal string") if found.starts_with("the end") => (found, "a value".to_owned(), None),
         (_, "literal string") => (found, "a value".to_owned(), Some("strings stand in quotes".to_owned())),
+        ("missing comma between array elements", _) => (found, "`,` or `]`".to_owned(), Some("the array before it is not closed".to_owned())),
         (_, "nothing") => (found, "valid TOML".to_owned(), Some(what.to_owned())),
         _ => (found, expected.to_owned(), Some(what.to_owned())),
     };

@@ -1,6 +1,7 @@
 //! Friction: laws for the bound p_τ of (2.9).
 
 use std::fmt::Debug;
+#[cfg(test)]
 use std::sync::Arc;
 
 use super::ContactPoint;
@@ -79,7 +80,7 @@ impl FrictionLaw for Coulomb {
 }
 
 /// Sample laws for tests that hold for every law.
-#[must_use]
+#[cfg(test)]
 pub(crate) fn samples() -> Vec<Arc<dyn FrictionLaw>> {
     vec![Arc::new(Frictionless), Arc::new(Coulomb { coefficient: 0.2 }), Arc::new(Coulomb { coefficient: 1.5 })]
 }

@@ -1,6 +1,7 @@
 //! Heat exchange: laws for q·ν = k_c(u_ν − g) φ_L(θ − θ_F) of (2.10).
 
 use std::fmt::Debug;
+#[cfg(test)]
 use std::sync::Arc;
 
 use super::ContactPoint;
@@ -87,7 +88,7 @@ fn phi_l(s: f64, truncation: Option<f64>) -> (f64, f64) {
 }
 
 /// Sample laws, each with a penetration typical of it, for tests that hold for every law.
-#[must_use]
+#[cfg(test)]
 pub(crate) fn samples() -> Vec<(Arc<dyn HeatLaw>, f64)> {
     vec![
         (Arc::new(Insulated), 1e-4),

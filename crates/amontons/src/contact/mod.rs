@@ -14,6 +14,9 @@ pub use friction::{Bound, Coulomb, FrictionLaw, Frictionless};
 pub use heat::{Flux, HeatLaw, Insulated, Ramp};
 pub use normal::{Compliance, NormalLaw, ValueSlope};
 
+#[cfg(test)]
+pub(crate) use {friction::samples as friction_samples, heat::samples as heat_samples, normal::samples as normal_samples};
+
 /// What a law may look at: the state of one point of Γ_C.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactPoint {

@@ -1,6 +1,7 @@
 //! Normal contact: laws for the pressure p = −σ_ν of (2.8).
 
 use std::fmt::Debug;
+#[cfg(test)]
 use std::sync::Arc;
 
 use crate::tensor::Point;
@@ -46,7 +47,7 @@ impl NormalLaw for Compliance {
 }
 
 /// Sample laws, each with a penetration typical of it, for tests that hold for every law.
-#[must_use]
+#[cfg(test)]
 pub(crate) fn samples() -> Vec<(Arc<dyn NormalLaw>, f64)> {
     vec![(Arc::new(Compliance { stiffness: 1e4 }), 1e-4), (Arc::new(Compliance { stiffness: 3.0e12 }), 1e-6)]
 }

@@ -103,6 +103,6 @@ impl Condensed {
             }
         };
         let n = b.len();
-        lu.solve_in_place(faer::MatMut::from_column_major_slice_mut(b, n, 1));
+        lu.solve_in_place(MatMut::from_column_major_slice_mut(b, n, 1));
     }
 }

@@ -1,0 +1,353 @@
+//! What every law, element and backend must satisfy: assertions to run on your own.
+//!
+//! Each function panics with what was found and what was expected when its contract is broken. The
+//! library runs them over all that it ships; run them over yours in a test:
+//!
+//! ```
+//! use amontons::{contact::Compliance, contract};
+//! contract::assert_normal_law(&Compliance { stiffness: 1e4 }, 1e-4);
+//! ```
+#![allow(clippy::panic, reason = "an assertion is there to panic")]
+
+use std::sync::Arc;
+
+use crate::contact::{ContactPoint, FrictionLaw, HeatLaw, NormalLaw};
+use crate::element::{Element, MAX_NODES};
+use crate::forms;
+use crate::linalg::{Backend, Graph, Unknowns};
+use crate::material::{Isotropic, StressState, TensorLaw};
+use crate::mesh::{Diagonal, Mesh};
+use crate::quadrature::{Shape, rule};
+use crate::tensor::{Sym, mandel_len};
+
+/// Numbers in [−1, 1) that are the same in every run.
+struct Samples(u64);
+
+impl Samples {
+    fn number(&mut self) -> f64 {
+        // Xorshift (Marsaglia, 2003).
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
+    }
+
+    fn sym(&mut self, dim: usize, size: f64) -> Sym {
+        let mut sym = Sym::ZERO;
+        for m in 0..mandel_len(dim) {
+            sym.0[m] = size * self.number();
+        }
+        sym
+    }
+}
+
+fn samples() -> Samples {
+    Samples(0x2545_F491_4F6C_DD1D)
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
+    assert!((found - expected).abs() <= tolerance, "{what}: found {found:e}, expected {expected:e} within {tolerance:e}");
+}
+
+/// Shape functions are one at their node, zero at the others, sum to one and have the gradients they
+/// claim; facets have the nodes of their element.
+///
+/// # Panics
+/// When the element breaks the contract.
+pub fn assert_element(element: &Element) {
+    let n = element.nodes.len();
+    assert!(n <= MAX_NODES, "{}: {n} nodes, more than MAX_NODES", element.name);
+    let mut values = [0.0; MAX_NODES];
+    for (i, node) in element.nodes.iter().enumerate() {
+        (element.shape_functions)(node, &mut values);
+        for (j, value) in values.iter().enumerate().take(n) {
+            near(*value, f64::from(u8::from(i == j)), 1e-14, &format!("{}: N_{j} at node {i}", element.name));
+        }
+    }
+    let dim = element.shape.dim();
+    for (at, _) in rule(element.shape, 4).iter() {
+        let mut gradients = [[0.0; 3]; MAX_NODES];
+        (element.shape_functions)(at, &mut values);
+        (element.gradients)(at, &mut gradients);
+        near(values[..n].iter().sum(), 1.0, 1e-14, &format!("{}: sum of the shape functions", element.name));
+        for d in 0..dim {
+            let h = 1e-6;
+            let (mut plus, mut minus) = (*at, *at);
+            plus[d] += h;
+            minus[d] -= h;
+            let (mut p, mut m) = ([0.0; MAX_NODES], [0.0; MAX_NODES]);
+            (element.shape_functions)(&plus, &mut p);
+            (element.shape_functions)(&minus, &mut m);
+            for i in 0..n {
+                near(gradients[i][d], (p[i] - m[i]) / (2.0 * h), 1e-8, &format!("{}: gradient of N_{i}", element.name));
+            }
+        }
+    }
+    for facet in element.facets {
+        let expected = element.facet.map_or(0, |f| f.nodes.len());
+        assert_eq!(facet.len(), expected, "{}: nodes of a facet", element.name);
+        assert!(facet.iter().all(|&i| i < n), "{}: a facet names node {facet:?} of {n}", element.name);
+    }
+    if element.shape == Shape::Triangle {
+        // The body lies on the left of each facet.
+        for facet in element.facets {
+            let (a, b) = (element.nodes[facet[0]], element.nodes[facet[1]]);
+            let centre = [1.0 / 3.0 - a[0], 1.0 / 3.0 - a[1]];
+            assert!((b[0] - a[0]) * centre[1] - (b[1] - a[1]) * centre[0] > 0.0, "{}: facet {facet:?} is turned inwards", element.name);
+        }
+    }
+}
+
+/// (H1), (H2): zero at zero, the tangent is the derivative, and the declared constants m and M hold on
+/// samples of the size `size`.
+///
+/// # Panics
+/// When the law breaks the contract.
+pub fn assert_tensor_law(law: &dyn TensorLaw, dim: usize, size: f64) {
+    let x = [0.3, 0.2, 0.1];
+    let mut random = samples();
+    let constants = law.constants();
+    let scale = constants.lipschitz.max(constants.monotonicity.abs()) * size;
+    assert_eq!(law.value(&x, &Sym::ZERO), Sym::ZERO, "{law:?}: the value at zero, (H1) iv");
+    for _ in 0..64 {
+        let (a, b) = (random.sym(dim, size), random.sym(dim, size));
+        let difference = a - b;
+        // Only the d-dimensional part does work and is what m and M speak of.
+        let mut change = law.value(&x, &a) - law.value(&x, &b);
+        for m in mandel_len(dim)..6 {
+            change.0[m] = 0.0;
+        }
+        let squared = difference.dot(&difference);
+        let slack = 1e-12 * scale * size;
+        assert!(
+            change.dot(&difference) >= constants.monotonicity * squared - slack,
+            "{law:?}: declared m = {:e}, but two arguments give {:e}",
+            constants.monotonicity,
+            change.dot(&difference) / squared
+        );
+        assert!(
+            change.norm() <= constants.lipschitz * difference.norm() + slack,
+            "{law:?}: declared M = {:e}, but two arguments give {:e}",
+            constants.lipschitz,
+            change.norm() / difference.norm()
+        );
+        let h = 1e-6 * size;
+        let tangent = law.tangent(&x, &a);
+        let direction = random.sym(dim, 1.0);
+        let slope = (0.5 / h) * (law.value(&x, &(a + h * direction)) - law.value(&x, &(a + (-h) * direction)));
+        let declared = tangent.apply(&direction);
+        for m in 0..6 {
+            near(declared.0[m], slope.0[m], 1e-7 * scale / size, &format!("{law:?}: component {m} of the tangent"));
+        }
+    }
+}
+
+/// (H8): p ≥ 0, zero without penetration, nondecreasing, with the slope, potential, resolvent and
+/// Lipschitz constant it claims; `r` is a penetration typical of the law.
+///
+/// # Panics
+/// When the law breaks the contract.
+pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
+    let x = [0.3, 0.2, 0.1];
+    let mut random = samples();
+    if law.lipschitz().is_some() {
+        near(law.pressure(&x, 0.0, 0.0).value, 0.0, 0.0, &format!("{law:?}: pressure at zero penetration"));
+        near(law.pressure(&x, -r, 0.0).value, 0.0, 0.0, &format!("{law:?}: pressure over an open gap"));
+        near(law.potential(&x, -r), 0.0, 0.0, &format!("{law:?}: energy over an open gap"));
+    }
+    for _ in 0..64 {
+        let (a, b) = (2.0 * r * random.number(), 2.0 * r * random.number());
+        let lambda = law.lipschitz().map_or(1.0, |l| random.number().abs() / l.max(f64::MIN_POSITIVE));
+        let (pa, pb) = (law.pressure(&x, a, lambda), law.pressure(&x, b, lambda));
+        assert!(pa.value >= 0.0, "{law:?}: negative pressure at {a:e}");
+        assert!((pa.value - pb.value) * (a - b) >= 0.0, "{law:?}: not monotone between {a:e} and {b:e}");
+        let h = 1e-6 * r;
+        if (a.abs()) > 2.0 * h {
+            let slope = (law.pressure(&x, a + h, lambda).value - law.pressure(&x, a - h, lambda).value) / (2.0 * h);
+            near(pa.slope, slope, 1e-6 * (1.0 + slope.abs()), &format!("{law:?}: slope at {a:e}"));
+        }
+        if let Some(l) = law.lipschitz() {
+            let (ga, gb) = (law.pressure(&x, a, 0.0), law.pressure(&x, b, 0.0));
+            let slack = 1e-12 * l * r;
+            assert!((ga.value - gb.value).abs() <= l * (a - b).abs() + slack, "{law:?}: declared L = {l:e} fails between {a:e} and {b:e}");
+            let at = a - lambda * pa.value;
+            near(law.pressure(&x, at, 0.0).value, pa.value, 1e-10 * l * r, &format!("{law:?}: resolvent at {a:e}"));
+            let energy = (law.potential(&x, a + h) - law.potential(&x, a - h)) / (2.0 * h);
+            near(energy, ga.value, 1e-6 * l * r, &format!("{law:?}: derivative of the potential at {a:e}"));
+        }
+    }
+}
+
+/// (H8): the bound is not negative, zero without pressure, and has the slopes and Lipschitz constant it
+/// claims; `p` is a pressure typical of the law.
+///
+/// # Panics
+/// When the law breaks the contract.
+pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
+    let mut random = samples();
+    let l_nu = 1e4;
+    for _ in 0..64 {
+        let pressure = p * (1.0 + random.number());
+        let at = ContactPoint { pressure, penetration: pressure / l_nu, slip_speed: random.number().abs(), ..ContactPoint::default() };
+        let bound = law.bound(&at);
+        assert!(bound.value >= 0.0, "{law:?}: negative bound {:e} at {at:?}", bound.value);
+        if law.is_frictionless() {
+            near(bound.value, 0.0, 0.0, &format!("{law:?}: bound of a law without friction"));
+        }
+        let slope = |change: fn(&mut ContactPoint, f64), h: f64| {
+            let (mut plus, mut minus) = (at, at);
+            change(&mut plus, h);
+            change(&mut minus, -h);
+            (law.bound(&plus).value - law.bound(&minus).value) / (2.0 * h)
+        };
+        let h = 1e-6 * p;
+        near(bound.by_pressure, slope(|at, h| at.pressure += h, h), 1e-6, &format!("{law:?}: slope in pressure"));
+        let h = 1e-6 * p / l_nu;
+        near(bound.by_penetration, slope(|at, h| at.penetration += h, h), 1e-6 * l_nu, &format!("{law:?}: slope in penetration"));
+        near(bound.by_slip_speed, slope(|at, h| at.slip_speed += h, 1e-6), 1e-6 * p, &format!("{law:?}: slope in slip speed"));
+        if let Some(l) = law.lipschitz(Some(l_nu)) {
+            let total = bound.by_penetration + bound.by_pressure * l_nu;
+            assert!(total.abs() <= l * (1.0 + 1e-12), "{law:?}: declared L_τ = {l:e}, but the slope is {total:e}");
+        }
+    }
+    let none = law.bound(&ContactPoint::default());
+    near(none.value, 0.0, 0.0, &format!("{law:?}: bound without pressure"));
+}
+
+/// (H7): no flux over an open gap or without a temperature difference, nondecreasing in θ, with the slope,
+/// the bound and the Lipschitz constant it claims; `r` is a penetration typical of the law.
+///
+/// # Panics
+/// When the law breaks the contract.
+pub fn assert_heat_law(law: &dyn HeatLaw, r: f64) {
+    let mut random = samples();
+    let open = ContactPoint { penetration: -r, temperature: 5.0, foundation_temperature: 1.0, ..ContactPoint::default() };
+    near(law.flux(&open).value, 0.0, 0.0, &format!("{law:?}: flux over an open gap"));
+    for _ in 0..64 {
+        let at = ContactPoint { penetration: 2.0 * r * random.number(), temperature: 4.0 * random.number(), foundation_temperature: random.number(), ..open };
+        let flux = law.flux(&at);
+        let difference = at.temperature - at.foundation_temperature;
+        let slack = 1e-12 * (1.0 + law.conductance_bound());
+        assert!(flux.value * difference >= -slack, "{law:?}: heat flows from cold to warm at {at:?}");
+        assert!(flux.value.abs() <= law.conductance_bound() * difference.abs() + slack, "{law:?}: declared M_kc is exceeded at {at:?}");
+        let h = 1e-6;
+        let slope = (law.flux(&ContactPoint { temperature: at.temperature + h, ..at }).value
+            - law.flux(&ContactPoint { temperature: at.temperature - h, ..at }).value)
+            / (2.0 * h);
+        assert!(slope >= -slack / h, "{law:?}: flux decreases with the temperature at {at:?}");
+        let kink = law.truncation().is_some_and(|l| (difference.abs() - l).abs() < 2.0 * h);
+        if !kink {
+            near(flux.by_temperature, slope, 1e-8 * (1.0 + law.conductance_bound()), &format!("{law:?}: slope in temperature"));
+        }
+        if let (Some(l), None) = (law.conductance_lipschitz(), law.truncation()) {
+            let other = ContactPoint { penetration: 2.0 * r * random.number(), ..at };
+            let change = (law.flux(&other).value - flux.value).abs();
+            let allowed = l * (other.penetration - at.penetration).abs() * difference.abs();
+            assert!(change <= allowed * (1.0 + 1e-12) + slack, "{law:?}: declared L_kc = {l:e} is exceeded at {at:?}");
+        }
+    }
+}
+
+/// The sweeps around a contact problem without forces solve the system, the condensed operator is the
+/// Schur complement, and a matrix that is not positive definite is refused.
+///
+/// # Panics
+/// When the backend breaks the contract, or the small mesh of the test cannot be made.
+pub fn assert_backend(backend: &dyn Backend) {
+    let Ok(mesh) = Mesh::rectangle([1.0, 0.7], [9, 7], Diagonal::Left) else { panic!("a mesh of 9 × 7 squares") };
+    let graph = Arc::new(Graph::of_mesh(&mesh));
+    let mut matrix = forms::a(&mesh, &graph, &Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
+    let size = graph.len() * 2;
+    let mut free = vec![true; size];
+    for node in mesh.facets["top"].node_list() {
+        free[2 * node as usize] = false;
+        free[2 * node as usize + 1] = false;
+    }
+    let contact = mesh.facets["bottom"].node_list();
+    let unknowns = Unknowns::new(&matrix, &mesh.points, 2, &free, &contact);
+    assert_eq!(unknowns.contact().len(), 2 * contact.len(), "{backend:?}: contact unknowns");
+    let Ok(factor) = backend.factorize(&matrix, &unknowns) else { panic!("{backend:?}: a positive definite matrix was refused") };
+    let mut random = samples();
+    let solution: Vec<f64> = free.iter().map(|&f| if f { random.number() } else { 0.0 }).collect();
+    let right = matrix.apply(&solution);
+
+    // Without forces on Γ_C its unknowns are those of S w = r̂; taken from the solution they must satisfy it.
+    let mut x = unknowns.gather(&right);
+    factor.forward(&mut x);
+    let s = factor.condensed();
+    let on_contact: Vec<f64> = unknowns.contact().iter().map(|&d| solution[d as usize]).collect();
+    for i in 0..s.nrows() {
+        let row: f64 = (0..s.ncols()).map(|j| s[(i, j)] * on_contact[j]).sum();
+        near(row, x[unknowns.interior + i], 1e-11, &format!("{backend:?}: condensed system, row {i}"));
+        for j in 0..i {
+            near(s[(i, j)], s[(j, i)], 1e-12, &format!("{backend:?}: symmetry of S"));
+        }
+    }
+    x[unknowns.interior..].copy_from_slice(&on_contact);
+    factor.backward(&mut x);
+    for (&dof, value) in unknowns.dofs.iter().zip(&x) {
+        near(*value, solution[dof as usize], 1e-11, &format!("{backend:?}: solution at degree of freedom {dof}"));
+    }
+    matrix.add_scaled(-1e6, &forms::inner_h(&mesh, &graph));
+    assert!(backend.factorize(&matrix, &unknowns).is_err(), "{backend:?}: an indefinite matrix was accepted");
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::Constants;
+    use crate::tensor::{Point, SymMap};
+
+    #[test]
+    fn every_element_keeps_its_contract() {
+        crate::element::ALL.iter().for_each(|element| assert_element(element));
+    }
+
+    #[test]
+    fn every_tensor_law_keeps_its_contract() {
+        for (dim, law) in crate::material::samples() {
+            assert_tensor_law(law.as_ref(), dim, 1e-3);
+        }
+    }
+
+    #[test]
+    fn every_contact_law_keeps_its_contract() {
+        for (law, r) in crate::contact::normal_samples() {
+            assert_normal_law(law.as_ref(), r);
+        }
+        for law in crate::contact::friction_samples() {
+            assert_friction_law(law.as_ref(), 2.0);
+        }
+        for (law, r) in crate::contact::heat_samples() {
+            assert_heat_law(law.as_ref(), r);
+        }
+    }
+
+    #[test]
+    fn every_backend_keeps_its_contract() {
+        crate::linalg::backends().iter().for_each(|backend| assert_backend(backend.as_ref()));
+    }
+
+    /// A law that declares a monotonicity twice its own.
+    #[derive(Debug)]
+    struct Boastful(Isotropic);
+    impl TensorLaw for Boastful {
+        fn value(&self, x: &Point, xi: &Sym) -> Sym {
+            self.0.value(x, xi)
+        }
+        fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
+            self.0.tangent(x, xi)
+        }
+        fn constants(&self) -> Constants {
+            let c = self.0.constants();
+            Constants { monotonicity: 2.0 * c.monotonicity, ..c }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "declared m")]
+    fn a_law_with_wrong_constants_is_caught() {
+        assert_tensor_law(&Boastful(Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress)), 2, 1.0);
+    }
+}

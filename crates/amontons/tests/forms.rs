@@ -1,0 +1,126 @@
+//! Patch tests, rigid motion and symmetry of the forms, against formulas.
+
+use std::sync::Arc;
+
+use amontons::forms;
+use amontons::linalg::{BlockMatrix, Graph};
+use amontons::material::{Isotropic, StressState, TensorLaw};
+use amontons::mesh::{Diagonal, Mesh};
+use amontons::tensor::Sym;
+
+/// A rectangle whose inner nodes are moved off the grid.
+fn distorted(diagonal: Diagonal) -> (Mesh, Arc<Graph>) {
+    let mut mesh = Mesh::rectangle([2.0, 1.0], [7, 5], diagonal).expect("a mesh of 7 × 5 squares");
+    for (i, p) in mesh.points.iter_mut().enumerate() {
+        if p[0] > 0.0 && p[0] < 2.0 && p[1] > 0.0 && p[1] < 1.0 {
+            p[0] += 0.05 * (13.0 * i as f64).sin();
+            p[1] += 0.04 * (7.0 * i as f64).cos();
+        }
+    }
+    mesh.check().expect("the distortion keeps the cells positive");
+    let graph = Arc::new(Graph::of_mesh(&mesh));
+    (mesh, graph)
+}
+
+const DIAGONALS: [Diagonal; 3] = [Diagonal::Right, Diagonal::Left, Diagonal::Crossed];
+
+fn vector(mesh: &Mesh, f: impl Fn(f64, f64) -> [f64; 2]) -> Vec<f64> {
+    mesh.points.iter().flat_map(|p| f(p[0], p[1])).collect()
+}
+
+fn on_boundary(mesh: &Mesh, node: usize) -> bool {
+    let p = mesh.points[node];
+    p[0] == 0.0 || p[0] == 2.0 || p[1] == 0.0 || p[1] == 1.0
+}
+
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |m, v| m.max(v.abs()))
+}
+
+/// A linear displacement has constant stress: forces vanish at inner nodes, and the energy is ½|Ω| 𝓔ε:ε.
+#[test]
+fn constant_strain() {
+    let strain = Sym::from_fn(2, |i, j| [[0.3, -0.2], [-0.2, 0.5]][i][j]);
+    for diagonal in DIAGONALS {
+        let (mesh, graph) = distorted(diagonal);
+        for law in [Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress), Isotropic::elastic(2, 3.0, 0.4, StressState::PlaneStrain)] {
+            let a = forms::a(&mesh, &graph, &law);
+            let u = vector(&mesh, |x, y| [0.3 * x - 0.2 * y + 1.0, -0.2 * x + 0.5 * y - 2.0]);
+            let force = a.apply(&u);
+            assert!(largest((0..mesh.points.len()).filter(|&n| !on_boundary(&mesh, n)).flat_map(|n| [force[2 * n], force[2 * n + 1]])) < 1e-13);
+            let energy: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
+            let mut stress = law.value(&[0.0; 3], &strain);
+            stress.0[3] = 0.0;
+            assert!((energy - 2.0 * stress.dot(&strain)).abs() < 1e-12);
+        }
+    }
+}
+
+/// A linear temperature has constant flux.
+#[test]
+fn constant_flux() {
+    let conductivity = Sym::from_fn(2, |i, j| [[1.0, 0.2], [0.2, 0.7]][i][j]);
+    for diagonal in DIAGONALS {
+        let (mesh, graph) = distorted(diagonal);
+        let d = forms::d(&mesh, &graph, &conductivity);
+        let theta: Vec<f64> = mesh.points.iter().map(|p| 4.0 + 2.0 * p[0] - 3.0 * p[1]).collect();
+        let heat = d.apply(&theta);
+        assert!(largest((0..mesh.points.len()).filter(|&n| !on_boundary(&mesh, n)).map(|n| heat[n])) < 1e-13);
+        // ∫ 𝓚∇θ·∇θ = |Ω| (4·1 − 12·0.2 + 9·0.7).
+        let energy: f64 = theta.iter().zip(&heat).map(|(t, h)| t * h).sum();
+        assert!((energy - 2.0 * (4.0 - 2.4 + 6.3)).abs() < 1e-12);
+    }
+}
+
+/// Translations and the linearised rotation have no strain: no force, no heat.
+#[test]
+fn rigid_motion() {
+    for diagonal in DIAGONALS {
+        let (mesh, graph) = distorted(diagonal);
+        let a = forms::a(&mesh, &graph, &Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
+        let e = forms::e(&mesh, &graph, &Sym::from_fn(2, |_, _| 1.0));
+        for motion in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+            let u = vector(&mesh, |x, y| [motion[0] - motion[2] * y, motion[1] + motion[2] * x]);
+            assert!(largest(a.apply(&u).into_iter()) < 1e-13, "force of the rigid motion {motion:?}");
+            assert!(largest(e.apply(&u).into_iter()) < 1e-14, "heat of the rigid motion {motion:?}");
+            // The product by entries, not by differences, agrees.
+            for i in 0..graph.len() {
+                let sum: f64 = a.row(i).map(|(j, block)| block[0] * u[2 * j] + block[1] * u[2 * j + 1]).sum();
+                assert!(sum.abs() < 1e-12);
+            }
+        }
+    }
+}
+
+/// a, b, d and the inner product are symmetric; m is the transpose of e for 𝓜 = 𝓡.
+#[test]
+fn symmetry() {
+    for diagonal in DIAGONALS {
+        let (mesh, graph) = distorted(diagonal);
+        let tensor = Sym::from_fn(2, |i, j| [[0.9, -0.4], [-0.4, 1.1]][i][j]);
+        let symmetric: [BlockMatrix; 4] = [
+            forms::a(&mesh, &graph, &Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)),
+            forms::b(&mesh, &graph, &Isotropic::lame(2, 10.0, 10.0, StressState::PlaneStress)),
+            forms::d(&mesh, &graph, &tensor),
+            forms::inner_h(&mesh, &graph),
+        ];
+        for matrix in &symmetric {
+            assert!(matrix.asymmetry(matrix) < 1e-15);
+        }
+        assert!(forms::m(&mesh, &graph, &tensor).asymmetry(&forms::e(&mesh, &graph, &tensor)) < 1e-15);
+    }
+}
+
+/// ∫ 1 = |Ω| and ∫ x y over the rectangle (0,2)×(0,1) = 1, by the mass matrix.
+#[test]
+fn inner_product_integrates() {
+    for diagonal in DIAGONALS {
+        let (mesh, graph) = distorted(diagonal);
+        let mass = forms::inner_h(&mesh, &graph);
+        let [one, x, y]: [Vec<f64>; 3] = [|_: f64, _: f64| 1.0, |x, _| x, |_, y| y].map(|f| mesh.points.iter().map(|p| f(p[0], p[1])).collect());
+        let form = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(mass.apply(b)).map(|(a, b)| a * b).sum() };
+        assert!((form(&one, &one) - 2.0).abs() < 1e-14);
+        assert!((form(&x, &y) - 1.0).abs() < 1e-14);
+        assert!((form(&x, &x) - 8.0 / 3.0).abs() < 1e-13);
+    }
+}
