@@ -1,17 +1,13 @@
 //! The condensed solution against a plain one: full sparse Newton, factorized anew in every iteration,
 //! written for the flat bottom of the paper's square and sharing nothing with the engine but the matrices.
 
-use amontons::case;
+mod common;
+
 use amontons::linalg::{BlockMatrix, Supernodal};
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use faer::linalg::solvers::Solve;
+use common::paper;
 use faer::sparse::{SparseColMat, Triplet};
-
-fn paper(overrides: &[&str]) -> case::Case {
-    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
-    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    case::read(&path, &overrides).unwrap_or_else(|error| panic!("{error}"))
-}
 
 fn triplets(matrix: &BlockMatrix, free: &[bool]) -> Vec<Triplet<usize, usize, f64>> {
     let (components, _) = matrix.block_shape();

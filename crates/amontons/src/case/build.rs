@@ -223,10 +223,9 @@ impl Build<'_> {
         };
         let (heat, foundation_temperature): (Arc<dyn HeatLaw>, Field) = match raw.heat {
             raw::Heat::None => (Arc::new(Insulated), Field::ZERO),
-            raw::Heat::Ramp { conductance, width, foundation_temperature, truncation } => (
-                Arc::new(Ramp { conductance, width, truncation }),
-                self.field("contact.heat.foundation_temperature", &foundation_temperature, &points),
-            ),
+            raw::Heat::Ramp { conductance, width, foundation_temperature, truncation } => {
+                (Arc::new(Ramp { conductance, width, truncation }), self.field("contact.heat.foundation_temperature", &foundation_temperature, &points))
+            }
         };
         Contact {
             gap: self.field("contact.gap", &raw.gap, &points),

@@ -10,7 +10,7 @@ use std::fmt::Debug;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Par, Side};
@@ -135,6 +135,10 @@ impl Backend for Supernodal {
     }
 }
 
+/// Supernodes of up to so many columns are merged while the share of zeros stays below. The sweeps are
+/// bound by memory traffic, so fewer zeros than a factorization alone would take.
+const RELAX: &[(usize, f64)] = &[(4, 0.5), (16, 0.15)];
+
 /// Upper triangle in elimination order by compressed columns.
 struct UpperColumns {
     start: Vec<u32>,
@@ -214,7 +218,7 @@ impl SupernodalFactor {
         let memory = || FactorError::Memory { size };
         let upper = upper_columns(matrix, unknowns);
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
-        let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, ..CholeskySymbolicParams::default() };
+        let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) }, ..CholeskySymbolicParams::default() };
         let symbolic: SymbolicCholesky<u32> = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| memory())?;
         let mut values = Vec::new();
         values.try_reserve_exact(symbolic.len_val()).map_err(|_| memory())?;

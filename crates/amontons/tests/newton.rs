@@ -1,0 +1,149 @@
+//! Newton's method on Γ_C: it ends from any state, its solutions satisfy the contact conditions, and its
+//! work is counted.
+
+mod common;
+
+use amontons::contact::Status;
+use amontons::linalg::Supernodal;
+use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
+use amontons::tensor::{dot, length};
+use common::{Random, paper, reading};
+
+fn scheme(overrides: &[&str]) -> (amontons::problem::Problem, BackwardEuler) {
+    let problem = paper(overrides).problem;
+    let scheme = BackwardEuler::new(&problem, &Supernodal).expect("a regular system");
+    (problem, scheme)
+}
+
+/// (2.8), (2.9) and (2.10) at every contact point, from the state alone.
+fn assert_contact_conditions(report: &StepReport, c_nu: f64, mu: f64) {
+    let largest = report.contact.states.iter().fold(0.0f64, |m, s| m.max(s.pressure));
+    let fastest = report.contact.states.iter().fold(0.0f64, |m, s| m.max(length(&s.slip)));
+    for (state, flux) in report.contact.states.iter().zip(&report.contact.flux) {
+        assert!((state.pressure - c_nu * state.penetration.max(0.0)).abs() <= 1e-12 * largest, "(2.8)");
+        let bound = mu * state.pressure;
+        assert!(length(&state.q) <= bound + 1e-10 * largest, "(2.9): outside the cone");
+        let speed = length(&state.slip);
+        // Where a point moves, q·w = s ‖w‖: at the bound and against the slip.
+        if speed > 1e-9 * fastest {
+            assert!((dot(&state.q, &state.slip) - bound * speed).abs() <= 1e-8 * largest * speed, "(2.9): not against the slip");
+        }
+        match state.status {
+            Status::Open => assert!(state.penetration <= 0.0 && flux.value == 0.0),
+            Status::Stick => assert!(speed <= 1e-9 * fastest, "a stuck point moves at {speed:e} of {fastest:e}"),
+            Status::Slip => assert!((length(&state.q) - bound).abs() <= 1e-8 * largest),
+        }
+    }
+}
+
+/// Random states, smooth and rough, small and large, on meshes and steps where the step has one solution
+/// and where it may have several.
+#[test]
+fn steps_converge_from_any_state() {
+    let mut random = Random(88_172_645_463_325_252);
+    for quadrature in ["nodal", "gauss"] {
+        for n in [4, 16, 32] {
+            for steps in [1, 8, 64, 1024] {
+                let (problem, mut scheme) =
+                    scheme(&[&format!("mesh.n={n}"), &format!("time.steps={steps}"), &format!("contact.quadrature={quadrature}"), "contact.heat.foundation_temperature=10"]);
+                let start = scheme.initial().expect("finite initial data");
+                for trial in 0..30 {
+                    let mut state = start.clone();
+                    disturb(&mut state, &problem, &scheme, &mut random, trial % 2 == 0);
+                    for _ in 0..2 {
+                        let (next, report) = scheme.step(&state).unwrap_or_else(|e| panic!("{quadrature}, n = {n}, N = {steps}, trial {trial}: {e}"));
+                        assert!(report.residual <= 1e-10);
+                        assert_contact_conditions(&report, 1e4, 0.2);
+                        state = State { step: 0, ..next };
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn disturb(state: &mut State, problem: &amontons::problem::Problem, scheme: &BackwardEuler, random: &mut Random, smooth: bool) {
+    let size = [-2.5, -1.0, 1.0].map(|centre: f64| 10f64.powf(centre + 2.0 * random.number()));
+    let wave = [0; 4].map(|_: i32| 20.0 * random.number());
+    for (i, p) in problem.mesh.points.iter().enumerate() {
+        for c in 0..2 {
+            let dof = 2 * i + c;
+            if scheme.discretization().v.free[dof] {
+                let phase = c as f64;
+                state.u[dof] = size[0] * if smooth { (wave[0] * p[0] + wave[1] * p[1] + phase).sin() } else { random.number() };
+                state.w[dof] = size[1] * if smooth { (wave[2] * p[0] + wave[3] * p[1] + phase).cos() } else { random.number() };
+            }
+        }
+        if scheme.discretization().q.free[i] {
+            state.theta[i] = size[2] * random.number();
+        }
+    }
+    for q in &mut state.multipliers.q {
+        q[0] = 10.0 * random.number();
+    }
+}
+
+#[test]
+fn contact_conditions_hold_in_every_step_of_every_reading() {
+    for name in ["MR", "identity", "literal"] {
+        for foundation in ["0", "10"] {
+            let mut overrides = reading(name);
+            overrides.extend(["mesh.n=16".to_owned(), "time.steps=32".to_owned(), format!("contact.heat.foundation_temperature={foundation}")]);
+            let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
+            let (problem, mut scheme) = scheme(&overrides);
+            let mut state = scheme.initial().expect("finite initial data");
+            for _ in 0..problem.steps {
+                let (next, report) = scheme.step(&state).expect("a step");
+                assert_contact_conditions(&report, 1e4, 0.2);
+                state = next;
+            }
+            assert!(state.ledger.relative_closing_error().abs() < 1e-12, "{name}: energy {:e}", state.ledger.relative_closing_error());
+            assert!(state.ledger.relative_heat_closing_error().abs() < 1e-12, "{name}: heat {:e}", state.ledger.relative_heat_closing_error());
+        }
+    }
+}
+
+/// One factorization a matrix, one pair of sweeps a half-step, one or two Newton iterations once the
+/// contact has settled.
+#[test]
+fn counted_work() {
+    for (n, foundation, newton, settled) in [(16, "0", 23, 1), (32, "0", 47, 1), (32, "10", 110, 3), (64, "10", 250, 3)] {
+        let (problem, mut scheme) = scheme(&[&format!("mesh.n={n}"), &format!("time.steps={n}"), &format!("contact.heat.foundation_temperature={foundation}")]);
+        let mut state = scheme.initial().expect("finite initial data");
+        for step in 1..=problem.steps {
+            let (next, report) = scheme.step(&state).expect("a step");
+            assert!(step <= problem.steps / 2 || report.newton_mechanics <= settled, "n = {n}, step {step}: {} iterations", report.newton_mechanics);
+            assert_eq!(report.newton_heat, 1, "without truncation the heat step is linear");
+            state = next;
+        }
+        assert_eq!(scheme.factorizations().0, 2);
+        assert_eq!(state.counts.sweeps, 4 * problem.steps);
+        assert!(state.counts.newton_mechanics_total <= newton, "n = {n}, θ_F = {foundation}: {} iterations", state.counts.newton_mechanics_total);
+        assert!(scheme.factorizations().1 <= state.counts.newton_mechanics_total + problem.steps);
+    }
+}
+
+/// The truncation φ_L changes the flux where |θ − θ_F| > L and nothing below.
+#[test]
+fn truncation_of_the_temperature_difference() {
+    let run = |extra: &[&str]| {
+        let mut overrides = vec!["mesh.n=16", "time.steps=16", "contact.heat.foundation_temperature=10"];
+        overrides.extend(extra);
+        let (problem, mut scheme) = scheme(&overrides);
+        let mut state = scheme.initial().expect("finite initial data");
+        let mut flow = 0.0;
+        for _ in 0..problem.steps {
+            let (next, report) = scheme.step(&state).expect("a step");
+            (state, flow) = (next, report.contact.heat_flow);
+            for (temperature, flux) in report.contact.temperature.iter().zip(&report.contact.flux) {
+                if extra == ["contact.heat.truncation=2"] {
+                    assert!(flux.value.abs() <= 2.0 && (temperature - 10.0).abs() <= 10.0 + 1e-9);
+                }
+            }
+        }
+        flow
+    };
+    let (free, wide, narrow) = (run(&[]), run(&["contact.heat.truncation=1e3"]), run(&["contact.heat.truncation=2"]));
+    assert_eq!(free.to_bits(), wide.to_bits());
+    assert!(narrow.abs() < 0.5 * free.abs(), "{narrow} against {free}");
+}
