@@ -1,6 +1,6 @@
 //! Data that may vary in space and time: a number or an expression in x, y, z, t.
 
-use crate::expression::Expression;
+use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
 
 /// A scalar function of position and time, in the unit of what it stands for.
@@ -34,6 +34,15 @@ impl Field {
         match self {
             Field::Constant(value) => *value,
             Field::Expression(e) => e.value(x, t),
+        }
+    }
+
+    /// Value and derivatives at a point and a time.
+    #[must_use]
+    pub fn derivatives(&self, x: &Point, t: f64) -> Derivatives {
+        match self {
+            Field::Constant(value) => Derivatives { value: *value, ..Derivatives::default() },
+            Field::Expression(e) => e.derivatives(x, t),
         }
     }
 

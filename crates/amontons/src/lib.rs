@@ -3,6 +3,7 @@
 pub mod case;
 pub mod contact;
 pub mod contract;
+pub mod convergence;
 pub mod element;
 pub mod expression;
 pub mod field;

@@ -202,7 +202,27 @@ impl Mesh {
         Ok(())
     }
 
-    /// Longest edge of the cells, the h of the estimates.
+    /// Spacing of the mesh: the shortest edge of its longest-edged cell, which is the paper's h = 1/n for a
+    /// square cut into n × n squares by diagonals.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        let mut spacing: f64 = 0.0;
+        for block in &self.blocks {
+            for cell in block.cells() {
+                let mut edges = f64::INFINITY;
+                for (i, &a) in cell.iter().enumerate() {
+                    for &b in &cell[..i] {
+                        let (p, q) = (&self.points[a as usize], &self.points[b as usize]);
+                        edges = edges.min(length(&std::array::from_fn(|k| p[k] - q[k])));
+                    }
+                }
+                spacing = spacing.max(edges);
+            }
+        }
+        spacing
+    }
+
+    /// Longest edge of the cells, the diameter of the estimates.
     #[must_use]
     pub fn h(&self) -> f64 {
         let mut h: f64 = 0.0;

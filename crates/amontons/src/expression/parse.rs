@@ -2,7 +2,8 @@
 
 use std::ops::Range;
 
-use super::program::{Graph, NodeId, Op};
+use super::ops::Op;
+use super::program::{Graph, NodeId};
 use super::{ExpressionError, Variable};
 
 /// Longest expression, in bytes.
@@ -17,12 +18,12 @@ const MAX_QUOTE: usize = 30;
 const OPERAND: &str = "a number, a variable, a function or `(`";
 
 #[derive(Clone, Copy, Debug)]
-enum Arity {
+pub(super) enum Arity {
     Exactly(usize),
     AtLeastTwo,
 }
 
-const FUNCTIONS: [(&str, Op, Arity); 25] = [
+pub(super) const FUNCTIONS: [(&str, Op, Arity); 25] = [
     ("sin", Op::Sin, Arity::Exactly(1)),
     ("cos", Op::Cos, Arity::Exactly(1)),
     ("tan", Op::Tan, Arity::Exactly(1)),

@@ -1,8 +1,10 @@
-//! The operations of an expression, and the register program that carries them out.
+//! The graph of an expression, and the register program that carries its operations out.
 
 use std::collections::HashMap;
 
-use super::Variable;
+use super::derivative::{Partials, partials};
+use super::ops::{Op, Operands, apply, integer_power, small_integer};
+use super::{Derivatives, Variable};
 
 /// Points evaluated together: enough for the decoding of an instruction to vanish beside its
 /// arithmetic, few enough for the registers of a typical expression to stay in the first cache.
@@ -11,198 +13,10 @@ const LANES: usize = 128;
 /// Slots of a scalar evaluation that are kept on the stack.
 const STACK_SLOTS: usize = 64;
 
-/// Integer exponents up to this magnitude are carried out by multiplication, which is exact where
-/// the product is, and much faster than the general power.
-const LARGEST_INTEGER_EXPONENT: u32 = 16;
-
 /// Up to this many points the evaluation point by point is faster than that of a block.
 const FEW_POINTS: usize = 2;
 
 type Block = [f64; LANES];
-
-/// An operation on one to three numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Op {
-    Negate,
-    Add,
-    Subtract,
-    Multiply,
-    Divide,
-    Power,
-    Less,
-    LessEqual,
-    Greater,
-    GreaterEqual,
-    Equal,
-    NotEqual,
-    Sin,
-    Cos,
-    Tan,
-    Asin,
-    Acos,
-    Atan,
-    Sinh,
-    Cosh,
-    Tanh,
-    Exp,
-    Log,
-    Log10,
-    Sqrt,
-    Abs,
-    Sign,
-    Floor,
-    Ceil,
-    Step,
-    Min,
-    Max,
-    Atan2,
-    Modulo,
-    If,
-}
-
-/// A way of applying a function to operands: to numbers, or to blocks of them.
-trait Operands {
-    type Output;
-    fn unary(self, function: impl Fn(f64) -> f64) -> Self::Output;
-    fn binary(self, function: impl Fn(f64, f64) -> f64) -> Self::Output;
-    fn ternary(self, function: impl Fn(f64, f64, f64) -> f64) -> Self::Output;
-}
-
-/// The one table of what the operations mean. Folding of constants, evaluation at a point and
-/// evaluation at a block all go through it, which is what makes their results equal.
-#[allow(clippy::inline_always)] // a call would cost the scalar evaluation more than the operation
-#[inline(always)]
-fn apply<O: Operands>(op: Op, operands: O) -> O::Output {
-    match op {
-        Op::Negate => operands.unary(|a| -a),
-        Op::Add => operands.binary(|a, b| a + b),
-        Op::Subtract => operands.binary(|a, b| a - b),
-        Op::Multiply => operands.binary(|a, b| a * b),
-        Op::Divide => operands.binary(|a, b| a / b),
-        Op::Power => operands.binary(power),
-        Op::Less => operands.binary(|a, b| truth(a < b)),
-        Op::LessEqual => operands.binary(|a, b| truth(a <= b)),
-        Op::Greater => operands.binary(|a, b| truth(a > b)),
-        Op::GreaterEqual => operands.binary(|a, b| truth(a >= b)),
-        // The user asks for exact equality, as in `t == 0`; a tolerance is theirs to write.
-        #[allow(clippy::float_cmp)]
-        Op::Equal => operands.binary(|a, b| truth(a == b)),
-        #[allow(clippy::float_cmp)]
-        Op::NotEqual => operands.binary(|a, b| truth(a != b)),
-        Op::Sin => operands.unary(f64::sin),
-        Op::Cos => operands.unary(f64::cos),
-        Op::Tan => operands.unary(f64::tan),
-        Op::Asin => operands.unary(f64::asin),
-        Op::Acos => operands.unary(f64::acos),
-        Op::Atan => operands.unary(f64::atan),
-        Op::Sinh => operands.unary(f64::sinh),
-        Op::Cosh => operands.unary(f64::cosh),
-        Op::Tanh => operands.unary(f64::tanh),
-        Op::Exp => operands.unary(f64::exp),
-        Op::Log => operands.unary(f64::ln),
-        Op::Log10 => operands.unary(f64::log10),
-        Op::Sqrt => operands.unary(f64::sqrt),
-        Op::Abs => operands.unary(f64::abs),
-        Op::Sign => operands.unary(sign),
-        Op::Floor => operands.unary(f64::floor),
-        Op::Ceil => operands.unary(f64::ceil),
-        Op::Step => operands.unary(step),
-        Op::Min => operands.binary(minimum),
-        Op::Max => operands.binary(maximum),
-        Op::Atan2 => operands.binary(f64::atan2),
-        Op::Modulo => operands.binary(modulo),
-        Op::If => operands.ternary(select),
-    }
-}
-
-// Written as a choice, and not as a conversion of the truth value, because a choice vectorises.
-#[inline]
-fn truth(condition: bool) -> f64 {
-    if condition { 1.0 } else { 0.0 }
-}
-
-#[inline]
-fn sign(a: f64) -> f64 {
-    if a > 0.0 {
-        1.0
-    } else if a < 0.0 {
-        -1.0
-    } else {
-        a
-    }
-}
-
-#[inline]
-fn step(a: f64) -> f64 {
-    if a < 0.0 {
-        0.0
-    } else if a >= 0.0 {
-        1.0
-    } else {
-        a
-    }
-}
-
-// `f64::min` and `f64::max` would swallow a NaN, and leave the sign of a zero open.
-#[inline]
-fn minimum(a: f64, b: f64) -> f64 {
-    if a < b || a.is_nan() { a } else { b }
-}
-
-#[inline]
-fn maximum(a: f64, b: f64) -> f64 {
-    if a > b || a.is_nan() { a } else { b }
-}
-
-// The remainder is exact, where `a - b*floor(a/b)` suffers from the rounding of the quotient.
-#[inline]
-fn modulo(a: f64, b: f64) -> f64 {
-    let remainder = a % b;
-    if remainder != 0.0 && (remainder < 0.0) != (b < 0.0) { remainder + b } else { remainder }
-}
-
-#[inline]
-fn select(condition: f64, a: f64, b: f64) -> f64 {
-    if condition == 0.0 {
-        b
-    } else if condition.is_nan() {
-        condition
-    } else {
-        a
-    }
-}
-
-/// Whether an exponent known only at evaluation is a small integer is decided here in the same way
-/// as for a constant one, so that `x^t` at `t = 2` is `x^2` to the last bit.
-fn power(base: f64, exponent: f64) -> f64 {
-    match small_integer(exponent) {
-        Some(0) => 1.0,
-        Some(n) => {
-            let product = integer_power(base, n.unsigned_abs(), |a, b| a * b);
-            if n < 0 { 1.0 / product } else { product }
-        }
-        None => base.powf(exponent),
-    }
-}
-
-#[allow(clippy::float_cmp)] // an integer is wanted, not a number close to one
-fn small_integer(value: f64) -> Option<i32> {
-    let n = value as i32;
-    (f64::from(n) == value && n.unsigned_abs() <= LARGEST_INTEGER_EXPONENT).then_some(n)
-}
-
-/// `base` to the power `n >= 1` by squaring, on numbers as on nodes of the graph: one order of the
-/// multiplications for both.
-fn integer_power<T: Copy>(base: T, n: u32, mut multiply: impl FnMut(T, T) -> T) -> T {
-    let mut result = base;
-    for bit in (0..n.ilog2()).rev() {
-        result = multiply(result, result);
-        if n >> bit & 1 == 1 {
-            result = multiply(result, base);
-        }
-    }
-    result
-}
 
 /// The sign and payload of a NaN depend on the instructions chosen by the compiler; everything
 /// else does not.
@@ -402,13 +216,38 @@ impl Program {
     }
 
     pub(super) fn value(&self, x: &[f64; 3], t: f64) -> f64 {
-        with_slots(self.slots, |file| {
+        with_slots(self.slots, |file: &mut [f64]| {
             self.start(file, t);
             for &(axis, slot) in &self.axes {
                 file[slot] = x[axis];
             }
             run(&self.body, file);
             canonical(file[self.result])
+        })
+    }
+
+    /// The partial derivatives are kept in slots of their own, numbered as those of the values.
+    pub(super) fn derivatives(&self, x: &[f64; 3], t: f64) -> Derivatives {
+        with_slots(self.slots, |file: &mut [f64]| {
+            with_slots(self.slots, |slopes: &mut [Partials]| {
+                file[..self.constants.len()].copy_from_slice(&self.constants);
+                if let Some(time) = self.time {
+                    file[time] = t;
+                    slopes[time][3] = 1.0;
+                }
+                for &(axis, slot) in &self.axes {
+                    file[slot] = x[axis];
+                    slopes[slot][axis] = 1.0;
+                }
+                for &Instruction { op, slot, operands } in self.prologue.iter().chain(&self.body) {
+                    let value = apply(op, Numbers { file, operands });
+                    slopes[slot] = partials(op, operands.map(|o| file[o]), operands.map(|o| &slopes[o]), value);
+                    file[slot] = value;
+                }
+                let value = canonical(file[self.result]);
+                let [x, y, z, t] = slopes[self.result].map(|slope| if value.is_nan() { value } else { canonical(slope) });
+                Derivatives { value, by_x: [x, y, z], by_t: t }
+            })
         })
     }
 
@@ -419,7 +258,7 @@ impl Program {
             }
             return;
         }
-        with_slots(self.uniform, |uniform| {
+        with_slots(self.uniform, |uniform: &mut [f64]| {
             self.start(uniform, t);
             if self.result < self.uniform {
                 let value = canonical(uniform[self.result]);
@@ -465,8 +304,8 @@ impl Program {
 }
 
 /// Lends `count` slots, from the stack where they are few.
-fn with_slots<T>(count: usize, run: impl FnOnce(&mut [f64]) -> T) -> T {
-    if count <= STACK_SLOTS { run(&mut [0.0; STACK_SLOTS][..count]) } else { run(&mut vec![0.0; count]) }
+fn with_slots<S: Copy + Default, T>(count: usize, run: impl FnOnce(&mut [S]) -> T) -> T {
+    if count <= STACK_SLOTS { run(&mut [S::default(); STACK_SLOTS][..count]) } else { run(&mut vec![S::default(); count]) }
 }
 
 fn run(instructions: &[Instruction], file: &mut [f64]) {

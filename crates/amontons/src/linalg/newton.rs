@@ -12,8 +12,8 @@
 //! do not depend on units. In heat, S θ + Σ ω Nᵀ k_c φ_L(θ − θ_F) = r̂ is the same without q.
 //!
 //! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved
-//! until the residual decreases. Where that ends at a kink, the solution is followed from the step
-//! without friction, a convex problem, to the one with all of it.
+//! until the residual decreases; where that ends at a kink, a full step leaves it. After a few of those
+//! the solution is followed from the step without friction, a convex problem, to the one with all of it.
 
 use super::condensed::{Condensed, Entry};
 use super::sparse::max_abs;
@@ -25,7 +25,9 @@ use crate::tensor::{Point, dot, length};
 const TOLERANCE: f64 = 1e-12;
 /// Iterations after which, and step length below which, an iteration has failed.
 const ITERATIONS: usize = 200;
-const SHORTEST_STEP: f64 = 1e-6;
+const SHORTEST_STEP: f64 = 1e-4;
+/// Full steps taken without regard to the residual, the first step included.
+const LEAPS: usize = 8;
 /// Increment of the friction below which the path to a solution is lost.
 const SMALLEST_ADVANCE: f64 = 1e-4;
 /// Stiffness of a stuck point over ρ. The error of one iteration is of the order of its inverse and
@@ -247,9 +249,11 @@ impl MechanicalStep<'_> {
     }
 
     /// Newton's method from an iterate: after a first full step, each is shortened until the
-    /// residual decreases.
+    /// residual decreases. At a kink where no shorter step helps, a full one leaves it, some times.
     fn iterate(&self, condensed: &mut Condensed, right: &Right, start: Iterate) -> Result<(Iterate, usize), NotConverged> {
         let mut now = self.evaluate(condensed, right, start);
+        let mut leaps = 1;
+        let mut leap = true;
         for iteration in 0..ITERATIONS {
             if now.converged() {
                 return Ok((now.at, iteration));
@@ -262,13 +266,19 @@ impl MechanicalStep<'_> {
                 let w = now.at.w.iter().zip(&step).map(|(w, step)| w + alpha * step).collect();
                 let q = now.at.q.iter().zip(&q_new).map(|(a, b)| std::array::from_fn(|c| a[c] + alpha * (b[c] - a[c]))).collect();
                 let trial = self.evaluate(condensed, right, Iterate { w, q });
-                if trial.converged() || trial.merit < now.merit * (1.0 - 1e-4 * alpha) || (iteration == 0 && trial.merit.is_finite()) {
+                if trial.converged() || trial.merit < now.merit * (1.0 - 1e-4 * alpha) || (leap && trial.merit.is_finite()) {
                     now = trial;
+                    leap = false;
                     break;
                 }
                 alpha *= 0.5;
                 if alpha < SHORTEST_STEP {
-                    return Err(self.failure(iteration + 1, &now));
+                    if leaps == LEAPS {
+                        return Err(self.failure(iteration + 1, &now));
+                    }
+                    leaps += 1;
+                    leap = true;
+                    alpha = 1.0;
                 }
             }
         }

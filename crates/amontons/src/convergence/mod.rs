@@ -1,0 +1,12 @@
+//! Convergence studies: the errors of (5.2) on a sequence of meshes and steps, with observed orders.
+//!
+//! The levels are solved first, in parallel, and keep their states; the reference is solved last and
+//! compared with them as it goes, so that its states need not be kept.
+
+mod norms;
+mod study;
+mod transfer;
+
+pub use norms::{Errors, Exact, Products, against_exact, of_difference};
+pub use study::{Level, Reference, Row, Study, StudyError, StudySettings, Table, Vary, slope};
+pub use transfer::{Transfer, TransferError};

@@ -1,0 +1,103 @@
+//! Norms of the errors of (5.2): ‖w − w^{hk}‖_H, ‖ε(u − u^{hk})‖, ‖θ − θ^{hk}‖_{L²}.
+
+use crate::expression::Derivatives;
+use crate::field::Field;
+use crate::linalg::{BlockMatrix, dot};
+use crate::mesh::{CellMap, Mesh};
+use crate::quadrature::rule;
+use crate::scheme::State;
+use crate::tensor::Sym;
+
+/// The three errors of (5.2) at one time, and that of the displacement in H.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Errors {
+    /// ‖w − w^{hk}‖_H, m/s times a length to the power d/2.
+    pub w: f64,
+    /// ‖ε(u − u^{hk})‖_{L²}.
+    pub u: f64,
+    /// ‖θ − θ^{hk}‖_{L²}.
+    pub theta: f64,
+    /// ‖u − u^{hk}‖_H, which (5.2) does not count.
+    pub u_h: f64,
+}
+
+impl Errors {
+    /// Their sum, whose maximum over time is E^{hk}.
+    #[must_use]
+    pub fn sum(&self) -> f64 {
+        self.w + self.u + self.theta
+    }
+
+    /// The larger of each.
+    #[must_use]
+    pub fn max(&self, other: &Errors) -> Errors {
+        Errors { w: self.w.max(other.w), u: self.u.max(other.u), theta: self.theta.max(other.theta), u_h: self.u_h.max(other.u_h) }
+    }
+}
+
+/// A solution in closed form. The velocity is the time derivative of the displacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Exact {
+    /// u, one field a component, m.
+    pub displacement: Vec<Field>,
+    /// θ in K.
+    pub temperature: Field,
+}
+
+/// Degree of the rule that integrates squared errors: what is left of it is of higher order in h.
+const DEGREE: usize = 6;
+
+/// Errors of a state against a closed form, integrated cell by cell.
+#[must_use]
+pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
+    let dim = mesh.dim;
+    let (mut w2, mut u2, mut strain2, mut theta2) = (0.0, 0.0, 0.0, 0.0);
+    for block in &mesh.blocks {
+        let rule = rule(block.element.shape, DEGREE);
+        for cell in block.cells() {
+            for (at, weight) in rule.iter() {
+                let map = CellMap::new(mesh, block.element, cell, at);
+                let weight = weight * map.determinant;
+                let mut gradient = [[0.0; 3]; 3];
+                for (c, row) in gradient.iter_mut().enumerate().take(dim) {
+                    let exact: Derivatives = exact.displacement.get(c).map_or(Derivatives::default(), |f| f.derivatives(&map.position, state.t));
+                    let (mut u, mut w) = (exact.value, exact.by_t);
+                    *row = exact.by_x;
+                    for (n, &node) in cell.iter().enumerate() {
+                        let dof = node as usize * dim + c;
+                        u -= map.values[n] * state.u[dof];
+                        w -= map.values[n] * state.w[dof];
+                        for d in 0..dim {
+                            row[d] -= map.gradients[n][d] * state.u[dof];
+                        }
+                    }
+                    u2 += weight * u * u;
+                    w2 += weight * w * w;
+                }
+                let strain = Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
+                strain2 += weight * strain.dot(&strain);
+                let mut theta = exact.temperature.value(&map.position, state.t);
+                for (n, &node) in cell.iter().enumerate() {
+                    theta -= map.values[n] * state.theta[node as usize];
+                }
+                theta2 += weight * theta * theta;
+            }
+        }
+    }
+    Errors { w: w2.sqrt(), u: strain2.sqrt(), theta: theta2.sqrt(), u_h: u2.sqrt() }
+}
+
+/// The inner products that norms on one mesh need: (·, ·) and (ε(·), ε(·)).
+pub struct Products<'a> {
+    /// (·, ·)_{L²}.
+    pub mass: &'a BlockMatrix,
+    /// (ε(·), ε(·)).
+    pub strain: &'a BlockMatrix,
+}
+
+/// Norms of a difference of two states on the same mesh.
+#[must_use]
+pub fn of_difference(products: &Products, u: &[f64], w: &[f64], theta: &[f64]) -> Errors {
+    let norm = |matrix: &BlockMatrix, v: &[f64]| dot(v, &matrix.apply(v)).max(0.0).sqrt();
+    Errors { w: norm(products.mass, w), u: norm(products.strain, u), theta: norm(products.mass, theta), u_h: norm(products.mass, u) }
+}

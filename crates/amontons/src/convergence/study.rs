@@ -1,0 +1,337 @@
+//! A study: its levels, its reference, and the table that comes out.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::norms::{Errors, Exact, against_exact};
+use super::transfer::{Transfer, TransferError};
+use crate::forms;
+use crate::linalg::Supernodal;
+use crate::material::{Isotropic, StressState};
+use crate::problem::Problem;
+use crate::scheme::{BackwardEuler, Scheme, SetupError, State, StepError};
+
+/// What is refined from level to level.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Vary {
+    /// Mesh and step together.
+    #[default]
+    Both,
+    /// The mesh only.
+    Space,
+    /// The step only.
+    Time,
+}
+
+/// One level of a study.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// The number that names it.
+    pub level: usize,
+    /// The problem on its mesh with its steps.
+    pub problem: Problem,
+}
+
+/// What the levels are compared with.
+#[derive(Clone, Debug)]
+pub enum Reference {
+    /// The solution on a finer level.
+    Level(Box<Level>),
+    /// A closed form.
+    Exact(Exact),
+}
+
+/// Levels and reference.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// What is refined.
+    pub vary: Vary,
+    /// The levels, coarsest first.
+    pub levels: Vec<Level>,
+    /// What they are compared with.
+    pub reference: Reference,
+}
+
+/// How a study is run.
+#[derive(Default)]
+pub struct StudySettings<'a> {
+    /// Ends the study at the next step when set.
+    pub interrupt: Option<&'a AtomicBool>,
+    /// Told about every step made: level, step, number of steps.
+    pub progress: Option<&'a (dyn Fn(usize, usize, usize) + Sync)>,
+    /// Finished levels of an earlier attempt: states at all times by level, if they are there.
+    pub load: Option<&'a (dyn Fn(&Level) -> Option<Vec<State>> + Sync)>,
+    /// Keeps a finished level.
+    pub keep: Option<&'a (dyn Fn(&Level, &[State]) + Sync)>,
+}
+
+/// A row of the table: the errors of a level, each the maximum over its own times.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// The number that names the level.
+    pub level: usize,
+    /// Spacing of the mesh, [`crate::mesh::Mesh::spacing`], m.
+    pub h: f64,
+    /// Time step in s.
+    pub k: f64,
+    /// Maximum of ‖w − w^{hk}‖_H.
+    pub error_w: f64,
+    /// Maximum of ‖ε(u − u^{hk})‖.
+    pub error_u: f64,
+    /// Maximum of ‖θ − θ^{hk}‖_{L²}.
+    pub error_theta: f64,
+    /// Maximum of ‖u − u^{hk}‖_H.
+    pub error_u_h: f64,
+    /// E^{hk}, the maximum of the sum of the three of (5.2).
+    pub error: f64,
+    /// Time at which the maximum of the sum is taken, s.
+    pub time_of_error: f64,
+    /// log(E of the row before / E) / log of the refinement; none in the first row.
+    pub order: Option<f64>,
+}
+
+/// The result of a study.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Table {
+    /// What was refined.
+    pub vary: Vary,
+    /// The rows, coarsest first.
+    pub rows: Vec<Row>,
+    /// Least-squares slopes of the logarithms over all rows, by name of the error.
+    pub slopes: Vec<(&'static str, f64)>,
+    /// Whether every comparison was made by interpolation between nested meshes.
+    pub nested: bool,
+}
+
+/// Why a study ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// A level could not be set up.
+    #[error("level {level}: {source}")]
+    Setup {
+        /// The level.
+        level: usize,
+        /// Why.
+        source: SetupError,
+    },
+    /// A step of a level failed.
+    #[error("level {level}: {source}")]
+    Step {
+        /// The level.
+        level: usize,
+        /// Why.
+        source: StepError,
+    },
+    /// A level cannot be compared with the reference.
+    #[error("level {level}: {source}")]
+    Transfer {
+        /// The level.
+        level: usize,
+        /// Why.
+        source: TransferError,
+    },
+    /// The times of a level are not times of the reference.
+    #[error("level {level} has {steps} steps, which do not divide the {reference} steps of the reference: they have no common times")]
+    Times {
+        /// The level.
+        level: usize,
+        /// Its number of steps.
+        steps: usize,
+        /// Steps of the reference.
+        reference: usize,
+    },
+    /// The study was interrupted.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+impl Study {
+    /// Solves all levels and compares them.
+    ///
+    /// # Errors
+    /// When a level fails, when times or meshes do not match, or when the study is interrupted.
+    pub fn run(&self, settings: &StudySettings) -> Result<Table, StudyError> {
+        match &self.reference {
+            Reference::Exact(exact) => {
+                let rows = self.levels.par_iter().map(|level| {
+                    let mut worst = Worst::default();
+                    walk(level, settings, |state| {
+                        worst.take(state.t, against_exact(&level.problem.mesh, state, exact));
+                        Ok(())
+                    })?;
+                    Ok(worst.row(level))
+                });
+                Ok(self.table(rows.collect::<Result<Vec<_>, StudyError>>()?, true))
+            }
+            Reference::Level(reference) => self.against(reference, settings),
+        }
+    }
+
+    fn against(&self, reference: &Level, settings: &StudySettings) -> Result<Table, StudyError> {
+        let steps = reference.problem.steps;
+        for level in &self.levels {
+            if !steps.is_multiple_of(level.problem.steps) {
+                return Err(StudyError::Times { level: level.level, steps: level.problem.steps, reference: steps });
+            }
+        }
+        let trajectories = self.levels.par_iter().map(|level| {
+            if let Some(states) = settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.steps) {
+                return Ok(states);
+            }
+            let mut states = Vec::new();
+            walk(level, settings, |state| {
+                states.push(state.clone());
+                Ok(())
+            })?;
+            if let Some(keep) = settings.keep {
+                keep(level, &states);
+            }
+            Ok(states)
+        });
+        let trajectories = trajectories.collect::<Result<Vec<_>, StudyError>>()?;
+
+        let mut scheme = scheme_of(reference)?;
+        let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: reference.level, source })?;
+        let unit = Isotropic::lame(reference.problem.mesh.dim, 0.0, 1.0, StressState::PlaneStress);
+        let strain = forms::a(&reference.problem.mesh, scheme.discretization().mass.graph(), &unit);
+        let mut worst = vec![Worst::default(); self.levels.len()];
+        let mut transfers = Vec::new();
+        // The comparison borrows the matrices of the reference, the steps change its scheme: one set of
+        // matrices is kept for each.
+        let discrete = crate::scheme::Discretization::new(&reference.problem);
+        for level in &self.levels {
+            transfers.push(Transfer::new(&discrete, &strain, &level.problem.mesh).map_err(|source| StudyError::Transfer { level: level.level, source })?);
+        }
+        for n in 1..=steps {
+            check(settings)?;
+            state = scheme.step(&state).map_err(|source| StudyError::Step { level: reference.level, source })?.0;
+            if let Some(progress) = settings.progress {
+                progress(reference.level, n, steps);
+            }
+            worst.par_iter_mut().enumerate().for_each(|(i, worst)| {
+                let own = self.levels[i].problem.steps;
+                if (n * own).is_multiple_of(steps) {
+                    worst.take(state.t, transfers[i].errors(&trajectories[i][n * own / steps - 1], &state));
+                }
+            });
+        }
+        let nested = transfers.iter().all(Transfer::is_nested);
+        Ok(self.table(self.levels.iter().zip(&worst).map(|(level, worst)| worst.row(level)).collect(), nested))
+    }
+
+    fn table(&self, mut rows: Vec<Row>, nested: bool) -> Table {
+        let size = |row: &Row| if self.vary == Vary::Time { row.k } else { row.h };
+        for i in 1..rows.len() {
+            let (a, b) = (&rows[i - 1], &rows[i]);
+            rows[i].order = Some((a.error / b.error).ln() / (size(a) / size(b)).ln());
+        }
+        let fit = |value: fn(&Row) -> f64| slope(&rows.iter().map(|row| (size(row), value(row))).collect::<Vec<_>>());
+        let slopes = vec![
+            ("error_w", fit(|r| r.error_w)),
+            ("error_u", fit(|r| r.error_u)),
+            ("error_theta", fit(|r| r.error_theta)),
+            ("error_u_h", fit(|r| r.error_u_h)),
+            ("error", fit(|r| r.error)),
+        ];
+        Table { vary: self.vary, rows, slopes, nested }
+    }
+}
+
+impl Table {
+    /// The table as `convergence.csv`.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut out = String::from("level,h,k,error_w,error_u,error_theta,error,order\n");
+        for row in &self.rows {
+            let order = row.order.map_or(String::new(), |o| format!("{o:.6}"));
+            let numbers = [row.h, row.k, row.error_w, row.error_u, row.error_theta, row.error].map(|v| format!("{v:e}")).join(",");
+            out.push_str(&format!("{},{numbers},{order}\n", row.level));
+        }
+        out
+    }
+}
+
+/// The largest errors over time.
+#[derive(Clone, Default)]
+struct Worst {
+    errors: Errors,
+    sum: f64,
+    time: f64,
+}
+
+impl Worst {
+    fn take(&mut self, t: f64, errors: Errors) {
+        self.errors = self.errors.max(&errors);
+        if errors.sum() > self.sum {
+            (self.sum, self.time) = (errors.sum(), t);
+        }
+    }
+
+    fn row(&self, level: &Level) -> Row {
+        let Errors { w, u, theta, u_h } = self.errors;
+        let mesh = &level.problem.mesh;
+        let h = mesh.spacing();
+        Row {
+            level: level.level,
+            h,
+            k: level.problem.k(),
+            error_w: w,
+            error_u: u,
+            error_theta: theta,
+            error_u_h: u_h,
+            error: self.sum,
+            time_of_error: self.time,
+            order: None,
+        }
+    }
+}
+
+/// Least-squares slope of log(y) over log(x).
+#[must_use]
+pub fn slope(points: &[(f64, f64)]) -> f64 {
+    let n = points.len() as f64;
+    let logs: Vec<(f64, f64)> = points.iter().map(|(x, y)| (x.ln(), y.ln())).collect();
+    let (mx, my) = (logs.iter().map(|p| p.0).sum::<f64>() / n, logs.iter().map(|p| p.1).sum::<f64>() / n);
+    let covariance: f64 = logs.iter().map(|(x, y)| (x - mx) * (y - my)).sum();
+    covariance / logs.iter().map(|(x, _)| (x - mx).powi(2)).sum::<f64>()
+}
+
+fn check(settings: &StudySettings) -> Result<(), StudyError> {
+    match settings.interrupt {
+        Some(flag) if flag.load(Ordering::Relaxed) => Err(StudyError::Interrupted),
+        _ => Ok(()),
+    }
+}
+
+fn scheme_of(level: &Level) -> Result<BackwardEuler, StudyError> {
+    BackwardEuler::new(&level.problem, &Supernodal).map_err(|source| StudyError::Setup { level: level.level, source })
+}
+
+/// Makes all steps of a level and hands over each state.
+fn walk(level: &Level, settings: &StudySettings, mut visit: impl FnMut(&State) -> Result<(), StudyError>) -> Result<(), StudyError> {
+    let mut scheme = scheme_of(level)?;
+    let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
+    for n in 1..=level.problem.steps {
+        check(settings)?;
+        state = scheme.step(&state).map_err(|source| StudyError::Step { level: level.level, source })?.0;
+        if let Some(progress) = settings.progress {
+            progress(level.level, n, level.problem.steps);
+        }
+        visit(&state)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slope_of_a_power_is_its_exponent() {
+        let points: Vec<(f64, f64)> = [1.0, 0.5, 0.25, 0.1].iter().map(|h: &f64| (*h, 3.0 * h.powf(1.5))).collect();
+        assert!((slope(&points) - 1.5).abs() < 1e-14);
+    }
+}

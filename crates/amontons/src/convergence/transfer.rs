@@ -1,0 +1,315 @@
+//! Differences of functions on two meshes: exact by interpolation where the meshes are nested, and exact
+//! on the intersections of the cells where they are not.
+
+use crate::convergence::norms::{Errors, Products, of_difference};
+use crate::element::MAX_NODES;
+use crate::linalg::BlockMatrix;
+use crate::mesh::{CellMap, Mesh};
+use crate::quadrature::{Shape, rule};
+use crate::scheme::{Discretization, State};
+use crate::tensor::{Point, Sym};
+
+/// Why two meshes cannot be compared.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum TransferError {
+    /// A point of one mesh lies outside the other.
+    #[error("the point ({:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ", .0[0], .0[1])]
+    Outside(Point),
+    /// The meshes have cells that cannot be intersected.
+    #[error("meshes of {0} cells are compared only where they are nested")]
+    Cells(&'static str),
+}
+
+/// Cells of a mesh by the squares of a background grid, to find the cell of a point.
+struct Locator<'a> {
+    mesh: &'a Mesh,
+    low: Point,
+    width: [f64; 2],
+    count: [usize; 2],
+    buckets: Vec<Vec<(u32, u32)>>,
+}
+
+impl<'a> Locator<'a> {
+    fn new(mesh: &'a Mesh) -> Locator<'a> {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for p in &mesh.points {
+            for d in 0..3 {
+                low[d] = low[d].min(p[d]);
+                high[d] = high[d].max(p[d]);
+            }
+        }
+        let side = ((mesh.cell_count() as f64).sqrt().ceil() as usize).max(1);
+        let count = [side, side];
+        let width = [0, 1].map(|d| ((high[d] - low[d]) / side as f64).max(f64::MIN_POSITIVE));
+        let mut locator = Locator { mesh, low, width, count, buckets: vec![Vec::new(); side * side] };
+        for (b, block) in mesh.blocks.iter().enumerate() {
+            for (c, cell) in block.cells().enumerate() {
+                let corners: Vec<&Point> = cell.iter().map(|&n| &mesh.points[n as usize]).collect();
+                for bucket in locator.range(&corners) {
+                    locator.buckets[bucket].push((b as u32, c as u32));
+                }
+            }
+        }
+        locator
+    }
+
+    /// Buckets that the bounding box of some points touches.
+    fn range(&self, points: &[&Point]) -> Vec<usize> {
+        let index = |d: usize, x: f64| (((x - self.low[d]) / self.width[d]).floor().max(0.0) as usize).min(self.count[d] - 1);
+        let bounds = [0, 1].map(|d| {
+            let low = points.iter().map(|p| p[d]).fold(f64::INFINITY, f64::min);
+            let high = points.iter().map(|p| p[d]).fold(f64::NEG_INFINITY, f64::max);
+            index(d, low - 1e-9 * self.width[d])..=index(d, high + 1e-9 * self.width[d])
+        });
+        let [x, y] = bounds;
+        y.flat_map(|j| x.clone().map(move |i| (i, j))).map(|(i, j)| j * self.count[0] + i).collect()
+    }
+
+    fn cell(&self, (block, cell): (u32, u32)) -> &'a [u32] {
+        let block = &self.mesh.blocks[block as usize];
+        let n = block.element.nodes.len();
+        &block.nodes[cell as usize * n..(cell as usize + 1) * n]
+    }
+
+    /// The cell of a point with the values of its shape functions there.
+    fn locate(&self, p: &Point) -> Option<((u32, u32), [f64; MAX_NODES])> {
+        let mut best: Option<(f64, (u32, u32), [f64; MAX_NODES])> = None;
+        for bucket in self.range(&[p]) {
+            for &at in &self.buckets[bucket] {
+                let values = barycentric(self.mesh, self.cell(at), p);
+                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+                if best.as_ref().is_none_or(|(found, ..)| least > *found) {
+                    best = Some((least, at, values));
+                }
+            }
+        }
+        best.filter(|(least, ..)| *least > -1e-9).map(|(_, at, values)| (at, values))
+    }
+}
+
+/// Shape functions of a triangle at a physical point.
+fn barycentric(mesh: &Mesh, cell: &[u32], p: &Point) -> [f64; MAX_NODES] {
+    let [a, b, c] = [0, 1, 2].map(|i| &mesh.points[cell[i] as usize]);
+    let cross = |o: &Point, u: &Point, v: &Point| (u[0] - o[0]) * (v[1] - o[1]) - (u[1] - o[1]) * (v[0] - o[0]);
+    let area = cross(a, b, c);
+    [cross(p, b, c) / area, cross(a, p, c) / area, cross(a, b, p) / area]
+}
+
+/// How a coarse solution is compared with the reference.
+pub struct Transfer<'a> {
+    reference: &'a Discretization,
+    coarse: &'a Mesh,
+    strain: &'a BlockMatrix,
+    way: Way,
+}
+
+enum Way {
+    /// Nested: the coarse function is interpolated at the nodes of the reference, without error.
+    Interpolate(Vec<([u32; MAX_NODES], [f64; MAX_NODES])>),
+    /// Not nested: squares are integrated over the intersections of the cells.
+    Intersect(Vec<Piece>),
+}
+
+/// A triangle inside one cell of each mesh.
+struct Piece {
+    fine: (u32, u32),
+    coarse: (u32, u32),
+    corners: [Point; 3],
+}
+
+impl<'a> Transfer<'a> {
+    /// Prepares the comparison of functions on `coarse` with those on the mesh of `reference`;
+    /// `strain` is the form (ε(·), ε(·)) of the reference.
+    ///
+    /// # Errors
+    /// When the meshes cover different bodies.
+    pub fn new(reference: &'a Discretization, strain: &'a BlockMatrix, coarse: &'a Mesh) -> Result<Transfer<'a>, TransferError> {
+        let fine = &reference.mesh;
+        for mesh in [&**fine, coarse] {
+            if let Some(block) = mesh.blocks.iter().find(|b| b.element.shape != Shape::Triangle) {
+                return Err(TransferError::Cells(block.element.name));
+            }
+        }
+        let locator = Locator::new(coarse);
+        let located = fine.points.iter().map(|p| locator.locate(p).ok_or(TransferError::Outside(*p))).collect::<Result<Vec<_>, _>>()?;
+        let way = if nested(fine, &locator) {
+            let entry = |&(at, values): &((u32, u32), [f64; MAX_NODES])| {
+                let cell = locator.cell(at);
+                ([cell[0], cell[1], cell[2]], values)
+            };
+            Way::Interpolate(located.iter().map(entry).collect())
+        } else {
+            Way::Intersect(intersections(fine, &locator))
+        };
+        Ok(Transfer { reference, coarse, strain, way })
+    }
+
+    /// Whether the meshes are nested.
+    #[must_use]
+    pub fn is_nested(&self) -> bool {
+        matches!(self.way, Way::Interpolate(_))
+    }
+
+    /// Errors of a coarse state against the reference state.
+    #[must_use]
+    pub fn errors(&self, coarse: &State, reference: &State) -> Errors {
+        match &self.way {
+            Way::Interpolate(entries) => {
+                let dim = self.coarse.dim;
+                let difference = |components: usize, coarse: &[f64], fine: &[f64]| -> Vec<f64> {
+                    let mut out = fine.to_vec();
+                    for (node, (nodes, values)) in entries.iter().enumerate() {
+                        for (&n, value) in nodes.iter().zip(values) {
+                            for c in 0..components {
+                                out[node * components + c] -= value * coarse[n as usize * components + c];
+                            }
+                        }
+                    }
+                    out
+                };
+                let products = Products { mass: &self.reference.mass, strain: self.strain };
+                of_difference(
+                    &products,
+                    &difference(dim, &coarse.u, &reference.u),
+                    &difference(dim, &coarse.w, &reference.w),
+                    &difference(1, &coarse.theta, &reference.theta),
+                )
+            }
+            Way::Intersect(pieces) => self.over_pieces(pieces, coarse, reference),
+        }
+    }
+
+    fn over_pieces(&self, pieces: &[Piece], coarse: &State, reference: &State) -> Errors {
+        let fine = &*self.reference.mesh;
+        let dim = fine.dim;
+        // The difference of two linear functions squared is quadratic.
+        let quadrature = rule(Shape::Triangle, 2);
+        let nodes_of = |mesh: &'a Mesh, at: (u32, u32)| -> &'a [u32] {
+            let block = &mesh.blocks[at.0 as usize];
+            let n = block.element.nodes.len();
+            &block.nodes[at.1 as usize * n..(at.1 as usize + 1) * n]
+        };
+        let (mut w2, mut u2, mut strain2, mut theta2) = (0.0, 0.0, 0.0, 0.0);
+        for piece in pieces {
+            let (f, c) = (nodes_of(fine, piece.fine), nodes_of(self.coarse, piece.coarse));
+            let [a, b, d] = &piece.corners;
+            let area2 = (b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0]);
+            let centre = [1.0 / 3.0, 1.0 / 3.0, 0.0];
+            let gradients = |mesh: &Mesh, at: (u32, u32), nodes: &[u32], u: &[f64]| {
+                let map = CellMap::new(mesh, mesh.blocks[at.0 as usize].element, nodes, &centre);
+                let gradient = |i: usize, j: usize| nodes.iter().enumerate().map(|(n, &node)| u[node as usize * dim + i] * map.gradients[n][j]).sum::<f64>();
+                Sym::from_fn(dim, |i, j| 0.5 * (gradient(i, j) + gradient(j, i)))
+            };
+            let strain = gradients(fine, piece.fine, f, &reference.u) - gradients(self.coarse, piece.coarse, c, &coarse.u);
+            strain2 += 0.5 * area2 * strain.dot(&strain);
+            for (at, weight) in quadrature.iter() {
+                let p: Point = std::array::from_fn(|k| a[k] + at[0] * (b[k] - a[k]) + at[1] * (d[k] - a[k]));
+                let (nf, nc) = (barycentric(fine, f, &p), barycentric(self.coarse, c, &p));
+                let at = |values: &[f64], nodes: &[u32], shape: &[f64], components: usize, k: usize| -> f64 {
+                    nodes.iter().zip(shape).map(|(&n, s)| s * values[n as usize * components + k]).sum()
+                };
+                let weight = weight * area2;
+                for k in 0..dim {
+                    u2 += weight * (at(&reference.u, f, &nf, dim, k) - at(&coarse.u, c, &nc, dim, k)).powi(2);
+                    w2 += weight * (at(&reference.w, f, &nf, dim, k) - at(&coarse.w, c, &nc, dim, k)).powi(2);
+                }
+                theta2 += weight * (at(&reference.theta, f, &nf, 1, 0) - at(&coarse.theta, c, &nc, 1, 0)).powi(2);
+            }
+        }
+        Errors { w: w2.sqrt(), u: strain2.sqrt(), theta: theta2.sqrt(), u_h: u2.sqrt() }
+    }
+}
+
+/// Whether every cell of the fine mesh lies in one of the coarse mesh.
+fn nested(fine: &Mesh, coarse: &Locator) -> bool {
+    fine.blocks.iter().all(|block| {
+        block.cells().all(|cell| {
+            let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
+            let centre: Point = std::array::from_fn(|d| corners.iter().map(|p| p[d]).sum::<f64>() / corners.len() as f64);
+            coarse.locate(&centre).is_some_and(|(at, _)| {
+                let nodes = coarse.cell(at);
+                corners.iter().all(|p| barycentric(coarse.mesh, nodes, p).iter().all(|&v| v > -1e-9))
+            })
+        })
+    })
+}
+
+/// Triangles of the intersections of the cells of two meshes.
+fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
+    let mut pieces = Vec::new();
+    for (b, block) in fine.blocks.iter().enumerate() {
+        for (c, cell) in block.cells().enumerate() {
+            let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
+            let mut candidates: Vec<(u32, u32)> = coarse.range(&corners).into_iter().flat_map(|i| coarse.buckets[i].iter().copied()).collect();
+            candidates.sort_unstable();
+            candidates.dedup();
+            for at in candidates {
+                let mut polygon: Vec<Point> = corners.iter().map(|&&p| p).collect();
+                let nodes = coarse.cell(at);
+                for k in 0..3 {
+                    polygon = clip(&polygon, &coarse.mesh.points[nodes[k] as usize], &coarse.mesh.points[nodes[(k + 1) % 3] as usize]);
+                }
+                for k in 1..polygon.len().saturating_sub(1) {
+                    pieces.push(Piece { fine: (b as u32, c as u32), coarse: at, corners: [polygon[0], polygon[k], polygon[k + 1]] });
+                }
+            }
+        }
+    }
+    pieces
+}
+
+/// The part of a convex polygon on the left of the line from `a` to `b` (Sutherland and Hodgman, 1974).
+fn clip(polygon: &[Point], a: &Point, b: &Point) -> Vec<Point> {
+    let side = |p: &Point| (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0]);
+    let mut out = Vec::with_capacity(polygon.len() + 1);
+    for (i, p) in polygon.iter().enumerate() {
+        let q = &polygon[(i + 1) % polygon.len()];
+        let (sp, sq) = (side(p), side(q));
+        if sp >= 0.0 {
+            out.push(*p);
+        }
+        if (sp > 0.0 && sq < 0.0) || (sp < 0.0 && sq > 0.0) {
+            let s = sp / (sp - sq);
+            out.push(std::array::from_fn(|d| p[d] + s * (q[d] - p[d])));
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonal, MeshError};
+
+    /// The pieces cover the body once: their areas and a second moment are those of the rectangle.
+    #[test]
+    fn intersections_cover_the_body_once() -> Result<(), MeshError> {
+        let fine = Mesh::rectangle([1.0, 1.0], [7, 5], Diagonal::Left)?;
+        let coarse = Mesh::rectangle([1.0, 1.0], [3, 4], Diagonal::Crossed)?;
+        let pieces = intersections(&fine, &Locator::new(&coarse));
+        let (mut area, mut moment) = (0.0, 0.0);
+        for piece in &pieces {
+            let [a, b, c] = &piece.corners;
+            let twice = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+            for (at, weight) in rule(Shape::Triangle, 2).iter() {
+                let x = a[0] + at[0] * (b[0] - a[0]) + at[1] * (c[0] - a[0]);
+                let y = a[1] + at[0] * (b[1] - a[1]) + at[1] * (c[1] - a[1]);
+                area += weight * twice;
+                moment += weight * twice * x * y;
+            }
+        }
+        assert!((area - 1.0).abs() < 1e-13 && (moment - 0.25).abs() < 1e-13, "{area} {moment}");
+        Ok(())
+    }
+
+    #[test]
+    fn halving_is_nested_and_thirds_are_not() -> Result<(), MeshError> {
+        let coarse = Mesh::rectangle([1.0, 1.0], [4, 4], Diagonal::Right)?;
+        let locator = Locator::new(&coarse);
+        assert!(nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?, &locator));
+        assert!(nested(&Mesh::rectangle([1.0, 1.0], [12, 8], Diagonal::Right)?, &locator) == false);
+        assert!(!nested(&Mesh::rectangle([1.0, 1.0], [6, 6], Diagonal::Right)?, &locator));
+        assert!(!nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Left)?, &locator));
+        Ok(())
+    }
+}

@@ -1,0 +1,179 @@
+//! Random expressions, and their evaluation without the program.
+
+use proptest::prelude::*;
+
+/// An expression as its author thinks of it.
+#[derive(Clone, Debug)]
+pub(super) enum Tree {
+    Number(f64),
+    Name(&'static str),
+    Negate(Box<Tree>),
+    Infix(&'static str, Box<Tree>, Box<Tree>),
+    Call(&'static str, Vec<Tree>),
+}
+
+impl Tree {
+    /// How tightly the outermost operation binds.
+    fn level(&self) -> u8 {
+        match self {
+            Tree::Infix("+" | "-", ..) => 1,
+            Tree::Infix("*" | "/", ..) => 2,
+            Tree::Negate(_) => 3,
+            Tree::Infix("^", ..) => 4,
+            Tree::Infix(..) => 0,
+            Tree::Number(_) | Tree::Name(_) | Tree::Call(..) => 5,
+        }
+    }
+
+    /// With parentheses only where the grammar needs them.
+    pub(super) fn text(&self, least: u8) -> String {
+        let text = match self {
+            Tree::Number(value) => format!("{value:?}"),
+            Tree::Name(name) => (*name).to_owned(),
+            Tree::Negate(a) => format!("-{}", a.text(3)),
+            Tree::Infix("^", a, b) => format!("{}^{}", a.text(5), b.text(3)),
+            Tree::Infix(op, a, b) => {
+                format!("{} {op} {}", a.text(self.level().max(1)), b.text(self.level() + 1))
+            }
+            Tree::Call(name, arguments) => {
+                let arguments: Vec<_> = arguments.iter().map(|a| a.text(0)).collect();
+                format!("{name}({})", arguments.join(", "))
+            }
+        };
+        if self.level() < least { format!("({text})") } else { text }
+    }
+
+    pub(super) fn value(&self, x: &[f64; 3], t: f64) -> f64 {
+        let truth = |condition: bool| f64::from(u8::from(condition));
+        match self {
+            Tree::Number(value) => *value,
+            Tree::Name("x") => x[0],
+            Tree::Name("y") => x[1],
+            Tree::Name("z") => x[2],
+            Tree::Name("t") => t,
+            Tree::Name("pi") => std::f64::consts::PI,
+            Tree::Name(_) => std::f64::consts::E,
+            Tree::Negate(a) => -a.value(x, t),
+            Tree::Infix(op, a, b) => {
+                let (a, b) = (a.value(x, t), b.value(x, t));
+                match *op {
+                    "+" => a + b,
+                    "-" => a - b,
+                    "*" => a * b,
+                    "/" => a / b,
+                    "<" => truth(a < b),
+                    "<=" => truth(a <= b),
+                    ">" => truth(a > b),
+                    ">=" => truth(a >= b),
+                    "==" => truth(a == b),
+                    "!=" => truth(a != b),
+                    _ => power(a, b),
+                }
+            }
+            Tree::Call(name, arguments) => {
+                let values: Vec<_> = arguments.iter().map(|a| a.value(x, t)).collect();
+                call(name, &values)
+            }
+        }
+    }
+
+    /// The largest magnitude among the values of all parts, infinite if one of them is NaN.
+    pub(super) fn largest(&self, x: &[f64; 3], t: f64) -> f64 {
+        let value = self.value(x, t).abs();
+        let parts: Vec<&Tree> = match self {
+            Tree::Number(_) | Tree::Name(_) => Vec::new(),
+            Tree::Negate(a) => vec![a],
+            Tree::Infix(_, a, b) => vec![a, b],
+            Tree::Call(_, arguments) => arguments.iter().collect(),
+        };
+        let own = if value.is_nan() { f64::INFINITY } else { value };
+        parts.into_iter().map(|part| part.largest(x, t)).fold(own, f64::max)
+    }
+}
+
+fn power(a: f64, b: f64) -> f64 {
+    fn squaring(a: f64, n: u32) -> f64 {
+        match n {
+            1 => a,
+            n if n % 2 == 0 => squaring(a, n / 2) * squaring(a, n / 2),
+            n => squaring(a, n - 1) * a,
+        }
+    }
+    match b {
+        0.0 => 1.0,
+        b if b == b.trunc() && (1.0..=16.0).contains(&b) => squaring(a, b as u32),
+        b if b == b.trunc() && (-16.0..=-1.0).contains(&b) => 1.0 / squaring(a, -b as u32),
+        b => a.powf(b),
+    }
+}
+
+fn call(name: &str, values: &[f64]) -> f64 {
+    match (name, values) {
+        ("sin", [a]) => a.sin(),
+        ("exp", [a]) => a.exp(),
+        ("log", [a]) => a.ln(),
+        ("sqrt", [a]) => a.sqrt(),
+        ("floor", [a]) => a.floor(),
+        ("abs", [a]) => a.abs(),
+        ("sign" | "step", [a]) if a.is_nan() => f64::NAN,
+        ("sign", [a]) if *a == 0.0 => *a,
+        ("sign", [a]) => a.signum(),
+        ("step", [a]) => f64::from(u8::from(*a >= 0.0)),
+        ("atan2", [a, b]) => a.atan2(*b),
+        ("pow", [a, b]) => power(*a, *b),
+        ("mod", [a, b]) => {
+            let r = a % b;
+            if r < 0.0 && *b > 0.0 || r > 0.0 && *b < 0.0 { r + b } else { r }
+        }
+        ("if", [c, a, b]) => match *c {
+            0.0 => *b,
+            c if c.is_nan() => c,
+            _ => *a,
+        },
+        ("min" | "max", [first, others @ ..]) => others.iter().fold(*first, |a, &b| match name {
+            _ if a.is_nan() || b.is_nan() => f64::NAN,
+            "min" if a < b => a,
+            "max" if a > b => a,
+            _ => b,
+        }),
+        _ => panic!("{name} of {} arguments", values.len()),
+    }
+}
+
+pub(super) fn tree() -> impl Strategy<Value = Tree> {
+    let leaf = prop_oneof![
+        (0_u8..20).prop_map(|n| Tree::Number(f64::from(n))),
+        (0.0..1e3).prop_map(Tree::Number),
+        any::<f64>().prop_filter_map("finite", |v| { v.is_finite().then_some(Tree::Number(v.abs())) }),
+        prop::sample::select(vec!["x", "y", "z", "t", "x", "y", "z", "t", "pi", "e"]).prop_map(Tree::Name),
+    ];
+    leaf.prop_recursive(6, 80, 4, |inner| {
+        let boxed = inner.clone().prop_map(Box::new).boxed();
+        let infix = vec!["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!="];
+        let calls = vec![
+            ("sin", 1),
+            ("exp", 1),
+            ("log", 1),
+            ("sqrt", 1),
+            ("floor", 1),
+            ("abs", 1),
+            ("sign", 1),
+            ("step", 1),
+            ("atan2", 2),
+            ("pow", 2),
+            ("mod", 2),
+            ("if", 3),
+            ("min", 2),
+            ("min", 4),
+            ("max", 3),
+        ];
+        let call = prop::sample::select(calls)
+            .prop_flat_map(move |(name, count)| prop::collection::vec(inner.clone(), count).prop_map(move |arguments| Tree::Call(name, arguments)));
+        prop_oneof![
+            1 => boxed.clone().prop_map(Tree::Negate),
+            6 => (prop::sample::select(infix), boxed.clone(), boxed)
+                .prop_map(|(op, a, b)| Tree::Infix(op, a, b)),
+            4 => call,
+        ]
+    })
+}
