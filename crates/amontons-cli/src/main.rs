@@ -1,2 +1,21 @@
-//! cli
-fn main() {}
+//! The program `amontons`: contact with friction and heat from one case file.
+
+mod arguments;
+mod commands;
+mod faults;
+mod print;
+mod progress;
+mod status;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+fn main() -> ExitCode {
+    let arguments = arguments::Arguments::parse();
+    let format = arguments.command.format();
+    match commands::execute(arguments.command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(format),
+    }
+}

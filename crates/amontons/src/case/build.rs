@@ -9,6 +9,7 @@ use super::place::{At, Finding};
 use super::raw::{self, Cells, Scalar};
 use super::schema::one_of;
 use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
+use crate::convergence::Exact;
 use crate::expression::{Expression, Variable};
 use crate::field::Field;
 use crate::mesh::{Diagonal, Mesh};
@@ -19,13 +20,14 @@ use crate::tensor::Point;
 ///
 /// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
 /// found there, below, or in the tables around.
-pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path]) -> (Option<Problem>, Vec<Finding>) {
+pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path]) -> (Option<(Problem, Option<Exact>)>, Vec<Finding>) {
     let mut build = Build { findings: Vec::new(), doubtful, end: raw.time.end };
     build.name(&raw.name);
     build.step(&raw.time);
     let contact_on = raw.contact.as_ref().map(|c| c.on.clone());
     let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), available);
     let material = material::material(&raw.material, mesh.dim, &mut build.findings);
+    let exact = raw.exact.map(|exact| build.exact(&exact, &mesh.points));
     let problem = Problem {
         name: raw.name,
         end: raw.time.end,
@@ -47,7 +49,16 @@ pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path])
     };
     let said = |finding: &Finding| build.is_doubtful(&finding.path);
     let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
-    (problem.filter(|_| findings.is_empty()), findings)
+    (problem.filter(|_| findings.is_empty()).map(|problem| (problem, exact)), findings)
+}
+
+/// Cells per side.
+pub(super) fn cells(raw: &raw::Mesh) -> [usize; 2] {
+    let raw::Mesh::Rectangle { n, .. } = raw;
+    match *n {
+        Cells::Same(n) => [n, n],
+        Cells::Each(n) => n,
+    }
 }
 
 /// The expected values of a case.
@@ -113,11 +124,8 @@ impl Build<'_> {
 
     /// The mesh, or one cell of it if it cannot be had.
     fn mesh(&mut self, raw: &raw::Mesh, contact_on: Option<&str>, available: Option<f64>) -> Mesh {
-        let raw::Mesh::Rectangle { size, n, diagonal } = raw;
-        let cells = match *n {
-            Cells::Same(n) => [n, n],
-            Cells::Each(n) => n,
-        };
+        let raw::Mesh::Rectangle { size, diagonal, .. } = raw;
+        let cells = cells(raw);
         let diagonal = match diagonal {
             raw::Diagonal::Right => Diagonal::Right,
             raw::Diagonal::Left => Diagonal::Left,
@@ -238,6 +246,17 @@ impl Build<'_> {
             heat,
             foundation_temperature,
             on: raw.on,
+        }
+    }
+
+    fn exact(&mut self, raw: &raw::Exact, points: &[Point]) -> Exact {
+        if raw.displacement.len() != 2 {
+            let found = format!("{} components", raw.displacement.len());
+            self.note("exact.displacement", At::Value, found, "2 components", None);
+        }
+        Exact {
+            displacement: self.vector("exact.displacement", &raw.displacement, points),
+            temperature: self.field("exact.temperature", &raw.temperature, points),
         }
     }
 

@@ -26,7 +26,9 @@ mod place;
 mod raw;
 mod read;
 mod schema;
+mod study;
 mod syntax;
+mod verify;
 
 use std::collections::BTreeMap;
 
@@ -34,7 +36,10 @@ use toml::de::DeTable;
 
 pub use fault::{CaseError, CaseFault, Place, Source};
 pub use schema::schema;
+pub use study::{ReferenceRequest, StudyRequest, StudyRequestError, study};
+pub use verify::{Check, Comparison, ErrorName, ProbeField, Take, Verify};
 
+use crate::convergence::Exact;
 use crate::problem::Problem;
 use overrides::Applied;
 use place::{At, Finding, Origin};
@@ -51,6 +56,12 @@ pub struct Case {
     pub every: usize,
     /// Values that a run must give.
     pub expected: Option<Expected>,
+    /// A solution in closed form.
+    pub exact: Option<Exact>,
+    /// What makes the case a benchmark.
+    pub verify: Option<Verify>,
+    /// Cells per side of a structured mesh.
+    pub cells: [usize; 2],
     /// The text of the case as run, overrides applied.
     pub text: String,
 }
@@ -99,12 +110,13 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     };
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
     match case {
-        Some((problem, every, expected)) if faults.is_empty() => Ok(Case { problem, every, expected, text }),
+        Some(mut case) if faults.is_empty() => {
+            case.text = text;
+            Ok(case)
+        }
         _ => Err(CaseError::faults(source, faults)),
     }
 }
-
-type Parts = (Problem, usize, Option<Expected>);
 
 /// A finding about the file as a whole.
 fn whole(found: impl Into<String>) -> Finding {
@@ -112,7 +124,7 @@ fn whole(found: impl Into<String>) -> Finding {
 }
 
 /// Checks and builds the case of a document with overrides applied; without a case there are findings.
-fn build_case(document: &DeTable<'_>) -> (Option<Parts>, Vec<Finding>) {
+fn build_case(document: &DeTable<'_>) -> (Option<Case>, Vec<Finding>) {
     let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document);
     let raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
@@ -123,7 +135,9 @@ fn build_case(document: &DeTable<'_>) -> (Option<Parts>, Vec<Finding>) {
         }
     };
     let (every, expected) = (raw.output.every, raw.expected.as_ref().map(build::expected));
-    let (problem, later) = build::problem(raw, memory::available(), &doubtful);
+    let (cells, verify) = (build::cells(&raw.mesh), raw.verify.as_ref().map(verify::verify));
+    let (built, later) = build::problem(raw, memory::available(), &doubtful);
     findings.extend(later);
-    (problem.map(|problem| (problem, every, expected)), findings)
+    let case = built.map(|(problem, exact)| Case { problem, every, expected, exact, verify, cells, text: String::new() });
+    (case, findings)
 }

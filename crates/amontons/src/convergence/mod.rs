@@ -9,4 +9,4 @@ mod transfer;
 
 pub use norms::{Errors, Exact, Products, against_exact, of_difference};
 pub use study::{Level, Reference, Row, Study, StudyError, StudySettings, Table, Vary, slope};
-pub use transfer::{Transfer, TransferError};
+pub use transfer::{Locator, Transfer, TransferError};

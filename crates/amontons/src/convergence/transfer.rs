@@ -20,8 +20,8 @@ pub enum TransferError {
     Cells(&'static str),
 }
 
-/// Cells of a mesh by the squares of a background grid, to find the cell of a point.
-struct Locator<'a> {
+/// Cells of a mesh of triangles by the squares of a background grid, to find the cell of a point.
+pub struct Locator<'a> {
     mesh: &'a Mesh,
     low: Point,
     width: [f64; 2],
@@ -30,7 +30,9 @@ struct Locator<'a> {
 }
 
 impl<'a> Locator<'a> {
-    fn new(mesh: &'a Mesh) -> Locator<'a> {
+    /// Sorts the cells of a mesh.
+    #[must_use]
+    pub fn new(mesh: &'a Mesh) -> Locator<'a> {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for p in &mesh.points {
             for d in 0..3 {
@@ -71,8 +73,14 @@ impl<'a> Locator<'a> {
         &block.nodes[cell as usize * n..(cell as usize + 1) * n]
     }
 
+    /// Nodes of the cell of a point with the values of their shape functions there; none outside the mesh.
+    #[must_use]
+    pub fn locate(&self, p: &Point) -> Option<(&'a [u32], [f64; MAX_NODES])> {
+        self.find(p).map(|(at, values)| (self.cell(at), values))
+    }
+
     /// The cell of a point with the values of its shape functions there.
-    fn locate(&self, p: &Point) -> Option<((u32, u32), [f64; MAX_NODES])> {
+    fn find(&self, p: &Point) -> Option<((u32, u32), [f64; MAX_NODES])> {
         let mut best: Option<(f64, (u32, u32), [f64; MAX_NODES])> = None;
         for bucket in self.range(&[p]) {
             for &at in &self.buckets[bucket] {
@@ -131,7 +139,7 @@ impl<'a> Transfer<'a> {
             }
         }
         let locator = Locator::new(coarse);
-        let located = fine.points.iter().map(|p| locator.locate(p).ok_or(TransferError::Outside(*p))).collect::<Result<Vec<_>, _>>()?;
+        let located = fine.points.iter().map(|p| locator.find(p).ok_or(TransferError::Outside(*p))).collect::<Result<Vec<_>, _>>()?;
         let way = if nested(fine, &locator) {
             let entry = |&(at, values): &((u32, u32), [f64; MAX_NODES])| {
                 let cell = locator.cell(at);
@@ -226,7 +234,7 @@ fn nested(fine: &Mesh, coarse: &Locator) -> bool {
         block.cells().all(|cell| {
             let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
             let centre: Point = std::array::from_fn(|d| corners.iter().map(|p| p[d]).sum::<f64>() / corners.len() as f64);
-            coarse.locate(&centre).is_some_and(|(at, _)| {
+            coarse.find(&centre).is_some_and(|(at, _)| {
                 let nodes = coarse.cell(at);
                 corners.iter().all(|p| barycentric(coarse.mesh, nodes, p).iter().all(|&v| v > -1e-9))
             })

@@ -1,0 +1,66 @@
+//! Faults of a case file with excerpts of it.
+
+use std::io::{self, IsTerminal, Write};
+
+use amontons::case::{CaseFault, Place, Source};
+use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
+use serde_json::{Value, json};
+
+/// Prints all faults, each with its place, and how many there are.
+pub fn print(file: &Source, faults: &[CaseFault]) {
+    let mut text = Vec::new();
+    // Writing into memory does not fail.
+    let _ = write(file, faults, colours(), &mut text);
+    // Where standard error fails there is no one to tell.
+    let _ = io::stderr().lock().write_all(&text);
+}
+
+/// Whether standard error takes colours.
+fn colours() -> bool {
+    io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
+}
+
+fn write(file: &Source, faults: &[CaseFault], colours: bool, out: &mut Vec<u8>) -> io::Result<()> {
+    let name = file.name.as_str();
+    for fault in faults {
+        let message = if fault.path.is_empty() { format!("found {}", fault.found) } else { format!("{}: found {}", fault.path, fault.found) };
+        match &fault.place {
+            Place::File { start, end, .. } => {
+                let span = || (name, *start..*end);
+                let config = Config::new().with_index_type(IndexType::Byte).with_color(colours);
+                let label = Label::new(span()).with_message(format!("expected {}", fault.expected)).with_color(Color::Red);
+                let mut report = Report::build(ReportKind::Error, span()).with_config(config).with_message(message).with_label(label);
+                if let Some(hint) = &fault.hint {
+                    report = report.with_help(hint);
+                }
+                report.finish().write((name, ariadne::Source::from(&file.text)), &mut *out)?;
+            }
+            Place::Override(given) => without_excerpt(&format!("--set {given}"), &message, fault, out)?,
+            Place::Whole => without_excerpt(name, &message, fault, out)?,
+        }
+        writeln!(out)?;
+    }
+    let count = faults.len();
+    writeln!(out, "{name}: {count} fault{}", if count == 1 { "" } else { "s" })
+}
+
+fn without_excerpt(place: &str, message: &str, fault: &CaseFault, out: &mut Vec<u8>) -> io::Result<()> {
+    writeln!(out, "Error: {message}\n   in {place}\n   expected {}", fault.expected)?;
+    match &fault.hint {
+        Some(hint) => writeln!(out, "   Help: {hint}"),
+        None => Ok(()),
+    }
+}
+
+/// The faults for programs.
+pub fn json(file: &Source, faults: &[CaseFault]) -> Value {
+    let one = |fault: &CaseFault| {
+        let place = match &fault.place {
+            Place::File { start, end, line, column } => json!({ "file": file.name, "line": line, "column": column, "start": start, "end": end }),
+            Place::Override(given) => json!({ "override": given }),
+            Place::Whole => json!({ "file": file.name }),
+        };
+        json!({ "path": fault.path, "where": place, "found": fault.found, "expected": fault.expected, "hint": fault.hint })
+    };
+    faults.iter().map(one).collect()
+}

@@ -1,0 +1,98 @@
+//! What the program prints.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use amontons::output::{Outcome, Summary};
+use amontons::problem::Problem;
+use serde_json::{Value, json};
+
+/// Prints a value as indented JSON on standard output.
+pub fn json(value: &Value) -> io::Result<()> {
+    text(&format!("{value:#}\n"))
+}
+
+/// Prints a text on standard output.
+pub fn text(text: &str) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes())?;
+    out.flush()
+}
+
+/// Prints an error on standard error.
+pub fn error(message: &str, hint: Option<&str>) {
+    let hint = hint.map_or_else(String::new, |hint| format!("{hint}\n"));
+    // Where standard error fails there is no one to tell.
+    let _ = write!(io::stderr().lock(), "error: {message}\n{hint}");
+}
+
+/// The summary of a run for reading.
+pub fn summary(summary: &Summary, folder: &Path) -> String {
+    let end = &summary.last;
+    let unknowns = &summary.unknowns;
+    let state = match summary.outcome {
+        Outcome::Done => "done",
+        Outcome::NotConverged => "not converged",
+        Outcome::Interrupted => "interrupted",
+    };
+    let seconds = &summary.seconds;
+    let mut lines = vec![
+        format!("{}: {state}, {} steps to t = {} s in {:.2} s", summary.case, summary.steps, summary.time, seconds.total),
+        row("unknowns", &format!("{} displacement, {} temperature, {} on the contact side", unknowns.displacement, unknowns.temperature, unknowns.contact)),
+        row(
+            "time",
+            &format!("{:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output", seconds.setup, seconds.factor, seconds.steps, seconds.output),
+        ),
+    ];
+    for (c, axis) in ["x", "y", "z"].iter().enumerate().take(summary.dimension) {
+        lines.push(row(&format!("displacement {axis}"), &format!("{:.6e} … {:.6e} m", end.displacement_min[c], end.displacement_max[c])));
+    }
+    lines.push(row("temperature", &format!("{:.6e} … {:.6e} K", end.temperature_min, end.temperature_max)));
+    lines.push(row("von Mises stress", &format!("up to {:.6e} Pa", end.von_mises_max)));
+    if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
+        let force = contact.force.iter().map(|f| format!("{f:.6e}")).collect::<Vec<_>>().join(", ");
+        lines.push(row("contact", &format!("{} open, {} stick, {} slip", contact.open, contact.stick, contact.slip)));
+        lines.push(row("contact force", &format!("({force}) N, pressure up to {:.6e} Pa", contact.pressure_max)));
+        lines.push(row("heat through it", &format!("{:.6e} W", contact.heat_flow)));
+    }
+    lines.push(row("energy closes to", &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error)));
+    lines.push(row("results", &folder.display().to_string()));
+    lines.join("\n") + "\n"
+}
+
+fn row(name: &str, value: &str) -> String {
+    format!("  {name:<18}{value}")
+}
+
+/// Sizes of a valid case for reading.
+pub fn valid(name: &str, problem: &Problem) -> String {
+    let mesh = &problem.mesh;
+    let contact = problem.contact.as_ref().map_or_else(|| "none".to_owned(), |c| format!("on \"{}\"", c.on));
+    [
+        format!("{name}: case is valid"),
+        row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {:.6e} m", mesh.dim, mesh.points.len(), mesh.cell_count(), mesh.h())),
+        row("time", &format!("{} steps of {:.6e} s to {} s", problem.steps, problem.k(), problem.end)),
+        row("contact", &contact),
+    ]
+    .join("\n")
+        + "\n"
+}
+
+/// Sizes of a valid case for programs.
+pub fn valid_json(problem: &Problem) -> Value {
+    let mesh = &problem.mesh;
+    json!({
+        "case": problem.name,
+        "valid": true,
+        "dimension": mesh.dim,
+        "nodes": mesh.points.len(),
+        "cells": mesh.cell_count(),
+        "h": mesh.h(),
+        "steps": problem.steps,
+        "k": problem.k(),
+        "time": problem.end,
+        "contact": problem.contact.as_ref().map(|c| &c.on),
+        "findings": [],
+        "constants": {},
+    })
+}

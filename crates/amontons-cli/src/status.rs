@@ -1,0 +1,146 @@
+//! Failures: exit codes, and how they are told.
+
+use std::io;
+use std::process::ExitCode;
+
+use amontons::case::CaseError;
+use amontons::output::{CheckpointError, OutputError, Summary};
+use amontons::run::RunError;
+use amontons::scheme::SetupError;
+use serde_json::{Value, json};
+
+use crate::arguments::Format;
+use crate::{faults, print};
+
+/// Why a command did not do what it was asked.
+#[derive(Debug)]
+pub enum Failure {
+    Case(CaseError),
+    Run { error: RunError, hint: Option<String> },
+    Output(OutputError),
+    Checkpoint(CheckpointError),
+    /// Standard output cannot be written.
+    Print(io::Error),
+    /// The Ctrl-C handler cannot be set.
+    Handler(String),
+}
+
+impl From<CaseError> for Failure {
+    fn from(error: CaseError) -> Failure {
+        Failure::Case(error)
+    }
+}
+
+impl From<OutputError> for Failure {
+    fn from(error: OutputError) -> Failure {
+        Failure::Output(error)
+    }
+}
+
+impl From<CheckpointError> for Failure {
+    fn from(error: CheckpointError) -> Failure {
+        Failure::Checkpoint(error)
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Failure {
+        Failure::Print(error)
+    }
+}
+
+/// Kind in JSON and exit code.
+type Class = (&'static str, u8);
+const USAGE: Class = ("usage", 2);
+const CASE: Class = ("case", 2);
+const SOLVER: Class = ("solver", 3);
+const FILE: Class = ("file", 4);
+const INTERRUPTED: Class = ("interrupted", 130);
+
+impl Failure {
+    fn class(&self) -> Class {
+        match self {
+            Failure::Case(CaseError::Faults { .. }) => CASE,
+            Failure::Case(CaseError::Read { .. }) | Failure::Output(_) | Failure::Print(_) => FILE,
+            Failure::Checkpoint(error) => of_checkpoint(error),
+            Failure::Handler(_) => USAGE,
+            Failure::Run { error, .. } => match error {
+                RunError::Threads { .. } => USAGE,
+                RunError::Setup(SetupError::Initial(_)) => CASE,
+                RunError::Setup(_) | RunError::Step { .. } => SOLVER,
+                RunError::Interrupted(_) => INTERRUPTED,
+                RunError::Output(_) => FILE,
+                RunError::Checkpoint(error) => of_checkpoint(error),
+            },
+        }
+    }
+
+    fn message(&self) -> String {
+        match self {
+            Failure::Case(error) => error.to_string(),
+            Failure::Run { error, .. } => error.to_string(),
+            Failure::Output(error) => error.to_string(),
+            Failure::Checkpoint(error) => error.to_string(),
+            Failure::Print(error) => format!("cannot write to standard output: {error}"),
+            Failure::Handler(message) => format!("cannot take Ctrl-C: {message}"),
+        }
+    }
+
+    fn hint(&self) -> Option<&str> {
+        match self {
+            Failure::Run { hint, .. } => hint.as_deref(),
+            _ => None,
+        }
+    }
+
+    /// What the run came to before it failed.
+    fn summary(&self) -> Option<&Summary> {
+        match self {
+            Failure::Run { error: RunError::Step { summary, .. } | RunError::Interrupted(summary), .. } => Some(summary),
+            _ => None,
+        }
+    }
+
+    fn json(&self) -> Value {
+        let (kind, code) = self.class();
+        let mut error = json!({ "kind": kind, "exit_code": code, "message": self.message() });
+        if let Some(hint) = self.hint() {
+            error["hint"] = json!(hint);
+        }
+        if let Failure::Case(CaseError::Faults { file, faults }) = self {
+            error["faults"] = faults::json(file, faults);
+        }
+        match self.summary() {
+            Some(summary) => json!({ "error": error, "summary": summary }),
+            None => json!({ "error": error }),
+        }
+    }
+
+    /// Tells the failure; the exit code that goes with it.
+    pub fn report(&self, format: Format) -> ExitCode {
+        let (_, code) = self.class();
+        // A reader that has gone away has seen what it wanted.
+        if let Failure::Print(error) = self
+            && error.kind() == io::ErrorKind::BrokenPipe
+        {
+            return ExitCode::SUCCESS;
+        }
+        if format == Format::Json && !matches!(self, Failure::Print(_)) {
+            // Where standard output fails, the exit code still tells.
+            let _ = print::json(&self.json());
+        } else {
+            match self {
+                Failure::Case(CaseError::Faults { file, faults }) => faults::print(file, faults),
+                _ => print::error(&self.message(), self.hint()),
+            }
+        }
+        ExitCode::from(code)
+    }
+}
+
+fn of_checkpoint(error: &CheckpointError) -> Class {
+    match error {
+        CheckpointError::OtherCase { .. } | CheckpointError::Shape { .. } => CASE,
+        CheckpointError::Read { .. } | CheckpointError::Damaged { .. } | CheckpointError::Version { .. } => FILE,
+    }
+}

@@ -1,0 +1,106 @@
+//! From a case to the levels of a convergence study.
+
+use super::{Case, CaseError, Source, parse};
+use crate::convergence::{Level, Reference, Study, Vary};
+
+/// A study to be made of a case.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StudyRequest {
+    /// What is refined.
+    pub vary: Vary,
+    /// Cells per side of each level (steps where only time is refined), coarsest first.
+    pub levels: Vec<usize>,
+    /// What the levels are compared with.
+    pub reference: ReferenceRequest,
+    /// With mesh and step together: the steps grow with this power of the cells.
+    pub power: u32,
+}
+
+/// What the levels of a study are compared with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReferenceRequest {
+    /// The finest of the levels, which then has no error of its own.
+    Finest,
+    /// A level finer than all.
+    Level(usize),
+    /// The `[exact]` of the case.
+    Exact,
+}
+
+/// Why no study can be made.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyRequestError {
+    /// The case has faults.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The request does not fit the case.
+    #[error("{found}, expected {expected}")]
+    Request {
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
+}
+
+fn refuse<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T, StudyRequestError> {
+    Err(StudyRequestError::Request { found: found.into(), expected: expected.into() })
+}
+
+/// The study of a case with overrides.
+///
+/// # Errors
+/// When the case has faults, or the levels do not fit it.
+pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> Result<Study, StudyRequestError> {
+    let case = parse(source, overrides)?;
+    let mut levels = request.levels.clone();
+    if levels.contains(&0) || !levels.is_sorted_by(|a, b| a < b) {
+        return refuse(format!("the levels {levels:?}"), "positive levels, each finer than the one before");
+    }
+    let finest = match request.reference {
+        ReferenceRequest::Exact => None,
+        ReferenceRequest::Finest => levels.pop(),
+        ReferenceRequest::Level(level) => Some(level),
+    };
+    if levels.is_empty() {
+        return refuse(format!("the levels {:?}", request.levels), "at least one level besides the reference");
+    }
+    if let (Some(reference), Some(last)) = (finest, levels.last())
+        && reference <= *last
+    {
+        return refuse(format!("the reference {reference}"), format!("a reference finer than the finest level, {last}"));
+    }
+    let level = |level: usize| -> Result<Level, StudyRequestError> {
+        let mut overrides = overrides.to_vec();
+        overrides.extend(refined(&case, request, level)?);
+        let mut problem = parse(source, &overrides)?.problem;
+        problem.name = format!("{}-{level}", problem.name);
+        Ok(Level { level, problem })
+    };
+    let reference = match (finest, &case.exact) {
+        (Some(finest), _) => Reference::Level(Box::new(level(finest)?)),
+        (None, Some(exact)) => Reference::Exact(exact.clone()),
+        (None, None) => return refuse("a case without [exact]", "a solution in closed form to compare with"),
+    };
+    let levels = levels.into_iter().map(level).collect::<Result<Vec<_>, _>>()?;
+    Ok(Study { vary: request.vary, levels, reference })
+}
+
+/// The overrides that make a level of a case.
+fn refined(case: &Case, request: &StudyRequest, level: usize) -> Result<Vec<String>, StudyRequestError> {
+    let ([nx, ny], steps) = (case.cells, case.problem.steps);
+    let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
+        let (times, over) = (level.pow(power), nx.pow(power));
+        if (value * times).is_multiple_of(over) {
+            Ok(value * times / over)
+        } else {
+            refuse(format!("level {level} of a case with {nx} cells and {value} {what}"), format!("{value} · (level / {nx}) to be a whole number of {what}"))
+        }
+    };
+    let mesh = || -> Result<String, StudyRequestError> { Ok(format!("mesh.n=[{level}, {}]", scaled("cells across", ny, 1)?)) };
+    Ok(match request.vary {
+        Vary::Both => vec![mesh()?, format!("time.steps={}", scaled("steps", steps, request.power)?)],
+        Vary::Space => vec![mesh()?],
+        Vary::Time => vec![format!("time.steps={level}")],
+    })
+}

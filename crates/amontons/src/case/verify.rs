@@ -1,0 +1,209 @@
+//! The `[verify]` block: what makes a case a benchmark.
+
+use super::raw;
+use super::study::{ReferenceRequest, StudyRequest};
+use crate::convergence::{Row, Vary};
+
+/// What makes a case a benchmark.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verify {
+    /// What is shown, in one line.
+    pub title: String,
+    /// Where the reference values come from.
+    pub source: String,
+    /// The values to compare.
+    pub checks: Vec<Check>,
+}
+
+/// A reference value with the deviation that is allowed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Reference value.
+    pub reference: f64,
+    /// Allowed deviation relative to `scale`.
+    pub tolerance: f64,
+    /// Magnitude that the deviation is relative to: that of the reference where the case gives none.
+    pub scale: f64,
+}
+
+/// A value to compare.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Check {
+    /// A field at a point and a time.
+    Probe {
+        /// The field.
+        field: ProbeField,
+        /// The point in m.
+        at: [f64; 2],
+        /// The time in s.
+        time: f64,
+        /// What it must be.
+        is: Comparison,
+    },
+    /// A column of the history.
+    History {
+        /// The column.
+        column: String,
+        /// The time in s; none for an extreme or the last.
+        time: Option<f64>,
+        /// Which value where no time is given.
+        take: Take,
+        /// What it must be.
+        is: Comparison,
+    },
+    /// The order of an error against the exact solution.
+    Order {
+        /// The study.
+        study: StudyRequest,
+        /// The error.
+        error: ErrorName,
+        /// What the order must be; the scale is 1.
+        is: Comparison,
+    },
+    /// An error against the exact solution on the mesh of the case.
+    Error {
+        /// The error.
+        error: ErrorName,
+        /// What it must be.
+        is: Comparison,
+    },
+}
+
+/// A field that a probe reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProbeField {
+    /// A component of the displacement, m.
+    Displacement(usize),
+    /// A component of the velocity, m/s.
+    Velocity(usize),
+    /// The temperature, K.
+    Temperature,
+}
+
+impl ProbeField {
+    /// The name in messages.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            ProbeField::Displacement(0) => "displacement_x",
+            ProbeField::Displacement(_) => "displacement_y",
+            ProbeField::Velocity(0) => "velocity_x",
+            ProbeField::Velocity(_) => "velocity_y",
+            ProbeField::Temperature => "temperature",
+        }
+    }
+}
+
+/// Which value of a column is taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Take {
+    /// The last.
+    Last,
+    /// The smallest.
+    Min,
+    /// The largest.
+    Max,
+}
+
+/// An error of a study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ErrorName {
+    /// ‖w − w^{hk}‖_H.
+    W,
+    /// ‖ε(u − u^{hk})‖.
+    U,
+    /// ‖θ − θ^{hk}‖_{L²}.
+    Theta,
+    /// ‖u − u^{hk}‖_H.
+    UH,
+    /// E^{hk} of (5.2).
+    Sum,
+}
+
+impl ErrorName {
+    /// The name of the column in tables.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            ErrorName::W => "error_w",
+            ErrorName::U => "error_u",
+            ErrorName::Theta => "error_theta",
+            ErrorName::UH => "error_u_h",
+            ErrorName::Sum => "error",
+        }
+    }
+
+    /// The error in a row.
+    #[must_use]
+    pub fn of(self, row: &Row) -> f64 {
+        match self {
+            ErrorName::W => row.error_w,
+            ErrorName::U => row.error_u,
+            ErrorName::Theta => row.error_theta,
+            ErrorName::UH => row.error_u_h,
+            ErrorName::Sum => row.error,
+        }
+    }
+}
+
+fn comparison(reference: f64, tolerance: f64, scale: Option<f64>) -> Comparison {
+    Comparison { reference, tolerance, scale: scale.unwrap_or(reference.abs()) }
+}
+
+impl From<raw::ErrorName> for ErrorName {
+    fn from(raw: raw::ErrorName) -> ErrorName {
+        match raw {
+            raw::ErrorName::ErrorW => ErrorName::W,
+            raw::ErrorName::ErrorU => ErrorName::U,
+            raw::ErrorName::ErrorTheta => ErrorName::Theta,
+            raw::ErrorName::ErrorUH => ErrorName::UH,
+            raw::ErrorName::Error => ErrorName::Sum,
+        }
+    }
+}
+
+pub(super) fn verify(raw: &raw::Verify) -> Verify {
+    Verify { title: raw.title.clone(), source: raw.source.clone(), checks: raw.check.iter().map(check).collect() }
+}
+
+fn check(raw: &raw::Check) -> Check {
+    match raw {
+        raw::Check::Probe { field, at, time, reference, tolerance, scale } => Check::Probe {
+            field: match field {
+                raw::ProbeField::DisplacementX => ProbeField::Displacement(0),
+                raw::ProbeField::DisplacementY => ProbeField::Displacement(1),
+                raw::ProbeField::VelocityX => ProbeField::Velocity(0),
+                raw::ProbeField::VelocityY => ProbeField::Velocity(1),
+                raw::ProbeField::Temperature => ProbeField::Temperature,
+            },
+            at: *at,
+            time: *time,
+            is: comparison(*reference, *tolerance, *scale),
+        },
+        raw::Check::History { column, time, take, reference, tolerance, scale } => Check::History {
+            column: column.clone(),
+            time: *time,
+            take: match take {
+                raw::Take::Last => Take::Last,
+                raw::Take::Min => Take::Min,
+                raw::Take::Max => Take::Max,
+            },
+            is: comparison(*reference, *tolerance, *scale),
+        },
+        raw::Check::Order { vary, levels, power, error, reference, tolerance } => Check::Order {
+            study: StudyRequest {
+                vary: match vary {
+                    raw::Vary::Both => Vary::Both,
+                    raw::Vary::Space => Vary::Space,
+                    raw::Vary::Time => Vary::Time,
+                },
+                levels: levels.clone(),
+                reference: ReferenceRequest::Exact,
+                power: *power,
+            },
+            error: (*error).into(),
+            is: comparison(*reference, *tolerance, Some(1.0)),
+        },
+        raw::Check::Error { error, reference, tolerance, scale } => Check::Error { error: (*error).into(), is: comparison(*reference, *tolerance, *scale) },
+    }
+}

@@ -1,0 +1,272 @@
+//! Checkpoints: all that a run needs to go on, to the last bit.
+//!
+//! `checkpoint/state.bin` consists of
+//!
+//! | bytes | hold |
+//! |---|---|
+//! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
+//! | 4 | version of the format, little-endian, now 1 |
+//! | 32 | SHA-256 of the text of the case |
+//! | 8 | length of the body, little-endian |
+//! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
+//! | 32 | SHA-256 of all that stands before |
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::files::write_atomically;
+use super::{OutputError, Snapshot, Work};
+use crate::contact::{Flux, Status};
+use crate::linalg::{Multipliers, PointState};
+use crate::scheme::{ContactReport, Counts, Discretization, Ledger, State, StepReport};
+use crate::tensor::Point;
+
+/// Where the newest checkpoint is in a results folder.
+pub(super) const FILE: &str = "checkpoint/state.bin";
+const MAGIC: &[u8; 16] = b"amontons state\r\n";
+const VERSION: u32 = 1;
+const HASH: usize = 32;
+const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
+
+/// A state to go on from, with the report of the step that led to it.
+#[derive(Clone, Debug)]
+pub struct Checkpoint {
+    /// The state.
+    pub state: State,
+    /// How the step that led here went; none at t = 0.
+    pub report: Option<StepReport>,
+    /// Work done up to here.
+    pub work: Work,
+}
+
+/// Why a run cannot go on from a checkpoint.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckpointError {
+    /// The file cannot be read.
+    #[error("cannot read the checkpoint {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        source: std::io::Error,
+    },
+    /// The file is not a whole checkpoint.
+    #[error("the checkpoint {} is damaged: found {found}, expected {expected}; start the run anew", path.display())]
+    Damaged {
+        /// The file.
+        path: PathBuf,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// The file has a format of another version of the program.
+    #[error("the checkpoint {} has format {found}, expected {VERSION}; go on with the version of the program that wrote it", path.display())]
+    Version {
+        /// The file.
+        path: PathBuf,
+        /// Version of the format.
+        found: u32,
+    },
+    /// The case is not the one of the checkpoint.
+    #[error("the checkpoint {} is of another case; a run goes on with the case it was started with: undo the change or start anew", path.display())]
+    OtherCase {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The state does not belong to the problem.
+    #[error("the checkpoint has {found} {what}, expected {expected}; its mesh is another")]
+    Shape {
+        /// What was counted.
+        what: &'static str,
+        /// Number in the checkpoint.
+        found: usize,
+        /// Number in the problem.
+        expected: usize,
+    },
+}
+
+/// The body of the file; it mirrors the types of the scheme so that the format changes only on purpose.
+#[derive(Serialize, Deserialize)]
+struct Body {
+    step: usize,
+    t: f64,
+    u: Vec<f64>,
+    w: Vec<f64>,
+    theta: Vec<f64>,
+    q: Vec<Point>,
+    ledger: Ledger,
+    counts: Counts,
+    work: Work,
+    report: Option<Report>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Report {
+    newton_mechanics: usize,
+    newton_heat: usize,
+    residual: f64,
+    force: Point,
+    heat_flow: f64,
+    points: Vec<ReportPoint>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct ReportPoint {
+    penetration: f64,
+    pressure: f64,
+    bound: f64,
+    q: Point,
+    slip: Point,
+    status: u8,
+    temperature: f64,
+    flux: f64,
+    flux_by_temperature: f64,
+}
+
+const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
+
+impl Body {
+    fn new(now: &Snapshot) -> Body {
+        let state = now.state.clone();
+        let report = now.report.map(|report| {
+            let contact = &report.contact;
+            let at_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
+            let points = at_points.map(|(state, (&temperature, flux))| ReportPoint {
+                penetration: state.penetration,
+                pressure: state.pressure,
+                bound: state.bound,
+                q: state.q,
+                slip: state.slip,
+                status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
+                temperature,
+                flux: flux.value,
+                flux_by_temperature: flux.by_temperature,
+            });
+            Report {
+                newton_mechanics: report.newton_mechanics,
+                newton_heat: report.newton_heat,
+                residual: report.residual,
+                force: contact.force,
+                heat_flow: contact.heat_flow,
+                points: points.collect(),
+            }
+        });
+        Body {
+            step: state.step,
+            t: state.t,
+            u: state.u,
+            w: state.w,
+            theta: state.theta,
+            q: state.multipliers.q,
+            ledger: state.ledger,
+            counts: state.counts,
+            work: now.work,
+            report,
+        }
+    }
+
+    fn into_checkpoint(self) -> Checkpoint {
+        let report = self.report.map(|report| StepReport {
+            newton_mechanics: report.newton_mechanics,
+            newton_heat: report.newton_heat,
+            residual: report.residual,
+            contact: ContactReport {
+                states: report
+                    .points
+                    .iter()
+                    .map(|p| PointState {
+                        penetration: p.penetration,
+                        pressure: p.pressure,
+                        bound: p.bound,
+                        q: p.q,
+                        slip: p.slip,
+                        status: STATUS.get(usize::from(p.status)).copied().unwrap_or(Status::Open),
+                    })
+                    .collect(),
+                temperature: report.points.iter().map(|p| p.temperature).collect(),
+                flux: report.points.iter().map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature }).collect(),
+                force: report.force,
+                heat_flow: report.heat_flow,
+            },
+        });
+        let state = State {
+            step: self.step,
+            t: self.t,
+            u: self.u,
+            w: self.w,
+            theta: self.theta,
+            multipliers: Multipliers { q: self.q },
+            ledger: self.ledger,
+            counts: self.counts,
+        };
+        Checkpoint { state, report, work: self.work }
+    }
+}
+
+impl Checkpoint {
+    /// Reads the newest checkpoint of a results folder whose case has the text `case`.
+    ///
+    /// # Errors
+    /// When it is not there, damaged, of another format or of another case.
+    pub fn read(folder: &Path, case: &str) -> Result<Checkpoint, CheckpointError> {
+        let path = folder.join(FILE);
+        let bytes = fs::read(&path).map_err(|source| CheckpointError::Read { path: path.clone(), source })?;
+        decode(&path, &bytes, case)
+    }
+
+    /// Whether the checkpoint is one of a problem with this discretization and so many steps.
+    pub(crate) fn check(&self, discretization: &Discretization, steps: usize) -> Result<(), CheckpointError> {
+        let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
+        let same = |what, found, expected| if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) };
+        same("displacements", self.state.u.len(), nodes * dim)?;
+        same("velocities", self.state.w.len(), nodes * dim)?;
+        same("temperatures", self.state.theta.len(), nodes)?;
+        same("contact points", self.state.multipliers.q.len(), discretization.boundary.points.len())?;
+        same("steps", self.state.step, self.state.step.min(steps))
+    }
+}
+
+/// Writes a checkpoint into a results folder, in place of the one before.
+pub(super) fn write(folder: &Path, case: &str, now: &Snapshot) -> Result<(), OutputError> {
+    let path = folder.join(FILE);
+    let body = postcard::to_stdvec(&Body::new(now)).map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
+    let mut bytes = Vec::with_capacity(HEADER + body.len() + HASH);
+    bytes.extend_from_slice(MAGIC);
+    bytes.extend_from_slice(&VERSION.to_le_bytes());
+    bytes.extend_from_slice(&Sha256::digest(case));
+    bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
+    bytes.extend_from_slice(&body);
+    let checksum = Sha256::digest(&bytes);
+    bytes.extend_from_slice(&checksum);
+    write_atomically(&path, |out| out.write_all(&bytes))
+}
+
+fn decode(path: &Path, bytes: &[u8], case: &str) -> Result<Checkpoint, CheckpointError> {
+    let damaged = |found: String, expected: String| CheckpointError::Damaged { path: path.to_owned(), found, expected };
+    let too_short = || damaged(format!("{} bytes", bytes.len()), "the whole file".to_owned());
+    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("another file".to_owned(), "a checkpoint of amontons".to_owned()))?;
+    let (version, rest) = rest.split_first_chunk::<4>().ok_or_else(too_short)?;
+    let version = u32::from_le_bytes(*version);
+    if version != VERSION {
+        return Err(CheckpointError::Version { path: path.to_owned(), found: version });
+    }
+    let (hash, rest) = rest.split_first_chunk::<HASH>().ok_or_else(too_short)?;
+    let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(too_short)?;
+    let (body, checksum) = rest.split_last_chunk::<HASH>().ok_or_else(too_short)?;
+    if u64::from_le_bytes(*length) != body.len() as u64 {
+        return Err(damaged(format!("a body of {} bytes", body.len()), format!("one of {}", u64::from_le_bytes(*length))));
+    }
+    if Sha256::digest(&bytes[..bytes.len() - HASH]).as_slice() != checksum {
+        return Err(damaged("a checksum that does not match".to_owned(), "the one written with the file".to_owned()));
+    }
+    if Sha256::digest(case).as_slice() != hash {
+        return Err(CheckpointError::OtherCase { path: path.to_owned() });
+    }
+    let body: Body = postcard::from_bytes(body).map_err(|error| damaged(error.to_string(), "a state".to_owned()))?;
+    Ok(body.into_checkpoint())
+}

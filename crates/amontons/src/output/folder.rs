@@ -1,0 +1,260 @@
+//! The results folder.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use super::csv::{History, write_contact};
+use super::files::{copy, create_folder, remove, write_atomically, write_json};
+use super::manifest::{Manifest, Settings};
+use super::vtu::{write_collection, write_fields};
+use super::{OutputError, RunStart, Sink, Snapshot, Summary, checkpoint, manifest};
+
+/// What a results folder may hold, studies included.
+const RESULTS: [&str; 11] = [
+    "summary.json",
+    manifest::FILE,
+    "history.csv",
+    "contact.csv",
+    "fields.pvd",
+    "fields",
+    "checkpoint",
+    "case.toml",
+    "convergence.csv",
+    "convergence.json",
+    "convergence.svg",
+];
+/// Where a run that replaces another keeps its results until its first step is made.
+const STAGING: &str = ".starting";
+
+/// How results are written.
+#[derive(Clone, Debug)]
+pub struct FolderOptions {
+    /// The text of the case as run.
+    pub text: String,
+    /// Steps between field snapshots; 0: only the last.
+    pub every: usize,
+    /// Whether results that are there may be replaced.
+    pub force: bool,
+    /// Time between checkpoints.
+    pub checkpoint_interval: Duration,
+}
+
+impl FolderOptions {
+    /// Options for a case with this text: only the last fields, nothing replaced, a checkpoint a minute.
+    #[must_use]
+    pub fn new(text: impl Into<String>) -> FolderOptions {
+        FolderOptions { text: text.into(), every: 0, force: false, checkpoint_interval: Duration::from_secs(60) }
+    }
+}
+
+/// Writes the results folder of a run.
+#[derive(Debug)]
+pub struct Folder {
+    path: PathBuf,
+    options: FolderOptions,
+    /// Whether results of another run are there, to be replaced once this one has made a step.
+    replaces: bool,
+    history: Option<History>,
+    manifest: Option<Manifest>,
+    /// Time and file of the field snapshots.
+    snapshots: Vec<(f64, String)>,
+    last_checkpoint: Instant,
+}
+
+impl Folder {
+    /// A folder for a new run; it is created if it is not there.
+    ///
+    /// # Errors
+    /// When it holds results and `force` is not given, or when it cannot be created.
+    pub fn create(path: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
+        let path = path.into();
+        let found = RESULTS.iter().find(|name| path.join(name).symlink_metadata().is_ok());
+        if let Some(found) = found.filter(|_| !options.force) {
+            return Err(OutputError::HoldsResults { path, found: (*found).to_owned() });
+        }
+        remove(&path.join(STAGING))?;
+        let folder = Folder::new(path, options, found.is_some());
+        create_folder(&folder.root())?;
+        Ok(folder)
+    }
+
+    /// The folder of a run that goes on.
+    ///
+    /// # Errors
+    /// When there is no such folder.
+    pub fn reopen(path: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
+        let path = path.into();
+        fs::read_dir(&path).map_err(OutputError::io("read", &path))?;
+        Ok(Folder::new(path, options, false))
+    }
+
+    /// The folder of a run that goes on in a new place: the results of `from` are copied, and stay.
+    ///
+    /// # Errors
+    /// When the new folder holds results and `force` is not given, or when files cannot be copied.
+    pub fn copy(from: &Path, to: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
+        let mut folder = Folder::create(to, options)?;
+        let staging = folder.root();
+        for name in RESULTS {
+            copy(&from.join(name), &staging.join(name))?;
+        }
+        if folder.replaces {
+            folder.replace()?;
+        }
+        Ok(folder)
+    }
+
+    /// Whether results of an earlier run are still there: the new run has not made a step.
+    #[must_use]
+    pub fn keeps_older_results(&self) -> bool {
+        self.replaces
+    }
+
+    fn new(path: PathBuf, options: FolderOptions, replaces: bool) -> Folder {
+        Folder { path, options, replaces, history: None, manifest: None, snapshots: Vec::new(), last_checkpoint: Instant::now() }
+    }
+
+    /// Where results go at present.
+    fn root(&self) -> PathBuf {
+        if self.replaces { self.path.join(STAGING) } else { self.path.clone() }
+    }
+
+    /// Replaces the results of the run before by those of this one.
+    fn replace(&mut self) -> Result<(), OutputError> {
+        for name in RESULTS {
+            remove(&self.path.join(name))?;
+        }
+        let staging = self.root();
+        for name in RESULTS {
+            let (from, to) = (staging.join(name), self.path.join(name));
+            match fs::rename(&from, &to) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(OutputError::io("move", &from)(error)),
+                _ => {}
+            }
+        }
+        remove(&staging)?;
+        self.replaces = false;
+        if let Some(history) = &mut self.history {
+            history.moved(self.path.join("history.csv"));
+        }
+        Ok(())
+    }
+
+    fn is_due(&self, step: usize) -> bool {
+        self.options.every > 0 && step.is_multiple_of(self.options.every)
+    }
+
+    fn write_fields(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        let root = self.root();
+        let file = fields_file(now.state.step);
+        write_fields(&root.join(&file), now)?;
+        self.snapshots.push((now.state.t, file));
+        write_collection(&root.join("fields.pvd"), &self.snapshots)
+    }
+
+    fn write_checkpoint(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        // The rows come first: a checkpoint must not be ahead of the history.
+        if let Some(history) = &self.history {
+            history.sync()?;
+        }
+        checkpoint::write(&self.root(), &self.options.text, now)?;
+        self.last_checkpoint = Instant::now();
+        Ok(())
+    }
+
+    fn start_anew(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        let (root, problem) = (self.root(), start.from.problem);
+        for folder in ["fields", "checkpoint"] {
+            create_folder(&root.join(folder))?;
+        }
+        write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
+        self.history = Some(History::create(root.join("history.csv"), problem.mesh.dim)?);
+        let settings = Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
+        self.manifest = Some(Manifest::new(&problem.name, &self.options.text, settings));
+        if self.is_due(0) {
+            self.write_fields(&start.from)?;
+        }
+        Ok(())
+    }
+
+    /// Brings the files back to the step of the checkpoint.
+    fn go_on(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        let (problem, step) = (start.from.problem, start.from.state.step);
+        self.history = Some(History::reopen(self.path.join("history.csv"), problem.mesh.dim, step)?);
+        self.manifest = Some(Manifest::read(&self.path)?);
+        let due = (0..=step).filter(|&n| self.is_due(n)).map(|n| (problem.time(n), fields_file(n)));
+        self.snapshots = due.filter(|(_, file)| self.path.join(file).is_file()).collect();
+        let fields = self.path.join("fields");
+        create_folder(&fields)?;
+        for entry in fs::read_dir(&fields).map_err(OutputError::io("read", &fields))? {
+            let entry = entry.map_err(OutputError::io("read", &fields))?;
+            let name = format!("fields/{}", entry.file_name().to_string_lossy());
+            if name.starts_with("fields/step_") && !self.snapshots.iter().any(|(_, file)| *file == name) {
+                remove(&entry.path())?;
+            }
+        }
+        write_collection(&self.path.join("fields.pvd"), &self.snapshots)
+    }
+}
+
+/// The file of the fields at a step, seen from the results folder.
+fn fields_file(step: usize) -> String {
+    format!("fields/step_{step:07}.vtu")
+}
+
+impl Sink for Folder {
+    fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        if start.resumed { self.go_on(start)? } else { self.start_anew(start)? }
+        let root = self.root();
+        if let Some(manifest) = &mut self.manifest {
+            manifest.begin(start.threads, start.from.state.step);
+            manifest.write(&root)?;
+        }
+        self.last_checkpoint = Instant::now();
+        Ok(())
+    }
+
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        if self.replaces {
+            self.replace()?;
+        }
+        if let Some(history) = &mut self.history {
+            history.push(now)?;
+        }
+        if self.is_due(now.state.step) {
+            self.write_fields(now)?;
+        }
+        if self.last_checkpoint.elapsed() >= self.options.checkpoint_interval {
+            self.write_checkpoint(now)?;
+        }
+        Ok(())
+    }
+
+    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        if self.replaces {
+            return Ok(());
+        }
+        let file = fields_file(last.state.step);
+        if self.snapshots.last().is_none_or(|(_, newest)| *newest != file) {
+            self.write_fields(last)?;
+        }
+        write_contact(&self.path.join("contact.csv"), last)?;
+        self.write_checkpoint(last)
+    }
+
+    fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {
+        if self.replaces {
+            // The run has not made a step: what was there before stays.
+            return remove(&self.root());
+        }
+        write_json(&self.path.join("summary.json"), summary)?;
+        if let Some(manifest) = &mut self.manifest {
+            manifest.end(summary.steps);
+            manifest.write(&self.path)?;
+        }
+        Ok(())
+    }
+}
+

@@ -1,0 +1,116 @@
+//! `manifest.json`: what made the results.
+
+use std::fs;
+use std::path::Path;
+use std::time::SystemTime;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::OutputError;
+use super::files::write_json;
+
+/// Name of the file in a results folder.
+pub(super) const FILE: &str = "manifest.json";
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Manifest {
+    program: String,
+    version: String,
+    case: String,
+    /// SHA-256 of `case.toml`, hexadecimal.
+    input_sha256: String,
+    settings: Settings,
+    platform: Platform,
+    threads: usize,
+    start: String,
+    end: Option<String>,
+    /// One entry each time the run was started or resumed.
+    sessions: Vec<Session>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Settings {
+    /// Steps between field snapshots.
+    pub every: usize,
+    /// Seconds between checkpoints.
+    pub checkpoint_seconds: f64,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Platform {
+    os: String,
+    architecture: String,
+    cores: Option<usize>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Session {
+    version: String,
+    threads: usize,
+    from_step: usize,
+    to_step: Option<usize>,
+    start: String,
+    end: Option<String>,
+}
+
+impl Manifest {
+    /// The manifest of a run that starts now.
+    pub fn new(case: &str, text: &str, settings: Settings) -> Manifest {
+        Manifest {
+            program: "amontons".to_owned(),
+            version: version(),
+            case: case.to_owned(),
+            input_sha256: Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect(),
+            settings,
+            platform: Platform {
+                os: std::env::consts::OS.to_owned(),
+                architecture: std::env::consts::ARCH.to_owned(),
+                cores: std::thread::available_parallelism().ok().map(usize::from),
+            },
+            threads: 0,
+            start: now(),
+            end: None,
+            sessions: Vec::new(),
+        }
+    }
+
+    /// Reads the manifest of a results folder.
+    pub fn read(folder: &Path) -> Result<Manifest, OutputError> {
+        let path = folder.join(FILE);
+        let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
+        serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent {
+            path,
+            found: error.to_string(),
+            expected: "the manifest of a run".to_owned(),
+        })
+    }
+
+    /// Notes that the run starts, or goes on, from a step.
+    pub fn begin(&mut self, threads: usize, from_step: usize) {
+        (self.version, self.threads, self.end) = (version(), threads, None);
+        self.sessions.push(Session { version: version(), threads, from_step, to_step: None, start: now(), end: None });
+    }
+
+    /// Notes that the run ends at a step.
+    pub fn end(&mut self, to_step: usize) {
+        self.end = Some(now());
+        if let Some(session) = self.sessions.last_mut() {
+            (session.to_step, session.end) = (Some(to_step), self.end.clone());
+        }
+    }
+
+    /// Writes the manifest into a results folder.
+    pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
+        write_json(&folder.join(FILE), self)
+    }
+}
+
+fn version() -> String {
+    env!("CARGO_PKG_VERSION").to_owned()
+}
+
+/// Now, as RFC 3339 in UTC.
+fn now() -> String {
+    humantime::format_rfc3339_seconds(SystemTime::now()).to_string()
+}

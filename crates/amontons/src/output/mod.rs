@@ -1,0 +1,140 @@
+//! Results: a run pushes its steps to [`Sink`]s, which keep, write or show them.
+//!
+//! | sink | does |
+//! |---|---|
+//! | [`Memory`] | keeps states and reports for tests and studies |
+//! | [`Folder`] | writes the results folder |
+
+mod cells;
+pub mod checkpoint;
+mod csv;
+mod files;
+mod folder;
+mod manifest;
+mod memory;
+mod summary;
+mod vtu;
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+pub use cells::{CellStress, cell_stresses, strain_norm};
+pub use checkpoint::{Checkpoint, CheckpointError};
+pub use csv::{history_columns, history_values};
+pub use folder::{Folder, FolderOptions};
+pub use memory::Memory;
+pub use summary::{ContactSummary, Final, Finding, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
+
+use crate::problem::Problem;
+use crate::scheme::{Discretization, State, StepReport};
+
+/// Where the results of a run go. A run calls `start` once, `step` after every step, and, for whatever
+/// reason it ends, `last` and `finish` once, unless a sink itself has failed.
+pub trait Sink {
+    /// The system is set up; the first step comes next.
+    ///
+    /// # Errors
+    /// When the sink cannot take results: the run ends.
+    fn start(&mut self, start: &RunStart) -> Result<(), OutputError>;
+    /// A step has been made.
+    ///
+    /// # Errors
+    /// When the step cannot be kept: the run ends.
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError>;
+    /// The run is over; `last` is the last good step, whatever the outcome.
+    ///
+    /// # Errors
+    /// When the results cannot be kept.
+    fn last(&mut self, last: &Snapshot) -> Result<(), OutputError>;
+    /// The summary of the run: the last that a sink sees.
+    ///
+    /// # Errors
+    /// When the results cannot be kept.
+    fn finish(&mut self, summary: &Summary) -> Result<(), OutputError>;
+}
+
+/// What is known when a run starts.
+#[derive(Clone, Copy, Debug)]
+pub struct RunStart<'a> {
+    /// The state that the run starts from: t = 0, or that of a checkpoint.
+    pub from: Snapshot<'a>,
+    /// Threads that the run uses.
+    pub threads: usize,
+    /// Whether the run goes on from a checkpoint.
+    pub resumed: bool,
+}
+
+/// A run at a time t_n, borrowed.
+#[derive(Clone, Copy, Debug)]
+pub struct Snapshot<'a> {
+    /// The problem.
+    pub problem: &'a Problem,
+    /// Its discretization.
+    pub discretization: &'a Discretization,
+    /// The state.
+    pub state: &'a State,
+    /// How the step that led here went; none at t = 0.
+    pub report: Option<&'a StepReport>,
+    /// Work done so far.
+    pub work: Work,
+}
+
+/// Work done since the start of a run, sessions before a checkpoint included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Work {
+    /// Factorizations of the systems.
+    pub factorizations: usize,
+    /// Factorizations of condensed systems on Γ_C.
+    pub contact_factorizations: usize,
+    /// Times spent.
+    pub seconds: Seconds,
+}
+
+/// Results that could not be written or read.
+#[derive(Debug, thiserror::Error)]
+pub enum OutputError {
+    /// The system refused an operation on a file.
+    #[error("cannot {doing} {}: {source}", path.display())]
+    Io {
+        /// What was tried: `write`, `create`, `read`.
+        doing: &'static str,
+        /// The file or folder.
+        path: PathBuf,
+        /// What went wrong.
+        source: io::Error,
+    },
+    /// The folder holds results that would be lost.
+    #[error("{} already holds results ({found}); give another folder, go on with them by `resume`, or replace them by `--force`", path.display())]
+    HoldsResults {
+        /// The folder.
+        path: PathBuf,
+        /// One of the files found.
+        found: String,
+    },
+    /// The files of a run do not fit together.
+    #[error("{}: found {found}, expected {expected}", path.display())]
+    Inconsistent {
+        /// The file.
+        path: PathBuf,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: String,
+    },
+    /// The file of the fields could not be made.
+    #[error("cannot encode {}: {message}", path.display())]
+    Encode {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong.
+        message: String,
+    },
+}
+
+impl OutputError {
+    /// An operation that the system refused.
+    pub(crate) fn io(doing: &'static str, path: &Path) -> impl FnOnce(io::Error) -> OutputError + use<> {
+        let path = path.to_owned();
+        move |source| OutputError::Io { doing, path, source }
+    }
+}

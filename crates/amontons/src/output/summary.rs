@@ -1,0 +1,251 @@
+//! `summary.json`: what a run came to, in a few numbers.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Snapshot, cell_stresses, strain_norm};
+use crate::contact::Status;
+use crate::scheme::{ContactReport, Ledger};
+
+/// Why a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Outcome {
+    /// All steps were made.
+    #[serde(rename = "done")]
+    Done,
+    /// A step could not be made.
+    #[serde(rename = "not converged")]
+    NotConverged,
+    /// The run was asked to stop.
+    #[serde(rename = "interrupted")]
+    Interrupted,
+}
+
+/// What a run came to: `summary.json`. Numbers are those of the last good step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Name of the case.
+    pub case: String,
+    /// Why the run ended.
+    pub outcome: Outcome,
+    /// What went wrong, if something did.
+    pub error: Option<String>,
+    /// Spatial dimension d.
+    pub dimension: usize,
+    /// Time of the last good step in s.
+    pub time: f64,
+    /// Number of good steps.
+    pub steps: usize,
+    /// Numbers of unknowns.
+    pub unknowns: UnknownCounts,
+    /// The last good step.
+    #[serde(rename = "final")]
+    pub last: Final,
+    /// Work of the solver.
+    pub solver: Solver,
+    /// The last row of the audit, with `closing_error` and `heat_closing_error` divided by what was turned over.
+    pub energy: Ledger,
+    /// Hypotheses and conditions with their numbers.
+    pub findings: Vec<Finding>,
+    /// Times spent.
+    pub seconds: Seconds,
+    /// Most memory that the program held, bytes; none where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+}
+
+/// Numbers of unknowns.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UnknownCounts {
+    /// Of the mechanical step.
+    pub displacement: usize,
+    /// Of the heat step.
+    pub temperature: usize,
+    /// Of the mechanical step on Γ_C.
+    pub contact: usize,
+}
+
+/// Values at the last good step.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Final {
+    /// Least nodal displacement, m, by component.
+    pub displacement_min: Vec<f64>,
+    /// Largest nodal displacement, m, by component.
+    pub displacement_max: Vec<f64>,
+    /// Largest nodal velocity, m/s, by component, with its sign.
+    pub velocity_max: Vec<f64>,
+    /// Least nodal temperature, K.
+    pub temperature_min: f64,
+    /// Largest nodal temperature, K.
+    pub temperature_max: f64,
+    /// Largest von Mises stress at a cell centre, Pa.
+    pub von_mises_max: f64,
+    /// Norms of the fields.
+    pub norms: Norms,
+    /// Contact; none before the first step.
+    pub contact: Option<ContactSummary>,
+}
+
+/// Norms of the fields.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Norms {
+    /// ‖u‖_H.
+    pub displacement_l2: f64,
+    /// ‖u‖_V = ‖ε(u)‖.
+    pub displacement_v: f64,
+    /// ‖w‖_H.
+    pub velocity_l2: f64,
+    /// ‖θ‖.
+    pub temperature_l2: f64,
+}
+
+/// The state of Γ_C.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ContactSummary {
+    /// Resultant of σν, N (per unit of thickness in two dimensions), by component.
+    pub force: Vec<f64>,
+    /// ∫ q·ν in W.
+    pub heat_flow: f64,
+    /// Largest penetration, m; 0 where all is open.
+    pub penetration_max: f64,
+    /// Largest pressure, Pa.
+    pub pressure_max: f64,
+    /// Contact points without pressure.
+    pub open: usize,
+    /// Contact points that stick.
+    pub stick: usize,
+    /// Contact points that slip.
+    pub slip: usize,
+}
+
+impl ContactSummary {
+    /// Sums up the contact points of a step in `dim` dimensions.
+    #[must_use]
+    pub fn new(contact: &ContactReport, dim: usize) -> ContactSummary {
+        let count = |status| contact.states.iter().filter(|s| s.status == status).count();
+        ContactSummary {
+            force: contact.force[..dim].to_vec(),
+            heat_flow: contact.heat_flow,
+            penetration_max: contact.states.iter().fold(0.0, |max, s| s.penetration.max(max)),
+            pressure_max: contact.states.iter().fold(0.0, |max, s| s.pressure.max(max)),
+            open: count(Status::Open),
+            stick: count(Status::Stick),
+            slip: count(Status::Slip),
+        }
+    }
+}
+
+/// Work of the solver, counted.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Solver {
+    /// Newton iterations of mechanical steps.
+    pub newton_mechanics_total: usize,
+    /// Most Newton iterations of one mechanical step.
+    pub newton_mechanics_max: usize,
+    /// Newton iterations of heat steps.
+    pub newton_heat_total: usize,
+    /// Factorizations of the systems; a resumed run makes them again.
+    pub factorizations: usize,
+    /// Factorizations of condensed systems on Γ_C; a resumed run starts without those it had kept.
+    pub contact_factorizations: usize,
+    /// Sweeps over a factor, forward or backward.
+    pub sweeps: usize,
+    /// Largest relative residual of a step.
+    pub residual_max: f64,
+}
+
+/// Wall-clock times in s, of all sessions of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Seconds {
+    /// Assembling and ordering.
+    pub setup: f64,
+    /// Factorizing.
+    pub factor: f64,
+    /// Time stepping.
+    pub steps: f64,
+    /// Sinks.
+    pub output: f64,
+    /// All of the run.
+    pub total: f64,
+}
+
+/// A hypothesis or condition, and whether it holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// `H1` … `H8`, `2.23-printed`, `2.23-needed`, or one of our own.
+    pub id: String,
+    /// `holds`, `fails` or `not-covered`.
+    pub status: String,
+    /// The value found, if there is one.
+    pub value: Option<f64>,
+    /// The value needed, if there is one.
+    pub needed: Option<f64>,
+    /// What it means.
+    pub message: String,
+    /// What it is about.
+    #[serde(rename = "where")]
+    pub place: String,
+}
+
+impl Summary {
+    /// Sums up a run that ended after `last`.
+    #[must_use]
+    pub fn new(last: &Snapshot, unknowns: UnknownCounts, outcome: Outcome, error: Option<String>) -> Summary {
+        let Snapshot { problem, discretization, state, report, work } = *last;
+        let counts = &state.counts;
+        let dim = problem.mesh.dim;
+        let energy = Ledger {
+            closing_error: state.ledger.relative_closing_error(),
+            heat_closing_error: state.ledger.relative_heat_closing_error(),
+            ..state.ledger.clone()
+        };
+        Summary {
+            case: problem.name.clone(),
+            outcome,
+            error,
+            dimension: dim,
+            time: state.t,
+            steps: state.step,
+            unknowns,
+            last: Final {
+                displacement_min: by_component(&state.u, dim, f64::INFINITY, f64::min),
+                displacement_max: by_component(&state.u, dim, f64::NEG_INFINITY, f64::max),
+                velocity_max: by_component(&state.w, dim, f64::NEG_INFINITY, f64::max),
+                temperature_min: state.theta.iter().copied().fold(f64::INFINITY, f64::min),
+                temperature_max: state.theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                von_mises_max: cell_stresses(problem, state).iter().fold(0.0, |max, cell| cell.von_mises.max(max)),
+                norms: Norms {
+                    displacement_l2: discretization.norm(&discretization.mass, &state.u),
+                    displacement_v: strain_norm(&problem.mesh, &state.u),
+                    velocity_l2: discretization.norm(&discretization.mass, &state.w),
+                    temperature_l2: discretization.norm(&discretization.mass, &state.theta),
+                },
+                contact: report.map(|report| ContactSummary::new(&report.contact, dim)),
+            },
+            solver: Solver {
+                newton_mechanics_total: counts.newton_mechanics_total,
+                newton_mechanics_max: counts.newton_mechanics_max,
+                newton_heat_total: counts.newton_heat_total,
+                factorizations: work.factorizations,
+                contact_factorizations: work.contact_factorizations,
+                sweeps: counts.sweeps,
+                residual_max: counts.residual_max,
+            },
+            energy,
+            findings: Vec::new(),
+            seconds: work.seconds,
+            peak_memory_bytes: peak_memory(),
+        }
+    }
+}
+
+/// Folds a node-major vector component by component.
+fn by_component(values: &[f64], dim: usize, start: f64, fold: fn(f64, f64) -> f64) -> Vec<f64> {
+    (0..dim).map(|c| values.iter().skip(c).step_by(dim).copied().fold(start, fold)).collect()
+}
+
+/// Most memory that this process held, bytes, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kibibytes * 1024)
+}

@@ -1,0 +1,214 @@
+//! A run: a problem driven from the start, or from a checkpoint, to its end, its results pushed to sinks.
+//!
+//! A run ends for a named reason: it is done ([`Summary`]), or the [`RunError`] says why not. A step that
+//! could not be made is never a result; what the steps before it gave is kept.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
+
+use rayon::ThreadPool;
+
+use crate::linalg::{Backend, BlockMatrix, Factor, FactorError, Supernodal, Unknowns};
+use crate::output::{Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work};
+use crate::problem::Problem;
+use crate::scheme::{BackwardEuler, Scheme, SetupError, StepError};
+
+/// How a run is made. None of it changes results.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    /// Number of threads; without it, those of the thread pool at hand, by default all cores.
+    pub threads: Option<usize>,
+    /// Ends the run before its next step when it becomes true.
+    pub interrupt: Option<Arc<AtomicBool>>,
+}
+
+/// Why a run is not done.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The threads could not be started.
+    #[error("cannot start {threads} threads: {message}; ask for fewer")]
+    Threads {
+        /// Number asked for.
+        threads: usize,
+        /// What went wrong.
+        message: String,
+    },
+    /// The problem could not be set up.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// A step could not be made; sinks have the results up to the step before.
+    #[error("{source}")]
+    Step {
+        /// Why.
+        source: StepError,
+        /// The run up to the last good step.
+        summary: Box<Summary>,
+    },
+    /// The run was asked to stop; sinks have the results so far.
+    #[error("interrupted after step {}", .0.steps)]
+    Interrupted(Box<Summary>),
+    /// Results could not be written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// The run cannot go on from the checkpoint.
+    #[error(transparent)]
+    Checkpoint(#[from] CheckpointError),
+}
+
+/// Runs a problem from t = 0.
+///
+/// # Errors
+/// When the run does not reach its end: see [`RunError`].
+pub fn run(problem: &Problem, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
+    drive(problem, None, settings, sinks)
+}
+
+/// Runs a problem on from a checkpoint. States and reports have the same bits as those of a run without a break.
+///
+/// # Errors
+/// When the checkpoint is not one of this problem or the run does not reach its end: see [`RunError`].
+pub fn resume(problem: &Problem, from: Checkpoint, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
+    drive(problem, Some(from), settings, sinks)
+}
+
+fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
+    let begin = Instant::now();
+    let pool = pool(settings)?;
+    let backend = Timed::new(&Supernodal);
+    let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, &backend))?;
+    let [displacement, temperature, contact] = scheme.unknowns();
+    let unknowns = UnknownCounts { displacement, temperature, contact };
+    let resumed = from.is_some();
+    let Checkpoint { mut state, mut report, work: before } = match from {
+        Some(checkpoint) => {
+            checkpoint.check(scheme.discretization(), problem.steps)?;
+            checkpoint
+        }
+        None => Checkpoint { state: scheme.initial()?, report: None, work: Work::default() },
+    };
+    let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total };
+    let factor = backend.seconds();
+    clock.seconds.factor += factor;
+    clock.seconds.setup += begin.elapsed().as_secs_f64() - factor;
+
+    let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
+    let from = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work: clock.work(before, &scheme) };
+    let start = RunStart { from, threads, resumed };
+    clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.start(&start)))?;
+
+    let failed = loop {
+        if state.step >= problem.steps || interrupted(settings) {
+            break None;
+        }
+        let step = Instant::now();
+        let made = within(pool.as_ref(), || scheme.step(&state));
+        clock.seconds.steps += step.elapsed().as_secs_f64();
+        match made {
+            Ok((next, how)) => (state, report) = (next, Some(how)),
+            Err(error) => break Some(error),
+        }
+        let work = clock.work(before, &scheme);
+        let now = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+        clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.step(&now)))?;
+    };
+
+    let work = clock.work(before, &scheme);
+    let last = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+    clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
+    let outcome = match failed {
+        Some(_) => Outcome::NotConverged,
+        None if state.step < problem.steps => Outcome::Interrupted,
+        None => Outcome::Done,
+    };
+    let last = Snapshot { work: clock.work(before, &scheme), ..last };
+    let summary = Summary::new(&last, unknowns, outcome, failed.as_ref().map(ToString::to_string));
+    sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
+    match (failed, outcome) {
+        (Some(source), _) => Err(RunError::Step { source, summary: Box::new(summary) }),
+        (None, Outcome::Done) => Ok(summary),
+        (None, _) => Err(RunError::Interrupted(Box::new(summary))),
+    }
+}
+
+fn interrupted(settings: &Settings) -> bool {
+    settings.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
+}
+
+fn pool(settings: &Settings) -> Result<Option<ThreadPool>, RunError> {
+    let Some(threads) = settings.threads else { return Ok(None) };
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    built.map(Some).map_err(|error| RunError::Threads { threads, message: error.to_string() })
+}
+
+/// Computes in a pool of its own, so that nothing global is set.
+fn within<T: Send>(pool: Option<&ThreadPool>, compute: impl FnOnce() -> T + Send) -> T {
+    match pool {
+        Some(pool) => pool.install(compute),
+        None => compute(),
+    }
+}
+
+/// Times of a run.
+struct Clock {
+    begin: Instant,
+    seconds: Seconds,
+    /// Total of the sessions before.
+    before: f64,
+}
+
+impl Clock {
+    /// Work up to now.
+    fn work(&self, before: Work, scheme: &BackwardEuler) -> Work {
+        let (factorizations, contact_factorizations) = scheme.factorizations();
+        Work {
+            factorizations: before.factorizations + factorizations,
+            contact_factorizations: before.contact_factorizations + contact_factorizations,
+            seconds: Seconds { total: self.before + self.begin.elapsed().as_secs_f64(), ..self.seconds },
+        }
+    }
+
+    /// Counts what `write` takes as output.
+    fn output(&mut self, write: impl FnOnce() -> Result<(), OutputError>) -> Result<(), OutputError> {
+        let begin = Instant::now();
+        let result = write();
+        self.seconds.output += begin.elapsed().as_secs_f64();
+        result
+    }
+}
+
+/// A backend that notes when it factorizes.
+#[derive(Debug)]
+struct Timed<'a> {
+    backend: &'a dyn Backend,
+    intervals: Mutex<Vec<(Instant, Instant)>>,
+}
+
+impl<'a> Timed<'a> {
+    fn new(backend: &'a dyn Backend) -> Timed<'a> {
+        Timed { backend, intervals: Mutex::default() }
+    }
+
+    /// Seconds during which it factorized; factorizations at the same time count once.
+    fn seconds(&self) -> f64 {
+        let mut intervals = self.intervals.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        intervals.sort();
+        let mut sum = 0.0;
+        let mut until: Option<Instant> = None;
+        for (begin, end) in intervals {
+            let begin = until.map_or(begin, |until| begin.max(until));
+            sum += end.saturating_duration_since(begin).as_secs_f64();
+            until = Some(until.map_or(end, |until| end.max(until)));
+        }
+        sum
+    }
+}
+
+impl Backend for Timed<'_> {
+    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+        let begin = Instant::now();
+        let factor = self.backend.factorize(matrix, unknowns);
+        self.intervals.lock().unwrap_or_else(PoisonError::into_inner).push((begin, Instant::now()));
+        factor
+    }
+}

@@ -1,0 +1,241 @@
+//! The benchmark problems that are shipped: cases with a `[verify]` block, run and compared.
+//!
+//! A benchmark is one file in the crate's `benchmarks/`: a case, its source, and reference values that are not this
+//! program's own.
+
+use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, ProbeField, Source, StudyRequestError, Take};
+use crate::convergence::{Level, Locator, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
+use crate::output::{OutputError, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
+use crate::run::{RunError, Settings, run};
+use crate::scheme::State;
+
+/// Names and texts of the shipped benchmarks, by name.
+pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
+
+/// A computed value held against its reference.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Verdict {
+    /// The benchmark.
+    pub benchmark: String,
+    /// What is compared.
+    pub what: String,
+    /// The value computed.
+    pub computed: f64,
+    /// The reference value.
+    pub reference: f64,
+    /// Their difference, relative to the scale of the comparison.
+    pub error: f64,
+    /// The difference that is allowed.
+    pub tolerance: f64,
+    /// Whether the difference is allowed.
+    pub holds: bool,
+}
+
+/// Why a benchmark could not be run.
+#[derive(Debug, thiserror::Error)]
+pub enum VerifyError {
+    /// The case has faults.
+    #[error(transparent)]
+    Case(#[from] CaseError),
+    /// The run failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+    /// A study failed.
+    #[error(transparent)]
+    Study(#[from] StudyError),
+    /// A study does not fit the case.
+    #[error(transparent)]
+    Request(#[from] StudyRequestError),
+    /// A check asks for something that is not there.
+    #[error("{0}")]
+    Check(String),
+}
+
+/// Runs a benchmark and compares what it asks for.
+///
+/// # Errors
+/// When the case has faults, the run or a study fails, or a check names something that is not there. Values that
+/// do not agree are no error: their verdict says so.
+pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
+    let source = Source { name: format!("{name}.toml"), text: text.to_owned() };
+    let case = case::parse(&source, &[])?;
+    let Some(block) = &case.verify else { return Err(VerifyError::Check(format!("{name} has no [verify] block"))) };
+    let mut recorder = Recorder::new(&case);
+    if block.checks.iter().any(|c| matches!(c, Check::Probe { .. } | Check::History { .. })) {
+        run(&case.problem, settings, &mut [&mut recorder])?;
+    }
+    let mut verdicts = Vec::new();
+    let mut studies: Vec<(case::StudyRequest, Vec<Row>)> = Vec::new();
+    let mut own_row: Option<Row> = None;
+    for (index, check) in block.checks.iter().enumerate() {
+        let (what, computed, is) = match check {
+            Check::Probe { field, at, time, is } => {
+                let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no value at ({}, {}), t = {time}", at[0], at[1])))?;
+                (format!("{} at ({}, {}), t = {time}", field.name(), at[0], at[1]), value, is)
+            }
+            Check::History { column, time, take, is } => {
+                let value = recorder.column(column, *time, *take).ok_or_else(|| VerifyError::Check(format!("{name}: history.csv has no column {column}")))?;
+                let when = match (time, take) {
+                    (Some(t), _) => format!("{column} at t = {t}"),
+                    (None, Take::Last) => format!("{column} at the end"),
+                    (None, Take::Min) => format!("smallest {column}"),
+                    (None, Take::Max) => format!("largest {column}"),
+                };
+                (when, value, is)
+            }
+            Check::Order { study: request, error, is } => {
+                if !studies.iter().any(|(done, _)| done == request) {
+                    let table = case::study(&source, &[], request)?.run(&StudySettings::default())?;
+                    studies.push((request.clone(), table.rows));
+                }
+                let rows = studies.iter().find(|(done, _)| done == request).map_or(&[][..], |(_, rows)| rows);
+                let size = |row: &Row| if request.vary == Vary::Time { row.k } else { row.h };
+                let order = slope(&rows.iter().map(|row| (size(row), error.of(row))).collect::<Vec<_>>());
+                let vary = match (request.vary, request.power) {
+                    (Vary::Both, 2) => "h with k ~ h²",
+                    (Vary::Both, _) => "h = k",
+                    (Vary::Space, _) => "h",
+                    (Vary::Time, _) => "k",
+                };
+                (format!("order of {} in {vary}", error.name()), order, is)
+            }
+            Check::Error { error, is } => {
+                if own_row.is_none() {
+                    own_row = Some(own_errors(name, &case)?);
+                }
+                (format!("{} on the mesh of the case", error.name()), own_row.as_ref().map_or(f64::NAN, |row| ErrorName::of(*error, row)), is)
+            }
+        };
+        verdicts.push(verdict(name, what, computed, is));
+    }
+    Ok(verdicts)
+}
+
+fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict {
+    let difference = (computed - is.reference).abs();
+    let error = if difference == 0.0 { 0.0 } else { difference / is.scale };
+    // Not `error > tolerance`: a value that is no number does not hold.
+    let holds = error <= is.tolerance;
+    Verdict { benchmark: name.to_owned(), what, computed, reference: is.reference, error, tolerance: is.tolerance, holds }
+}
+
+/// Errors against the exact solution with the mesh and the steps of the case.
+fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
+    let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
+    let level = Level { level: case.cells[0], problem: case.problem.clone() };
+    let study = Study { vary: Vary::Both, levels: vec![level], reference: Reference::Exact(exact.clone()) };
+    let mut table = study.run(&StudySettings::default())?;
+    table.rows.pop().ok_or_else(|| VerifyError::Check(format!("{name}: an empty study")))
+}
+
+/// Keeps what the checks of a benchmark read, step by step.
+struct Recorder<'a> {
+    case: &'a Case,
+    locator: Locator<'a>,
+    columns: Vec<String>,
+    times: Vec<f64>,
+    /// A row a step.
+    history: Vec<Vec<f64>>,
+    /// Of each probe, by the index of its check: a value a time, t = 0 included.
+    probes: Vec<(usize, Vec<f64>)>,
+}
+
+impl<'a> Recorder<'a> {
+    fn new(case: &'a Case) -> Recorder<'a> {
+        let checks = case.verify.iter().flat_map(|v| v.checks.iter().enumerate());
+        let probes = checks.filter(|(_, c)| matches!(c, Check::Probe { .. })).map(|(i, _)| (i, Vec::new())).collect();
+        Recorder { case, locator: Locator::new(&case.problem.mesh), columns: history_columns(case.problem.mesh.dim), times: Vec::new(), history: Vec::new(), probes }
+    }
+
+    fn record(&mut self, state: &State) {
+        let mesh = &self.case.problem.mesh;
+        self.times.push(state.t);
+        for (index, values) in &mut self.probes {
+            let Some(Check::Probe { field, at, .. }) = self.case.verify.as_ref().and_then(|v| v.checks.get(*index)) else { continue };
+            let value = self.locator.locate(&[at[0], at[1], 0.0]).map(|(cell, shape)| {
+                cell.iter()
+                    .zip(shape)
+                    .map(|(&node, value)| {
+                        let node = node as usize;
+                        value
+                            * match field {
+                                ProbeField::Displacement(c) => state.u[node * mesh.dim + c],
+                                ProbeField::Velocity(c) => state.w[node * mesh.dim + c],
+                                ProbeField::Temperature => state.theta[node],
+                            }
+                    })
+                    .sum::<f64>()
+            });
+            values.extend(value);
+        }
+    }
+
+    fn probe(&self, index: usize, time: f64) -> Option<f64> {
+        let (_, values) = self.probes.iter().find(|(i, _)| *i == index)?;
+        interpolate(&self.times, values, time)
+    }
+
+    fn column(&self, name: &str, time: Option<f64>, take: Take) -> Option<f64> {
+        let column = self.columns.iter().position(|c| c == name)?;
+        let values: Vec<f64> = self.history.iter().map(|row| row[column]).collect();
+        match (time, take) {
+            (Some(t), _) => interpolate(self.times.get(1..)?, &values, t),
+            (None, Take::Last) => values.last().copied(),
+            (None, Take::Min) => values.iter().copied().reduce(f64::min),
+            (None, Take::Max) => values.iter().copied().reduce(f64::max),
+        }
+    }
+}
+
+/// Piecewise linear in time; none outside.
+fn interpolate(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
+    let slack = 1e-12 * times.last()?.abs();
+    let after = times.iter().position(|&time| time >= t - slack)?;
+    if after == 0 {
+        return values.first().copied().filter(|_| (times[0] - t).abs() <= slack);
+    }
+    let (t0, t1) = (times[after - 1], times[after]);
+    let share = ((t - t0) / (t1 - t0)).clamp(0.0, 1.0);
+    Some(values.get(after - 1)? * (1.0 - share) + values.get(after)? * share)
+}
+
+impl Sink for Recorder<'_> {
+    fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        self.record(start.from.state);
+        Ok(())
+    }
+
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        self.record(now.state);
+        self.history.extend(history_values(now));
+        Ok(())
+    }
+
+    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interpolation_in_time() {
+        let (times, values) = ([0.0, 1.0, 2.0], [0.0, 10.0, 40.0]);
+        assert_eq!(interpolate(&times, &values, 1.5), Some(25.0));
+        assert_eq!(interpolate(&times, &values, 2.0), Some(40.0));
+        assert_eq!(interpolate(&times, &values, 0.0), Some(0.0));
+        assert_eq!(interpolate(&times, &values, 2.1), None);
+    }
+
+    #[test]
+    fn a_value_that_is_no_number_does_not_hold() {
+        let is = Comparison { reference: 1.0, tolerance: 1e300, scale: 1.0 };
+        assert!(!verdict("x", String::new(), f64::NAN, &is).holds);
+    }
+}
