@@ -1,5 +1,7 @@
 //! Norms of the errors of (5.2): ‖w − w^{hk}‖_H, ‖ε(u − u^{hk})‖, ‖θ − θ^{hk}‖_{L²}.
 
+use rayon::prelude::*;
+
 use crate::expression::Derivatives;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, dot};
@@ -46,45 +48,65 @@ pub struct Exact {
 
 /// Degree of the rule that integrates squared errors: what is left of it is of higher order in h.
 const DEGREE: usize = 6;
+/// Cells that are summed at once.
+const CELLS: usize = 64;
 
 /// Errors of a state against a closed form, integrated cell by cell.
 #[must_use]
 pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
-    let dim = mesh.dim;
-    let (mut w2, mut u2, mut strain2, mut theta2) = (0.0, 0.0, 0.0, 0.0);
+    let mut sums = [0.0; 4];
     for block in &mesh.blocks {
         let rule = rule(block.element.shape, DEGREE);
-        for cell in block.cells() {
-            for (at, weight) in rule.iter() {
-                let map = CellMap::new(mesh, block.element, cell, at);
-                let weight = weight * map.determinant;
-                let mut gradient = [[0.0; 3]; 3];
-                for (c, row) in gradient.iter_mut().enumerate().take(dim) {
-                    let exact: Derivatives = exact.displacement.get(c).map_or(Derivatives::default(), |f| f.derivatives(&map.position, state.t));
-                    let (mut u, mut w) = (exact.value, exact.by_t);
-                    *row = exact.by_x;
-                    for (n, &node) in cell.iter().enumerate() {
-                        let dof = node as usize * dim + c;
-                        u -= map.values[n] * state.u[dof];
-                        w -= map.values[n] * state.w[dof];
-                        for d in 0..dim {
-                            row[d] -= map.gradients[n][d] * state.u[dof];
-                        }
+        // Chunks of a fixed size are summed in their order: the same bits on any number of threads.
+        let chunks: Vec<[f64; 4]> = block
+            .nodes
+            .par_chunks(block.element.nodes.len() * CELLS)
+            .map(|nodes| {
+                let mut sums = [0.0; 4];
+                for cell in nodes.chunks_exact(block.element.nodes.len()) {
+                    for (at, weight) in rule.iter() {
+                        add_squares(&CellMap::new(mesh, block.element, cell, at), weight, mesh.dim, cell, state, exact, &mut sums);
                     }
-                    u2 += weight * u * u;
-                    w2 += weight * w * w;
                 }
-                let strain = Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
-                strain2 += weight * strain.dot(&strain);
-                let mut theta = exact.temperature.value(&map.position, state.t);
-                for (n, &node) in cell.iter().enumerate() {
-                    theta -= map.values[n] * state.theta[node as usize];
-                }
-                theta2 += weight * theta * theta;
+                sums
+            })
+            .collect();
+        for chunk in chunks {
+            for (sum, part) in sums.iter_mut().zip(chunk) {
+                *sum += part;
             }
         }
     }
-    Errors { w: w2.sqrt(), u: strain2.sqrt(), theta: theta2.sqrt(), u_h: u2.sqrt() }
+    let [w, u, theta, u_h] = sums.map(f64::sqrt);
+    Errors { w, u, theta, u_h }
+}
+
+/// Adds the squared errors at one quadrature point: w, ε(u), θ, u.
+fn add_squares(map: &CellMap, weight: f64, dim: usize, cell: &[u32], state: &State, exact: &Exact, sums: &mut [f64; 4]) {
+    let weight = weight * map.determinant;
+    let mut gradient = [[0.0; 3]; 3];
+    for (c, row) in gradient.iter_mut().enumerate().take(dim) {
+        let exact: Derivatives = exact.displacement.get(c).map_or(Derivatives::default(), |f| f.derivatives(&map.position, state.t));
+        let (mut u, mut w) = (exact.value, exact.by_t);
+        *row = exact.by_x;
+        for (n, &node) in cell.iter().enumerate() {
+            let dof = node as usize * dim + c;
+            u -= map.values[n] * state.u[dof];
+            w -= map.values[n] * state.w[dof];
+            for d in 0..dim {
+                row[d] -= map.gradients[n][d] * state.u[dof];
+            }
+        }
+        sums[0] += weight * w * w;
+        sums[3] += weight * u * u;
+    }
+    let strain = Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
+    sums[1] += weight * strain.dot(&strain);
+    let mut theta = exact.temperature.value(&map.position, state.t);
+    for (n, &node) in cell.iter().enumerate() {
+        theta -= map.values[n] * state.theta[node as usize];
+    }
+    sums[2] += weight * theta * theta;
 }
 
 /// The inner products that norms on one mesh need: (·, ·) and (ε(·), ε(·)).
