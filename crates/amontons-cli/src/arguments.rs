@@ -67,7 +67,7 @@ pub struct Common {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
-    /// Print nothing but errors
+    /// Print no text but errors, and no progress
     #[arg(long)]
     pub quiet: bool,
     /// What is printed

@@ -1,7 +1,7 @@
 //! What each command does.
 
 use std::fs::OpenOptions;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,7 +56,7 @@ fn options(case: &Case, common: &Common) -> FolderOptions {
 
 /// Runs a case into a folder and prints what it came to.
 fn drive(case: &Case, from: Option<Checkpoint>, folder: &mut Folder, out: &Path, common: &Common) -> Result<(), Failure> {
-    let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(interrupt_flag()?) };
+    let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(interrupt_flag()) };
     let mut progress = if common.quiet { None } else { Progress::on_terminal() };
     let mut sinks: Vec<&mut dyn Sink> = vec![folder];
     sinks.extend(progress.as_mut().map(|progress| progress as &mut dyn Sink));
@@ -97,16 +97,16 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
 }
 
 /// A flag that Ctrl-C sets; a second Ctrl-C ends the program at once.
-fn interrupt_flag() -> Result<Arc<AtomicBool>, Failure> {
+fn interrupt_flag() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let set = Arc::clone(&flag);
-    ctrlc::set_handler(move || {
+    // Where there is no handler to be had, Ctrl-C ends the program at once: checkpoints are written all the same.
+    let _ = ctrlc::set_handler(move || {
         if set.swap(true, Ordering::Relaxed) {
             std::process::exit(KILLED);
         }
-    })
-    .map_err(|error| Failure::Handler(error.to_string()))?;
-    Ok(flag)
+    });
+    flag
 }
 
 fn check(file: &Path, common: &Common) -> Result<(), Failure> {
@@ -120,7 +120,10 @@ fn check(file: &Path, common: &Common) -> Result<(), Failure> {
 }
 
 fn new(file: &Path) -> Result<(), Failure> {
-    let failed = |source| OutputError::Io { doing: "create", path: file.to_owned(), source };
+    let failed = |source: io::Error| match source.kind() {
+        io::ErrorKind::AlreadyExists => Failure::Exists(file.to_owned()),
+        _ => OutputError::Io { doing: "create", path: file.to_owned(), source }.into(),
+    };
     let mut out = OpenOptions::new().write(true).create_new(true).open(file).map_err(failed)?;
     out.write_all(case::STARTER.as_bytes()).map_err(failed)?;
     Ok(print::text(&format!("{}: a starter case; run it with: amontons run {}\n", file.display(), file.display()))?)

@@ -23,7 +23,7 @@ pub fn text(text: &str) -> io::Result<()> {
 pub fn error(message: &str, hint: Option<&str>) {
     let hint = hint.map_or_else(String::new, |hint| format!("{hint}\n"));
     // Where standard error fails there is no one to tell.
-    let _ = write!(io::stderr().lock(), "error: {message}\n{hint}");
+    let _ = write!(io::stderr().lock(), "Error: {message}\n{hint}");
 }
 
 /// The summary of a run for reading.
@@ -39,23 +39,23 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     let mut lines = vec![
         format!("{}: {state}, {} steps to t = {} s in {:.2} s", summary.case, summary.steps, summary.time, seconds.total),
         row("unknowns", &format!("{} displacement, {} temperature, {} on the contact side", unknowns.displacement, unknowns.temperature, unknowns.contact)),
-        row(
-            "time",
-            &format!("{:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output", seconds.setup, seconds.factor, seconds.steps, seconds.output),
-        ),
+        row("time", &format!("{:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output", seconds.setup, seconds.factor, seconds.steps, seconds.output)),
     ];
     for (c, axis) in ["x", "y", "z"].iter().enumerate().take(summary.dimension) {
-        lines.push(row(&format!("displacement {axis}"), &format!("{:.6e} … {:.6e} m", end.displacement_min[c], end.displacement_max[c])));
+        lines.push(row(&format!("displacement {axis}"), &format!("{:.5e} … {:.5e} m", end.displacement_min[c], end.displacement_max[c])));
     }
-    lines.push(row("temperature", &format!("{:.6e} … {:.6e} K", end.temperature_min, end.temperature_max)));
-    lines.push(row("von Mises stress", &format!("up to {:.6e} Pa", end.von_mises_max)));
+    lines.push(row("temperature", &format!("{:.5e} … {:.5e} K", end.temperature_min, end.temperature_max)));
+    lines.push(row("von Mises stress", &format!("up to {:.5e} Pa", end.von_mises_max)));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
         let force = contact.force.iter().map(|f| format!("{f:.6e}")).collect::<Vec<_>>().join(", ");
         lines.push(row("contact", &format!("{} open, {} stick, {} slip", contact.open, contact.stick, contact.slip)));
-        lines.push(row("contact force", &format!("({force}) N, pressure up to {:.6e} Pa", contact.pressure_max)));
-        lines.push(row("heat through it", &format!("{:.6e} W", contact.heat_flow)));
+        lines.push(row("contact force", &format!("({force}) N, pressure up to {:.5e} Pa", contact.pressure_max)));
+        lines.push(row("heat through it", &format!("{:.5e} W", contact.heat_flow)));
     }
-    lines.push(row("energy closes to", &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error)));
+    lines.push(row(
+        "energy closes to",
+        &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error),
+    ));
     lines.push(row("results", &folder.display().to_string()));
     lines.join("\n") + "\n"
 }
@@ -70,8 +70,8 @@ pub fn valid(name: &str, problem: &Problem) -> String {
     let contact = problem.contact.as_ref().map_or_else(|| "none".to_owned(), |c| format!("on \"{}\"", c.on));
     [
         format!("{name}: case is valid"),
-        row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {:.6e} m", mesh.dim, mesh.points.len(), mesh.cell_count(), mesh.h())),
-        row("time", &format!("{} steps of {:.6e} s to {} s", problem.steps, problem.k(), problem.end)),
+        row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {:.5e} m", mesh.dim, mesh.points.len(), mesh.cell_count(), mesh.h())),
+        row("time", &format!("{} steps of {:.5e} s to {} s", problem.steps, problem.k(), problem.end)),
         row("contact", &contact),
     ]
     .join("\n")

@@ -1,6 +1,7 @@
 //! Failures: exit codes, and how they are told.
 
 use std::io;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use amontons::case::CaseError;
@@ -16,13 +17,16 @@ use crate::{faults, print};
 #[derive(Debug)]
 pub enum Failure {
     Case(CaseError),
-    Run { error: RunError, hint: Option<String> },
+    Run {
+        error: RunError,
+        hint: Option<String>,
+    },
     Output(OutputError),
     Checkpoint(CheckpointError),
+    /// A file that is not to be replaced.
+    Exists(PathBuf),
     /// Standard output cannot be written.
     Print(io::Error),
-    /// The Ctrl-C handler cannot be set.
-    Handler(String),
 }
 
 impl From<CaseError> for Failure {
@@ -61,9 +65,9 @@ impl Failure {
     fn class(&self) -> Class {
         match self {
             Failure::Case(CaseError::Faults { .. }) => CASE,
+            Failure::Output(OutputError::HoldsResults { .. }) | Failure::Exists(_) => USAGE,
             Failure::Case(CaseError::Read { .. }) | Failure::Output(_) | Failure::Print(_) => FILE,
             Failure::Checkpoint(error) => of_checkpoint(error),
-            Failure::Handler(_) => USAGE,
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_)) => CASE,
@@ -81,8 +85,8 @@ impl Failure {
             Failure::Run { error, .. } => error.to_string(),
             Failure::Output(error) => error.to_string(),
             Failure::Checkpoint(error) => error.to_string(),
+            Failure::Exists(path) => format!("{} is there already; give another name", path.display()),
             Failure::Print(error) => format!("cannot write to standard output: {error}"),
-            Failure::Handler(message) => format!("cannot take Ctrl-C: {message}"),
         }
     }
 

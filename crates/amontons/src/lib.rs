@@ -12,6 +12,7 @@ pub mod linalg;
 pub mod material;
 pub mod mesh;
 pub mod output;
+pub mod plot;
 pub mod problem;
 pub mod quadrature;
 pub mod run;

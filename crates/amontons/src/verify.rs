@@ -122,7 +122,7 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
 /// Errors against the exact solution with the mesh and the steps of the case.
 fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
-    let level = Level { level: case.cells[0], problem: case.problem.clone() };
+    let level = Level { level: case.cells[0], problem: case.problem.clone(), text: case.text.clone() };
     let study = Study { vary: Vary::Both, levels: vec![level], reference: Reference::Exact(exact.clone()) };
     let mut table = study.run(&StudySettings::default())?;
     table.rows.pop().ok_or_else(|| VerifyError::Check(format!("{name}: an empty study")))

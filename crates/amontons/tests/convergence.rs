@@ -8,7 +8,8 @@ use common::{case, reading};
 fn level(name: &str, foundation: &str, n: usize) -> Level {
     let mut overrides = reading(name);
     overrides.extend([format!("mesh.n={n}"), format!("time.steps={n}"), format!("contact.heat.foundation_temperature={foundation}")]);
-    Level { level: n, problem: case("cases/paper.toml", &overrides).problem }
+    let case = case("cases/paper.toml", &overrides);
+    Level { level: n, problem: case.problem, text: case.text }
 }
 
 /// Tolerance of the reference: 1e-6 relative.

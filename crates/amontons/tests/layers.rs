@@ -15,9 +15,10 @@ const LAYERS: &[&[&str]] = &[
     &["forms"],
     &["scheme"],
     &["convergence"],
-    &["run", "output", "plot"],
+    &["output"],
+    &["run", "plot"],
     &["case"],
-    &["contract"],
+    &["contract", "verify"],
 ];
 
 fn sources(folder: &Path, found: &mut Vec<PathBuf>) {

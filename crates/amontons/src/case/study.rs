@@ -73,9 +73,8 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
     let level = |level: usize| -> Result<Level, StudyRequestError> {
         let mut overrides = overrides.to_vec();
         overrides.extend(refined(&case, request, level)?);
-        let mut problem = parse(source, &overrides)?.problem;
-        problem.name = format!("{}-{level}", problem.name);
-        Ok(Level { level, problem })
+        let case = parse(source, &overrides)?;
+        Ok(Level { level, problem: case.problem, text: case.text })
     };
     let reference = match (finest, &case.exact) {
         (Some(finest), _) => Reference::Level(Box::new(level(finest)?)),

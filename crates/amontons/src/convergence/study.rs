@@ -33,6 +33,8 @@ pub struct Level {
     pub level: usize,
     /// The problem on its mesh with its steps.
     pub problem: Problem,
+    /// The text of its case, by which states that were kept are known again.
+    pub text: String,
 }
 
 /// What the levels are compared with.

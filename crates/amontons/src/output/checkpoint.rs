@@ -132,7 +132,6 @@ const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
 impl Body {
     fn new(now: &Snapshot) -> Body {
-        let state = now.state.clone();
         let report = now.report.map(|report| {
             let contact = &report.contact;
             let at_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
@@ -156,6 +155,11 @@ impl Body {
                 points: points.collect(),
             }
         });
+        Body { work: now.work, report, ..Body::of_state(now.state) }
+    }
+
+    fn of_state(state: &State) -> Body {
+        let state = state.clone();
         Body {
             step: state.step,
             t: state.t,
@@ -165,8 +169,8 @@ impl Body {
             q: state.multipliers.q,
             ledger: state.ledger,
             counts: state.counts,
-            work: now.work,
-            report,
+            work: Work::default(),
+            report: None,
         }
     }
 
@@ -216,7 +220,7 @@ impl Checkpoint {
     pub fn read(folder: &Path, case: &str) -> Result<Checkpoint, CheckpointError> {
         let path = folder.join(FILE);
         let bytes = fs::read(&path).map_err(|source| CheckpointError::Read { path: path.clone(), source })?;
-        decode(&path, &bytes, case)
+        decode(&path, &bytes, case).map(Body::into_checkpoint)
     }
 
     /// Whether the checkpoint is one of a problem with this discretization and so many steps.
@@ -235,18 +239,40 @@ impl Checkpoint {
 pub(super) fn write(folder: &Path, case: &str, now: &Snapshot) -> Result<(), OutputError> {
     let path = folder.join(FILE);
     let body = postcard::to_stdvec(&Body::new(now)).map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
+    let bytes = seal(case, &body);
+    write_atomically(&path, |out| out.write_all(&bytes))
+}
+
+/// Puts a body between the header and the checksum.
+fn seal(case: &str, body: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER + body.len() + HASH);
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
     bytes.extend_from_slice(&Sha256::digest(case));
     bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
-    bytes.extend_from_slice(&body);
+    bytes.extend_from_slice(body);
     let checksum = Sha256::digest(&bytes);
     bytes.extend_from_slice(&checksum);
-    write_atomically(&path, |out| out.write_all(&bytes))
+    bytes
 }
 
-fn decode(path: &Path, bytes: &[u8], case: &str) -> Result<Checkpoint, CheckpointError> {
+/// States of a level of a study, to be found again for a case of the same text.
+pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<(), OutputError> {
+    let bodies: Vec<Body> = states.iter().map(Body::of_state).collect();
+    let body = postcard::to_stdvec(&bodies).map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
+    let bytes = seal(case, &body);
+    write_atomically(path, |out| out.write_all(&bytes))
+}
+
+/// States that [`write_states`] wrote for a case of this text.
+pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, CheckpointError> {
+    let bytes = fs::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
+    let bodies: Vec<Body> = decode(path, &bytes, case)?;
+    Ok(bodies.into_iter().map(|body| body.into_checkpoint().state).collect())
+}
+
+/// The body of a file whose header and checksum are right.
+fn decode<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8], case: &str) -> Result<T, CheckpointError> {
     let damaged = |found: String, expected: String| CheckpointError::Damaged { path: path.to_owned(), found, expected };
     let too_short = || damaged(format!("{} bytes", bytes.len()), "the whole file".to_owned());
     let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("another file".to_owned(), "a checkpoint of amontons".to_owned()))?;
@@ -267,6 +293,5 @@ fn decode(path: &Path, bytes: &[u8], case: &str) -> Result<Checkpoint, Checkpoin
     if Sha256::digest(case).as_slice() != hash {
         return Err(CheckpointError::OtherCase { path: path.to_owned() });
     }
-    let body: Body = postcard::from_bytes(body).map_err(|error| damaged(error.to_string(), "a state".to_owned()))?;
-    Ok(body.into_checkpoint())
+    postcard::from_bytes(body).map_err(|error| damaged(error.to_string(), "a state".to_owned()))
 }

@@ -45,7 +45,7 @@ impl FolderOptions {
     /// Options for a case with this text: only the last fields, nothing replaced, a checkpoint a minute.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
-        FolderOptions { text: text.into(), every: 0, force: false, checkpoint_interval: Duration::from_secs(60) }
+        FolderOptions { text: text.into(), every: 0, force: false, checkpoint_interval: Duration::from_mins(1) }
     }
 }
 
@@ -191,7 +191,8 @@ impl Folder {
         for entry in fs::read_dir(&fields).map_err(OutputError::io("read", &fields))? {
             let entry = entry.map_err(OutputError::io("read", &fields))?;
             let name = format!("fields/{}", entry.file_name().to_string_lossy());
-            if name.starts_with("fields/step_") && !self.snapshots.iter().any(|(_, file)| *file == name) {
+            let ours = name.starts_with("fields/step_") || name.starts_with("fields/.step_");
+            if ours && !self.snapshots.iter().any(|(_, file)| *file == name) {
                 remove(&entry.path())?;
             }
         }
@@ -206,7 +207,11 @@ fn fields_file(step: usize) -> String {
 
 impl Sink for Folder {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
-        if start.resumed { self.go_on(start)? } else { self.start_anew(start)? }
+        if start.resumed {
+            self.go_on(start)?;
+        } else {
+            self.start_anew(start)?;
+        }
         let root = self.root();
         if let Some(manifest) = &mut self.manifest {
             manifest.begin(start.threads, start.from.state.step);
@@ -257,4 +262,3 @@ impl Sink for Folder {
         Ok(())
     }
 }
-

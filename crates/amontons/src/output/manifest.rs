@@ -61,7 +61,7 @@ impl Manifest {
             program: "amontons".to_owned(),
             version: version(),
             case: case.to_owned(),
-            input_sha256: Sha256::digest(text).iter().map(|byte| format!("{byte:02x}")).collect(),
+            input_sha256: hexadecimal(&Sha256::digest(text)),
             settings,
             platform: Platform {
                 os: std::env::consts::OS.to_owned(),
@@ -79,11 +79,7 @@ impl Manifest {
     pub fn read(folder: &Path) -> Result<Manifest, OutputError> {
         let path = folder.join(FILE);
         let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
-        serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent {
-            path,
-            found: error.to_string(),
-            expected: "the manifest of a run".to_owned(),
-        })
+        serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent { path, found: error.to_string(), expected: "the manifest of a run".to_owned() })
     }
 
     /// Notes that the run starts, or goes on, from a step.
@@ -104,6 +100,10 @@ impl Manifest {
     pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
         write_json(&folder.join(FILE), self)
     }
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 
 fn version() -> String {

@@ -12,6 +12,7 @@ mod files;
 mod folder;
 mod manifest;
 mod memory;
+mod study;
 mod summary;
 mod vtu;
 
@@ -23,8 +24,10 @@ pub use checkpoint::{Checkpoint, CheckpointError};
 pub use csv::{history_columns, history_values};
 pub use folder::{Folder, FolderOptions};
 pub use memory::Memory;
+pub use study::StudyFolder;
 pub use summary::{ContactSummary, Final, Finding, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 
+use crate::convergence::Table;
 use crate::problem::Problem;
 use crate::scheme::{Discretization, State, StepReport};
 

@@ -19,9 +19,7 @@ pub(super) fn write_fields(path: &Path, now: &Snapshot) -> Result<(), OutputErro
 
 fn grid(now: &Snapshot) -> Vtk {
     let (mesh, state) = (&now.problem.mesh, now.state);
-    let in_space = |values: &[f64]| -> Vec<f64> {
-        values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect()
-    };
+    let in_space = |values: &[f64]| -> Vec<f64> { values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect() };
     let mut cells = Cells::default();
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     for block in &mesh.blocks {
@@ -39,16 +37,11 @@ fn grid(now: &Snapshot) -> Vtk {
         Attribute::generic("temperature", 1).with_data(state.theta.clone()),
     ];
     let cell = vec![
-        Attribute::generic("stress", 6)
-            .with_data(stresses.iter().flat_map(|cell| VTK_COMPONENTS.map(|(i, j)| cell.stress.get(i, j))).collect::<Vec<f64>>()),
+        Attribute::generic("stress", 6).with_data(stresses.iter().flat_map(|cell| VTK_COMPONENTS.map(|(i, j)| cell.stress.get(i, j))).collect::<Vec<f64>>()),
         Attribute::generic("von_mises", 1).with_data(stresses.iter().map(|cell| cell.von_mises).collect::<Vec<f64>>()),
-        Attribute::generic("region", 1).with_data(stresses.iter().map(|cell| cell.region as i32).collect::<Vec<i32>>()),
+        Attribute::generic("region", 1).with_data(stresses.iter().map(|cell| cell.region as u32).collect::<Vec<u32>>()),
     ];
-    let piece = UnstructuredGridPiece {
-        points: mesh.points.iter().flatten().copied().collect::<Vec<f64>>().into(),
-        cells,
-        data: Attributes { point, cell },
-    };
+    let piece = UnstructuredGridPiece { points: mesh.points.iter().flatten().copied().collect::<Vec<f64>>().into(), cells, data: Attributes { point, cell } };
     Vtk {
         version: Version::XML { major: 1, minor: 0 },
         title: now.problem.name.clone(),

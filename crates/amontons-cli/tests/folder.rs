@@ -1,0 +1,146 @@
+//! The results folder.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use common::{assert_code, assert_same_results, files, read, run_paper, stderr, summary};
+use tempfile::tempdir;
+
+/// Columns of a file by name.
+fn columns(path: &Path) -> BTreeMap<String, Vec<String>> {
+    let text = read(path);
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let mut columns: BTreeMap<String, Vec<String>> = names.iter().map(|&name| (name.to_owned(), Vec::new())).collect();
+    for line in lines {
+        let values: Vec<&str> = line.split(',').collect();
+        assert_eq!(values.len(), names.len(), "{line}");
+        for (name, value) in names.iter().zip(values) {
+            columns.get_mut(*name).expect("a column").push(value.to_owned());
+        }
+    }
+    columns
+}
+
+fn numbers(columns: &BTreeMap<String, Vec<String>>, name: &str) -> Vec<f64> {
+    columns[name].iter().map(|value| value.parse().unwrap_or_else(|_| panic!("{name}: {value}"))).collect()
+}
+
+#[test]
+fn a_folder_holds_what_the_contract_says() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("a/b");
+    assert_code(&run_paper(&out, 8, &[]), 0);
+    let names: Vec<String> = files(&out).iter().map(|p| p.strip_prefix(&out).expect("inside").display().to_string()).collect();
+    let expected = [
+        "case.toml",
+        "checkpoint/state.bin",
+        "contact.csv",
+        "fields/step_0000000.vtu",
+        "fields/step_0000003.vtu",
+        "fields/step_0000006.vtu",
+        "fields/step_0000008.vtu",
+        "fields.pvd",
+        "history.csv",
+        "manifest.json",
+        "summary.json",
+    ];
+    assert_eq!(names, expected);
+    assert!(read(&out.join("case.toml")).contains("steps = 8"), "overrides are applied");
+
+    let history = columns(&out.join("history.csv"));
+    assert_eq!(numbers(&history, "step"), (1..=8).map(f64::from).collect::<Vec<_>>());
+    let summary = summary(&out);
+    for name in ["kinetic", "elastic", "viscous_dissipation", "contact_energy", "load_work", "heat_content", "heat_contact"] {
+        let last = numbers(&history, name)[7];
+        assert_eq!(summary["energy"][name].as_f64().map(f64::to_bits), Some(last.to_bits()), "{name}");
+    }
+    let turned_over = summary["energy"]["turned_over"].as_f64().expect("a number");
+    let closing = summary["energy"]["closing_error"].as_f64().expect("a number");
+    assert!((numbers(&history, "closing_error")[7] - closing * turned_over).abs() < 1e-20);
+
+    let contact = columns(&out.join("contact.csv"));
+    let last = &summary["final"]["contact"];
+    assert_eq!(contact["node"].len(), 9);
+    for status in ["open", "stick", "slip"] {
+        let count = contact["status"].iter().filter(|s| *s == status).count() as u64;
+        assert_eq!(last[status].as_u64(), Some(count));
+    }
+    // The resultant of σν by the weights of the nodes: p on the side below pushes up, friction pulls along σ_τ.
+    let weight = |x: f64| if x <= 0.0 || x >= 1.0 { 1.0 / 16.0 } else { 1.0 / 8.0 };
+    let x = numbers(&contact, "x");
+    let resultant = |name: &str| -> f64 { numbers(&contact, name).iter().zip(&x).map(|(value, &x)| weight(x) * value).sum() };
+    assert!((resultant("pressure") - last["force"][1].as_f64().expect("a force")).abs() < 1e-12);
+    assert!((resultant("traction_x") - last["force"][0].as_f64().expect("a force")).abs() < 1e-12);
+    assert!((resultant("heat_flux") - last["heat_flow"].as_f64().expect("a flow")).abs() < 1e-12);
+    // Friction opposes slip.
+    let (traction, slip) = (numbers(&contact, "traction_x"), numbers(&contact, "slip_velocity_x"));
+    assert!(traction.iter().zip(slip).all(|(traction, slip)| traction * slip <= 0.0));
+}
+
+#[test]
+fn gauss_points_have_a_row_each() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("gauss");
+    assert_code(&run_paper(&out, 4, &["--set", "contact.quadrature=\"gauss\""]), 0);
+    assert_eq!(numbers(&columns(&out.join("contact.csv")), "node"), (0..16).map(f64::from).collect::<Vec<_>>());
+}
+
+#[test]
+fn a_case_without_contact_has_results_too() {
+    let folder = tempdir().expect("a folder");
+    let (case, out) = (folder.path().join("free.toml"), folder.path().join("free"));
+    let text = read(common::paper().as_ref());
+    let (before, rest) = text.split_once("[contact]").expect("a contact");
+    let (_, after) = rest.split_once("[initial]").expect("initial data");
+    fs::write(&case, format!("{before}[initial]{after}")).expect("a file");
+    let arguments = ["run", &case.display().to_string(), "--out", &out.display().to_string(), "--set", "mesh.n=4", "--set", "time.steps=4"];
+    assert_code(&common::output(&mut common::amontons(&arguments)), 0);
+    assert_eq!(summary(&out)["unknowns"]["contact"], 0);
+    assert_eq!(read(&out.join("contact.csv")).lines().count(), 1);
+}
+
+#[test]
+fn results_do_not_depend_on_the_number_of_threads() {
+    let folder = tempdir().expect("a folder");
+    let [one, two] = ["1", "2"].map(|threads| {
+        let out = folder.path().join(threads);
+        assert_code(&run_paper(&out, 6, &["--threads", threads, "--set", "mesh.n=64"]), 0);
+        out
+    });
+    assert_same_results(&one, &two);
+}
+
+#[test]
+fn results_are_replaced_only_by_force_and_by_a_run_that_has_started_well() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("results");
+    assert_code(&run_paper(&out, 4, &[]), 0);
+    fs::write(out.join("notes.txt"), "mine").expect("a file");
+    let before = read(&out.join("summary.json"));
+
+    let refused = run_paper(&out, 5, &[]);
+    assert_code(&refused, 2);
+    assert!(stderr(&refused).contains("--force"), "{}", stderr(&refused));
+    assert_eq!(read(&out.join("summary.json")), before);
+
+    // The load of its first step is infinite.
+    let failed = run_paper(&out, 5, &["--force", "--set", "load.body_force=[\"exp(8000*t*(1-t))\", 0]"]);
+    assert_code(&failed, 3);
+    assert!(stderr(&failed).contains("holds the results of an earlier run"), "{}", stderr(&failed));
+    assert_eq!(read(&out.join("summary.json")), before);
+    assert_eq!(files(&out).len(), 11, "nothing is left of the run that failed");
+
+    assert_code(&run_paper(&out, 5, &["--force"]), 0);
+    assert_eq!(summary(&out)["steps"], 5);
+    assert!(!out.join("fields/step_0000004.vtu").exists());
+    assert_eq!(read(&out.join("notes.txt")), "mine");
+    let anew = folder.path().join("anew");
+    assert_code(&run_paper(&anew, 5, &[]), 0);
+    fs::remove_file(out.join("notes.txt")).expect("a file");
+    assert_same_results(&out, &anew);
+}

@@ -1,0 +1,156 @@
+//! Commands, messages and exit codes.
+#![allow(clippy::expect_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::fs;
+
+use common::{amontons, assert_code, json, lasting, output, paper, read, run_paper, stderr, stdout, summary};
+use tempfile::tempdir;
+
+#[test]
+fn bad_usage_is_told_apart_from_a_bad_case() {
+    for arguments in [&["run"][..], &["frobnicate"], &["run", "x.toml", "--threads", "0"], &["run", "x.toml", "--format", "xml"]] {
+        assert_code(&output(&mut amontons(arguments)), 2);
+    }
+    assert_code(&output(&mut amontons(&["--help"])), 0);
+    assert_code(&output(&mut amontons(&["--version"])), 0);
+}
+
+#[test]
+fn all_faults_of_a_case_are_shown_with_their_places() {
+    let folder = tempdir().expect("a folder");
+    let file = folder.path().join("bad.toml");
+    fs::write(&file, read(paper().as_ref()).replace("density = 1.0", "density = -1.0").replace("on = \"top\"", "on = \"topp\"")).expect("a file");
+    let file = file.display().to_string();
+    for command in ["run", "check"] {
+        let printed = output(&mut amontons(&[command, &file, "--set", "mesh.m=3"]));
+        assert_code(&printed, 2);
+        let text = stderr(&printed);
+        for part in ["material.density", "bad.toml:24:11", "did you mean \"top\"", "--set mesh.m=3", "bad.toml: 3 faults"] {
+            assert!(text.contains(part), "{part} is not in\n{text}");
+        }
+        assert!(!text.contains('\u{1b}'), "colours without a terminal");
+        assert!(stdout(&printed).is_empty());
+    }
+    let printed = output(&mut amontons(&["check", &file, "--format", "json"]));
+    assert_code(&printed, 2);
+    let error = &json(&printed)["error"];
+    assert_eq!(error["kind"], "case");
+    assert_eq!(error["faults"].as_array().map(Vec::len), Some(2));
+    assert_eq!(error["faults"][0]["where"]["line"], 24);
+}
+
+#[test]
+fn a_bad_mesh_is_a_bad_case() {
+    let case = paper();
+    let printed = output(&mut amontons(&["check", &case, "--set", "mesh.size=[1.0, 0.0]"]));
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("mesh.size"));
+}
+
+#[test]
+fn a_missing_case_cannot_be_read() {
+    assert_code(&output(&mut amontons(&["check", "no/such/case.toml"])), 4);
+    let printed = output(&mut amontons(&["check", "no/such/case.toml", "--format", "json"]));
+    assert_code(&printed, 4);
+    assert_eq!(json(&printed)["error"]["kind"], "file");
+}
+
+#[test]
+fn check_tells_the_sizes() {
+    let case = paper();
+    let printed = output(&mut amontons(&["check", &case, "--set", "mesh.n=16"]));
+    assert_code(&printed, 0);
+    assert!(stdout(&printed).contains("case is valid") && stdout(&printed).contains("289 nodes, 512 cells"));
+    let printed = output(&mut amontons(&["check", &case, "--set", "mesh.n=16", "--format", "json"]));
+    assert_eq!(json(&printed)["nodes"], 289);
+}
+
+#[test]
+fn the_starter_case_is_written_once_and_runs() {
+    let folder = tempdir().expect("a folder");
+    let new = || output(amontons(&["new", "starter.toml"]).current_dir(&folder));
+    assert_code(&new(), 0);
+    let text = read(&folder.path().join("starter.toml"));
+    assert_code(&new(), 2);
+    assert_eq!(read(&folder.path().join("starter.toml")), text);
+    let printed = output(amontons(&["run", "starter.toml"]).current_dir(&folder));
+    assert_code(&printed, 0);
+    assert_eq!(summary(&folder.path().join("results/starter"))["outcome"], "done");
+    assert_code(&output(amontons(&["new", "no/such/folder/case.toml"]).current_dir(&folder)), 4);
+}
+
+#[test]
+fn the_schema_is_json_and_names_the_tables() {
+    let printed = output(&mut amontons(&["schema"]));
+    assert_code(&printed, 0);
+    let schema = json(&printed);
+    assert!(schema["$schema"].is_string());
+    for table in ["mesh", "time", "material", "contact", "output"] {
+        assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn there_are_completions_for_the_usual_shells() {
+    for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
+        let printed = output(&mut amontons(&["completions", shell]));
+        assert_code(&printed, 0);
+        assert!(stdout(&printed).contains("resume"), "{shell}");
+    }
+}
+
+#[test]
+fn a_run_prints_what_it_is_asked_to() {
+    let folder = tempdir().expect("a folder");
+    let printed = run_paper(&folder.path().join("text"), 4, &[]);
+    assert_code(&printed, 0);
+    for part in ["paper: done, 4 steps to t = 1 s", "contact", "energy closes to", "results"] {
+        assert!(stdout(&printed).contains(part), "{part} is not in\n{}", stdout(&printed));
+    }
+    let printed = run_paper(&folder.path().join("json"), 4, &["--format", "json"]);
+    assert_code(&printed, 0);
+    assert_eq!(json(&printed), summary(&folder.path().join("json")));
+    let printed = run_paper(&folder.path().join("quiet"), 4, &["--quiet"]);
+    assert_code(&printed, 0);
+    assert!(stdout(&printed).is_empty() && stderr(&printed).is_empty());
+}
+
+#[test]
+fn a_step_that_cannot_be_made_ends_the_run_and_keeps_the_steps_before() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("fails");
+    let printed = run_paper(&out, 64, &["--set", "load.body_force=[\"exp(9000*t^3*(1-t))\", -1.0]", "--format", "json"]);
+    assert_code(&printed, 3);
+    let told = json(&printed);
+    assert_eq!(told["error"]["kind"], "solver");
+    let kept = summary(&out);
+    assert_eq!(told["summary"], kept);
+    assert_eq!(kept["outcome"], "not converged");
+    assert!(kept["error"].as_str().is_some_and(|error| error.contains("step ")));
+    let steps = kept["steps"].as_u64().expect("a number of steps") as usize;
+    assert!((1..64).contains(&steps));
+    assert!(kept["final"]["displacement_max"][0].as_f64().is_some_and(f64::is_finite));
+    assert_eq!(read(&out.join("history.csv")).lines().count(), steps + 1);
+    assert!(out.join(format!("fields/step_{steps:07}.vtu")).is_file());
+
+    // The case is still one that cannot be gone on with.
+    let printed = output(&mut amontons(&["resume", &out.display().to_string()]));
+    assert_code(&printed, 3);
+    assert!(stderr(&printed).contains(&format!("results up to step {steps}")));
+    assert_eq!(lasting(summary(&out)), lasting(kept));
+}
+
+#[test]
+fn a_folder_that_cannot_be_written_is_named() {
+    let folder = tempdir().expect("a folder");
+    let file = folder.path().join("file");
+    fs::write(&file, "").expect("a file");
+    let printed = run_paper(&file.join("results"), 4, &[]);
+    assert_code(&printed, 4);
+    assert!(stderr(&printed).contains("file/results"));
+    let printed = run_paper(&file, 4, &["--format", "json"]);
+    assert_code(&printed, 4);
+    assert_eq!(json(&printed)["error"]["exit_code"], 4);
+}

@@ -1,0 +1,210 @@
+//! Checkpoints: a run that was broken off goes on to the bits of one that was not.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use amontons::case::{self, Case};
+use amontons::output::{Folder, FolderOptions, OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::run::{self, RunError, Settings};
+use common::{amontons, assert_code, assert_same_results, json, output, paper, read, run_paper, stderr, summary};
+use tempfile::{TempDir, tempdir};
+
+const STEPS: usize = 10;
+
+/// A sink that does something at a step.
+struct At<F: FnMut() -> Result<(), OutputError>>(usize, F);
+
+impl<F: FnMut() -> Result<(), OutputError>> Sink for At<F> {
+    fn start(&mut self, _start: &RunStart) -> Result<(), OutputError> {
+        Ok(())
+    }
+    fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        if now.state.step == self.0 { (self.1)() } else { Ok(()) }
+    }
+    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
+        Ok(())
+    }
+    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+fn small_case() -> Case {
+    let overrides = ["mesh.n=8", &format!("time.steps={STEPS}"), "output.every=3"].map(str::to_owned);
+    case::read(paper().as_ref(), &overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn folder_of(case: &Case, path: &Path, checkpoint_interval: Duration) -> Folder {
+    let options = FolderOptions { every: case.every, checkpoint_interval, ..FolderOptions::new(&case.text) };
+    Folder::create(path, options).expect("a folder")
+}
+
+/// A run that is asked to stop at a step.
+fn interrupted(path: &Path, step: usize) {
+    let case = small_case();
+    let flag = Arc::new(AtomicBool::new(false));
+    let settings = Settings { interrupt: Some(Arc::clone(&flag)), ..Settings::default() };
+    let mut folder = folder_of(&case, path, Duration::from_mins(1));
+    let mut stop = At(step, || {
+        flag.store(true, Ordering::Relaxed);
+        Ok(())
+    });
+    let ended = run::run(&case.problem, &settings, &mut [&mut folder, &mut stop]);
+    assert!(matches!(ended, Err(RunError::Interrupted(summary)) if summary.steps == step));
+}
+
+/// A folder with a whole run and one that was broken off after `step` steps.
+fn whole_and_broken(step: usize) -> (TempDir, PathBuf, PathBuf) {
+    let folder = tempdir().expect("a folder");
+    let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
+    assert_code(&run_paper(&whole, STEPS, &[]), 0);
+    interrupted(&broken, step);
+    (folder, whole, broken)
+}
+
+fn resume(path: &Path, further: &[&str]) -> std::process::Output {
+    let path = path.display().to_string();
+    output(&mut amontons(&[&["resume", path.as_str()][..], further].concat()))
+}
+
+#[test]
+fn an_interrupted_run_goes_on_to_the_same_bits() {
+    // Before the first snapshot, on one, between two, before the end.
+    for step in [1, 3, 5, STEPS - 1] {
+        let (_folder, whole, broken) = whole_and_broken(step);
+        assert_eq!(summary(&broken)["outcome"], "interrupted");
+        assert!(broken.join(format!("fields/step_{step:07}.vtu")).is_file());
+        assert_code(&resume(&broken, &[]), 0);
+        assert_same_results(&whole, &broken);
+        let manifest: serde_json::Value = serde_json::from_str(&read(&broken.join("manifest.json"))).expect("a manifest");
+        assert_eq!(manifest["sessions"][0]["to_step"], step);
+        assert_eq!(manifest["sessions"][1]["from_step"], step);
+        // A run that is done stays as it is.
+        assert_code(&resume(&broken, &[]), 0);
+        assert_same_results(&whole, &broken);
+    }
+}
+
+#[test]
+fn a_run_that_died_goes_on_from_its_newest_checkpoint() {
+    let (_folder, whole, _) = whole_and_broken(1);
+    let died = whole.with_file_name("died");
+    let case = small_case();
+    let mut folder = folder_of(&case, &died, Duration::ZERO);
+    let mut die = At(7, || Err(OutputError::Io { doing: "write", path: PathBuf::new(), source: std::io::Error::other("the disk is gone") }));
+    let ended = run::run(&case.problem, &Settings::default(), &mut [&mut folder, &mut die]);
+    assert!(matches!(ended, Err(RunError::Output(_))));
+    drop(folder);
+    // What a crash may leave: rows behind the checkpoint, a row in part, a file in part.
+    let mut history = fs::OpenOptions::new().append(true).open(died.join("history.csv")).expect("the history");
+    history.write_all(b"8,0.8,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1\n9,0.9,1.0").expect("rows");
+    fs::write(died.join("fields/.step_0000008.vtu.part"), "x").expect("a file");
+    assert_code(&resume(&died, &[]), 0);
+    assert_same_results(&whole, &died);
+}
+
+#[test]
+fn a_damaged_checkpoint_is_told() {
+    let (_folder, _, broken) = whole_and_broken(4);
+    let file = broken.join("checkpoint/state.bin");
+    let good = fs::read(&file).expect("a checkpoint");
+    let spoil = |bytes: &[u8], told: &str| {
+        fs::write(&file, bytes).expect("a file");
+        let printed = resume(&broken, &[]);
+        assert_code(&printed, 4);
+        assert!(stderr(&printed).contains("state.bin") && stderr(&printed).contains(told), "{}", stderr(&printed));
+        assert_eq!(json(&resume(&broken, &["--format", "json"]))["error"]["kind"], "file");
+    };
+    for length in [0, 10, 30, 80, good.len() / 2, good.len() - 1] {
+        spoil(&good[..length], "damaged");
+    }
+    for at in [3, 70, good.len() / 2, good.len() - 1] {
+        let mut bytes = good.clone();
+        bytes[at] ^= 4;
+        spoil(&bytes, "damaged");
+    }
+    let mut other = good.clone();
+    other[16] = 9;
+    spoil(&other, "format 9");
+    fs::remove_file(&file).expect("a file");
+    assert_code(&resume(&broken, &[]), 4);
+    fs::write(&file, &good).expect("a file");
+    assert_code(&resume(&broken, &[]), 0);
+}
+
+#[test]
+fn a_run_goes_on_with_its_own_case_only() {
+    let (_folder, _, broken) = whole_and_broken(4);
+    let printed = resume(&broken, &["--set", "load.heat_source=2"]);
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));
+    assert_code(&resume(&broken.join("none"), &[]), 4);
+}
+
+#[test]
+fn a_history_that_lacks_rows_is_told() {
+    let (_folder, _, broken) = whole_and_broken(4);
+    let text = read(&broken.join("history.csv"));
+    let (short, _) = text.trim_end().rsplit_once('\n').expect("rows");
+    fs::write(broken.join("history.csv"), short).expect("a file");
+    let printed = resume(&broken, &[]);
+    assert_code(&printed, 4);
+    assert!(stderr(&printed).contains("history.csv"), "{}", stderr(&printed));
+}
+
+#[test]
+fn a_run_goes_on_in_another_folder() {
+    let (folder, whole, broken) = whole_and_broken(4);
+    let other = folder.path().join("other");
+    let out = other.display().to_string();
+    assert_code(&resume(&broken, &["--out", &out]), 0);
+    assert_same_results(&whole, &other);
+    assert_eq!(summary(&broken)["steps"], 4);
+    assert_code(&resume(&broken, &["--out", &out]), 2);
+    assert_code(&resume(&broken, &["--out", &out, "--force"]), 0);
+    assert_same_results(&whole, &other);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_leaves_a_checkpoint() {
+    const LONG: usize = 20_000;
+    let folder = tempdir().expect("a folder");
+    let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
+    let arguments = |out: &Path| {
+        let set = [format!("time.steps={LONG}"), "mesh.n=4".to_owned(), "output.every=7000".to_owned()];
+        let mut arguments = vec!["run".to_owned(), paper(), "--out".to_owned(), out.display().to_string()];
+        arguments.extend(set.into_iter().flat_map(|set| ["--set".to_owned(), set]));
+        arguments
+    };
+    let start = |out: &Path| {
+        let arguments = arguments(out);
+        let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
+        let mut command = amontons(&arguments);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().expect("the program starts")
+    };
+    let child = start(&broken);
+    let begin = Instant::now();
+    while fs::metadata(broken.join("history.csv")).map_or(0, |meta| meta.len()) < 50_000 {
+        assert!(begin.elapsed() < Duration::from_mins(1), "the run does not start");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().expect("kill");
+    assert!(killed.success());
+    let ended = child.wait_with_output().expect("the end");
+    assert_code(&ended, 130);
+    assert!(stderr(&ended).contains("amontons resume"), "{}", stderr(&ended));
+    let steps = summary(&broken)["steps"].as_u64().expect("steps") as usize;
+    assert!(steps > 0 && steps < LONG);
+
+    assert_code(&resume(&broken, &["--quiet"]), 0);
+    assert_code(&start(&whole).wait_with_output().expect("the end"), 0);
+    assert_same_results(&whole, &broken);
+}

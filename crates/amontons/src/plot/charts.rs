@@ -1,0 +1,173 @@
+//! Small multiples: columns of charts above each other that share the axis below them.
+
+use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
+use super::color::{Color, GREY, INK};
+use super::picture::{Anchor, Picture, Rect, Stroke};
+use super::ticks;
+
+/// A line of a chart.
+#[derive(Clone, Debug)]
+pub(super) struct Series {
+    /// Entry of the legend; empty for none.
+    pub label: String,
+    pub stroke: Stroke,
+    /// Pieces of the line in values.
+    pub pieces: Vec<Vec<[f64; 2]>>,
+}
+
+/// A filled area of a chart.
+#[derive(Clone, Debug)]
+pub(super) struct Area {
+    pub label: String,
+    pub color: Color,
+    /// Polygons in values.
+    pub polygons: Vec<Vec<[f64; 2]>>,
+}
+
+/// A chart of one quantity.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Chart {
+    pub quantity: String,
+    pub unit: String,
+    pub areas: Vec<Area>,
+    pub series: Vec<Series>,
+    /// Whether the axis must reach zero.
+    pub zero: bool,
+}
+
+impl Chart {
+    fn values(&self) -> impl Iterator<Item = f64> {
+        let lines = self.series.iter().flat_map(|s| &s.pieces);
+        let areas = self.areas.iter().flat_map(|a| &a.polygons);
+        lines.chain(areas).flatten().map(|p| p[1]).chain(self.zero.then_some(0.0))
+    }
+
+    fn range(&self) -> [f64; 2] {
+        axes::padded(axes::range(self.values()).unwrap_or([0.0, 1.0]), 0.07)
+    }
+
+    fn entries(&self, exponent: i32) -> Vec<(Sign, String)> {
+        let heading = (Sign::None, axes::with_unit(&self.quantity, exponent, &self.unit));
+        let areas = self.areas.iter().map(|a| (Sign::Box(a.color), a.label.clone()));
+        let lines = self.series.iter().map(|s| (Sign::Line(s.stroke.clone(), None), s.label.clone()));
+        std::iter::once(heading).chain(areas.chain(lines).filter(|(_, label)| !label.is_empty())).collect()
+    }
+}
+
+/// Charts above each other.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Column {
+    /// Empty for none.
+    pub title: String,
+    pub x: [f64; 2],
+    pub x_label: String,
+    pub x_unit: String,
+    /// Intervals of x with a colour: a strip on top and a tint behind each chart.
+    pub bands: Vec<([f64; 2], Color)>,
+    pub charts: Vec<Chart>,
+}
+
+const HEIGHT: f64 = 112.0;
+const MARGIN: f64 = 16.0;
+const STRIP: f64 = 12.0;
+const MOST_MARKS: usize = 5;
+
+/// Draws columns of charts side by side under a title and a legend.
+pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], shared: bool) -> Picture {
+    let width = if columns.len() > 2 { 340.0 } else { 430.0 };
+    let rows = columns.iter().map(|c| c.charts.len()).max().unwrap_or(0);
+    let range = |c: usize, r: usize| -> [f64; 2] {
+        let own = columns[c].charts[r].range();
+        if !shared {
+            return own;
+        }
+        axes::range(columns.iter().filter_map(|c| c.charts.get(r)).flat_map(Chart::range)).unwrap_or(own)
+    };
+    let marks = |c: usize, r: usize| {
+        let [lo, hi] = range(c, r);
+        ticks::linear(lo, hi, MOST_MARKS)
+    };
+    let entries = |c: usize, r: usize| columns[c].charts[r].entries(marks(c, r).exponent);
+    let cells = |r: usize| (0..columns.len()).filter(move |&c| r < columns[c].charts.len());
+    let headings: Vec<usize> = (0..rows).map(|r| cells(r).map(|c| axes::flow(&entries(c, r), width).1).max().unwrap_or(1)).collect();
+    let rooms: Vec<f64> =
+        columns.iter().enumerate().map(|(c, column)| (0..column.charts.len()).map(|r| axes::y_room(&marks(c, r))).fold(0.0, f64::max)).collect();
+
+    let total = MARGIN + rooms.iter().map(|room| room + width + MARGIN + 8.0).sum::<f64>();
+    let mut top = MARGIN + TITLE + 6.0;
+    let legend_at = top + LEGEND;
+    if !legend.is_empty() {
+        top += LEGEND * axes::flow(legend, total - 2.0 * MARGIN).1 as f64 + 4.0;
+    }
+    let has_titles = columns.iter().any(|c| !c.title.is_empty());
+    let titles_at = top + HEADING + 4.0;
+    if has_titles {
+        top += HEADING + 8.0;
+    }
+    let has_strip = columns.iter().any(|c| !c.bands.is_empty());
+    let strip_at = top + 6.0;
+    if has_strip {
+        top += STRIP + 8.0;
+    }
+    let row_tops: Vec<f64> = headings
+        .iter()
+        .scan(top, |y, &lines| {
+            let frame = *y + 6.0 + LEGEND * lines as f64;
+            *y = frame + HEIGHT + 6.0;
+            Some(frame)
+        })
+        .collect();
+    let bottom = row_tops.last().map_or(top, |y| y + HEIGHT);
+    let height = bottom + 24.0 + LABEL + MARGIN;
+
+    let mut picture = Picture::new(total, height, title);
+    picture.text([0.5 * total, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
+    let (_, lines) = axes::flow(legend, total - 2.0 * MARGIN);
+    let start = if lines > 1 { MARGIN } else { MARGIN + rooms.first().copied().unwrap_or(0.0) };
+    axes::legend(&mut picture, [start, legend_at], total - 2.0 * MARGIN, legend);
+
+    let mut x = MARGIN;
+    for (c, column) in columns.iter().enumerate() {
+        x += rooms[c];
+        let scale_x = Scale::new(column.x, [x, x + width]);
+        let x_ticks = ticks::linear(column.x[0], column.x[1], 7);
+        if has_titles {
+            picture.text([x + 0.5 * width, titles_at], HEADING, Anchor::Middle, INK, &column.title);
+        }
+        let band = |picture: &mut Picture, y: f64, height: f64, opacity: f64| {
+            for &([from, to], color) in &column.bands {
+                let place = Rect { x: scale_x.at(from), y, width: scale_x.at(to) - scale_x.at(from), height };
+                picture.polygon(place.corners(), color.with_opacity(opacity));
+            }
+        };
+        band(&mut picture, strip_at, STRIP, 1.0);
+        for (r, chart) in column.charts.iter().enumerate() {
+            let frame = Rect { x, y: row_tops[r], width, height: HEIGHT };
+            let scale_y = Scale::new(range(c, r), [frame.bottom(), frame.y]);
+            band(&mut picture, frame.y, frame.height, 0.13);
+            axes::x_marks(&mut picture, frame, &scale_x, &x_ticks, true, r + 1 == column.charts.len());
+            axes::y_marks(&mut picture, frame, &scale_y, &marks(c, r), true);
+            if scale_y.values[0] < 0.0 && scale_y.values[1] > 0.0 {
+                picture.line(&[[frame.x, scale_y.at(0.0)], [frame.right(), scale_y.at(0.0)]], Stroke::new(GREY, 1.0));
+            }
+            let place = |p: &[f64; 2]| [scale_x.at(p[0]), scale_y.at(p[1])];
+            for area in &chart.areas {
+                for polygon in &area.polygons {
+                    picture.polygon(polygon.iter().map(place).collect(), area.color);
+                }
+            }
+            for series in &chart.series {
+                let pieces: Vec<Vec<[f64; 2]>> = series.pieces.iter().map(|piece| piece.iter().map(place).collect()).collect();
+                picture.lines(&pieces, series.stroke.clone());
+            }
+            axes::border(&mut picture, frame);
+            let first = frame.y - 6.0 - LEGEND * (axes::flow(&entries(c, r), width).1 - 1) as f64;
+            axes::legend(&mut picture, [x, first], width, &entries(c, r));
+        }
+        let label = axes::with_unit(&column.x_label, x_ticks.exponent, &column.x_unit);
+        let last = column.charts.len().checked_sub(1).map_or(bottom, |r| row_tops[r] + HEIGHT);
+        picture.text([x + 0.5 * width, last + 24.0 + LABEL], LABEL, Anchor::Middle, INK, label);
+        x += width + MARGIN + 8.0;
+    }
+    picture
+}

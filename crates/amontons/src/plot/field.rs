@@ -1,0 +1,201 @@
+//! Temperature and von Mises stress with their colour bars.
+
+use super::axes::{self, LABEL, NUMBER, Scale};
+use super::body::Body;
+use super::color::{Color, ColorMap, INK, WHITE};
+use super::picture::{Anchor, Image, Line, Picture, Rect, Stroke};
+use super::run::Snapshot;
+use super::shade::{self, Values};
+use super::sheet::{self, Frame, Plan, Room};
+use super::ticks::{self, Ticks};
+use super::{Kind, Options, Panel, font, title};
+
+/// Pixels of an image to a unit.
+const DENSITY: f64 = 2.0;
+const BAR: f64 = 14.0;
+
+struct Quantity {
+    name: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+    map: ColorMap,
+}
+
+impl Quantity {
+    fn of(kind: Kind) -> Quantity {
+        if kind == Kind::VonMises {
+            Quantity { name: "von Mises stress", symbol: "σ_{vM}", unit: "Pa", map: ColorMap::Viridis }
+        } else {
+            Quantity { name: "temperature", symbol: "θ", unit: "K", map: ColorMap::Inferno }
+        }
+    }
+}
+
+fn values(kind: Kind, snapshot: &Snapshot) -> Values<'_> {
+    if kind == Kind::VonMises { Values::Cells(&snapshot.von_mises) } else { Values::Nodes(&snapshot.temperature) }
+}
+
+pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
+    let quantity = Quantity::of(kind);
+    let snapshots: Vec<&Snapshot> = panels.iter().filter_map(|panel| panel.run.snapshot.as_ref()).collect();
+    let extents: Vec<[f64; 2]> = snapshots.iter().map(|s| axes::range(values(kind, s).all().iter().copied()).unwrap_or([0.0, 1.0])).collect();
+    let mut ranges: Vec<[f64; 2]> = snapshots.iter().zip(&extents).map(|(s, extent)| shown(values(kind, s), &s.body, *extent)).collect();
+    if options.shared_scale {
+        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+        ranges.fill(common);
+    }
+    let unit = options.unit(quantity.unit);
+    let note = |[lo, hi]: [f64; 2]| format!("min {}, max {} {unit}", ticks::number(lo), ticks::number(hi)).trim_end().to_owned();
+    let plan = |((panel, s), extent): ((&Panel, &&Snapshot), &[f64; 2])| Plan {
+        title: panel.title.to_owned(),
+        note: note(*extent),
+        window: sheet::widened(s.body.window(), 0.03),
+    };
+    let plans: Vec<Plan> = panels.iter().zip(&snapshots).zip(&extents).map(plan).collect();
+    let wide = sheet::is_wide(&plans);
+    let bars: Vec<Bar> = ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, unit, wide)).collect();
+    let room = if wide {
+        Room { right: 8.0, below: 46.0, above: 0.0 }
+    } else {
+        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), below: 0.0, above: 0.0 }
+    };
+    let (mut picture, frames) = sheet::lay_out(&title(panels, quantity.name, options), &plans, room, options);
+    for ((s, bar), frame) in snapshots.iter().zip(&bars).zip(&frames) {
+        bar.draw(&mut picture, frame);
+        shaded(&mut picture, frame, s, kind, quantity.map, bar.range);
+        if kind == Kind::Temperature {
+            let levels = bar.ticks.marks.iter().flat_map(|(level, _)| shade::level_line(&s.body, &s.temperature, *level));
+            let pieces: Vec<_> = levels.map(|[a, b]| [frame.at(&a), frame.at(&b)]).collect();
+            picture.lines(&pieces, Stroke::new(WHITE.with_opacity(0.55), 0.7));
+        }
+        let outline: Vec<_> = s.body.boundary.iter().map(|e| e.map(|n| frame.at(&s.body.points[n as usize]))).collect();
+        picture.lines(&outline, Stroke::new(INK, 0.9));
+    }
+    picture
+}
+
+fn shaded(picture: &mut Picture, frame: &Frame, s: &Snapshot, kind: Kind, map: ColorMap, range: [f64; 2]) {
+    let [x, y] = s.body.window();
+    let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
+    let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
+    let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
+    let image = shade::image(&s.body, values(kind, s), map, range, pixels(place.width), pixels(place.height));
+    picture.image(place, image);
+}
+
+/// The range that the colours show: all values, but for the few of a cell field that lie far above the rest.
+///
+/// Stresses are singular in corners and where conditions change; the cells there would take most of the colours for themselves.
+/// At most a half per cent of the area is left out, and only if the colours then show less than four fifths of the values.
+fn shown(values: Values, body: &Body, [lo, hi]: [f64; 2]) -> [f64; 2] {
+    let Values::Cells(cells) = values else { return [lo, hi] };
+    let areas = body.areas();
+    let mut by_value: Vec<(f64, f64)> = cells.iter().copied().zip(areas).collect();
+    by_value.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
+    let most = 0.005 * by_value.iter().map(|(_, area)| area).sum::<f64>();
+    let mut above = 0.0;
+    let rest = by_value.iter().find(|(_, area)| {
+        above += area;
+        above > most
+    });
+    match rest {
+        Some((top, _)) if *top > lo && top - lo < 0.8 * (hi - lo) => [lo, *top],
+        _ => [lo, hi],
+    }
+}
+
+/// A colour bar, on the right of a frame or below it.
+struct Bar {
+    map: ColorMap,
+    range: [f64; 2],
+    /// Whether there are values above the range: the bar then ends in a point.
+    pointed: bool,
+    ticks: Ticks,
+    label: String,
+    below: bool,
+}
+
+impl Bar {
+    const POINT: f64 = 10.0;
+
+    fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], unit: &str, below: bool) -> Bar {
+        // A field of one value has a bar all the same.
+        let shown = if range[1] > range[0] { range } else { axes::padded(range, 0.0) };
+        let ticks = ticks::linear(shown[0], shown[1], 7);
+        let label = axes::with_unit(quantity.symbol, ticks.exponent, unit);
+        Bar { map: quantity.map, range: shown, pointed: extent[1] > range[1], ticks, label, below }
+    }
+
+    /// Room on the right of the frame.
+    fn room(&self) -> f64 {
+        let numbers = self.ticks.marks.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max);
+        14.0 + font::width(&self.label, LABEL).max(BAR + 7.0 + numbers)
+    }
+
+    fn draw(&self, picture: &mut Picture, frame: &Frame) {
+        const STEPS: u32 = 256;
+        let rect = frame.rect;
+        let point = if self.pointed { Bar::POINT } else { 0.0 };
+        let place = if self.below {
+            let width = (0.5 * rect.width).max(200.0).min(rect.width);
+            Rect { x: rect.x, y: rect.bottom() + 56.0, width, height: BAR }
+        } else {
+            Rect { x: rect.right() + 14.0, y: rect.y + point, width: BAR, height: rect.height - point }
+        };
+        let color = |i: u32| {
+            let [red, green, blue] = self.map.at(f64::from(i) / f64::from(STEPS - 1));
+            [red, green, blue, 255]
+        };
+        let image = if self.below {
+            Image { width: STEPS, height: 1, rgba: (0..STEPS).flat_map(color).collect() }
+        } else {
+            Image { width: 1, height: STEPS, rgba: (0..STEPS).rev().flat_map(color).collect() }
+        };
+        picture.image(place, image);
+        let mut outline = place.corners();
+        if self.pointed {
+            let tip = if self.below { [place.right() + point, place.y + 0.5 * BAR] } else { [place.x + 0.5 * BAR, place.y - point] };
+            let [red, green, blue, _] = color(STEPS - 1);
+            let first = usize::from(self.below);
+            picture.polygon(vec![outline[first], tip, outline[first + 1]], Color { red, green, blue, opacity: 1.0 });
+            outline.insert(first + 1, tip);
+        }
+        picture.shape(vec![Line { points: outline, closed: true }], None, Some(Stroke::new(INK, 0.8)));
+        if self.below {
+            axes::x_marks(picture, place, &Scale::new(self.range, [place.x, place.right()]), &self.ticks, false, true);
+            picture.text([place.right() + point + 12.0, place.bottom() - 2.0], LABEL, Anchor::Start, INK, &self.label);
+        } else {
+            let scale = Scale::new(self.range, [place.bottom(), place.y]);
+            let marks: Vec<_> = self.ticks.marks.iter().map(|(v, _)| [[place.right(), scale.at(*v)], [place.right() + 4.0, scale.at(*v)]]).collect();
+            picture.lines(&marks, Stroke::new(INK, 0.8));
+            for (v, text) in &self.ticks.marks {
+                picture.text([place.right() + 7.0, scale.at(*v) + axes::HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
+            }
+            picture.text([place.x, rect.y - 8.0], LABEL, Anchor::Start, INK, &self.label);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonal, Mesh};
+
+    #[test]
+    fn a_few_cells_far_above_the_rest_are_off_the_scale() -> Result<(), Box<dyn std::error::Error>> {
+        let body = Body::of_mesh(&Mesh::rectangle([1.0, 1.0], [20, 20], Diagonal::Right)?)?;
+        let mut stress: Vec<f64> = (0..800).map(|c| 1.0 + f64::from(c) / 800.0).collect();
+        assert_eq!(shown(Values::Cells(&stress), &body, [1.0, 2.0]), [1.0, 2.0]);
+        // Three of 800 cells are less than half a per cent of the area, ten are more.
+        for c in 0..3 {
+            stress[c] = 9.0;
+        }
+        let [lo, hi] = shown(Values::Cells(&stress), &body, [1.0, 9.0]);
+        assert!(lo <= 1.0 && hi > 1.99 && hi < 2.0, "{lo} to {hi}");
+        for c in 0..10 {
+            stress[c] = 9.0;
+        }
+        assert_eq!(shown(Values::Cells(&stress), &body, [1.0, 9.0]), [1.0, 9.0]);
+        Ok(())
+    }
+}

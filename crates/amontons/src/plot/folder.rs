@@ -1,0 +1,115 @@
+//! Reads a results folder.
+
+use std::path::Path;
+
+use super::body::Body;
+use super::run::{ContactRow, History, Run, Snapshot};
+use super::table::{self, Table};
+use super::{PlotError, vtu};
+use crate::contact::Status;
+
+/// Cell types of VTK that are plane: triangle and quadrilateral.
+const PLANE: [u8; 2] = [5, 9];
+/// Cell types of VTK that are lines.
+const LINE: u8 = 3;
+
+impl Run {
+    /// Reads the run in a results folder: `case.toml`, `fields.pvd` with its latest snapshot, `contact.csv` and `history.csv`.
+    ///
+    /// # Errors
+    /// When a file is missing or is not what a run writes; the error names the file.
+    pub fn read(folder: &Path) -> Result<Run, PlotError> {
+        let case = Case::read(&folder.join("case.toml"))?;
+        let collection = folder.join("fields.pvd");
+        let (t, file) = vtu::latest(&collection)?;
+        let path = folder.join(file);
+        let grid = vtu::read(&path)?;
+        let format = |what: String| PlotError::Format { path: path.clone(), what };
+        let dimension = if grid.types.iter().all(|kind| PLANE.contains(kind)) {
+            2
+        } else if grid.types.iter().all(|&kind| kind == LINE) {
+            1
+        } else {
+            3
+        };
+        let snapshot = if dimension == 2 {
+            let point = |name: &str, components| array(&grid.point_data, name, components).map_err(format);
+            let snapshot = Snapshot {
+                body: Body::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells()).map_err(|e| format(e.to_string()))?,
+                displacement: point("displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1]]).collect(),
+                temperature: point("temperature", 1)?.to_vec(),
+                von_mises: array(&grid.cell_data, "von_mises", 1).map_err(format)?.to_vec(),
+            };
+            snapshot.check().map_err(|e| format(e.to_string()))?;
+            Some(snapshot)
+        } else {
+            None
+        };
+        let contact = if case.has_contact && dimension == 2 { contact(&Table::read(&folder.join("contact.csv"))?, case.coulomb)? } else { Vec::new() };
+        let history = history(&Table::read(&folder.join("history.csv"))?)?;
+        Ok(Run { name: case.name, dimension, t, snapshot, contact, history })
+    }
+}
+
+fn array<'a>(data: &'a std::collections::BTreeMap<String, vtu::Array>, name: &str, components: usize) -> Result<&'a [f64], String> {
+    let array = data.get(name).ok_or_else(|| format!("it has no array {name}"))?;
+    if array.components == components { Ok(&array.values) } else { Err(format!("the array {name} has {} components, expected {components}", array.components)) }
+}
+
+/// What the pictures need of a case file.
+struct Case {
+    name: String,
+    has_contact: bool,
+    /// Coefficient of Coulomb's law, where that is the law of friction.
+    coulomb: Option<f64>,
+}
+
+impl Case {
+    fn read(path: &Path) -> Result<Case, PlotError> {
+        let text = table::text(path)?;
+        let case: toml::Table = text.parse().map_err(|e: toml::de::Error| PlotError::Format { path: path.to_owned(), what: e.message().to_owned() })?;
+        let name = case.get("name").and_then(toml::Value::as_str).unwrap_or_default().to_owned();
+        let contact = case.get("contact");
+        let friction = contact.and_then(|c| c.get("friction"));
+        let coefficient = friction.filter(|f| f.get("law").and_then(toml::Value::as_str) == Some("coulomb")).and_then(|f| f.get("coefficient"));
+        let coulomb = coefficient.and_then(|c| c.as_float().or_else(|| c.as_integer().map(|i| i as f64)));
+        Ok(Case { name, has_contact: contact.is_some(), coulomb })
+    }
+}
+
+fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotError> {
+    let pairs = |name: &str| -> Result<Vec<[f64; 2]>, PlotError> {
+        let (x, y) = (table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?);
+        Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
+    };
+    let (x, traction, slip_velocity) = (pairs("")?, pairs("traction_")?, pairs("slip_velocity_")?);
+    let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
+    let (temperature, heat_flux) = (table.numbers("temperature")?, table.numbers("heat_flux")?);
+    let words: Vec<String> = table.column("status")?;
+    let status = |word: &String| {
+        let known = [Status::Open, Status::Stick, Status::Slip];
+        known
+            .into_iter()
+            .find(|s| s.name() == word)
+            .ok_or_else(|| PlotError::Format { path: table.path().to_owned(), what: format!("the status `{word}` is none of open, stick, slip") })
+    };
+    let status: Vec<Status> = words.iter().map(status).collect::<Result<_, _>>()?;
+    let bound = if table.has("bound") { Some(table.numbers("bound")?) } else { None };
+    let row = |i: usize| ContactRow {
+        x: x[i],
+        penetration: penetration[i],
+        pressure: pressure[i],
+        bound: bound.as_ref().map(|b| b[i]).or(coulomb.map(|mu| mu * pressure[i])),
+        traction: traction[i],
+        slip_velocity: slip_velocity[i],
+        status: status[i],
+        temperature: temperature[i],
+        heat_flux: heat_flux[i],
+    };
+    Ok((0..x.len()).map(row).collect())
+}
+
+fn history(table: &Table) -> Result<History, PlotError> {
+    table.numbers("t")?;
+    table.names().iter().map(|name| Ok((name.clone(), table.numbers(name)?))).collect()
+}

@@ -1,0 +1,249 @@
+//! Pictures of a run and of a convergence study, as SVG and PNG, without fonts or libraries of the system.
+//!
+//! [`folder`] draws what a results folder holds; [`side_by_side`] compares runs in panels of one picture. Both go through
+//! [`Run`], which is plain data, and [`picture`]; a convergence study is drawn by [`convergence`].
+//!
+//! ```no_run
+//! use amontons::plot::{self, Options};
+//!
+//! for path in plot::folder("results/paper".as_ref(), &Options::default())? {
+//!     println!("{}", path.display());
+//! }
+//! # Ok::<(), plot::PlotError>(())
+//! ```
+
+// Pixels and counts are computed as reals; a cast takes a negative one to zero.
+#![allow(clippy::cast_sign_loss)]
+
+mod axes;
+mod body;
+mod charts;
+mod color;
+mod convergence;
+mod deformed;
+mod field;
+mod folder;
+mod font;
+mod history;
+mod picture;
+mod profiles;
+mod raster;
+mod run;
+mod shade;
+mod sheet;
+mod svg;
+mod table;
+mod ticks;
+mod vtu;
+
+use std::path::{Path, PathBuf};
+
+pub use body::Body;
+pub use color::ColorMap;
+pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};
+pub use deformed::scale_factor;
+pub use picture::Picture;
+pub use run::{ContactRow, History, Run, Snapshot};
+
+/// Why a picture could not be drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum PlotError {
+    /// A file could not be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file or folder could not be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file is not what a run or a study writes.
+    #[error("{}: {what}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// Data given do not fit each other or are not finite.
+    #[error("{0}")]
+    Data(String),
+    /// The picture would have no pixels, or too many.
+    #[error("a picture of {width} × {height} pixels cannot be drawn, expected at least one pixel and at most 10⁸")]
+    Size {
+        /// Width in pixels.
+        width: f64,
+        /// Height in pixels.
+        height: f64,
+    },
+}
+
+/// How pictures are drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Leave out the SI units, for a case that is dimensionless.
+    pub dimensionless: bool,
+    /// Pixels of a PNG to a unit of the picture, which is 1/96 inch.
+    pub pixels: f64,
+    /// Factor of the displacement in pictures of the deformed body; a nice one is chosen where there is none.
+    pub scale_factor: Option<f64>,
+    /// Whether panels side by side have one scale of values in common, or one each.
+    pub shared_scale: bool,
+}
+
+impl Default for Options {
+    fn default() -> Options {
+        Options { dimensionless: false, pixels: 2.0, scale_factor: None, shared_scale: false }
+    }
+}
+
+impl Options {
+    /// A unit, or nothing where the case is dimensionless.
+    fn unit<'u>(&self, unit: &'u str) -> &'u str {
+        if self.dimensionless { "" } else { unit }
+    }
+
+    /// `t = 0.5 s`.
+    fn time(&self, t: f64) -> String {
+        format!("t = {} {}", ticks::number(t), self.unit("s")).trim_end().to_owned()
+    }
+}
+
+/// What a picture of a run shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// The deformed mesh over the undeformed one.
+    Deformed,
+    /// The temperature.
+    Temperature,
+    /// The von Mises stress.
+    VonMises,
+    /// Pressure, friction, slip velocity, gap, temperature and heat flux along Γ_C.
+    Contact,
+    /// Energies, works, contact force, contact states and heat over time.
+    History,
+}
+
+impl Kind {
+    /// Every kind.
+    pub const ALL: [Kind; 5] = [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::History];
+
+    /// Name of the picture's files, without extension.
+    #[must_use]
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Kind::Deformed => "deformed",
+            Kind::Temperature => "temperature",
+            Kind::VonMises => "von-mises",
+            Kind::Contact => "contact",
+            Kind::History => "history",
+        }
+    }
+
+    /// Whether a run has what the picture shows: the fields of a plane body, contact, or rows of its history.
+    #[must_use]
+    pub fn is_in(self, run: &Run) -> bool {
+        match self {
+            Kind::Deformed | Kind::Temperature | Kind::VonMises => run.snapshot.is_some(),
+            Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty(),
+            Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
+        }
+    }
+}
+
+/// A run in a picture, with a title of its own where several stand side by side.
+#[derive(Clone, Debug)]
+pub struct Panel<'a> {
+    /// The title; empty for none.
+    pub title: &'a str,
+    /// The run.
+    pub run: &'a Run,
+}
+
+/// Draws a picture of one run, or of several side by side.
+///
+/// Texts may have subscripts and superscripts: `θ_{F}`, `10^{3}`.
+///
+/// # Errors
+/// [`PlotError::Data`] when a run lacks what the picture shows or its data do not fit each other.
+pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+    for Panel { run, .. } in panels {
+        if !kind.is_in(run) {
+            return Err(PlotError::Data(format!("the run {} has no data for the picture `{}`", run.name, kind.file_name())));
+        }
+        if let Some(snapshot) = &run.snapshot {
+            snapshot.check()?;
+        }
+    }
+    if panels.is_empty() {
+        return Err(PlotError::Data(format!("there is no run for the picture `{}`", kind.file_name())));
+    }
+    match kind {
+        Kind::Deformed => deformed::draw(panels, options),
+        Kind::Temperature | Kind::VonMises => Ok(field::draw(kind, panels, options)),
+        Kind::Contact => profiles::draw(panels, options),
+        Kind::History => history::draw(panels, options),
+    }
+}
+
+/// `paper: temperature at t = 1 s`, without the name where several runs stand side by side.
+fn title(panels: &[Panel], what: &str, options: &Options) -> String {
+    let same_time = panels.windows(2).all(|p| p[0].run.t.total_cmp(&p[1].run.t).is_eq());
+    let when = panels.first().filter(|_| same_time).map_or_else(String::new, |p| format!(" at {}", options.time(p.run.t)));
+    heading(panels, &format!("{what}{when}"))
+}
+
+fn heading(panels: &[Panel], what: &str) -> String {
+    match panels {
+        [Panel { run, .. }] if !run.name.is_empty() => format!("{}: {what}", run.name),
+        _ => what.chars().take(1).flat_map(char::to_uppercase).chain(what.chars().skip(1)).collect(),
+    }
+}
+
+/// Draws all pictures of the run, and of the convergence study, in a results folder into its folder `plots`; returns their paths.
+///
+/// A body that is not plane has no pictures of its fields and of Γ_C.
+///
+/// # Errors
+/// When a file is missing or damaged, or a picture cannot be written; the error names the file.
+pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> {
+    let into = dir.join("plots");
+    let make = || std::fs::create_dir_all(&into).map_err(|source| PlotError::Write { path: into.clone(), source });
+    let mut paths = Vec::new();
+    let study = dir.join("convergence.csv");
+    let is_study = study.exists();
+    if is_study {
+        let plot = ConvergencePlot::read(&study, options)?;
+        make()?;
+        paths.extend(convergence(&plot)?.save(&into.join("convergence"), options.pixels)?);
+    }
+    if !is_study || dir.join("fields.pvd").exists() {
+        let run = Run::read(dir)?;
+        make()?;
+        for kind in Kind::ALL.into_iter().filter(|kind| kind.is_in(&run)) {
+            let picture = picture(kind, &[Panel { title: "", run: &run }], options)?;
+            paths.extend(picture.save(&into.join(kind.file_name()), options.pixels)?);
+        }
+    }
+    Ok(paths)
+}
+
+/// Draws the runs of several results folders side by side, each under its title, and writes `out`.svg and `out`.png.
+///
+/// # Errors
+/// As [`folder`]; also when a run lacks what the picture shows.
+pub fn side_by_side(kind: Kind, runs: &[(&str, &Path)], out: &Path, options: &Options) -> Result<[PathBuf; 2], PlotError> {
+    let read: Vec<Run> = runs.iter().map(|(_, dir)| Run::read(dir)).collect::<Result<_, _>>()?;
+    let panels: Vec<Panel> = runs.iter().zip(&read).map(|(&(title, _), run)| Panel { title, run }).collect();
+    if let Some(parent) = out.parent().filter(|p| !p.as_os_str().is_empty()) {
+        std::fs::create_dir_all(parent).map_err(|source| PlotError::Write { path: parent.to_owned(), source })?;
+    }
+    picture(kind, &panels, options)?.save(out, options.pixels)
+}

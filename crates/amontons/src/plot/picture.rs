@@ -1,0 +1,186 @@
+//! A picture as a list of shapes, texts and images: what the figures draw into and the two formats are written from.
+
+use std::path::{Path, PathBuf};
+
+use super::PlotError;
+use super::color::Color;
+
+/// A rectangle; y grows downwards, as in all coordinates of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Rect {
+    pub x: f64,
+    pub y: f64,
+    pub width: f64,
+    pub height: f64,
+}
+
+impl Rect {
+    pub(super) fn right(&self) -> f64 {
+        self.x + self.width
+    }
+    pub(super) fn bottom(&self) -> f64 {
+        self.y + self.height
+    }
+    pub(super) fn corners(&self) -> Vec<[f64; 2]> {
+        vec![[self.x, self.y], [self.right(), self.y], [self.right(), self.bottom()], [self.x, self.bottom()]]
+    }
+}
+
+/// How a line is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Stroke {
+    pub color: Color,
+    pub width: f64,
+    /// Lengths of dashes and gaps; empty for a solid line.
+    pub dashes: Vec<f64>,
+}
+
+impl Stroke {
+    pub(super) fn new(color: Color, width: f64) -> Stroke {
+        Stroke { color, width, dashes: Vec::new() }
+    }
+    pub(super) fn dashed(self, dashes: &[f64]) -> Stroke {
+        Stroke { dashes: dashes.to_vec(), ..self }
+    }
+}
+
+/// Which point of a text is placed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A piece of a shape's outline.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Line {
+    pub points: Vec<[f64; 2]>,
+    pub closed: bool,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Item {
+    Shape { lines: Vec<Line>, fill: Option<Color>, stroke: Option<Stroke> },
+    Text { at: [f64; 2], size: f64, anchor: Anchor, upwards: bool, color: Color, text: String },
+    Image { place: Rect, image: Image },
+}
+
+/// An image of straight RGBA pixels, row by row from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Image {
+    pub width: u32,
+    pub height: u32,
+    pub rgba: Vec<u8>,
+}
+
+/// A drawn picture, to be written as SVG or PNG; both show the same.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    pub(super) width: f64,
+    pub(super) height: f64,
+    pub(super) title: String,
+    pub(super) items: Vec<Item>,
+}
+
+impl Picture {
+    /// A blank picture; the title is for readers who cannot see it.
+    pub(super) fn new(width: f64, height: f64, title: impl Into<String>) -> Picture {
+        Picture { width: width.ceil(), height: height.ceil(), title: title.into(), items: Vec::new() }
+    }
+
+    /// Width and height in units of 1/96 inch.
+    #[must_use]
+    pub fn size(&self) -> (f64, f64) {
+        (self.width, self.height)
+    }
+
+    /// The picture as an SVG document, with all text as outlines.
+    #[must_use]
+    pub fn svg(&self) -> String {
+        super::svg::write(self)
+    }
+
+    /// The picture as a PNG file, drawn with this number of pixels to a unit.
+    ///
+    /// # Errors
+    /// [`PlotError::Size`] when there would be no pixels or more than fit an image.
+    pub fn png(&self, pixels: f64) -> Result<Vec<u8>, PlotError> {
+        super::raster::write(self, pixels)
+    }
+
+    /// Writes `stem`.svg and `stem`.png, the latter with this number of pixels to a unit, and returns their paths.
+    ///
+    /// # Errors
+    /// When a file cannot be written or the picture not be drawn in this size.
+    pub fn save(&self, stem: &Path, pixels: f64) -> Result<[PathBuf; 2], PlotError> {
+        let with = |extension: &str| {
+            let mut name = stem.as_os_str().to_owned();
+            name.push(extension);
+            PathBuf::from(name)
+        };
+        let write = |path: PathBuf, bytes: &[u8]| match std::fs::write(&path, bytes) {
+            Ok(()) => Ok(path),
+            Err(source) => Err(PlotError::Write { path, source }),
+        };
+        Ok([write(with(".svg"), self.svg().as_bytes())?, write(with(".png"), &self.png(pixels)?)?])
+    }
+
+    /// Adds a line through points.
+    pub(super) fn line(&mut self, points: &[[f64; 2]], stroke: Stroke) {
+        self.lines(&[points], stroke);
+    }
+
+    /// Adds several lines as one shape.
+    pub(super) fn lines<P: AsRef<[[f64; 2]]>>(&mut self, lines: &[P], stroke: Stroke) {
+        let lines = lines.iter().map(|points| Line { points: points.as_ref().to_vec(), closed: false }).collect();
+        self.shape(lines, None, Some(stroke));
+    }
+
+    /// Adds a filled polygon.
+    pub(super) fn polygon(&mut self, points: Vec<[f64; 2]>, fill: Color) {
+        self.shape(vec![Line { points, closed: true }], Some(fill), None);
+    }
+
+    /// Adds the outline of a rectangle.
+    pub(super) fn frame(&mut self, rect: Rect, stroke: Stroke) {
+        self.shape(vec![Line { points: rect.corners(), closed: true }], None, Some(stroke));
+    }
+
+    /// Adds a shape; its inside is that of the even–odd rule. Points that are not finite are left out.
+    pub(super) fn shape(&mut self, mut lines: Vec<Line>, fill: Option<Color>, stroke: Option<Stroke>) {
+        for line in &mut lines {
+            line.points.retain(|p| p[0].is_finite() && p[1].is_finite());
+        }
+        lines.retain(|line| line.points.len() > 1);
+        if !lines.is_empty() {
+            self.items.push(Item::Shape { lines, fill, stroke });
+        }
+    }
+
+    /// Adds a text on a baseline.
+    pub(super) fn text(&mut self, at: [f64; 2], size: f64, anchor: Anchor, color: Color, text: impl Into<String>) {
+        self.items.push(Item::Text { at, size, anchor, upwards: false, color, text: text.into() });
+    }
+
+    /// Adds a text that runs upwards, centred at a point of its baseline.
+    pub(super) fn text_upwards(&mut self, at: [f64; 2], size: f64, color: Color, text: impl Into<String>) {
+        self.items.push(Item::Text { at, size, anchor: Anchor::Middle, upwards: true, color, text: text.into() });
+    }
+
+    /// Adds an image.
+    pub(super) fn image(&mut self, place: Rect, image: Image) {
+        self.items.push(Item::Image { place, image });
+    }
+}
+
+impl Anchor {
+    /// Where a text of some width starts, relative to the point at which it is placed.
+    pub(super) fn offset(self, width: f64) -> f64 {
+        match self {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * width,
+            Anchor::End => -width,
+        }
+    }
+}

@@ -1,0 +1,300 @@
+//! What the pictures of a run show, as plain data.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use super::PlotError;
+use super::body::Body;
+use crate::contact::Status;
+
+/// A run with what there is to be drawn of it.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Name of the case.
+    pub name: String,
+    /// Dimension of the body.
+    pub dimension: usize,
+    /// Time of the fields and of the contact points, s.
+    pub t: f64,
+    /// The fields, of a plane body.
+    pub snapshot: Option<Snapshot>,
+    /// The contact points of a plane body, in any order; empty without contact.
+    pub contact: Vec<ContactRow>,
+    /// Rows a step.
+    pub history: History,
+}
+
+/// Fields of a plane body at a time.
+#[derive(Clone, Debug)]
+pub struct Snapshot {
+    /// The mesh.
+    pub body: Body,
+    /// Displacement of each node, m.
+    pub displacement: Vec<[f64; 2]>,
+    /// Temperature of each node, K.
+    pub temperature: Vec<f64>,
+    /// Von Mises stress in each cell, Pa.
+    pub von_mises: Vec<f64>,
+}
+
+impl Snapshot {
+    /// Checks that there is a finite value a node and a cell.
+    ///
+    /// # Errors
+    /// [`PlotError::Data`] names the field that does not fit.
+    pub fn check(&self) -> Result<(), PlotError> {
+        let (nodes, cells) = (self.body.nodes(), self.body.cells());
+        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite());
+        let fields = [
+            ("displacement", self.displacement.len(), nodes, self.displacement.iter().all(|u| finite(u))),
+            ("temperature", self.temperature.len(), nodes, finite(&self.temperature)),
+            ("von Mises stress", self.von_mises.len(), cells, finite(&self.von_mises)),
+        ];
+        for (name, found, expected, is_finite) in fields {
+            if found != expected {
+                return Err(PlotError::Data(format!("the {name} has {found} values, expected {expected}")));
+            }
+            if !is_finite {
+                return Err(PlotError::Data(format!("the {name} has values that are not finite")));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A point of Γ_C at a time: a row of `contact.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactRow {
+    /// Position on the undeformed boundary, m.
+    pub x: [f64; 2],
+    /// u_ν − g in m.
+    pub penetration: f64,
+    /// p_ν in Pa.
+    pub pressure: f64,
+    /// Friction bound p_τ in Pa, where it is known.
+    pub bound: Option<f64>,
+    /// Friction traction σ_τ in Pa.
+    pub traction: [f64; 2],
+    /// Slip velocity in m/s.
+    pub slip_velocity: [f64; 2],
+    /// Open, stick or slip.
+    pub status: Status,
+    /// Temperature of the body in K.
+    pub temperature: f64,
+    /// q·ν in W/m².
+    pub heat_flux: f64,
+}
+
+/// Columns of numbers by the names of `history.csv`, one row a step.
+pub type History = BTreeMap<String, Vec<f64>>;
+
+/// A contact point on its way along Γ_C.
+#[derive(Clone, Debug)]
+pub(super) struct Stop<'a> {
+    /// Arc length.
+    pub s: f64,
+    /// Unit tangent in the direction of growing arc length.
+    pub tangent: [f64; 2],
+    /// Unit outward normal.
+    pub normal: [f64; 2],
+    /// The two nodes of an edge on which the point lies, with their shares in it.
+    pub on: [(usize, f64); 2],
+    pub row: &'a ContactRow,
+}
+
+/// A connected part of Γ_C.
+#[derive(Clone, Debug)]
+pub(super) struct Part<'a> {
+    /// Arc length at both ends; it goes on from part to part.
+    pub s: [f64; 2],
+    /// The contact points in order.
+    pub stops: Vec<Stop<'a>>,
+}
+
+/// A contact point on an edge of the boundary: place from 0 to 1 and row.
+type OnEdge = (f64, usize);
+
+/// Follows Γ_C through its contact points, which may come in any order.
+///
+/// A part that is not closed runs to the right, or upwards where it is more upright than level.
+pub(super) fn along<'a>(body: &Body, rows: &'a [ContactRow]) -> Result<Vec<Part<'a>>, PlotError> {
+    const NEAR: f64 = 1e-6;
+    let p = |n: u32| body.points[n as usize];
+    // The body lies on the left of its boundary edges: they run around it, and one leaves each node.
+    let mut inside: HashMap<u32, Vec<OnEdge>> = HashMap::new();
+    let mut at_node: HashMap<u32, usize> = HashMap::new();
+    for (r, row) in rows.iter().enumerate() {
+        let mut found = false;
+        for &[a, b] in &body.boundary {
+            let (d, e) = ([p(b)[0] - p(a)[0], p(b)[1] - p(a)[1]], [row.x[0] - p(a)[0], row.x[1] - p(a)[1]]);
+            let square = d[0] * d[0] + d[1] * d[1];
+            let (place, off) = ((d[0] * e[0] + d[1] * e[1]) / square, (d[0] * e[1] - d[1] * e[0]) / square);
+            if off.abs() > NEAR || !(-NEAR..=1.0 + NEAR).contains(&place) {
+                continue;
+            }
+            found = true;
+            if place < NEAR {
+                at_node.insert(a, r);
+            } else if place > 1.0 - NEAR {
+                at_node.insert(b, r);
+            } else {
+                inside.entry(a).or_default().push((place, r));
+            }
+        }
+        if !found {
+            return Err(PlotError::Data(format!("the contact point ({}, {}) is not on the boundary of the body", row.x[0], row.x[1])));
+        }
+    }
+    let is_contact = |[a, b]: &[u32; 2]| inside.contains_key(a) || (at_node.contains_key(a) && at_node.contains_key(b));
+    let mut next: HashMap<u32, u32> = body.boundary.iter().filter(|edge| is_contact(edge)).map(|&[a, b]| (a, b)).collect();
+    let entered: HashSet<u32> = next.values().copied().collect();
+    let mut starts: Vec<u32> = next.keys().copied().collect();
+    // Ends first, so that closed parts are what remains.
+    starts.sort_unstable_by_key(|n| (entered.contains(n), *n));
+    let mut parts = Vec::new();
+    let mut s = 0.0;
+    for start in starts {
+        let mut chain = vec![start];
+        let mut at = start;
+        while let Some(b) = next.remove(&at) {
+            chain.push(b);
+            at = b;
+        }
+        if chain.len() < 2 {
+            continue;
+        }
+        let edges: Vec<[u32; 2]> = chain.windows(2).map(|e| [e[0], e[1]]).collect();
+        let part = follow(body, rows, &edges, &inside, &at_node, s);
+        s = part.s[1];
+        parts.push(part);
+    }
+    Ok(parts)
+}
+
+/// The part of Γ_C that consists of these edges, its arc length beginning at `begin`.
+fn follow<'a>(
+    body: &Body,
+    rows: &'a [ContactRow],
+    edges: &[[u32; 2]],
+    inside: &HashMap<u32, Vec<OnEdge>>,
+    at_node: &HashMap<u32, usize>,
+    begin: f64,
+) -> Part<'a> {
+    let p = |n: u32| body.points[n as usize];
+    let along = |[a, b]: [u32; 2]| [p(b)[0] - p(a)[0], p(b)[1] - p(a)[1]];
+    let across = edges.iter().fold([0.0; 2], |sum, &e| [sum[0] + along(e)[0], sum[1] + along(e)[1]]);
+    let backwards = if across[0].abs() >= across[1].abs() { across[0] < 0.0 } else { across[1] < 0.0 };
+    let total: f64 = edges.iter().map(|&e| length(along(e))).sum();
+    let mut stops = Vec::new();
+    let mut stop = |s: f64, direction: [f64; 2], [a, b]: [u32; 2], place: f64, r: usize| {
+        let t = unit(direction);
+        let (s, tangent) = if backwards { (total - s, [-t[0], -t[1]]) } else { (s, t) };
+        let on = [(a as usize, 1.0 - place), (b as usize, place)];
+        stops.push(Stop { s: begin + s, tangent, normal: [t[1], -t[0]], on, row: &rows[r] });
+    };
+    let mut s = 0.0;
+    for (i, &edge) in edges.iter().enumerate() {
+        let direction = unit(along(edge));
+        if let Some(&r) = at_node.get(&edge[0]) {
+            let before = i.checked_sub(1).map_or(direction, |i| unit(along(edges[i])));
+            stop(s, [before[0] + direction[0], before[1] + direction[1]], edge, 0.0, r);
+        }
+        let mut points = inside.get(&edge[0]).cloned().unwrap_or_default();
+        points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+        for (place, r) in points {
+            stop(s + place * length(along(edge)), direction, edge, place, r);
+        }
+        s += length(along(edge));
+        if let (true, Some(&r)) = (i + 1 == edges.len(), at_node.get(&edge[1])) {
+            stop(s, direction, edge, 1.0, r);
+        }
+    }
+    if backwards {
+        stops.reverse();
+    }
+    Part { s: [begin, begin + total], stops }
+}
+
+fn length(v: [f64; 2]) -> f64 {
+    v[0].hypot(v[1])
+}
+
+fn unit(v: [f64; 2]) -> [f64; 2] {
+    let length = length(v);
+    if length > 0.0 { v.map(|c| c / length) } else { v }
+}
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+    use crate::contact::{ContactBoundary, Quadrature};
+    use crate::mesh::{Diagonal, Mesh};
+
+    type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+    pub(in crate::plot) fn row(x: [f64; 2]) -> ContactRow {
+        ContactRow {
+            x,
+            penetration: 0.0,
+            pressure: 0.0,
+            bound: None,
+            traction: [0.0; 2],
+            slip_velocity: [0.0; 2],
+            status: Status::Open,
+            temperature: 0.0,
+            heat_flux: 0.0,
+        }
+    }
+
+    fn side(name: &str, quadrature: Quadrature) -> Result<(Body, Vec<ContactRow>), Box<dyn std::error::Error>> {
+        let mesh = Mesh::rectangle([2.0, 1.0], [4, 4], Diagonal::Left)?;
+        let boundary = ContactBoundary::new(&mesh, &mesh.facets[name], quadrature);
+        // Against the order of the side, to see that it is found again.
+        let rows = boundary.points.iter().rev().map(|p| row([p.x[0], p.x[1]])).collect();
+        Ok((Body::of_mesh(&mesh)?, rows))
+    }
+
+    #[test]
+    fn sides_run_to_the_right_and_upwards_with_outward_normals() -> Outcome {
+        let sides =
+            [("bottom", [1.0, 0.0], [0.0, -1.0]), ("top", [1.0, 0.0], [0.0, 1.0]), ("left", [0.0, 1.0], [-1.0, 0.0]), ("right", [0.0, 1.0], [1.0, 0.0])];
+        for (quadrature, count) in [(Quadrature::Nodal, 5), (Quadrature::Gauss, 8)] {
+            for (name, tangent, normal) in sides {
+                let (body, rows) = side(name, quadrature)?;
+                let parts = along(&body, &rows)?;
+                assert_eq!((parts.len(), parts[0].stops.len()), (1, count), "{name}");
+                assert_eq!(parts[0].s, [0.0, if tangent[0] == 1.0 { 2.0 } else { 1.0 }]);
+                for stop in &parts[0].stops {
+                    assert!(length([stop.tangent[0] - tangent[0], stop.tangent[1] - tangent[1]]) < 1e-12, "{name}");
+                    assert!(length([stop.normal[0] - normal[0], stop.normal[1] - normal[1]]) < 1e-12, "{name}");
+                    let place = stop.row.x[0] * tangent[0] + stop.row.x[1] * tangent[1];
+                    assert!((stop.s - place).abs() < 1e-12, "{name}: {} at {place}", stop.s);
+                    let x = [0, 1].map(|d| stop.on.iter().map(|(n, share)| share * body.points[*n][d]).sum::<f64>());
+                    assert!(length([x[0] - stop.row.x[0], x[1] - stop.row.x[1]]) < 1e-12, "{name}");
+                }
+                assert!(parts[0].stops.windows(2).all(|w| w[1].s > w[0].s), "{name}");
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn parts_are_told_apart_and_a_closed_one_is_found() -> Outcome {
+        let (body, mut rows) = side("bottom", Quadrature::Nodal)?;
+        rows.remove(2);
+        // The middle node is gone: two parts of one edge each.
+        let parts = along(&body, &rows)?;
+        assert_eq!(parts.iter().map(|p| p.stops.len()).collect::<Vec<_>>(), [2, 2]);
+        let around: Vec<ContactRow> = body.boundary.iter().map(|e| row(body.points[e[0] as usize])).collect();
+        let parts = along(&body, &around)?;
+        assert_eq!((parts.len(), parts[0].stops.len(), parts[0].s), (1, 17, [0.0, 6.0]));
+        Ok(())
+    }
+
+    #[test]
+    fn a_point_off_the_boundary_is_named() -> Outcome {
+        let (body, _) = side("bottom", Quadrature::Nodal)?;
+        let message = along(&body, &[row([0.25, 0.75])]).map(|_| ()).map_err(|e| e.to_string());
+        assert!(message.is_err_and(|m| m.contains("(0.25, 0.75)")));
+        Ok(())
+    }
+}

@@ -1,0 +1,153 @@
+//! Fields on a body as pixels and level lines.
+
+use super::body::Body;
+use super::color::ColorMap;
+use super::picture::Image;
+
+/// Values on a body.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Values<'a> {
+    /// One a node, linear on each triangle.
+    Nodes(&'a [f64]),
+    /// One a cell, constant there.
+    Cells(&'a [f64]),
+}
+
+impl<'a> Values<'a> {
+    pub(super) fn all(&self) -> &'a [f64] {
+        match self {
+            Values::Nodes(values) | Values::Cells(values) => values,
+        }
+    }
+
+    /// The values at the corners of a triangle.
+    fn corners(&self, body: &Body, triangle: usize) -> [f64; 3] {
+        match self {
+            Values::Nodes(values) => body.triangles[triangle].map(|n| values[n as usize]),
+            Values::Cells(values) => [values[body.owners[triangle] as usize]; 3],
+        }
+    }
+}
+
+/// Colours the triangles of a body; the image covers the window of the body and is transparent outside of it.
+///
+/// A pixel has the colour of the value at its centre.
+pub(super) fn image(body: &Body, values: Values, map: ColorMap, range: [f64; 2], width: u32, height: u32) -> Image {
+    let [wx, wy] = body.window();
+    let mut rgba = vec![0; 4 * width as usize * height as usize];
+    let scale = [f64::from(width) / (wx[1] - wx[0]), f64::from(height) / (wy[1] - wy[0])];
+    // Pixel coordinates: the centre of pixel (i, j) is at (i, j), j downwards.
+    let place = |n: u32| {
+        let p = body.points[n as usize];
+        [(p[0] - wx[0]) * scale[0] - 0.5, (wy[1] - p[1]) * scale[1] - 0.5]
+    };
+    let span = range[1] - range[0];
+    let color = |v: f64| map.at(if span > 0.0 { (v - range[0]) / span } else { 0.5 });
+    for (t, nodes) in body.triangles.iter().enumerate() {
+        let [a, b, c] = nodes.map(place);
+        let [va, vb, vc] = values.corners(body, t);
+        let flat = color(va);
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        if area == 0.0 {
+            continue;
+        }
+        let pixels = |lo: f64, hi: f64, end: u32| (lo.ceil().max(0.0) as u32)..((hi.floor() + 1.0).clamp(0.0, f64::from(end)) as u32);
+        let low = |d: usize| a[d].min(b[d]).min(c[d]) - 1e-6;
+        let high = |d: usize| a[d].max(b[d]).max(c[d]) + 1e-6;
+        for j in pixels(low(1), high(1), height) {
+            for i in pixels(low(0), high(0), width) {
+                let (x, y) = (f64::from(i), f64::from(j));
+                let sb = ((x - a[0]) * (c[1] - a[1]) - (y - a[1]) * (c[0] - a[0])) / area;
+                let sc = ((b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0])) / area;
+                let sa = 1.0 - sb - sc;
+                // A pixel on an edge belongs to both triangles: no gaps between them.
+                if sa.min(sb).min(sc) < -1e-6 {
+                    continue;
+                }
+                let [red, green, blue] = match values {
+                    Values::Nodes(_) => color(sa * va + sb * vb + sc * vc),
+                    Values::Cells(_) => flat,
+                };
+                let at = 4 * (j as usize * width as usize + i as usize);
+                rgba[at..at + 4].copy_from_slice(&[red, green, blue, 255]);
+            }
+        }
+    }
+    Image { width, height, rgba }
+}
+
+/// Pieces of the line on which a nodal field has a value, one a triangle at most.
+pub(super) fn level_line(body: &Body, values: &[f64], level: f64) -> Vec<[[f64; 2]; 2]> {
+    let mut pieces = Vec::new();
+    for nodes in &body.triangles {
+        let mut ends = Vec::with_capacity(2);
+        for (i, j) in [(0, 1), (1, 2), (2, 0)] {
+            let (m, n) = (nodes[i] as usize, nodes[j] as usize);
+            let (v, w) = (values[m] - level, values[n] - level);
+            // A corner at the level counts as above it, so that a line leaves a triangle where it enters the next.
+            if (v < 0.0) != (w < 0.0) {
+                let s = v / (v - w);
+                let (p, q) = (body.points[m], body.points[n]);
+                ends.push([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])]);
+            }
+        }
+        if let [a, b] = ends[..] {
+            pieces.push([a, b]);
+        }
+    }
+    pieces
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonal, Mesh};
+
+    type Outcome = Result<(), Box<dyn std::error::Error>>;
+
+    fn pixel(image: &Image, i: u32, j: u32) -> [u8; 4] {
+        let at = 4 * (j * image.width + i) as usize;
+        [image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]]
+    }
+
+    #[test]
+    fn a_linear_nodal_field_has_the_colours_of_its_values() -> Outcome {
+        let body = Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [6, 3], Diagonal::Crossed)?)?;
+        let f = |x: f64, y: f64| 3.0 * x - y;
+        let values: Vec<f64> = body.points.iter().map(|p| f(p[0], p[1])).collect();
+        let image = image(&body, Values::Nodes(&values), ColorMap::Viridis, [-1.0, 6.0], 80, 40);
+        for i in 0..80 {
+            for j in 0..40 {
+                let value = f((f64::from(i) + 0.5) / 40.0, 1.0 - (f64::from(j) + 0.5) / 40.0);
+                let expected = ColorMap::Viridis.at((value + 1.0) / 7.0);
+                let found = pixel(&image, i, j);
+                assert_eq!(found[3], 255, "pixel {i}, {j} is not covered");
+                assert!((0..3).all(|c| found[c].abs_diff(expected[c]) <= 1), "pixel {i}, {j}: {found:?}, expected {expected:?}");
+            }
+        }
+        Ok(())
+    }
+
+    #[test]
+    fn a_cell_field_is_flat_and_outside_is_transparent() -> Outcome {
+        let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let body = Body::new(points, [[0u32, 1, 2].as_slice()])?;
+        let image = image(&body, Values::Cells(&[5.0]), ColorMap::Inferno, [0.0, 10.0], 20, 20);
+        let [r, g, b] = ColorMap::Inferno.at(0.5);
+        assert_eq!(pixel(&image, 3, 15), [r, g, b, 255]);
+        assert_eq!(pixel(&image, 15, 3), [0, 0, 0, 0]);
+        Ok(())
+    }
+
+    #[test]
+    fn level_lines_lie_on_the_level_and_join() -> Outcome {
+        let body = Body::of_mesh(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?)?;
+        let values: Vec<f64> = body.points.iter().map(|p| p[0] + p[1]).collect();
+        let pieces = level_line(&body, &values, 0.77);
+        let length: f64 = pieces.iter().map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum();
+        assert!((length - 0.77 * 2f64.sqrt()).abs() < 1e-12);
+        assert!(pieces.iter().flatten().all(|p| (p[0] + p[1] - 0.77).abs() < 1e-12));
+        assert!(level_line(&body, &values, 3.0).is_empty());
+        Ok(())
+    }
+}

@@ -1,0 +1,124 @@
+//! Panels with equal scales in x and y, side by side or, where they are wide, above each other.
+
+use super::axes::{self, HEADING, LABEL, NUMBER, Scale, TITLE};
+use super::color::{INK, SOFT};
+use super::picture::{Anchor, Picture, Rect};
+use super::{Options, font, ticks};
+
+/// What a panel is to show.
+#[derive(Clone, Debug)]
+pub(super) struct Plan {
+    pub title: String,
+    /// A line below the title; empty for none.
+    pub note: String,
+    /// Ranges of x and y.
+    pub window: [[f64; 2]; 2],
+}
+
+/// Room beside the panels of a sheet.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Room {
+    pub right: f64,
+    pub below: f64,
+    /// Between the title and the panels.
+    pub above: f64,
+}
+
+/// A panel in a picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame {
+    pub rect: Rect,
+    pub x: Scale,
+    pub y: Scale,
+}
+
+impl Frame {
+    pub(super) fn at(&self, p: &[f64; 2]) -> [f64; 2] {
+        [self.x.at(p[0]), self.y.at(p[1])]
+    }
+    pub(super) fn all<'p>(&self, points: impl IntoIterator<Item = &'p [f64; 2]>) -> Vec<[f64; 2]> {
+        points.into_iter().map(|p| self.at(p)).collect()
+    }
+}
+
+const MARGIN: f64 = 16.0;
+
+/// A range widened by a share of the larger of both ranges.
+pub(super) fn widened([x, y]: [[f64; 2]; 2], share: f64) -> [[f64; 2]; 2] {
+    let size = (x[1] - x[0]).max(y[1] - y[0]);
+    let room = share * if size > 0.0 { size } else { 1.0 };
+    [x, y].map(|r| [r[0] - room, r[1] + room])
+}
+
+/// Whether windows are so wide that their panels stand above each other.
+pub(super) fn is_wide(plans: &[Plan]) -> bool {
+    plans.iter().any(|plan| size(plan)[0] > 2.2 * size(plan)[1])
+}
+
+fn size(plan: &Plan) -> [f64; 2] {
+    plan.window.map(|r| (r[1] - r[0]).max(f64::MIN_POSITIVE))
+}
+
+/// Lays out the panels and draws titles, borders, marks and labels.
+pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options) -> (Picture, Vec<Frame>) {
+    let wide = is_wide(plans);
+    let longest = if wide {
+        720.0
+    } else if plans.len() == 1 {
+        440.0
+    } else {
+        350.0
+    };
+    // Whole units, so that frames and images meet the pixels.
+    let extent = |plan: &Plan| {
+        let size = size(plan);
+        let scale = longest / size[0].max(size[1]);
+        size.map(|s| (s * scale).round().max(24.0))
+    };
+    let marks = |range: [f64; 2], length: f64, each: f64| ticks::linear(range[0], range[1], ((length / each) as usize).clamp(2, 7));
+    let plan_ticks = |plan: &Plan| {
+        let [w, h] = extent(plan);
+        [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
+    };
+    // Left of a frame: a label that runs upwards and the numbers.
+    let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
+    let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
+    let headings = if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
+    let below = 8.0 + NUMBER + 6.0 + LABEL + room.below;
+    let cell = |plan: &Plan| {
+        let text = font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
+        let [w, h] = extent(plan);
+        [(left + w.max(text - room.right) + room.right + MARGIN).ceil(), (headings + h + below).ceil()]
+    };
+    let top = (MARGIN + TITLE + 10.0 + room.above).ceil();
+    let cells: Vec<[f64; 2]> = plans.iter().map(cell).collect();
+    let (sum, most) = (|d: usize| cells.iter().map(|c| c[d]).sum::<f64>(), |d: usize| cells.iter().map(|c| c[d]).fold(0.0, f64::max));
+    let [inner_width, inner_height] = if wide { [most(0), sum(1)] } else { [sum(0), most(1)] };
+    let width = (MARGIN + inner_width).max(font::width(title, TITLE) + 2.0 * MARGIN);
+    let mut picture = Picture::new(width, top + inner_height + MARGIN, title);
+    picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
+
+    let mut corner = [MARGIN + ((width - MARGIN - inner_width) / 2.0).floor(), top];
+    let tallest = plans.iter().map(|plan| extent(plan)[1]).fold(0.0, f64::max);
+    let mut frames = Vec::new();
+    for (plan, cell) in plans.iter().zip(&cells) {
+        let [w, h] = extent(plan);
+        let lowered = if wide { 0.0 } else { tallest - h };
+        let rect = Rect { x: corner[0] + left, y: corner[1] + headings + lowered, width: w, height: h };
+        let frame = Frame { rect, x: Scale::new(plan.window[0], [rect.x, rect.right()]), y: Scale::new(plan.window[1], [rect.bottom(), rect.y]) };
+        let middle = rect.x + 0.5 * w;
+        let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
+        picture.text([middle, rect.y - 8.0 - note_height], HEADING, Anchor::Middle, INK, &plan.title);
+        picture.text([middle, rect.y - 7.0], NUMBER, Anchor::Middle, SOFT, &plan.note);
+        let [x_ticks, y_ticks] = plan_ticks(plan);
+        axes::x_marks(&mut picture, rect, &frame.x, &x_ticks, false, true);
+        axes::y_marks(&mut picture, rect, &frame.y, &y_ticks, false);
+        axes::border(&mut picture, rect);
+        let label = |name: &str, exponent: i32| axes::with_unit(name, exponent, options.unit("m"));
+        picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, label("x", x_ticks.exponent));
+        picture.text_upwards([corner[0] + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label("y", y_ticks.exponent));
+        frames.push(frame);
+        corner[usize::from(wide)] += cell[usize::from(wide)];
+    }
+    (picture, frames)
+}

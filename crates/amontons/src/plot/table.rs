@@ -1,0 +1,70 @@
+//! Reads the tables of a results folder: comma-separated values under a line of names.
+
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+use super::PlotError;
+
+/// The text of a file.
+pub(super) fn text(path: &Path) -> Result<String, PlotError> {
+    std::fs::read_to_string(path).map_err(|source| PlotError::Read { path: path.to_owned(), source })
+}
+
+/// A table with named columns.
+#[derive(Clone, Debug)]
+pub(super) struct Table {
+    path: PathBuf,
+    names: Vec<String>,
+    rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    pub(super) fn read(path: &Path) -> Result<Table, PlotError> {
+        let text = text(path)?;
+        let cut = |line: &str| line.split(',').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
+        let mut lines = text.lines();
+        let names = lines.next().map(cut).unwrap_or_default();
+        let mut table = Table { path: path.to_owned(), names, rows: Vec::new() };
+        for line in lines.filter(|line| !line.trim().is_empty()) {
+            let row = cut(line);
+            if row.len() != table.names.len() {
+                return Err(table.fault(table.rows.len(), &format!("{} values under {} names", row.len(), table.names.len())));
+            }
+            table.rows.push(row);
+        }
+        Ok(table)
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub(super) fn names(&self) -> &[String] {
+        &self.names
+    }
+
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|n| n == name)
+    }
+
+    fn fault(&self, row: usize, what: &str) -> PlotError {
+        PlotError::Format { path: self.path.clone(), what: format!("row {}: {what}", row + 1) }
+    }
+
+    /// The cells of a column.
+    pub(super) fn column<T: FromStr>(&self, name: &str) -> Result<Vec<T>, PlotError> {
+        let missing = || PlotError::Format { path: self.path.clone(), what: format!("it has no column {name}") };
+        let c = self.names.iter().position(|n| n == name).ok_or_else(missing)?;
+        let cell = |(r, row): (usize, &Vec<String>)| row[c].parse().map_err(|_| self.fault(r, &format!("{name} is `{}`", row[c])));
+        self.rows.iter().enumerate().map(cell).collect()
+    }
+
+    /// A column of finite numbers.
+    pub(super) fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        let values: Vec<f64> = self.column(name)?;
+        match values.iter().position(|v| !v.is_finite()) {
+            Some(row) => Err(self.fault(row, &format!("{name} is {}", values[row]))),
+            None => Ok(values),
+        }
+    }
+}
