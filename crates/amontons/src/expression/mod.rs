@@ -154,20 +154,21 @@ impl Expression {
     ///
     /// A function in pieces has the derivative of the piece that gives the value:
     ///
-    /// | function                             | derivative                                         |
-    /// |--------------------------------------|----------------------------------------------------|
-    /// | comparisons, `sign` `step` `floor` `ceil` | 0, also at the jumps                          |
-    /// | `abs(a)`                             | that of `a` times `sign(a)`, at the kink 0         |
-    /// | `min` `max`                          | that of the argument chosen, the last among equals |
-    /// | `if(c, a, b)`                        | that of `a` or `b`; the condition has no part      |
-    /// | `mod(a, b)`                          | that of `a - n*b` with `n = floor(a/b)` held fixed |
-    /// | `a^b`                                | by `a`: 0 if `b` is 0                              |
+    /// | function                                  | derivative                                         |
+    /// |-------------------------------------------|----------------------------------------------------|
+    /// | comparisons, `sign` `step` `floor` `ceil` | 0, also at the jumps                               |
+    /// | `abs(a)`                                  | that of `a` times `sign(a)`, at the kink 0         |
+    /// | `min` `max`                               | that of the argument chosen, the last among equals |
+    /// | `if(c, a, b)`                             | that of `a` or `b`; the condition has no part      |
+    /// | `mod(a, b)`                               | that of `a - n*b` with `n = floor(a/b)` held fixed |
+    /// | `a^b`                                     | by `a`: 0 if `b` is 0                              |
     ///
     /// What does not change to first order does not change what is computed from it: `sqrt(x^2)`
     /// and `sqrt(x^2 + y^2)` have the derivative 0 at the origin. A factor that vanishes outweighs
     /// the infinite slope of the other: `x*sqrt(x)` has the derivative 0 at 0. An operand that is
     /// infinite, as after an overflow, counts as constant where the function levels out:
-    /// `1/(1 + exp(x))` has the derivative 0 at 1000.
+    /// `1/(1 + exp(x))` has the derivative 0 at 1000. These rules do not see a singularity
+    /// that the next operation undoes: they give 0 for `1/(1/x)` and `(x^3)^(1/3)` at 0.
     ///
     /// A derivative is infinite where the slope is, as for `sqrt(x)` at 0. It is NaN where the
     /// value is, and where the rules lead to no number: for `atan2` at the origin, for a variable

@@ -225,6 +225,9 @@ fn ends_of_the_domain_and_overflow() {
         ("tanh(exp(x))", 1000.0, 0.0),
         ("exp(-exp(x))", 1000.0, 0.0),
         ("exp(x)", 1000.0, INFINITY),
+        // The rules do not see that the singularity is undone.
+        ("1/(1/x)", 0.0, 0.0),
+        ("(x^3)^(1/3)", 0.0, 0.0),
     ] {
         assert_eq!(slope(source, x), exact, "{source} at {x}");
     }
@@ -282,7 +285,7 @@ fn derivatives_agree_with_the_differences_of_random_trees() {
     let compared = Cell::new(0);
     let cases = 4000;
     let config = ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(1699), ..ProptestConfig::with_cases(cases) };
-    let strategy = (tree(), [-3.0..3.0, -3.0..3.0, -3.0..3.0], -3.0..3.0);
+    let strategy = (tree::moderate_tree(), [-3.0..3.0, -3.0..3.0, -3.0..3.0], -3.0..3.0);
     TestRunner::new(config)
         .run(&strategy, |(tree, x, t)| {
             let text = tree.text(0);
@@ -300,7 +303,7 @@ fn derivatives_agree_with_the_differences_of_random_trees() {
             Ok(())
         })
         .unwrap();
-    assert!(compared.get() > cases / 4, "only {} of the derivatives were compared", compared.get());
+    assert!(compared.get() > cases / 2, "only {} of the derivatives were compared", compared.get());
 }
 
 proptest! {

@@ -77,7 +77,8 @@ impl Tree {
         }
     }
 
-    /// The largest magnitude among the values of all parts, infinite if one of them is NaN.
+    /// The largest magnitude among the values of all parts, infinite if one of them is NaN. The
+    /// frequency of `mod` counts as well, at a hundred times its value.
     pub(super) fn largest(&self, x: &[f64; 3], t: f64) -> f64 {
         let value = self.value(x, t).abs();
         let parts: Vec<&Tree> = match self {
@@ -86,7 +87,11 @@ impl Tree {
             Tree::Infix(_, a, b) => vec![a, b],
             Tree::Call(_, arguments) => arguments.iter().collect(),
         };
-        let own = if value.is_nan() { f64::INFINITY } else { value };
+        let frequency = match self {
+            Tree::Call("mod", arguments) => 100.0 / arguments[1].value(x, t).abs(),
+            _ => 0.0,
+        };
+        let own = if value.is_nan() { f64::INFINITY } else { value.max(frequency) };
         parts.into_iter().map(|part| part.largest(x, t)).fold(own, f64::max)
     }
 }
@@ -110,6 +115,9 @@ fn power(a: f64, b: f64) -> f64 {
 fn call(name: &str, values: &[f64]) -> f64 {
     match (name, values) {
         ("sin", [a]) => a.sin(),
+        ("cos", [a]) => a.cos(),
+        ("tanh", [a]) => a.tanh(),
+        ("atan", [a]) => a.atan(),
         ("exp", [a]) => a.exp(),
         ("log", [a]) => a.ln(),
         ("sqrt", [a]) => a.sqrt(),
@@ -140,6 +148,28 @@ fn call(name: &str, values: &[f64]) -> f64 {
     }
 }
 
+const CALLS: [(&str, usize); 18] = [
+    ("sin", 1),
+    ("cos", 1),
+    ("tanh", 1),
+    ("atan", 1),
+    ("exp", 1),
+    ("log", 1),
+    ("sqrt", 1),
+    ("floor", 1),
+    ("abs", 1),
+    ("sign", 1),
+    ("step", 1),
+    ("atan2", 2),
+    ("pow", 2),
+    ("mod", 2),
+    ("if", 3),
+    ("min", 2),
+    ("min", 4),
+    ("max", 3),
+];
+
+/// Expressions of every kind, of which many have no finite value.
 pub(super) fn tree() -> impl Strategy<Value = Tree> {
     let leaf = prop_oneof![
         (0_u8..20).prop_map(|n| Tree::Number(f64::from(n))),
@@ -147,27 +177,23 @@ pub(super) fn tree() -> impl Strategy<Value = Tree> {
         any::<f64>().prop_filter_map("finite", |v| { v.is_finite().then_some(Tree::Number(v.abs())) }),
         prop::sample::select(vec!["x", "y", "z", "t", "x", "y", "z", "t", "pi", "e"]).prop_map(Tree::Name),
     ];
-    leaf.prop_recursive(6, 80, 4, |inner| {
+    grown(leaf, &["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!="], 6)
+}
+
+/// Expressions of which many vary with the variables, and moderately.
+pub(super) fn moderate_tree() -> impl Strategy<Value = Tree> {
+    let leaf = prop_oneof![
+        1 => (0_u8..4).prop_map(|n| Tree::Number(f64::from(n))),
+        1 => (0.1..4.0).prop_map(Tree::Number),
+        8 => prop::sample::select(vec!["x", "y", "z", "t"]).prop_map(Tree::Name),
+    ];
+    grown(leaf, &["+", "+", "+", "-", "-", "-", "*", "*", "*", "/", "/", "^", "<", ">="], 4)
+}
+
+fn grown(leaf: impl Strategy<Value = Tree> + 'static, infix: &'static [&str], depth: u32) -> impl Strategy<Value = Tree> {
+    leaf.prop_recursive(depth, 80, 4, move |inner| {
         let boxed = inner.clone().prop_map(Box::new).boxed();
-        let infix = vec!["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!="];
-        let calls = vec![
-            ("sin", 1),
-            ("exp", 1),
-            ("log", 1),
-            ("sqrt", 1),
-            ("floor", 1),
-            ("abs", 1),
-            ("sign", 1),
-            ("step", 1),
-            ("atan2", 2),
-            ("pow", 2),
-            ("mod", 2),
-            ("if", 3),
-            ("min", 2),
-            ("min", 4),
-            ("max", 3),
-        ];
-        let call = prop::sample::select(calls)
+        let call = prop::sample::select(&CALLS[..])
             .prop_flat_map(move |(name, count)| prop::collection::vec(inner.clone(), count).prop_map(move |arguments| Tree::Call(name, arguments)));
         prop_oneof![
             1 => boxed.clone().prop_map(Tree::Negate),
