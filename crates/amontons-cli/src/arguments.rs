@@ -25,6 +25,9 @@ pub enum Command {
     Run {
         /// The case file
         case: PathBuf,
+        /// Draw the results too
+        #[arg(long)]
+        plot: bool,
         #[command(flatten)]
         common: Common,
     },
@@ -39,6 +42,44 @@ pub enum Command {
     Check {
         /// The case file
         case: PathBuf,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Convergence study with observed orders
+    Converge {
+        /// The case file
+        case: PathBuf,
+        #[command(flatten)]
+        study: StudyArguments,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// Draw a finished run or study
+    Plot {
+        /// The results folder
+        dir: PathBuf,
+        /// Leave out the SI units: the case is dimensionless
+        #[arg(long)]
+        dimensionless: bool,
+        /// Factor of the displacement in the picture of the deformed body [default: a nice one]
+        #[arg(long, value_name = "F")]
+        scale: Option<f64>,
+    },
+    /// Run the shipped benchmarks, or recompute the figures of a results folder
+    Verify {
+        /// Names of benchmarks, or results folders [default: all benchmarks]
+        names: Vec<String>,
+        #[command(flatten)]
+        common: Common,
+    },
+    /// The paper's figures for three readings of its tensors, with a report
+    Reproduce {
+        /// Levels of the convergence studies: cells per side
+        #[arg(long, value_delimiter = ',', default_values_t = [16, 32, 64, 128])]
+        levels: Vec<usize>,
+        /// Level of the reference solution
+        #[arg(long, default_value_t = 256)]
+        reference: usize,
         #[command(flatten)]
         common: Common,
     },
@@ -57,6 +98,35 @@ pub enum Command {
 }
 
 #[derive(Debug, Args)]
+pub struct StudyArguments {
+    /// Levels, coarsest first: cells per side, or steps where time is varied
+    #[arg(long, value_delimiter = ',', required = true, value_name = "N,N,…")]
+    pub levels: Vec<usize>,
+    /// Level of the reference solution [default: the finest level]
+    #[arg(long, value_name = "N")]
+    pub reference: Option<usize>,
+    /// Compare with the closed form in `[exact]` of the case
+    #[arg(long, conflicts_with = "reference")]
+    pub exact: bool,
+    /// What is refined
+    #[arg(long, value_enum, default_value_t = VaryArgument::Both)]
+    pub vary: VaryArgument,
+    /// Make a study for each of these values, each in a folder of its own; repeatable
+    #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
+    pub each: Vec<String>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum VaryArgument {
+    /// Mesh and step together
+    Both,
+    /// The mesh
+    Space,
+    /// The step
+    Time,
+}
+
+#[derive(Clone, Debug, Args)]
 pub struct Common {
     /// Results folder [default: results/<case name>; of `resume`: the folder of the run]
     #[arg(long, value_name = "DIR")]
@@ -90,8 +160,13 @@ impl Command {
     /// In what form messages are printed.
     pub fn format(&self) -> Format {
         match self {
-            Command::Run { common, .. } | Command::Resume { common, .. } | Command::Check { common, .. } => common.format,
-            Command::Schema | Command::New { .. } | Command::Completions { .. } => Format::Text,
+            Command::Run { common, .. }
+            | Command::Resume { common, .. }
+            | Command::Check { common, .. }
+            | Command::Converge { common, .. }
+            | Command::Verify { common, .. }
+            | Command::Reproduce { common, .. } => common.format,
+            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => Format::Text,
         }
     }
 }

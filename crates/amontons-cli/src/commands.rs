@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use amontons::case::{self, Case};
 use amontons::output::{Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
+use amontons::plot;
 use amontons::run::{self, RunError, Settings};
 use clap::CommandFactory;
 
@@ -15,6 +16,7 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::Progress;
 use crate::status::Failure;
+use crate::{converge, reproduce, verify};
 
 /// Exit code after a second Ctrl-C.
 const KILLED: i32 = 130;
@@ -22,9 +24,13 @@ const KILLED: i32 = 130;
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, common } => start(&case, &common),
+        Command::Run { case, plot, common } => start(&case, plot, &common),
         Command::Resume { dir, common } => resume(&dir, &common),
         Command::Check { case, common } => check(&case, &common),
+        Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
+        Command::Plot { dir, dimensionless, scale } => draw(&dir, &plot::Options { dimensionless, scale_factor: scale, ..plot::Options::default() }, false),
+        Command::Verify { names, common } => verify::execute(&names, &common),
+        Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::New { file } => new(&file),
         Command::Completions { shell } => {
@@ -35,11 +41,21 @@ pub fn execute(command: Command) -> Result<(), Failure> {
     }
 }
 
-fn start(file: &Path, common: &Common) -> Result<(), Failure> {
+/// Draws what a folder holds and tells where the pictures are.
+fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure> {
+    let paths = plot::folder(dir, options)?;
+    if quiet {
+        return Ok(());
+    }
+    Ok(print::text(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?)
+}
+
+fn start(file: &Path, pictures: bool, common: &Common) -> Result<(), Failure> {
     let case = case::read(file, &common.set)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
     let mut folder = Folder::create(&out, options(&case, common))?;
-    drive(&case, None, &mut folder, &out, common)
+    drive(&case, None, &mut folder, &out, common)?;
+    if pictures { draw(&out, &plot::Options::default(), common.quiet || common.format == Format::Json) } else { Ok(()) }
 }
 
 fn resume(dir: &Path, common: &Common) -> Result<(), Failure> {
@@ -97,7 +113,7 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
 }
 
 /// A flag that Ctrl-C sets; a second Ctrl-C ends the program at once.
-fn interrupt_flag() -> Arc<AtomicBool> {
+pub fn interrupt_flag() -> Arc<AtomicBool> {
     let flag = Arc::new(AtomicBool::new(false));
     let set = Arc::clone(&flag);
     // Where there is no handler to be had, Ctrl-C ends the program at once: checkpoints are written all the same.

@@ -2,10 +2,13 @@
 
 mod arguments;
 mod commands;
+mod converge;
 mod faults;
 mod print;
 mod progress;
+mod reproduce;
 mod status;
+mod verify;
 
 use std::process::ExitCode;
 

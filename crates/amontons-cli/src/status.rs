@@ -4,8 +4,10 @@ use std::io;
 use std::path::PathBuf;
 use std::process::ExitCode;
 
-use amontons::case::CaseError;
+use amontons::case::{CaseError, StudyRequestError};
+use amontons::convergence::StudyError;
 use amontons::output::{CheckpointError, OutputError, Summary};
+use amontons::plot::PlotError;
 use amontons::run::RunError;
 use amontons::scheme::SetupError;
 use serde_json::{Value, json};
@@ -23,6 +25,19 @@ pub enum Failure {
     },
     Output(OutputError),
     Checkpoint(CheckpointError),
+    /// A study that did not come to its end.
+    Study {
+        error: StudyError,
+        folder: PathBuf,
+    },
+    /// A study that cannot be made of the case.
+    Request(String),
+    /// Arguments that say nothing that can be done.
+    Usage(String),
+    /// Values that do not hold.
+    Verification(String),
+    /// A picture that cannot be drawn.
+    Plot(PlotError),
     /// A file that is not to be replaced.
     Exists(PathBuf),
     /// Standard output cannot be written.
@@ -32,6 +47,21 @@ pub enum Failure {
 impl From<CaseError> for Failure {
     fn from(error: CaseError) -> Failure {
         Failure::Case(error)
+    }
+}
+
+impl From<StudyRequestError> for Failure {
+    fn from(error: StudyRequestError) -> Failure {
+        match error {
+            StudyRequestError::Case(error) => Failure::Case(error),
+            StudyRequestError::Request { .. } => Failure::Request(error.to_string()),
+        }
+    }
+}
+
+impl From<PlotError> for Failure {
+    fn from(error: PlotError) -> Failure {
+        Failure::Plot(error)
     }
 }
 
@@ -55,6 +85,7 @@ impl From<io::Error> for Failure {
 
 /// Kind in JSON and exit code.
 type Class = (&'static str, u8);
+const CHECK: Class = ("check", 1);
 const USAGE: Class = ("usage", 2);
 const CASE: Class = ("case", 2);
 const SOLVER: Class = ("solver", 3);
@@ -65,7 +96,15 @@ impl Failure {
     fn class(&self) -> Class {
         match self {
             Failure::Case(CaseError::Faults { .. }) => CASE,
-            Failure::Output(OutputError::HoldsResults { .. }) | Failure::Exists(_) => USAGE,
+            Failure::Output(OutputError::HoldsResults { .. }) | Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
+            Failure::Verification(_) => CHECK,
+            Failure::Plot(_) => FILE,
+            Failure::Study { error, .. } => match error {
+                StudyError::Interrupted => INTERRUPTED,
+                StudyError::Setup { source: SetupError::Initial(_), .. } => CASE,
+                StudyError::Times { .. } | StudyError::Transfer { .. } => USAGE,
+                StudyError::Setup { .. } | StudyError::Step { .. } => SOLVER,
+            },
             Failure::Case(CaseError::Read { .. }) | Failure::Output(_) | Failure::Print(_) => FILE,
             Failure::Checkpoint(error) => of_checkpoint(error),
             Failure::Run { error, .. } => match error {
@@ -85,6 +124,12 @@ impl Failure {
             Failure::Run { error, .. } => error.to_string(),
             Failure::Output(error) => error.to_string(),
             Failure::Checkpoint(error) => error.to_string(),
+            Failure::Study { error: StudyError::Interrupted, folder } => {
+                format!("interrupted; finished levels are in {} and are taken as they are by the same command", folder.display())
+            }
+            Failure::Study { error, .. } => error.to_string(),
+            Failure::Request(message) | Failure::Usage(message) | Failure::Verification(message) => message.clone(),
+            Failure::Plot(error) => error.to_string(),
             Failure::Exists(path) => format!("{} is there already; give another name", path.display()),
             Failure::Print(error) => format!("cannot write to standard output: {error}"),
         }

@@ -74,7 +74,7 @@ pub fn resume(problem: &Problem, from: Checkpoint, settings: &Settings, sinks: &
 
 fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
     let begin = Instant::now();
-    let pool = pool(settings)?;
+    let pool = pool(settings.threads)?;
     let backend = Timed::new(&Supernodal);
     let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, &backend))?;
     let [displacement, temperature, contact] = scheme.unknowns();
@@ -135,10 +135,18 @@ fn interrupted(settings: &Settings) -> bool {
     settings.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
-fn pool(settings: &Settings) -> Result<Option<ThreadPool>, RunError> {
-    let Some(threads) = settings.threads else { return Ok(None) };
+fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
+    let Some(threads) = threads else { return Ok(None) };
     let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     built.map(Some).map_err(|error| RunError::Threads { threads, message: error.to_string() })
+}
+
+/// Computes with so many threads, or those at hand.
+///
+/// # Errors
+/// [`RunError::Threads`] when they cannot be started.
+pub fn with_threads<T: Send>(threads: Option<usize>, compute: impl FnOnce() -> T + Send) -> Result<T, RunError> {
+    Ok(within(pool(threads)?.as_ref(), compute))
 }
 
 /// Computes in a pool of its own, so that nothing global is set.

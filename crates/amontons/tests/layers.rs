@@ -15,9 +15,8 @@ const LAYERS: &[&[&str]] = &[
     &["forms"],
     &["scheme"],
     &["convergence"],
-    &["output"],
-    &["run", "plot"],
-    &["case"],
+    &["output", "plot"],
+    &["run", "case"],
     &["contract", "verify"],
 ];
 

@@ -80,8 +80,16 @@ pub struct Expected {
 /// # Errors
 /// [`CaseError::Read`] when the file cannot be read, [`CaseError::Faults`] when it, or an override, has faults.
 pub fn read(path: &std::path::Path, overrides: &[String]) -> Result<Case, CaseError> {
+    parse(&source(path)?, overrides)
+}
+
+/// The text of a case file with its name.
+///
+/// # Errors
+/// [`CaseError::Read`] when the file cannot be read.
+pub fn source(path: &std::path::Path) -> Result<Source, CaseError> {
     let text = read::text(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
-    parse(&Source { name: path.display().to_string(), text }, overrides)
+    Ok(Source { name: path.display().to_string(), text })
 }
 
 /// Reads a case from its text; overrides are given as `KEY=VALUE`.

@@ -151,6 +151,16 @@ pub enum StudyError {
 }
 
 impl Study {
+    /// Steps of all levels and of the reference.
+    #[must_use]
+    pub fn steps(&self) -> usize {
+        let reference = match &self.reference {
+            Reference::Level(level) => level.problem.steps,
+            Reference::Exact(_) => 0,
+        };
+        self.levels.iter().map(|level| level.problem.steps).sum::<usize>() + reference
+    }
+
     /// Solves all levels and compares them.
     ///
     /// # Errors

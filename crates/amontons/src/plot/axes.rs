@@ -147,6 +147,12 @@ pub(super) fn flow(entries: &[(Sign, String)], width: f64) -> (Vec<(f64, usize)>
     (places, line + 1)
 }
 
+/// Width of a legend in one line.
+pub(super) fn line_width(entries: &[(Sign, String)]) -> f64 {
+    let (places, _) = flow(entries, f64::INFINITY);
+    entries.last().zip(places.last()).map_or(0.0, |((sign, text), (x, _))| x + sign.width() + font::width(text, LABEL))
+}
+
 /// Height of a line of a legend.
 pub(super) const LEGEND: f64 = 18.0;
 

@@ -3,7 +3,7 @@
 use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
 use super::color::{Color, GREY, INK};
 use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::ticks;
+use super::{font, ticks};
 
 /// A line of a chart.
 #[derive(Clone, Debug)]
@@ -93,7 +93,8 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
     let rooms: Vec<f64> =
         columns.iter().enumerate().map(|(c, column)| (0..column.charts.len()).map(|r| axes::y_room(&marks(c, r))).fold(0.0, f64::max)).collect();
 
-    let total = MARGIN + rooms.iter().map(|room| room + width + MARGIN + 8.0).sum::<f64>();
+    let inner = MARGIN + rooms.iter().map(|room| room + width + MARGIN + 8.0).sum::<f64>();
+    let total = inner.max(font::width(title, TITLE) + 2.0 * MARGIN);
     let mut top = MARGIN + TITLE + 6.0;
     let legend_at = top + LEGEND;
     if !legend.is_empty() {
@@ -126,7 +127,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
     let start = if lines > 1 { MARGIN } else { MARGIN + rooms.first().copied().unwrap_or(0.0) };
     axes::legend(&mut picture, [start, legend_at], total - 2.0 * MARGIN, legend);
 
-    let mut x = MARGIN;
+    let mut x = MARGIN + 0.5 * (total - inner);
     for (c, column) in columns.iter().enumerate() {
         x += rooms[c];
         let scale_x = Scale::new(column.x, [x, x + width]);

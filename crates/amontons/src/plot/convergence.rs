@@ -106,7 +106,8 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
     let own_titles = plots.iter().map(|p| &p.title).any(|t| !t.is_empty());
     let head = if title.is_empty() { 0.0 } else { TITLE + 10.0 } + if own_titles { HEADING + 10.0 } else { 0.0 };
     let frame_y = MARGIN + head + 6.0 + LEGEND * lines as f64;
-    let each = left + WIDTH + MARGIN;
+    let titles = plots.iter().map(|p| font::width(&p.title, if title.is_empty() { TITLE } else { HEADING })).fold(0.0, f64::max);
+    let each = left + WIDTH.max(titles) + MARGIN;
     let total = MARGIN + each * plots.len() as f64;
     let named = if title.is_empty() { plots.first().map_or("", |p| &p.title) } else { title };
     let mut picture = Picture::new(total.max(font::width(title, TITLE) + 2.0 * MARGIN), frame_y + HEIGHT + 30.0 + LABEL + MARGIN, named);
@@ -117,7 +118,7 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
         let scale_x = Scale { values: x_values, places: [frame.x, frame.right()], logarithmic: true };
         let scale_y = Scale { values: y_values, places: [frame.bottom(), frame.y], logarithmic: true };
         let size = if title.is_empty() { TITLE } else { HEADING };
-        picture.text([x + 0.5 * WIDTH, MARGIN + head - 8.0], size, Anchor::Middle, INK, &plot.title);
+        picture.text([x + 0.5 * WIDTH.max(titles), MARGIN + head - 8.0], size, Anchor::Middle, INK, &plot.title);
         axes::legend(&mut picture, [x, frame_y - 8.0 - LEGEND * (axes::flow(entries, WIDTH).1 - 1) as f64], WIDTH, entries);
         axes::x_marks(&mut picture, frame, &scale_x, &level_ticks(&plot.sizes, &scale_x), true, true);
         axes::y_marks(&mut picture, frame, &scale_y, &y_ticks, true);

@@ -59,8 +59,6 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     let plans: Vec<Plan> = panels.iter().zip(windows).map(|(panel, window)| Plan { title: panel.title.to_owned(), note: String::new(), window }).collect();
     let times = if (factor - 1.0).abs() < 1e-9 { "displacement to scale".to_owned() } else { format!("displacement × {}", ticks::number(factor)) };
     let title = title(panels, "deformed mesh", options);
-    let room = Room { right: 8.0, above: LEGEND + 4.0, below: 0.0 };
-    let (mut picture, frames) = sheet::lay_out(&title, &plans, room, options);
     let mut entries = vec![
         (Sign::Line(Stroke::new(REFERENCE, 1.5), None), "undeformed".to_owned()),
         (Sign::Line(Stroke::new(MESH, 1.2), None), format!("deformed, {times}")),
@@ -68,9 +66,11 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     if shapes.iter().any(|s| s.foundation.is_some()) {
         entries.push((Sign::Line(Stroke::new(VERMILION, 2.0), None), "foundation".to_owned()));
     }
-    let at = [frames.first().map_or(16.0, |f| f.rect.x), 16.0 + axes::TITLE + LEGEND];
-    let width = picture.width - at[0];
-    axes::legend(&mut picture, at, width, &entries);
+    let legend_width = axes::line_width(&entries);
+    let room = Room { right: 8.0, above: LEGEND + 4.0, below: 0.0, least: legend_width };
+    let (mut picture, frames) = sheet::lay_out(&title, &plans, room, options);
+    let left = frames.first().map_or(0.0, |f| f.rect.x).min(picture.width - 16.0 - legend_width);
+    axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND], f64::INFINITY, &entries);
     for (shape, frame) in shapes.iter().zip(&frames) {
         draw_shape(&mut picture, frame, shape);
     }

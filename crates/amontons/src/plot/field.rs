@@ -55,9 +55,9 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let wide = sheet::is_wide(&plans);
     let bars: Vec<Bar> = ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, unit, wide)).collect();
     let room = if wide {
-        Room { right: 8.0, below: 46.0, above: 0.0 }
+        Room { right: 8.0, below: 46.0, ..Room::default() }
     } else {
-        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), below: 0.0, above: 0.0 }
+        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
     };
     let (mut picture, frames) = sheet::lay_out(&title(panels, quantity.name, options), &plans, room, options);
     for ((s, bar), frame) in snapshots.iter().zip(&bars).zip(&frames) {

@@ -22,6 +22,8 @@ pub(super) struct Room {
     pub below: f64,
     /// Between the title and the panels.
     pub above: f64,
+    /// The least width of all panels together.
+    pub least: f64,
 }
 
 /// A panel in a picture.
@@ -94,8 +96,8 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options
     let cells: Vec<[f64; 2]> = plans.iter().map(cell).collect();
     let (sum, most) = (|d: usize| cells.iter().map(|c| c[d]).sum::<f64>(), |d: usize| cells.iter().map(|c| c[d]).fold(0.0, f64::max));
     let [inner_width, inner_height] = if wide { [most(0), sum(1)] } else { [sum(0), most(1)] };
-    let width = (MARGIN + inner_width).max(font::width(title, TITLE) + 2.0 * MARGIN);
-    let mut picture = Picture::new(width, top + inner_height + MARGIN, title);
+    let width = (MARGIN + inner_width.max(room.least)).max(font::width(title, TITLE) + 2.0 * MARGIN);
+    let mut picture = Picture::new(width.ceil(), top + inner_height + MARGIN, title);
     picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
 
     let mut corner = [MARGIN + ((width - MARGIN - inner_width) / 2.0).floor(), top];
