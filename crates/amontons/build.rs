@@ -6,9 +6,8 @@ use std::{env, fs, io};
 fn main() -> io::Result<()> {
     println!("cargo::rerun-if-changed=benchmarks");
     let folder = Path::new(&env::var("CARGO_MANIFEST_DIR").map_err(io::Error::other)?).join("benchmarks");
-    let mut names: Vec<String> = fs::read_dir(&folder)?
-        .filter_map(|entry| entry.ok()?.file_name().into_string().ok()?.strip_suffix(".toml").map(str::to_owned))
-        .collect();
+    let mut names: Vec<String> =
+        fs::read_dir(&folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()?.strip_suffix(".toml").map(str::to_owned)).collect();
     names.sort();
     let mut list = String::from("&[\n");
     for name in names {

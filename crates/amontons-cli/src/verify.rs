@@ -39,7 +39,9 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
     }
     let held = verdicts.iter().filter(|v| v.holds).count();
     match common.format {
-        Format::Json => print::json(&serde_json::json!({ "verdicts": verdicts, "failures": failures, "holds": held == verdicts.len() && failures.is_empty() }))?,
+        Format::Json => {
+            print::json(&serde_json::json!({ "verdicts": verdicts, "failures": failures, "holds": held == verdicts.len() && failures.is_empty() }))?;
+        }
         Format::Text if common.quiet => {}
         Format::Text => print::text(&format!("{held} of {} values hold\n", verdicts.len()))?,
     }

@@ -301,7 +301,9 @@ mod tests {
 
     #[test]
     fn every_element_keeps_its_contract() {
-        crate::element::ALL.iter().for_each(|element| assert_element(element));
+        for element in crate::element::ALL {
+            assert_element(element);
+        }
     }
 
     #[test]
@@ -326,7 +328,9 @@ mod tests {
 
     #[test]
     fn every_backend_keeps_its_contract() {
-        crate::linalg::backends().iter().for_each(|backend| assert_backend(backend.as_ref()));
+        for backend in crate::linalg::backends() {
+            assert_backend(backend.as_ref());
+        }
     }
 
     /// A law that declares a monotonicity twice its own.

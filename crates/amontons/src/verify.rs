@@ -77,7 +77,8 @@ pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict
     for (index, check) in block.checks.iter().enumerate() {
         let (what, computed, is) = match check {
             Check::Probe { field, at, time, is } => {
-                let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no value at ({}, {}), t = {time}", at[0], at[1])))?;
+                let value =
+                    recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no value at ({}, {}), t = {time}", at[0], at[1])))?;
                 (format!("{} at ({}, {}), t = {time}", field.name(), at[0], at[1]), value, is)
             }
             Check::History { column, time, take, is } => {
@@ -215,7 +216,14 @@ impl<'a> Recorder<'a> {
     fn new(case: &'a Case) -> Recorder<'a> {
         let checks = case.verify.iter().flat_map(|v| v.checks.iter().enumerate());
         let probes = checks.filter(|(_, c)| matches!(c, Check::Probe { .. })).map(|(i, _)| (i, Vec::new())).collect();
-        Recorder { case, locator: Locator::new(&case.problem.mesh), columns: history_columns(case.problem.mesh.dim), times: Vec::new(), history: Vec::new(), probes }
+        Recorder {
+            case,
+            locator: Locator::new(&case.problem.mesh),
+            columns: history_columns(case.problem.mesh.dim),
+            times: Vec::new(),
+            history: Vec::new(),
+            probes,
+        }
     }
 
     fn record(&mut self, state: &State) {

@@ -1,12 +1,13 @@
 //! The condensed solution against a plain one: full sparse Newton, factorized anew in every iteration,
 //! written for the flat bottom of the paper's square and sharing nothing with the engine but the matrices.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
 
 mod common;
 
 use amontons::linalg::{BlockMatrix, Supernodal};
 use amontons::scheme::{BackwardEuler, Scheme, State};
-use faer::linalg::solvers::Solve;
 use common::paper;
+use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
 fn triplets(matrix: &BlockMatrix, free: &[bool]) -> Vec<Triplet<usize, usize, f64>> {

@@ -1,4 +1,5 @@
 //! The study of (5.2) against an independent program: `reference/convergence.csv`.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
 
 mod common;
 
@@ -35,7 +36,11 @@ fn assert_table(name: &str, foundation: &str) {
         for (what, found, expected) in
             [("w", row.error_w, number(5)), ("u", row.error_u, number(6)), ("θ", row.error_theta, number(7)), ("E", row.error, number(8))]
         {
-            assert!((found - expected).abs() <= 1e-6 * expected, "{name}, θ_F = {foundation}, level {}: {what} = {found:.10e}, expected {expected:.10e}", row.level);
+            assert!(
+                (found - expected).abs() <= 1e-6 * expected,
+                "{name}, θ_F = {foundation}, level {}: {what} = {found:.10e}, expected {expected:.10e}",
+                row.level
+            );
         }
         compared += 1;
     }

@@ -1,4 +1,5 @@
 //! The modules in the order of their dependence: each uses only those before it.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
 
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -19,19 +19,6 @@ pub struct Bound {
     pub by_slip_speed: f64,
 }
 
-impl Bound {
-    /// `factor` times the bound.
-    #[must_use]
-    pub fn scaled(&self, factor: f64) -> Bound {
-        Bound {
-            value: factor * self.value,
-            by_penetration: factor * self.by_penetration,
-            by_pressure: factor * self.by_pressure,
-            by_slip_speed: factor * self.by_slip_speed,
-        }
-    }
-}
-
 /// The bound of the friction traction; the projection onto it is not the law's.
 pub trait FrictionLaw: Debug + Send + Sync {
     /// The bound at a point.

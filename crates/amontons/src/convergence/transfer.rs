@@ -315,7 +315,7 @@ mod tests {
         let coarse = Mesh::rectangle([1.0, 1.0], [4, 4], Diagonal::Right)?;
         let locator = Locator::new(&coarse);
         assert!(nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?, &locator));
-        assert!(nested(&Mesh::rectangle([1.0, 1.0], [12, 8], Diagonal::Right)?, &locator) == false);
+        assert!(!nested(&Mesh::rectangle([1.0, 1.0], [12, 8], Diagonal::Right)?, &locator));
         assert!(!nested(&Mesh::rectangle([1.0, 1.0], [6, 6], Diagonal::Right)?, &locator));
         assert!(!nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Left)?, &locator));
         Ok(())

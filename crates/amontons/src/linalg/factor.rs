@@ -10,8 +10,8 @@ use std::fmt::Debug;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Par, Side};
 use rayon::prelude::*;
@@ -218,7 +218,11 @@ impl SupernodalFactor {
         let memory = || FactorError::Memory { size };
         let upper = upper_columns(matrix, unknowns);
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
-        let params = CholeskySymbolicParams { supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL, supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) }, ..CholeskySymbolicParams::default() };
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
+            ..CholeskySymbolicParams::default()
+        };
         let symbolic: SymbolicCholesky<u32> = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| memory())?;
         let mut values = Vec::new();
         values.try_reserve_exact(symbolic.len_val()).map_err(|_| memory())?;

@@ -9,6 +9,6 @@ mod sparse;
 
 pub use condensed::{Condensed, Entry};
 pub use factor::{Backend, Dense, Factor, FactorError, Supernodal, Unknowns, backends};
-pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved};
+pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved, TOLERANCE};
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs};

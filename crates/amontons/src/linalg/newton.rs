@@ -13,7 +13,7 @@
 //!
 //! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved
 //! until the residual decreases; where that ends at a kink, a full step leaves it. After a few of those
-//! the solution is followed from the step without friction, a convex problem, to the one with all of it.
+//! the solution is approached by proximal steps, each of which has one solution.
 
 use super::condensed::{Condensed, Entry};
 use super::sparse::max_abs;
@@ -22,14 +22,14 @@ use crate::tensor::{Point, dot, length};
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.
-const TOLERANCE: f64 = 1e-12;
+pub const TOLERANCE: f64 = 1e-12;
 /// Iterations after which, and step length below which, an iteration has failed.
 const ITERATIONS: usize = 200;
 const SHORTEST_STEP: f64 = 1e-4;
 /// Full steps taken without regard to the residual, the first step included.
 const LEAPS: usize = 8;
-/// Increment of the friction below which the path to a solution is lost.
-const SMALLEST_ADVANCE: f64 = 1e-4;
+/// Iterations after which proximal steps have failed too.
+const APPROACH: usize = 20 * ITERATIONS;
 /// Stiffness of a stuck point over ρ. The error of one iteration is of the order of its inverse and
 /// vanishes with the iterations, because each starts from the multiplier of the one before.
 const STICK: f64 = (1u64 << 27) as f64;
@@ -124,7 +124,7 @@ impl MechanicalStep<'_> {
         v
     }
 
-    fn local(&self, i: usize, w: &[f64], q: &Point, rho: f64, friction: f64) -> Local {
+    fn local(&self, i: usize, w: &[f64], q: &Point, rho: f64) -> Local {
         let point = &self.boundary.points[i];
         let v = self.velocity(point, w);
         let nu = &point.normal;
@@ -140,7 +140,7 @@ impl MechanicalStep<'_> {
         let p = self.contact.normal.pressure(&point.x, penetration, 0.0);
         let slip_speed = length(&slip);
         let at = ContactPoint { x: point.x, penetration, pressure: p.value, slip_speed, ..ContactPoint::default() };
-        let s = if p.value > 0.0 { self.contact.friction.bound(&at).scaled(friction) } else { Bound::default() };
+        let s = if p.value > 0.0 { self.contact.friction.bound(&at) } else { Bound::default() };
         let z: Point = std::array::from_fn(|c| q[c] + rho * slip[c]);
         let z_length = length(&z);
         let stick = z_length <= s.value;
@@ -165,7 +165,7 @@ impl MechanicalStep<'_> {
     pub fn states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
         (0..self.boundary.points.len())
             .map(|i| {
-                let mut state = self.local(i, w, &multipliers.q[i], 0.0, 1.0).state;
+                let mut state = self.local(i, w, &multipliers.q[i], 0.0).state;
                 if state.status != Status::Open {
                     // At the bound to round-off, and moving: slip.
                     let at_bound = length(&state.q) >= state.bound * (1.0 - 1e-9);
@@ -211,41 +211,43 @@ impl MechanicalStep<'_> {
     /// # Errors
     /// When the iteration does not end; the multipliers are then as they were.
     pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64], multipliers: &mut Multipliers) -> Result<Solved, NotConverged> {
-        let right = Right { r, guess, rho: self.rho(condensed), friction: 1.0 };
+        let right = Right { r, guess, rho: self.rho(condensed), proximal: None };
         let start = Iterate { w: guess.to_vec(), q: multipliers.q.clone() };
         let (end, iterations) = match self.iterate(condensed, &right, start) {
             Ok(done) => done,
-            Err(failed) => self.follow(condensed, right, &failed)?,
+            Err(failed) => self.approach(condensed, right, &failed)?,
         };
         multipliers.q = end.q;
         Ok(Solved { x: end.w, iterations })
     }
 
-    /// Follows the solution from no friction, where the step is a convex problem, to all of it.
-    fn follow(&self, condensed: &mut Condensed, mut right: Right, failed: &NotConverged) -> Result<(Iterate, usize), NotConverged> {
-        let with = |iterations: usize| move |why: NotConverged| NotConverged { iterations: iterations + why.iterations, ..why };
-        right.friction = 0.0;
-        let start = Iterate { w: right.guess.to_vec(), q: vec![[0.0; 3]; self.boundary.points.len()] };
-        let (mut reached, done) = self.iterate(condensed, &right, start).map_err(with(failed.iterations))?;
-        let mut iterations = failed.iterations + done;
-        let (mut friction, mut advance) = (0.0, 0.5);
-        while friction < 1.0 {
-            right.friction = f64::min(friction + advance, 1.0);
+    /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one
+    /// solution when β is large; the anchor follows it, and β falls as the steps succeed.
+    fn approach(&self, condensed: &mut Condensed, mut right: Right, failed: &NotConverged) -> Result<(Iterate, usize), NotConverged> {
+        let mut iterations = failed.iterations;
+        let mut reached = Iterate { w: right.guess.to_vec(), q: vec![[0.0; 3]; self.boundary.points.len()] };
+        let mut beta = 1.0;
+        while iterations < APPROACH {
+            right.proximal = Some((beta, reached.w.clone()));
             match self.iterate(condensed, &right, reached.clone()) {
                 Ok((next, done)) => {
-                    (reached, friction, advance) = (next, right.friction, 2.0 * advance);
                     iterations += done;
+                    reached = next;
+                    beta *= 0.25;
+                    right.proximal = None;
+                    match self.iterate(condensed, &right, reached.clone()) {
+                        Ok((end, done)) => return Ok((end, iterations + done)),
+                        Err(why) => iterations += why.iterations,
+                    }
                 }
                 Err(why) => {
                     iterations += why.iterations;
-                    advance *= 0.25;
-                    if advance < SMALLEST_ADVANCE || iterations > 10 * ITERATIONS {
-                        return Err(NotConverged { iterations, ..why });
-                    }
+                    beta *= 16.0;
                 }
             }
         }
-        Ok((reached, iterations))
+        right.proximal = None;
+        Err(self.evaluate(condensed, &right, reached).failure(iterations))
     }
 
     /// Newton's method from an iterate: after a first full step, each is shortened until the
@@ -258,7 +260,10 @@ impl MechanicalStep<'_> {
             if now.converged() {
                 return Ok((now.at, iteration));
             }
-            let (entries, mut step) = self.linearise(right, &now);
+            let (mut entries, mut step) = self.linearise(right, &now);
+            if let Some((beta, _)) = right.proximal {
+                entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.operator()[(i, i)])));
+            }
             condensed.solve(&entries, &mut step);
             let q_new = self.multipliers_after(right, &now, &step);
             let mut alpha = 1.0;
@@ -274,7 +279,7 @@ impl MechanicalStep<'_> {
                 alpha *= 0.5;
                 if alpha < SHORTEST_STEP {
                     if leaps == LEAPS {
-                        return Err(self.failure(iteration + 1, &now));
+                        return Err(now.failure(iteration + 1));
                     }
                     leaps += 1;
                     leap = true;
@@ -282,26 +287,23 @@ impl MechanicalStep<'_> {
                 }
             }
         }
-        Err(self.failure(ITERATIONS, &now))
-    }
-
-    fn failure(&self, iterations: usize, now: &Evaluation) -> NotConverged {
-        let mut pattern = [0; 3];
-        for local in &now.locals {
-            pattern[local.state.status as usize] += 1;
-        }
-        NotConverged { iterations, residual: now.residual / now.scale, pattern }
+        Err(now.failure(ITERATIONS))
     }
 
     fn evaluate(&self, condensed: &Condensed, right: &Right, at: Iterate) -> Evaluation {
         let Iterate { w, q } = &at;
-        let locals: Vec<Local> = (0..q.len()).map(|i| self.local(i, w, &q[i], right.rho[i], right.friction)).collect();
+        let locals: Vec<Local> = (0..q.len()).map(|i| self.local(i, w, &q[i], right.rho[i])).collect();
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let inner = condensed.apply(&increment);
         let mut forces = vec![0.0; w.len()];
         self.add_forces(&locals, &mut forces);
         let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
-        let rest: Vec<f64> = (0..w.len()).map(|i| right.r[i] - inner[i]).collect();
+        let mut rest: Vec<f64> = (0..w.len()).map(|i| right.r[i] - inner[i]).collect();
+        if let Some((beta, anchor)) = &right.proximal {
+            for (i, rest) in rest.iter_mut().enumerate() {
+                *rest -= beta * condensed.operator()[(i, i)] * (w[i] - anchor[i]);
+            }
+        }
         let mut errors: Vec<f64> = (0..w.len()).map(|i| forces[i] - rest[i]).collect();
         for (point, local) in self.boundary.points.iter().zip(&locals) {
             errors.extend((0..3).map(|c| point.weight * (local.state.q[c] - local.projected[c])));
@@ -414,8 +416,8 @@ struct Right<'a> {
     guess: &'a [f64],
     /// ρ of each contact point.
     rho: Vec<f64>,
-    /// Share of the friction bound, 1 but on the path of [`MechanicalStep::follow`].
-    friction: f64,
+    /// β and the anchor of a proximal step of [`MechanicalStep::approach`].
+    proximal: Option<(f64, Vec<f64>)>,
 }
 
 /// Contact velocities and multipliers.
@@ -437,6 +439,14 @@ struct Evaluation {
 }
 
 impl Evaluation {
+    fn failure(&self, iterations: usize) -> NotConverged {
+        let mut pattern = [0; 3];
+        for local in &self.locals {
+            pattern[local.state.status as usize] += 1;
+        }
+        NotConverged { iterations, residual: self.residual / self.scale, pattern }
+    }
+
     fn converged(&self) -> bool {
         self.residual <= self.tolerance
     }
@@ -493,7 +503,7 @@ impl HeatStep<'_> {
     /// # Errors
     /// When the iteration does not end.
     pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64]) -> Result<Solved, NotConverged> {
-        let right = Right { r, guess, rho: Vec::new(), friction: 1.0 };
+        let right = Right { r, guess, rho: Vec::new(), proximal: None };
         let mut now = self.evaluate(condensed, &right, guess.to_vec());
         for iteration in 0..ITERATIONS {
             if now.residual <= now.tolerance {

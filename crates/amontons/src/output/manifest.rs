@@ -9,6 +9,8 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::files::write_json;
+use crate::linalg::TOLERANCE;
+use crate::scheme::{ACCEPTED, REFINE};
 
 /// Name of the file in a results folder.
 pub(super) const FILE: &str = "manifest.json";
@@ -21,6 +23,7 @@ pub(super) struct Manifest {
     /// SHA-256 of `case.toml`, hexadecimal.
     input_sha256: String,
     settings: Settings,
+    tolerances: Tolerances,
     platform: Platform,
     threads: usize,
     start: String,
@@ -35,6 +38,17 @@ pub(super) struct Settings {
     pub every: usize,
     /// Seconds between checkpoints.
     pub checkpoint_seconds: f64,
+}
+
+/// Relative residuals that the solver works with; none of them is for users to set.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Tolerances {
+    /// At which the iteration on Γ_C ends.
+    newton: f64,
+    /// Above which a half-step gets another pass of sweeps.
+    refined_above: f64,
+    /// Below which a step is a result.
+    accepted_below: f64,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -63,6 +77,7 @@ impl Manifest {
             case: case.to_owned(),
             input_sha256: hexadecimal(&Sha256::digest(text)),
             settings,
+            tolerances: Tolerances { newton: TOLERANCE, refined_above: REFINE, accepted_below: ACCEPTED },
             platform: Platform {
                 os: std::env::consts::OS.to_owned(),
                 architecture: std::env::consts::ARCH.to_owned(),

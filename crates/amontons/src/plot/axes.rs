@@ -209,6 +209,8 @@ impl Marker {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp)] // the values are exact
+
     use super::*;
 
     #[test]

@@ -55,7 +55,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let wide = sheet::is_wide(&plans);
     let bars: Vec<Bar> = ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, unit, wide)).collect();
     let room = if wide {
-        Room { right: 8.0, below: 46.0, ..Room::default() }
+        Room { right: 8.0, below: 50.0, ..Room::default() }
     } else {
         Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
     };
@@ -178,6 +178,8 @@ impl Bar {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::float_cmp)] // the values are exact
+
     use super::*;
     use crate::mesh::{Diagonal, Mesh};
 

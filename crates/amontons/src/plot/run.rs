@@ -224,14 +224,16 @@ fn unit(v: [f64; 2]) -> [f64; 2] {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
+    #![allow(clippy::float_cmp)] // the values are exact
+
     use super::*;
     use crate::contact::{ContactBoundary, Quadrature};
     use crate::mesh::{Diagonal, Mesh};
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-    pub(in crate::plot) fn row(x: [f64; 2]) -> ContactRow {
+    fn row(x: [f64; 2]) -> ContactRow {
         ContactRow {
             x,
             penetration: 0.0,

@@ -85,12 +85,16 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options
     // Left of a frame: a label that runs upwards and the numbers.
     let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
     let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
-    let headings = if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
-    let below = 8.0 + NUMBER + 6.0 + LABEL + room.below;
+    let text = |plan: &Plan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
+    // Headings wider than their frame stand above what is beside the frame.
+    let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
+    let headings = lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
+    let apart = if wide { 14.0 } else { 0.0 };
+    let below = 8.0 + NUMBER + 6.0 + LABEL + room.below + apart;
     let cell = |plan: &Plan| {
-        let text = font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
         let [w, h] = extent(plan);
-        [(left + w.max(text - room.right) + room.right + MARGIN).ceil(), (headings + h + below).ceil()]
+        let over = 0.5 * (text(plan) - w);
+        [(left.max(over) + w + room.right.max(over) + MARGIN).ceil(), (headings + h + below).ceil()]
     };
     let top = (MARGIN + TITLE + 10.0 + room.above).ceil();
     let cells: Vec<[f64; 2]> = plans.iter().map(cell).collect();
@@ -106,19 +110,20 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options
     for (plan, cell) in plans.iter().zip(&cells) {
         let [w, h] = extent(plan);
         let lowered = if wide { 0.0 } else { tallest - h };
-        let rect = Rect { x: corner[0] + left, y: corner[1] + headings + lowered, width: w, height: h };
+        let shift = (0.5 * (text(plan) - w) - left).max(0.0).ceil();
+        let rect = Rect { x: corner[0] + left + shift, y: corner[1] + headings + lowered, width: w, height: h };
         let frame = Frame { rect, x: Scale::new(plan.window[0], [rect.x, rect.right()]), y: Scale::new(plan.window[1], [rect.bottom(), rect.y]) };
         let middle = rect.x + 0.5 * w;
         let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
-        picture.text([middle, rect.y - 8.0 - note_height], HEADING, Anchor::Middle, INK, &plan.title);
-        picture.text([middle, rect.y - 7.0], NUMBER, Anchor::Middle, SOFT, &plan.note);
+        picture.text([middle, rect.y - 8.0 - lift - note_height], HEADING, Anchor::Middle, INK, &plan.title);
+        picture.text([middle, rect.y - 7.0 - lift], NUMBER, Anchor::Middle, SOFT, &plan.note);
         let [x_ticks, y_ticks] = plan_ticks(plan);
         axes::x_marks(&mut picture, rect, &frame.x, &x_ticks, false, true);
         axes::y_marks(&mut picture, rect, &frame.y, &y_ticks, false);
         axes::border(&mut picture, rect);
         let label = |name: &str, exponent: i32| axes::with_unit(name, exponent, options.unit("m"));
         picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, label("x", x_ticks.exponent));
-        picture.text_upwards([corner[0] + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label("y", y_ticks.exponent));
+        picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label("y", y_ticks.exponent));
         frames.push(frame);
         corner[usize::from(wide)] += cell[usize::from(wide)];
     }

@@ -7,9 +7,9 @@ use crate::space::Space;
 use crate::tensor::Point;
 
 /// Largest relative residual of a step that is accepted.
-const ACCEPTED: f64 = 1e-10;
+pub const ACCEPTED: f64 = 1e-10;
 /// Relative residual above which another pass of sweeps is made.
-const REFINE: f64 = 1e-11;
+pub const REFINE: f64 = 1e-11;
 
 /// Backward Euler for (4.1) and (4.2): mechanics with θ_{n−1}, then heat with u_{n−1} in e and u_n in χ.
 #[derive(Debug)]
@@ -267,7 +267,7 @@ impl BackwardEuler {
             let residual = accept(residual, step, t, "heat")?;
             let sum = |v: &[f64]| v.iter().sum::<f64>();
             let amounts = HeatAmounts { supplied: k * sum(&supply), coupling: k * sum(&coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
-            return Ok(Heat { theta, mass_theta, d_theta, temperature, flux, heat_flow, iterations, sweeps, residual, amounts });
+            return Ok(Heat { theta, mass_theta, d_theta, temperature, flux, through_contact: heat_flow, iterations, sweeps, residual, amounts });
         }
     }
 
@@ -403,7 +403,7 @@ impl Scheme for BackwardEuler {
                 temperature: heat.temperature,
                 flux: heat.flux,
                 force: mechanics.force,
-                heat_flow: heat.heat_flow,
+                heat_flow: heat.through_contact,
             },
         };
         self.products = Some(Products {
@@ -451,7 +451,7 @@ struct Heat {
     d_theta: Vec<f64>,
     temperature: Vec<f64>,
     flux: Vec<crate::contact::Flux>,
-    heat_flow: f64,
+    through_contact: f64,
     iterations: usize,
     sweeps: usize,
     residual: f64,

@@ -5,7 +5,7 @@ mod euler;
 mod ledger;
 
 pub use discretization::Discretization;
-pub use euler::BackwardEuler;
+pub use euler::{ACCEPTED, BackwardEuler, REFINE};
 pub use ledger::Ledger;
 
 use crate::contact::Flux;
