@@ -70,7 +70,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
             }
             done.studies.push(table);
         }
-        figures(&folder)?;
+        figures(&folder, reference)?;
         all.push(done);
     }
     let text = write_report(&all, levels, reference);
@@ -84,7 +84,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
 }
 
 /// Figures 2–5, left θ_F = 0, right θ_F = 10.
-fn figures(folder: &Path) -> Result<(), Failure> {
+fn figures(folder: &Path, reference: usize) -> Result<(), Failure> {
     let options = plot::Options { dimensionless: true, ..plot::Options::default() };
     let runs = FOUNDATION.map(|f| (format!("θ_{{F}} = {f}"), folder.join(format!("run-{f}"))));
     let panels: Vec<(&str, &Path)> = runs.iter().map(|(title, dir)| (title.as_str(), dir.as_path())).collect();
@@ -104,7 +104,7 @@ fn figures(folder: &Path) -> Result<(), Failure> {
         study.title = format!("θ_{{F}} = {f}");
         studies.push(study);
     }
-    plot::convergence_panels("Errors against h = k = 1/256", &studies)?.save(&folder.join("figure-5-errors"), options.pixels)?;
+    plot::convergence_panels(&format!("Errors against h = k = 1/{reference}"), &studies)?.save(&folder.join("figure-5-errors"), options.pixels)?;
     Ok(())
 }
 

@@ -24,7 +24,9 @@ use crate::tensor::Point;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FactorError {
     /// A pivot was not positive: the matrix is not positive definite.
-    #[error("the matrix is not positive definite: pivot {pivot} of {size} is not positive")]
+    #[error(
+        "the matrix is not positive definite: pivot {pivot} of {size} is not positive; a body that no side holds needs inertia: a larger density or shorter steps"
+    )]
     NotPositive {
         /// Number of the pivot in elimination order.
         pivot: usize,

@@ -11,4 +11,4 @@ pub use condensed::{Condensed, Entry};
 pub use factor::{Backend, Dense, Factor, FactorError, Supernodal, Unknowns, backends};
 pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved, TOLERANCE};
 pub use ordering::{Ordering, nested_dissection};
-pub use sparse::{BlockMatrix, Graph, dot, max_abs};
+pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};

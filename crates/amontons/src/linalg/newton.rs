@@ -310,7 +310,19 @@ impl MechanicalStep<'_> {
         }
         let merit = errors.iter().map(|e| e * e).sum();
         let residual = max_abs(&errors);
-        let floor = f64::EPSILON * condensed.magnitude(&increment);
+        // w − guess and the penetration u_ν + k w_ν − g are differences of larger numbers.
+        let sizes: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w.abs() + guess.abs()).collect();
+        let mut floor = f64::EPSILON * condensed.magnitude(&sizes);
+        for (i, (point, local)) in self.boundary.points.iter().zip(&locals).enumerate() {
+            let mut size = self.gap[i].abs();
+            for &(node, value) in &point.nodes {
+                for c in 0..self.dim {
+                    size += (value * point.normal[c]).abs() * self.u_old[node * self.dim + c].abs();
+                }
+            }
+            size += self.k * dot(&self.velocity(point, w), &point.normal).abs();
+            floor = floor.max(f64::EPSILON * point.weight * local.p_slope / self.k * size);
+        }
         Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
     }
 
@@ -551,7 +563,12 @@ impl HeatStep<'_> {
         }
         let scale = max_abs(&inner).max(max_abs(&heat)).max(max_abs(right.r));
         let errors: Vec<f64> = (0..theta.len()).map(|i| inner[i] + heat[i] - right.r[i]).collect();
-        let floor = f64::EPSILON * condensed.magnitude(&increment);
+        // θ − guess and θ − θ_F are differences of larger numbers.
+        let sizes: Vec<f64> = theta.iter().zip(right.guess).map(|(theta, guess)| theta.abs() + guess.abs()).collect();
+        let mut floor = f64::EPSILON * condensed.magnitude(&sizes);
+        for (i, (point, (temperature, flux))) in self.boundary.points.iter().zip(&fluxes).enumerate() {
+            floor = floor.max(f64::EPSILON * point.weight * flux.by_temperature * (temperature.abs() + self.foundation[i].abs()));
+        }
         let merit = errors.iter().map(|e| e * e).sum();
         HeatEvaluation { residual: max_abs(&errors), errors, merit, scale, tolerance: (TOLERANCE * scale).max(floor), theta, fluxes }
     }

@@ -1,7 +1,9 @@
 //! Backward Euler with the half-steps one after the other: Problem 4.1 as it stands.
 
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport};
-use crate::linalg::{Backend, BlockMatrix, Condensed, Factor, HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Unknowns, dot, max_abs};
+use crate::linalg::{
+    Backend, BlockMatrix, Condensed, Factor, HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Unknowns, dot, max_abs, mechanical_products,
+};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
@@ -187,8 +189,7 @@ impl BackwardEuler {
             sweeps += 2;
             finite(&w, step, t, "mechanics")?;
             let u: Vec<f64> = (0..w.len()).map(|i| old.u[i] + k * w[i]).collect();
-            [mass_w, a_w, b_w] = [&discrete.mass, &discrete.a, &discrete.b].map(|form| form.apply(&w));
-            a_u = discrete.a.apply(&u);
+            [mass_w, a_u, a_w, b_w] = mechanical_products(&discrete.mass, &discrete.a, &discrete.b, &u, &w);
             let (force, contact_force) = contact_forces(discrete, &states);
             // What is left of (4.1) tested with every basis function; at prescribed nodes the reaction.
             let mut rest: Vec<f64> =

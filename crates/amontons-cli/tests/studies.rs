@@ -1,0 +1,146 @@
+//! Studies, pictures and verification from the command line.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn amontons(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_amontons")).args(arguments).output().expect("the program starts")
+}
+
+fn paper() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml").display().to_string()
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn converge_writes_table_and_picture_and_reuses_finished_levels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("study");
+    let out_text = out.display().to_string();
+    let case = paper();
+    let arguments = ["converge", &case, "--levels", "4,8", "--reference", "16", "--out", &out_text, "--quiet"];
+    let done = amontons(&arguments);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let first = text(&out.join("convergence.csv"));
+    assert!(first.starts_with("level,h,k,error_w,error_u,error_theta,error,order\n4,"));
+    for name in ["convergence.json", "convergence.svg", "convergence.png"] {
+        assert!(out.join(name).exists(), "{name}");
+    }
+    // A finished study is not overwritten.
+    assert_eq!(amontons(&arguments).status.code(), Some(2));
+    // Without its table it is one that was interrupted: the levels are taken as they are, and the table is the same.
+    fs::remove_file(out.join("convergence.csv")).expect("the table");
+    let kept = fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level");
+    assert_eq!(amontons(&arguments).status.code(), Some(0));
+    assert_eq!(text(&out.join("convergence.csv")), first);
+    assert_eq!(fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level"), kept, "the level was solved again");
+    // A damaged level is solved anew.
+    fs::remove_file(out.join("convergence.csv")).expect("the table");
+    fs::write(out.join("levels/8.bin"), b"spoiled").expect("a file");
+    assert_eq!(amontons(&arguments).status.code(), Some(0));
+    assert_eq!(text(&out.join("convergence.csv")), first);
+}
+
+#[test]
+fn levels_that_do_not_fit_are_bad_usage() {
+    let case = paper();
+    for (arguments, message) in [
+        (vec!["--levels", "8,4"], "each finer than the one before"),
+        (vec!["--levels", "8"], "at least one level besides the reference"),
+        (vec!["--levels", "8,16", "--reference", "12"], "finer than the finest level"),
+        (vec!["--levels", "6", "--reference", "16"], "no common times"),
+        (vec!["--levels", "8,16", "--exact"], "closed form"),
+        (vec!["--levels", "0,16"], "positive levels"),
+        (vec!["--levels", "4", "--reference", "8", "--each", "contact.gap"], "KEY=VALUE"),
+        (vec!["--levels", "4", "--reference", "8", "--set", "material.density=-1"], "density"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().join("study").display().to_string();
+        let mut all = vec!["converge", &case, "--out", &out];
+        all.extend(&arguments);
+        let done = amontons(&all);
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(message), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn meshes_that_are_not_nested_are_compared_on_their_intersections() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let case = paper();
+    let error = |name: &str, reference: &str, diagonal: &str| {
+        let out = folder.path().join(name).display().to_string();
+        let done = amontons(&[
+            "converge",
+            &case,
+            "--vary",
+            "space",
+            "--levels",
+            "4",
+            "--reference",
+            reference,
+            "--set",
+            &format!("mesh.diagonal={diagonal}"),
+            "--set",
+            "time.steps=4",
+            "--out",
+            &out,
+            "--quiet",
+        ]);
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+        let table = text(&folder.path().join(name).join("convergence.csv"));
+        let row: Vec<f64> = table.lines().nth(1).expect("a row").split(',').filter_map(|v| v.parse().ok()).collect();
+        row[6]
+    };
+    // 12 = 3 · 4 is nested, 13 is not; the errors against nearly the same reference nearly agree.
+    let (nested, not) = (error("nested", "12", "right"), error("not", "13", "right"));
+    assert!((nested / not - 1.0).abs() < 0.05, "{nested} {not}");
+}
+
+#[test]
+fn verify_exits_with_1_where_a_value_does_not_hold() {
+    let done = amontons(&["verify", "manufactured-p", "--format", "json"]);
+    assert_eq!(done.status.code(), Some(0));
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
+    assert_eq!(said["holds"], true);
+    assert_eq!(amontons(&["verify", "no-such-benchmark"]).status.code(), Some(2));
+
+    // A results folder whose figures were changed.
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let out_text = out.display().to_string();
+    assert_eq!(amontons(&["run", &paper(), "--set", "mesh.n=8", "--set", "time.steps=4", "--out", &out_text, "--quiet", "--plot"]).status.code(), Some(0));
+    assert!(out.join("plots/temperature.svg").exists());
+    assert_eq!(amontons(&["verify", &out_text, "--quiet"]).status.code(), Some(0));
+    let summary = text(&out.join("summary.json"));
+    let mut spoiled: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    spoiled["final"]["temperature_max"] = serde_json::json!(7.0);
+    fs::write(out.join("summary.json"), spoiled.to_string()).expect("a file");
+    assert_eq!(amontons(&["verify", &out_text, "--quiet"]).status.code(), Some(1));
+    assert_eq!(amontons(&["plot", &folder.path().join("nothing").display().to_string()]).status.code(), Some(4));
+}
+
+#[test]
+fn reproduce_makes_the_figures_and_a_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("figures");
+    let out_text = out.display().to_string();
+    let done = amontons(&["reproduce", "--levels", "4,8", "--reference", "16", "--set", "mesh.n=16", "--set", "time.steps=16", "--out", &out_text, "--quiet"]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    for reading in ["default", "identity", "literal"] {
+        for figure in ["figure-2-deformed", "figure-3-temperature", "figure-4-von-mises", "figure-5-errors"] {
+            for format in ["svg", "png"] {
+                assert!(out.join(reading).join(format!("{figure}.{format}")).exists(), "{reading}: {figure}.{format}");
+            }
+        }
+    }
+    let report = text(&out.join("report.md"));
+    // With 𝓜 the identity the deformation is smaller on the warm foundation, against the paper's statement.
+    assert_eq!(report.matches("do **not** support statement 1").count(), 1);
+}
