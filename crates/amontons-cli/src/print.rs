@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use amontons::hypotheses::{Finding, findings};
 use amontons::output::{Outcome, Summary};
 use amontons::problem::Problem;
 use serde_json::{Value, json};
@@ -56,6 +57,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         "energy closes to",
         &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error),
     ));
+    lines.extend(failing(&summary.findings));
     lines.push(row("results", &folder.display().to_string()));
     lines.join("\n") + "\n"
 }
@@ -68,14 +70,27 @@ fn row(name: &str, value: &str) -> String {
 pub fn valid(name: &str, problem: &Problem) -> String {
     let mesh = &problem.mesh;
     let contact = problem.contact.as_ref().map_or_else(|| "none".to_owned(), |c| format!("on \"{}\"", c.on));
-    [
+    let mut lines = vec![
         format!("{name}: case is valid"),
         row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {:.5e} m", mesh.dim, mesh.points.len(), mesh.cell_count(), mesh.h())),
         row("time", &format!("{} steps of {:.5e} s to {} s", problem.steps, problem.k(), problem.end)),
         row("contact", &contact),
-    ]
-    .join("\n")
-        + "\n"
+    ];
+    lines.extend(findings(problem).iter().map(|f| row(&format!("({}) {}", f.id, f.status), &format!("{} ({})", f.message, f.place))));
+    lines.join("\n") + "\n"
+}
+
+/// The constants of the hypotheses that are computed.
+fn constants(problem: &Problem) -> Value {
+    let material = &problem.material;
+    let (a, b) = (material.elasticity.constants(), material.viscosity.constants());
+    let d = material.conductivity.eigenvalues(problem.mesh.dim);
+    json!({ "m_a": a.monotonicity, "M_a": a.lipschitz, "m_b": b.monotonicity, "M_b": b.lipschitz, "m_d": d.first(), "M_d": d.last() })
+}
+
+/// A line for each finding that fails.
+fn failing(findings: &[Finding]) -> Vec<String> {
+    findings.iter().filter(|f| f.fails()).map(|f| row(&format!("({}) fails", f.id), &format!("{} ({})", f.message, f.place))).collect()
 }
 
 /// Sizes of a valid case for programs.
@@ -92,7 +107,7 @@ pub fn valid_json(problem: &Problem) -> Value {
         "k": problem.k(),
         "time": problem.end,
         "contact": problem.contact.as_ref().map(|c| &c.on),
-        "findings": [],
-        "constants": {},
+        "findings": findings(problem),
+        "constants": constants(problem),
     })
 }

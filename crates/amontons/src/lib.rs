@@ -8,6 +8,7 @@ pub mod element;
 pub mod expression;
 pub mod field;
 pub mod forms;
+pub mod hypotheses;
 pub mod linalg;
 pub mod material;
 pub mod mesh;

@@ -13,7 +13,7 @@ const LAYERS: &[&[&str]] = &[
     &["material", "contact", "space"],
     &["problem"],
     &["linalg"],
-    &["forms"],
+    &["forms", "hypotheses"],
     &["scheme"],
     &["convergence"],
     &["output", "plot"],

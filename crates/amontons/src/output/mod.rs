@@ -25,7 +25,7 @@ pub use csv::{history_columns, history_values};
 pub use folder::{Folder, FolderOptions};
 pub use memory::Memory;
 pub use study::StudyFolder;
-pub use summary::{ContactSummary, Final, Finding, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
+pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 
 use crate::convergence::Table;
 use crate::problem::Problem;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Snapshot, cell_stresses, strain_norm};
 use crate::contact::Status;
+use crate::hypotheses::{self, Finding};
 use crate::scheme::{ContactReport, Ledger};
 
 /// Why a run ended.
@@ -167,30 +168,13 @@ pub struct Seconds {
     pub total: f64,
 }
 
-/// A hypothesis or condition, and whether it holds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
-    /// `H1` … `H8`, `2.23-printed`, `2.23-needed`, or one of our own.
-    pub id: String,
-    /// `holds`, `fails` or `not-covered`.
-    pub status: String,
-    /// The value found, if there is one.
-    pub value: Option<f64>,
-    /// The value needed, if there is one.
-    pub needed: Option<f64>,
-    /// What it means.
-    pub message: String,
-    /// What it is about.
-    #[serde(rename = "where")]
-    pub place: String,
-}
-
 impl Summary {
     /// Sums up a run that ended after `last`.
     #[must_use]
     pub fn new(last: &Snapshot, unknowns: UnknownCounts, outcome: Outcome, error: Option<String>) -> Summary {
         let Snapshot { problem, discretization, state, report, work } = *last;
         let counts = &state.counts;
+        let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
         let dim = problem.mesh.dim;
         let energy = Ledger {
             closing_error: state.ledger.relative_closing_error(),
@@ -230,7 +214,7 @@ impl Summary {
                 residual_max: counts.residual_max,
             },
             energy,
-            findings: Vec::new(),
+            findings: hypotheses::findings(problem).into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),
             seconds: work.seconds,
             peak_memory_bytes: peak_memory(),
         }
