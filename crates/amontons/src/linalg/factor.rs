@@ -16,6 +16,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Par, Side};
 use rayon::prelude::*;
 
+use super::dense::Dense;
 use super::ordering::nested_dissection;
 use super::sparse::BlockMatrix;
 use crate::tensor::Point;
@@ -142,13 +143,13 @@ impl Backend for Supernodal {
 const RELAX: &[(usize, f64)] = &[(4, 0.5), (16, 0.15)];
 
 /// Upper triangle in elimination order by compressed columns.
-struct UpperColumns {
-    start: Vec<u32>,
-    rows: Vec<u32>,
-    values: Vec<f64>,
+pub(super) struct UpperColumns {
+    pub start: Vec<u32>,
+    pub rows: Vec<u32>,
+    pub values: Vec<f64>,
 }
 
-fn upper_columns(matrix: &BlockMatrix, unknowns: &Unknowns) -> UpperColumns {
+pub(super) fn upper_columns(matrix: &BlockMatrix, unknowns: &Unknowns) -> UpperColumns {
     let (components, _) = matrix.block_shape();
     let mut position = vec![u32::MAX; matrix.graph().len() * components];
     for (k, &dof) in unknowns.dofs.iter().enumerate() {
@@ -564,67 +565,4 @@ fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
         let tail: f64 = c[a][2 * m..].iter().zip(rest).map(|(c, x)| c * x).sum();
         lanes[a][0] + lanes[a][1] + tail
     })
-}
-
-/// A dense factorization, for small systems and as the reference of the sparse one.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Dense;
-
-#[derive(Debug)]
-struct DenseFactor {
-    l: Mat<f64>,
-    interior: usize,
-}
-
-impl Backend for Dense {
-    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
-        let size = unknowns.len();
-        let upper = upper_columns(matrix, unknowns);
-        let mut l = Mat::<f64>::zeros(size, size);
-        for j in 0..size {
-            for k in upper.start[j] as usize..upper.start[j + 1] as usize {
-                l[(j, upper.rows[k] as usize)] = upper.values[k];
-            }
-        }
-        for j in 0..size {
-            for k in 0..j {
-                for i in j..size {
-                    l[(i, j)] -= l[(i, k)] * l[(j, k)];
-                }
-            }
-            if l[(j, j)].is_nan() || l[(j, j)] <= 0.0 {
-                return Err(FactorError::NotPositive { pivot: j, size });
-            }
-            let d = l[(j, j)].sqrt();
-            for i in j..size {
-                l[(i, j)] /= d;
-            }
-        }
-        Ok(Box::new(DenseFactor { l, interior: unknowns.interior }))
-    }
-}
-
-impl Factor for DenseFactor {
-    fn forward(&self, r: &mut [f64]) {
-        for j in 0..self.interior {
-            r[j] /= self.l[(j, j)];
-            for i in j + 1..r.len() {
-                r[i] -= self.l[(i, j)] * r[j];
-            }
-        }
-    }
-    fn backward(&self, x: &mut [f64]) {
-        for j in (0..self.interior).rev() {
-            let sum: f64 = (j + 1..x.len()).map(|i| self.l[(i, j)] * x[i]).sum();
-            x[j] = (x[j] - sum) / self.l[(j, j)];
-        }
-    }
-    fn condensed(&self) -> Mat<f64> {
-        let n = self.l.nrows() - self.interior;
-        let l = self.l.submatrix(self.interior, self.interior, n, n);
-        l * l.transpose()
-    }
-    fn stored(&self) -> usize {
-        self.l.nrows() * (self.l.nrows() + 1) / 2
-    }
 }

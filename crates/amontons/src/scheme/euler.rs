@@ -66,16 +66,21 @@ impl System {
         Ok(System { unknowns, factor, condensed, on_contact })
     }
 
-    /// One pair of sweeps around the problem on Γ_C: adds the increment that `right` causes to the
-    /// values; `solve` finds the contact unknowns from the reduced right-hand side.
-    fn solve<T>(
+    /// The forward sweep: the right-hand side in elimination order, reduced to Γ_C.
+    fn reduce(&self, right: &[f64]) -> Vec<f64> {
+        let mut x = self.unknowns.gather(right);
+        self.factor.forward(&mut x);
+        x
+    }
+
+    /// The problem on Γ_C, which `solve` finds from the reduced right-hand side, and the backward sweep:
+    /// adds the increment that the right-hand side causes to the values.
+    fn expand<T>(
         &mut self,
-        right: &[f64],
+        mut x: Vec<f64>,
         values: &mut [f64],
         solve: impl FnOnce(&mut Condensed, &[Option<u32>], &[f64]) -> Result<(Vec<f64>, T), NotConverged>,
     ) -> Result<T, NotConverged> {
-        let mut x = self.unknowns.gather(right);
-        self.factor.forward(&mut x);
         let (_, contact) = x.split_at_mut(self.unknowns.interior);
         let (solved, result) = solve(&mut self.condensed, &self.on_contact, contact)?;
         for (x, (solved, &dof)) in contact.iter_mut().zip(solved.iter().zip(self.unknowns.contact())) {
@@ -143,9 +148,8 @@ impl BackwardEuler {
     }
 
     /// The mechanical half-step (4.1).
-    fn mechanics(&mut self, old: &State, products: &Products, t: f64) -> Result<Mechanics, StepError> {
-        let (k, rho) = (self.problem.k(), self.problem.material.density);
-        let Self { problem, discrete, mechanics: system, .. } = self;
+    fn mechanics(problem: &Problem, discrete: &Discretization, system: &mut System, old: &State, products: &Products, t: f64) -> Result<Mechanics, StepError> {
+        let (k, rho) = (problem.k(), problem.material.density);
         let step = old.step + 1;
         let load = discrete.f.at(t);
         let thermal = discrete.m.apply(&old.theta);
@@ -175,7 +179,7 @@ impl BackwardEuler {
             finite(&right, step, t, "the data")?;
             let guess = system.contact_of(&w);
             let (states, newton) = system
-                .solve(&right, &mut w, |condensed, unknown, r| {
+                .expand(system.reduce(&right), &mut w, |condensed, unknown, r| {
                     let Some(contact) = &problem.contact else { return Ok((Vec::new(), (Vec::new(), 0))) };
                     let dim = discrete.mesh.dim;
                     let on_boundary =
@@ -208,30 +212,37 @@ impl BackwardEuler {
         }
     }
 
-    /// The heat half-step (4.2).
-    fn heat(&mut self, old: &State, products: &Products, t: f64, states: &[PointState]) -> Result<Heat, StepError> {
-        let (k, c) = (self.problem.k(), self.problem.material.heat_capacity);
-        let Self { problem, discrete, heat: system, .. } = self;
-        let step = old.step + 1;
+    /// What of the heat half-step (4.2) does not need u_n: up to the forward sweep.
+    fn begin_heat(problem: &Problem, discrete: &Discretization, system: &System, old: &State, products: &Products, t: f64) -> Result<HeatBegun, StepError> {
         let supply = discrete.q_h.at(t);
         let coupling = discrete.e.apply(&old.u);
         let mut theta = old.theta.clone();
         discrete.q.prescribe(t, &mut theta);
-        let [mut mass_theta, mut d_theta] = if theta == old.theta {
+        let [mass_theta, d_theta] = if theta == old.theta {
             [products.mass_theta.clone(), products.d_theta.clone()]
         } else {
             [&discrete.mass, &discrete.d].map(|form| form.apply(&theta))
         };
+        let mut begun = HeatBegun { supply, coupling, theta, mass_theta, d_theta, reduced: Vec::new() };
+        begun.reduced = system.reduce(&begun.right(problem, products, old.step + 1, t)?);
+        Ok(begun)
+    }
+
+    /// The heat half-step (4.2) at the contact that the mechanical one has found.
+    fn heat(&mut self, mut begun: HeatBegun, old: &State, products: &Products, t: f64, states: &[PointState]) -> Result<Heat, StepError> {
+        let (k, c) = (self.problem.k(), self.problem.material.heat_capacity);
+        let Self { problem, discrete, heat: system, .. } = self;
+        let step = old.step + 1;
         let foundation = problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.foundation_temperature, t));
-        let prescribed = at_nodes(discrete, 1, &theta);
+        let prescribed = at_nodes(discrete, 1, &begun.theta);
         let (mut iterations, mut sweeps) = (0, 0);
         let mut previous = f64::INFINITY;
         loop {
-            let right: Vec<f64> = (0..supply.len()).map(|i| supply[i] + coupling[i] - c / k * (mass_theta[i] - products.mass_theta[i]) - d_theta[i]).collect();
-            finite(&right, step, t, "the data")?;
-            let guess = system.contact_of(&theta);
+            let reduced = std::mem::take(&mut begun.reduced);
+            let HeatBegun { supply, coupling, theta, mass_theta, d_theta, .. } = &mut begun;
+            let guess = system.contact_of(theta);
             let (at_points, newton) = system
-                .solve(&right, &mut theta, |condensed, unknown, r| {
+                .expand(reduced, theta, |condensed, unknown, r| {
                     let Some(contact) = &problem.contact else { return Ok((Vec::new(), (Vec::new(), 0))) };
                     let on_boundary =
                         HeatStep { contact, boundary: &discrete.boundary, unknown, theta_prescribed: &prescribed, foundation: &foundation, states };
@@ -242,8 +253,8 @@ impl BackwardEuler {
                 .map_err(|why| StepError::NotConverged { step, t, part: "heat", why })?;
             iterations += newton;
             sweeps += 2;
-            finite(&theta, step, t, "heat")?;
-            [mass_theta, d_theta] = [&discrete.mass, &discrete.d].map(|form| form.apply(&theta));
+            finite(theta, step, t, "heat")?;
+            [*mass_theta, *d_theta] = [&discrete.mass, &discrete.d].map(|form| form.apply(theta));
             let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
             let mut chi = vec![0.0; theta.len()];
             let mut heat_flow = 0.0;
@@ -258,16 +269,18 @@ impl BackwardEuler {
                 (0..theta.len()).map(|i| c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]).collect();
             let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
             discrete.q.mask(&mut rest);
-            let storage = c / k * max_abs(&mass_theta).max(max_abs(&products.mass_theta));
-            let terms = [&d_theta, &coupling, &supply, &chi].map(|term| max_abs(term));
+            let storage = c / k * max_abs(mass_theta).max(max_abs(&products.mass_theta));
+            let terms = [&*d_theta, coupling, supply, &chi].map(|term| max_abs(term));
             let residual = relative(max_abs(&rest), terms.into_iter().fold(storage, f64::max), step, t, "heat")?;
             if residual > REFINE && residual < 0.5 * previous {
                 previous = residual;
+                begun.reduced = system.reduce(&begun.right(problem, products, step, t)?);
                 continue;
             }
             let residual = accept(residual, step, t, "heat")?;
             let sum = |v: &[f64]| v.iter().sum::<f64>();
-            let amounts = HeatAmounts { supplied: k * sum(&supply), coupling: k * sum(&coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
+            let amounts = HeatAmounts { supplied: k * sum(supply), coupling: k * sum(coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
+            let HeatBegun { theta, mass_theta, d_theta, .. } = begun;
             return Ok(Heat { theta, mass_theta, d_theta, temperature, flux, through_contact: heat_flow, iterations, sweeps, residual, amounts });
         }
     }
@@ -382,8 +395,12 @@ impl Scheme for BackwardEuler {
         let step = old.step + 1;
         let t = self.problem.time(step);
         let products = self.products_of(old);
-        let mechanics = self.mechanics(old, &products, t)?;
-        let heat = self.heat(old, &products, t, &mechanics.states)?;
+        // Heat needs u_n on Γ_C only: its forward sweep is made beside the mechanical half-step.
+        let Self { problem, discrete, mechanics, heat, .. } = self;
+        let (mechanics, begun) =
+            rayon::join(|| Self::mechanics(problem, discrete, mechanics, old, &products, t), || Self::begin_heat(problem, discrete, heat, old, &products, t));
+        let mechanics = mechanics?;
+        let heat = self.heat(begun?, old, &products, t, &mechanics.states)?;
         let ledger = self.audit(old, &products, &mechanics, &heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step, t, part: "the energy" });
@@ -443,6 +460,30 @@ struct Mechanics {
     gap: Vec<f64>,
     force: Point,
     support_work: f64,
+}
+
+/// A heat half-step before the contact is known.
+struct HeatBegun {
+    supply: Vec<f64>,
+    coupling: Vec<f64>,
+    /// θ_{n−1} with the prescribed values of t_n, and its products with the forms.
+    theta: Vec<f64>,
+    mass_theta: Vec<f64>,
+    d_theta: Vec<f64>,
+    /// The right-hand side for the increment over `theta`, reduced to Γ_C.
+    reduced: Vec<f64>,
+}
+
+impl HeatBegun {
+    /// The right-hand side for the increment over θ at hand.
+    fn right(&self, problem: &Problem, products: &Products, step: usize, t: f64) -> Result<Vec<f64>, StepError> {
+        let storage = problem.material.heat_capacity / problem.k();
+        let right: Vec<f64> = (0..self.supply.len())
+            .map(|i| self.supply[i] + self.coupling[i] - storage * (self.mass_theta[i] - products.mass_theta[i]) - self.d_theta[i])
+            .collect();
+        finite(&right, step, t, "the data")?;
+        Ok(right)
+    }
 }
 
 /// What the heat half-step found.
