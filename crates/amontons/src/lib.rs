@@ -1,4 +1,27 @@
 //! Contact of deformable bodies with friction and heat.
+//!
+//! A thermo-viscoelastic body presses on a foundation, sticks or slides on it by Coulomb's law, and
+//! exchanges heat through the contact (equation numbers: Bouallala, Essoufi, Ouafik, 2025):
+//!
+//! ```text
+//! σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜        ρü = Div σ + f₀                      in Ω      (2.1) (2.3)
+//! q = −𝓚∇θ                        θ̇ + div q − 𝓡:ε(u) = q₀             in Ω      (2.2) (2.4)
+//! −σ_ν = p_ν(u_ν − g)             ‖σ_τ‖ ≤ p_τ(u_ν − g), against u̇_τ    on Γ_C    (2.8) (2.9)
+//! q·ν = k_c(u_ν − g) φ_L(θ − θ_F)                                      on Γ_C    (2.10)
+//! ```
+//!
+//! ```
+//! use amontons::{case, output::Memory, run::{Settings, run}};
+//!
+//! let source = case::Source { name: "starter.toml".into(), text: case::STARTER.into() };
+//! let case = case::parse(&source, &["mesh.n=[16, 8]".into()])?;
+//! let summary = run(&case.problem, &Settings::default(), &mut [&mut Memory::default()])?;
+//! println!("{:?}", summary.last.temperature_max);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! [`problem::Problem`] holds the data, [`scheme`] makes the steps, [`output::Sink`]s take the results; laws are
+//! the traits of [`material`] and [`contact`], and [`contract`] tests yours.
 
 pub mod case;
 pub mod contact;
