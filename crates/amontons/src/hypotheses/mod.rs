@@ -88,7 +88,7 @@ mod tests {
     use crate::case::{self, CaseError, Source};
 
     fn paper(overrides: &[&str]) -> Result<Vec<Finding>, CaseError> {
-        let source = Source { name: "paper.toml".to_owned(), text: include_str!("../../../cases/paper.toml").to_owned() };
+        let source = Source { name: "paper.toml".to_owned(), text: include_str!("../../../../cases/paper.toml").to_owned() };
         let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
         Ok(findings(&case::parse(&source, &overrides)?.problem))
     }
