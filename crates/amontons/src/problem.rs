@@ -76,6 +76,29 @@ pub struct Initial {
     pub temperature: Field,
 }
 
+/// How (4.1) and (4.2) are coupled within a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Coupling {
+    /// One after the other, with θ_{n−1} in m and u_{n−1} in e: the scheme of the paper.
+    #[default]
+    Staggered,
+    /// θ_n in m and u_n in e, by iterating the operator Φ of (3.10) within the step.
+    FixedPoint,
+    /// θ_n in m and u_n in e, by Newton's method for u and θ together.
+    Monolithic,
+}
+
+impl fmt::Display for Coupling {
+    /// The word of the case file.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Coupling::Staggered => "staggered",
+            Coupling::FixedPoint => "fixed-point",
+            Coupling::Monolithic => "monolithic",
+        })
+    }
+}
+
 /// A problem with all its data, checked.
 #[derive(Clone, Debug)]
 pub struct Problem {
@@ -99,6 +122,8 @@ pub struct Problem {
     pub contact: Option<Contact>,
     /// Initial data.
     pub initial: Initial,
+    /// How mechanics and heat are coupled within a step.
+    pub coupling: Coupling,
 }
 
 impl Problem {

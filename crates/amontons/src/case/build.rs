@@ -13,7 +13,7 @@ use crate::convergence::Exact;
 use crate::expression::{Expression, Variable};
 use crate::field::Field;
 use crate::mesh::{Diagonal, Mesh};
-use crate::problem::{BoundaryCondition, Initial, Problem};
+use crate::problem::{BoundaryCondition, Coupling, Initial, Problem};
 use crate::tensor::Point;
 
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
@@ -38,6 +38,11 @@ pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path])
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
         contact: raw.contact.map(|c| build.contact(c, &mesh)),
         initial: build.initial(&raw.initial, &mesh.points),
+        coupling: match raw.scheme.coupling {
+            raw::Coupling::Staggered => Coupling::Staggered,
+            raw::Coupling::FixedPoint => Coupling::FixedPoint,
+            raw::Coupling::Monolithic => Coupling::Monolithic,
+        },
         mesh: Arc::new(mesh),
     };
     let problem = match problem.checked() {

@@ -39,6 +39,9 @@ pub(super) struct Case {
     /// State at t = 0.
     #[serde(default)]
     pub initial: Initial,
+    /// The time-stepping scheme.
+    #[serde(default)]
+    pub scheme: Scheme,
     /// What is written during a run.
     #[serde(default)]
     pub output: Output,
@@ -331,6 +334,28 @@ pub(super) struct Initial {
     /// Temperature θ₀ in K.
     #[serde(default)]
     pub temperature: Scalar,
+}
+
+/// The time-stepping scheme: backward Euler.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Scheme {
+    /// How mechanics and heat are coupled within a step.
+    #[serde(default)]
+    pub coupling: Coupling,
+}
+
+/// How mechanics and heat are coupled within a step.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Coupling {
+    /// One after the other, with the temperature and the displacement of the step before in the coupling terms.
+    #[default]
+    Staggered,
+    /// With those of the step itself, by iterating the two half-steps; it may fail to settle where they act strongly on each other.
+    FixedPoint,
+    /// With those of the step itself, by Newton's method for both together.
+    Monolithic,
 }
 
 /// What is written during a run.

@@ -6,13 +6,19 @@ use std::sync::Arc;
 
 use super::ContactPoint;
 
-/// A heat flux leaving the body, W/m², with its slope.
+/// A heat flux leaving the body, W/m², with its slopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flux {
     /// q·ν in W/m².
     pub value: f64,
     /// ∂(q·ν)/∂θ in W/(m² K).
     pub by_temperature: f64,
+    /// ∂(q·ν)/∂r, the penetration, in W/m³, at fixed pressure.
+    pub by_penetration: f64,
+    /// ∂(q·ν)/∂p, the pressure, in W/N.
+    pub by_pressure: f64,
+    /// ∂(q·ν)/∂‖w_τ‖, the slip speed, in W s/m³.
+    pub by_slip_speed: f64,
 }
 
 /// The heat flux from the body into the foundation, nondecreasing in θ.
@@ -57,8 +63,10 @@ pub struct Ramp {
 }
 
 impl Ramp {
-    fn k_c(&self, r: f64) -> f64 {
-        self.conductance * (r / self.width).clamp(0.0, 1.0)
+    /// k_c(r) with a generalized derivative.
+    fn k_c(&self, r: f64) -> (f64, f64) {
+        let slope = if r > 0.0 && r < self.width { self.conductance / self.width } else { 0.0 };
+        (self.conductance * (r / self.width).clamp(0.0, 1.0), slope)
     }
 }
 
@@ -66,7 +74,7 @@ impl HeatLaw for Ramp {
     fn flux(&self, at: &ContactPoint) -> Flux {
         let k_c = self.k_c(at.penetration);
         let phi = phi_l(at.temperature - at.foundation_temperature, self.truncation);
-        Flux { value: k_c * phi.0, by_temperature: k_c * phi.1 }
+        Flux { value: k_c.0 * phi.0, by_temperature: k_c.0 * phi.1, by_penetration: k_c.1 * phi.0, ..Flux::default() }
     }
     fn conductance_bound(&self) -> f64 {
         self.conductance

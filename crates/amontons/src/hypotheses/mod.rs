@@ -1,5 +1,9 @@
 //! Hypotheses of the theory as findings with numbers: reported, never a gate (design decision D6).
 
+mod domain;
+
+pub use domain::{Constant, DomainConstants, domain_constants};
+
 use serde::{Deserialize, Serialize};
 
 use crate::material::Constants;

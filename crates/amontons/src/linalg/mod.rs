@@ -1,16 +1,20 @@
-//! Linear and nonsmooth algebra: sparse matrices, the factor with its condensed operator, and
-//! Newton's method on the contact boundary.
+//! Linear and nonsmooth algebra: sparse matrices, the factor with its condensed operator, Newton's method on the
+//! contact boundary, and the largest eigenvalue of a pencil.
 
 mod condensed;
 mod dense;
+mod eigen;
 mod factor;
+mod krylov;
 mod newton;
 mod ordering;
 mod sparse;
 
 pub use condensed::{Condensed, Entry};
 pub use dense::Dense;
+pub use eigen::{Eigenpair, Pencil, Quotient, System, largest};
 pub use factor::{Backend, Factor, FactorError, Supernodal, Unknowns, backends};
-pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, Solved, TOLERANCE};
+pub use krylov::{Krylov, gmres};
+pub use newton::{HeatStep, MechanicalStep, Multipliers, NotConverged, PointState, PointTangent, Solved, TOLERANCE};
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};

@@ -22,13 +22,13 @@ use super::files::write_atomically;
 use super::{OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::linalg::{Multipliers, PointState};
-use crate::scheme::{ContactReport, Counts, Discretization, Ledger, State, StepReport};
+use crate::scheme::{ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport};
 use crate::tensor::Point;
 
 /// Where the newest checkpoint is in a results folder.
 pub(super) const FILE: &str = "checkpoint/state.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -110,6 +110,7 @@ struct Report {
     newton_mechanics: usize,
     newton_heat: usize,
     residual: f64,
+    coupling: CouplingReport,
     force: Point,
     heat_flow: f64,
     points: Vec<ReportPoint>,
@@ -150,6 +151,7 @@ impl Body {
                 newton_mechanics: report.newton_mechanics,
                 newton_heat: report.newton_heat,
                 residual: report.residual,
+                coupling: report.coupling,
                 force: contact.force,
                 heat_flow: contact.heat_flow,
                 points: points.collect(),
@@ -179,6 +181,7 @@ impl Body {
             newton_mechanics: report.newton_mechanics,
             newton_heat: report.newton_heat,
             residual: report.residual,
+            coupling: report.coupling,
             contact: ContactReport {
                 states: report
                     .points
@@ -193,7 +196,7 @@ impl Body {
                     })
                     .collect(),
                 temperature: report.points.iter().map(|p| p.temperature).collect(),
-                flux: report.points.iter().map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature }).collect(),
+                flux: report.points.iter().map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature, ..Flux::default() }).collect(),
                 force: report.force,
                 heat_flow: report.heat_flow,
             },

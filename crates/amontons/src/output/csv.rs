@@ -26,7 +26,8 @@ fn join(values: &[f64]) -> String {
 pub fn history_columns(dim: usize) -> Vec<String> {
     let before = "step,t,kinetic,elastic,viscous_dissipation,friction_dissipation,contact_energy,load_work,thermal_work,scheme_dissipation,\
                   closing_error,heat_content,heat_contact";
-    let after = "penetration_max,open,stick,slip,newton_mechanics,newton_heat,heat_prescribed,heat_supplied,heat_coupling,heat_closing_error";
+    let after = "penetration_max,open,stick,slip,newton_mechanics,newton_heat,heat_prescribed,heat_supplied,heat_coupling,heat_closing_error,\
+                 passes,contraction";
     format!("{before},{},{after}", components("contact_force_", dim)).split(',').map(str::to_owned).collect()
 }
 
@@ -55,6 +56,8 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     values.push(contact.penetration_max);
     values.extend([contact.open, contact.stick, contact.slip, report.newton_mechanics, report.newton_heat].map(|count| count as f64));
     values.extend([ledger.heat_prescribed, ledger.heat_supplied, ledger.heat_coupling, ledger.heat_closing_error]);
+    // No contraction factor is 0, so that every row has a number in every column.
+    values.extend([report.coupling.passes as f64, report.coupling.contraction.unwrap_or_default().mean]);
     Some(values)
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::{Snapshot, cell_stresses, strain_norm};
 use crate::contact::Status;
 use crate::hypotheses::{self, Finding};
-use crate::scheme::{ContactReport, Ledger};
+use crate::scheme::{ContactReport, Contraction, Ledger};
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -151,6 +151,10 @@ pub struct Solver {
     pub sweeps: usize,
     /// Largest relative residual of a step.
     pub residual_max: f64,
+    /// Passes over both half-steps: one a step where they are staggered.
+    pub passes_total: usize,
+    /// Largest contraction factors of the fixed-point coupling over the steps; 0 where there were none.
+    pub contraction_max: Contraction,
 }
 
 /// Wall-clock times in s, of all sessions of a run.
@@ -212,6 +216,8 @@ impl Summary {
                 contact_factorizations: work.contact_factorizations,
                 sweeps: counts.sweeps,
                 residual_max: counts.residual_max,
+                passes_total: counts.passes_total,
+                contraction_max: counts.contraction_max,
             },
             energy,
             findings: hypotheses::findings(problem).into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),

@@ -1,15 +1,22 @@
 //! Time stepping: Problem 4.1, one step after the other.
 
+mod audit;
+mod coupling;
 mod discretization;
 mod euler;
+mod heat;
 mod ledger;
+mod mechanics;
+mod system;
 
 pub use discretization::Discretization;
-pub use euler::{ACCEPTED, BackwardEuler, REFINE};
+pub use euler::BackwardEuler;
 pub use ledger::Ledger;
+pub use system::{ACCEPTED, REFINE};
 
 use crate::contact::Flux;
 use crate::linalg::{FactorError, Multipliers, NotConverged, PointState};
+use crate::problem::Coupling;
 
 /// The state at a time t_n: what the next step starts from.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,6 +52,10 @@ pub struct Counts {
     pub sweeps: usize,
     /// Largest residual of an accepted step, relative to its largest term.
     pub residual_max: f64,
+    /// Passes over both half-steps: one a step where they are staggered.
+    pub passes_total: usize,
+    /// Largest contraction factors of the fixed-point coupling over the steps; 0 where none was seen.
+    pub contraction_max: Contraction,
 }
 
 /// What happened in one step.
@@ -56,8 +67,38 @@ pub struct StepReport {
     pub newton_heat: usize,
     /// Residual of (4.1), (4.2), complementarity and cone, relative to the largest term.
     pub residual: f64,
+    /// How the half-steps were coupled.
+    pub coupling: CouplingReport,
     /// The contact points.
     pub contact: ContactReport,
+}
+
+/// How the half-steps of a step were coupled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct CouplingReport {
+    /// Passes over both half-steps.
+    pub passes: usize,
+    /// Contraction factors of Φ seen; fixed-point coupling only, and none where one pass was enough.
+    pub contraction: Option<Contraction>,
+    /// By how much (4.1) with θ_n in m and (4.2) with u_n in e fail, relative to their largest terms; none where they are staggered.
+    pub defect: Option<f64>,
+}
+
+/// Contraction factors of the fixed-point coupling within a step: ratios of two defects in turn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Contraction {
+    /// Geometric mean: the rate at which the iteration settles.
+    pub mean: f64,
+    /// Largest; above 1 where the contact changes from pass to pass.
+    pub largest: f64,
+}
+
+impl Contraction {
+    /// The larger of both numbers.
+    #[must_use]
+    pub fn max(self, other: Contraction) -> Contraction {
+        Contraction { mean: self.mean.max(other.mean), largest: self.largest.max(other.largest) }
+    }
 }
 
 /// State of the contact points.
@@ -106,6 +147,26 @@ pub enum StepError {
         residual: f64,
         /// The residual that is accepted.
         accepted: f64,
+    },
+    /// The half-steps could not be brought together.
+    #[error(
+        "step {step} (t = {t:.6e} s): the {coupling} coupling of mechanics and heat did not settle in {passes} passes: defect {defect:.3e}{}; {}",
+        .contraction.map(|c| format!(", mean contraction factor {:.3}, largest {:.3}", c.mean, c.largest)).unwrap_or_default(),
+        match .coupling { Coupling::FixedPoint => "take scheme.coupling = \"monolithic\" or more steps", _ => "take more steps" }
+    )]
+    Coupling {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The coupling asked for.
+        coupling: Coupling,
+        /// Passes over both half-steps.
+        passes: usize,
+        /// What is left of the defect.
+        defect: f64,
+        /// Contraction factors seen.
+        contraction: Option<Contraction>,
     },
     /// A number is infinite or not a number.
     #[error("step {step} (t = {t:.6e} s): {part} has values that are not finite; the data grow beyond what a number can hold")]

@@ -1,31 +1,11 @@
-//! Newton's method on the contact boundary.
-//!
-//! After condensation, a step is a small nonsmooth problem on Γ_C. In mechanics, with
-//! r = u_{n−1,ν} + k w_ν − g at each contact point,
-//!
-//! ```text
-//!     S w + Σ ω Nᵀ (p ν + q) = r̂,      p = p_ν(r),      q = Π_{‖·‖ ≤ s}(q + ρ w_τ),  s = p_τ(r, p, ‖w_τ‖)
-//! ```
-//!
-//! Its semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated point by point
-//! needs linear systems in w only. ρ is the diagonal of S over the weight of the point, so decisions
-//! do not depend on units. In heat, S θ + Σ ω Nᵀ k_c φ_L(θ − θ_F) = r̂ is the same without q.
-//!
-//! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved
-//! until the residual decreases; where that ends at a kink, a full step leaves it. After a few of those
-//! the solution is approached by proximal steps, each of which has one solution.
+//! The mechanical step on Γ_C.
 
-use super::condensed::{Condensed, Entry};
-use super::sparse::max_abs;
+use super::{ITERATIONS, NotConverged, SHORTEST_STEP, Solved, TOLERANCE};
 use crate::contact::{Bound, Contact, ContactBoundary, ContactPoint, PointOnBoundary, Status};
+use crate::linalg::condensed::{Condensed, Entry};
+use crate::linalg::sparse::max_abs;
 use crate::tensor::{Point, dot, length};
 
-/// Residual, relative to the largest term, at which the iteration ends. Round-off of a
-/// well-conditioned condensed system is two orders below.
-pub const TOLERANCE: f64 = 1e-12;
-/// Iterations after which, and step length below which, an iteration has failed.
-const ITERATIONS: usize = 200;
-const SHORTEST_STEP: f64 = 1e-4;
 /// Full steps taken without regard to the residual, the first step included.
 const LEAPS: usize = 8;
 /// Iterations after which proximal steps have failed too.
@@ -78,25 +58,8 @@ pub struct PointState {
     pub status: Status,
 }
 
-/// A nonsmooth iteration that ended.
-#[derive(Clone, Debug)]
-pub struct Solved {
-    /// The contact unknowns.
-    pub x: Vec<f64>,
-    /// Newton iterations.
-    pub iterations: usize,
-}
-
-/// A nonsmooth iteration that did not end.
-#[derive(Clone, Debug, PartialEq)]
-pub struct NotConverged {
-    /// Newton iterations.
-    pub iterations: usize,
-    /// Residual relative to the largest term.
-    pub residual: f64,
-    /// Points that were open, stuck and slipping at the last iterate.
-    pub pattern: [usize; 3],
-}
+/// Derivative of the force p ν + q on the foundation in the velocity at a contact point, Pa s/m, rows the force.
+pub type PointTangent = [[f64; 3]; 3];
 
 /// A point with the state that its law sees and its linearisation.
 struct Local {
@@ -326,25 +289,46 @@ impl MechanicalStep<'_> {
         Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
     }
 
+    /// The derivative of the contact forces in the velocity at a solution: its entries, and its value at each point.
+    pub fn tangent(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointTangent>) {
+        let rho = self.rho(condensed);
+        let points = self.boundary.points.iter().enumerate();
+        let tangents: Vec<PointTangent> = points.map(|(i, point)| self.local(i, w, &multipliers.q[i], rho[i]).linear(point, rho[i], self.dim).1).collect();
+        (self.boundary.points.iter().zip(&tangents).flat_map(|(point, tangent)| self.entries(point, tangent)).collect(), tangents)
+    }
+
+    /// The entries of ω Nᵀ · N for one point.
+    fn entries(&self, point: &PointOnBoundary, tangent: &PointTangent) -> Vec<Entry> {
+        let mut entries = Vec::with_capacity(point.nodes.len().pow(2) * self.dim.pow(2));
+        for &(na, va) in &point.nodes {
+            for c in 0..self.dim {
+                let Some(row) = self.unknown[na * self.dim + c] else { continue };
+                for &(nb, vb) in &point.nodes {
+                    for e in 0..self.dim {
+                        if let (Some(col), true) = (self.unknown[nb * self.dim + e], tangent[c][e] != 0.0) {
+                            entries.push((row, col, point.weight * va * vb * tangent[c][e]));
+                        }
+                    }
+                }
+            }
+        }
+        entries
+    }
+
     /// The entries of J and the right-hand side of the Newton step, (S + J) δw = b.
     fn linearise(&self, right: &Right, now: &Evaluation) -> (Vec<Entry>, Vec<f64>) {
         let mut entries = Vec::new();
         let mut b = now.rest.clone();
         for (i, point) in self.boundary.points.iter().enumerate() {
             let (force, tangent) = now.locals[i].linear(point, right.rho[i], self.dim);
-            for &(na, va) in &point.nodes {
+            for &(node, value) in &point.nodes {
                 for c in 0..self.dim {
-                    let Some(row) = self.unknown[na * self.dim + c] else { continue };
-                    b[row as usize] -= point.weight * va * force[c];
-                    for &(nb, vb) in &point.nodes {
-                        for e in 0..self.dim {
-                            if let (Some(col), true) = (self.unknown[nb * self.dim + e], tangent[c][e] != 0.0) {
-                                entries.push((row, col, point.weight * va * vb * tangent[c][e]));
-                            }
-                        }
+                    if let Some(row) = self.unknown[node * self.dim + c] {
+                        b[row as usize] -= point.weight * value * force[c];
                     }
                 }
             }
+            entries.extend(self.entries(point, &tangent));
         }
         (entries, b)
     }
@@ -374,7 +358,7 @@ impl MechanicalStep<'_> {
 
 impl Local {
     /// Force p ν + q on the foundation and its derivative in the velocity, laws linearised.
-    fn linear(&self, point: &PointOnBoundary, rho: f64, dim: usize) -> (Point, [[f64; 3]; 3]) {
+    fn linear(&self, point: &PointOnBoundary, rho: f64, dim: usize) -> (Point, PointTangent) {
         let nu = &point.normal;
         let state = &self.state;
         let mut force: Point = std::array::from_fn(|c| state.pressure * nu[c]);
@@ -462,124 +446,4 @@ impl Evaluation {
     fn converged(&self) -> bool {
         self.residual <= self.tolerance
     }
-}
-
-/// What is known of a heat step on Γ_C before it is solved.
-pub struct HeatStep<'a> {
-    /// The laws.
-    pub contact: &'a Contact,
-    /// The contact points.
-    pub boundary: &'a ContactBoundary,
-    /// Unknown of each contact node, none where prescribed.
-    pub unknown: &'a [Option<u32>],
-    /// Temperatures at the contact nodes, those that are prescribed filled in, K.
-    pub theta_prescribed: &'a [f64],
-    /// θ_F(t_n) at the contact points, K.
-    pub foundation: &'a [f64],
-    /// States of the contact points at u_n.
-    pub states: &'a [PointState],
-}
-
-impl HeatStep<'_> {
-    /// Temperature of the body at a contact point.
-    fn temperature(&self, point: &PointOnBoundary, theta: &[f64]) -> f64 {
-        point.nodes.iter().map(|&(node, value)| value * self.unknown[node].map_or(self.theta_prescribed[node], |u| theta[u as usize])).sum()
-    }
-
-    /// Temperature of the body and heat flux q·ν at each contact point.
-    #[must_use]
-    pub fn fluxes(&self, theta: &[f64]) -> Vec<(f64, crate::contact::Flux)> {
-        self.boundary
-            .points
-            .iter()
-            .enumerate()
-            .map(|(i, point)| {
-                let temperature = self.temperature(point, theta);
-                let state = &self.states[i];
-                let at = ContactPoint {
-                    x: point.x,
-                    penetration: state.penetration,
-                    pressure: state.pressure,
-                    slip_speed: length(&state.slip),
-                    temperature,
-                    foundation_temperature: self.foundation[i],
-                };
-                (temperature, self.contact.heat.flux(&at))
-            })
-            .collect()
-    }
-
-    /// Solves the step: `guess` is where the iteration starts, `r` the reduced right-hand side for
-    /// the increment of the temperature over the guess.
-    ///
-    /// # Errors
-    /// When the iteration does not end.
-    pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64]) -> Result<Solved, NotConverged> {
-        let right = Right { r, guess, rho: Vec::new(), proximal: None };
-        let mut now = self.evaluate(condensed, &right, guess.to_vec());
-        for iteration in 0..ITERATIONS {
-            if now.residual <= now.tolerance {
-                return Ok(Solved { x: now.theta, iterations: iteration });
-            }
-            let mut entries = Vec::new();
-            for (point, (_, flux)) in self.boundary.points.iter().zip(&now.fluxes) {
-                for &(na, va) in &point.nodes {
-                    for &(nb, vb) in &point.nodes {
-                        if let (Some(row), Some(col), true) = (self.unknown[na], self.unknown[nb], flux.by_temperature != 0.0) {
-                            entries.push((row, col, point.weight * va * vb * flux.by_temperature));
-                        }
-                    }
-                }
-            }
-            let mut step: Vec<f64> = now.errors.iter().map(|e| -e).collect();
-            condensed.solve(&entries, &mut step);
-            let mut alpha = 1.0;
-            loop {
-                let trial = self.evaluate(condensed, &right, now.theta.iter().zip(&step).map(|(t, s)| t + alpha * s).collect());
-                if trial.residual <= trial.tolerance || trial.merit < now.merit * (1.0 - 1e-4 * alpha) {
-                    now = trial;
-                    break;
-                }
-                alpha *= 0.5;
-                if alpha < 1e-6 {
-                    return Err(NotConverged { iterations: iteration + 1, residual: now.residual / now.scale, pattern: [0; 3] });
-                }
-            }
-        }
-        Err(NotConverged { iterations: ITERATIONS, residual: now.residual / now.scale, pattern: [0; 3] })
-    }
-
-    fn evaluate(&self, condensed: &Condensed, right: &Right, theta: Vec<f64>) -> HeatEvaluation {
-        let fluxes = self.fluxes(&theta);
-        let increment: Vec<f64> = theta.iter().zip(right.guess).map(|(theta, guess)| theta - guess).collect();
-        let inner = condensed.apply(&increment);
-        let mut heat = vec![0.0; theta.len()];
-        for (point, (_, flux)) in self.boundary.points.iter().zip(&fluxes) {
-            for &(node, value) in &point.nodes {
-                if let Some(u) = self.unknown[node] {
-                    heat[u as usize] += point.weight * value * flux.value;
-                }
-            }
-        }
-        let scale = max_abs(&inner).max(max_abs(&heat)).max(max_abs(right.r));
-        let errors: Vec<f64> = (0..theta.len()).map(|i| inner[i] + heat[i] - right.r[i]).collect();
-        // θ − guess and θ − θ_F are differences of larger numbers.
-        let sizes: Vec<f64> = theta.iter().zip(right.guess).map(|(theta, guess)| theta.abs() + guess.abs()).collect();
-        let mut floor = f64::EPSILON * condensed.magnitude(&sizes);
-        for (i, (point, (temperature, flux))) in self.boundary.points.iter().zip(&fluxes).enumerate() {
-            floor = floor.max(f64::EPSILON * point.weight * flux.by_temperature * (temperature.abs() + self.foundation[i].abs()));
-        }
-        let merit = errors.iter().map(|e| e * e).sum();
-        HeatEvaluation { residual: max_abs(&errors), errors, merit, scale, tolerance: (TOLERANCE * scale).max(floor), theta, fluxes }
-    }
-}
-
-struct HeatEvaluation {
-    theta: Vec<f64>,
-    fluxes: Vec<(f64, crate::contact::Flux)>,
-    errors: Vec<f64>,
-    merit: f64,
-    residual: f64,
-    scale: f64,
-    tolerance: f64,
 }

@@ -1,0 +1,213 @@
+//! Constants of (2.12)–(2.15) on a mesh, as extreme eigenvalues of assembled forms.
+//!
+//! | constant | inequality | eigenvalue |
+//! |---|---|---|
+//! | c_k | ‖ε(v)‖ ≥ c_k ‖v‖_{H₁}, ‖v‖²_{H₁} = ‖v‖² + ‖ε(v)‖² | c_k² = 1/(1 + μ), μ = sup ‖v‖²/‖ε(v)‖² |
+//! | c_f | ‖∇η‖ ≥ c_f ‖η‖_{H¹}, ‖η‖²_{H¹} = ‖η‖² + ‖∇η‖² | c_f² = 1/(1 + μ), μ = sup ‖η‖²/‖∇η‖² |
+//! | s₁ | ‖v‖_{L²(Γ_C)} ≤ s₁ ‖ε(v)‖ | s₁² = sup ∫_{Γ_C} ‖v‖² / ‖ε(v)‖² |
+//! | s₂ | ‖η‖_{L²(Γ_C)} ≤ s₂ ‖∇η‖ | s₂² = sup ∫_{Γ_C} η² / ‖∇η‖² |
+//!
+//! The suprema are those over V^h and Q^h, subspaces of V and Q: **c^h ≥ c and s^h ≤ s**, and both tend to the constants
+//! of the domain under refinement. What holds for the discrete problem follows from the constants on its own mesh;
+//! what is said of Ω needs their limit.
+//!
+//! With the contact unknowns last the factor gives the least energy of a trace, x·Sx, so that the suprema over Γ_C are
+//! eigenvalues of the trace's mass matrix against the condensed operator S: exact, without the interior.
+
+use std::sync::Arc;
+
+use crate::forms;
+use crate::linalg::{BlockMatrix, Eigenpair, Entry, FactorError, Graph, Pencil, Quotient, System, Unknowns, dot, largest};
+use crate::material::{Isotropic, StressState};
+use crate::mesh::{FacetMap, FacetSet, Mesh};
+use crate::problem::Problem;
+use crate::quadrature::rule;
+use crate::space::Space;
+use crate::tensor::Sym;
+
+/// A constant on the mesh with the bound of its algebraic error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constant {
+    /// The constant.
+    pub value: f64,
+    /// Bound of the distance to the constant of the discrete spaces: the residual of the eigenvector and the round-off seen in
+    /// its quotient.
+    pub error: f64,
+}
+
+impl Constant {
+    /// 1/√(1 + μ).
+    fn of_norm(pair: &Eigenpair) -> Constant {
+        let value = 1.0 / (1.0 + pair.value).sqrt();
+        Constant { value, error: 0.5 * pair.error * value.powi(3) }
+    }
+
+    /// √μ.
+    fn of_trace(pair: &Eigenpair) -> Constant {
+        let value = pair.value.sqrt();
+        Constant { value, error: if value > 0.0 { pair.error / value } else { 0.0 } }
+    }
+}
+
+/// The constants of (2.12)–(2.15) for V^h and Q^h with their prescribed values set to zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DomainConstants {
+    /// Korn's constant of (2.12); none where a part of the body is held by no prescribed displacement.
+    pub c_k: Option<Constant>,
+    /// The constant of Friedrichs and Poincaré of (2.13); none where a part of the body has no prescribed temperature.
+    pub c_f: Option<Constant>,
+    /// s₁ of (2.14) in √m; none without contact or without c_k.
+    pub s1: Option<Constant>,
+    /// The least s with ‖v_ν‖_{L²(Γ_C)} ≤ s ‖ε(v)‖, √m.
+    pub s1_normal: Option<Constant>,
+    /// The least s with ‖v_τ‖_{L²(Γ_C)} ≤ s ‖ε(v)‖, √m.
+    pub s1_tangential: Option<Constant>,
+    /// s₂ of (2.15) in √m; none without contact or without c_f.
+    pub s2: Option<Constant>,
+}
+
+/// Computes the constants on the mesh of a problem. They depend on the mesh, Γ_D, Γ_C and the sides of prescribed
+/// temperature, and on nothing else.
+///
+/// # Errors
+/// When a matrix does not fit into memory, or the prescribed displacements leave a motion without strain.
+pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, FactorError> {
+    let mesh = &*problem.mesh;
+    let graph = Arc::new(Graph::of_mesh(mesh));
+    let mass = forms::inner_h(mesh, &graph);
+    let contact = problem.contact.as_ref().and_then(|contact| mesh.facets.get(&contact.on));
+    let mechanics = || {
+        let v = Space::new(mesh, mesh.dim, problem.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.displacement.as_deref()?))));
+        // (ε(u), ε(v)) is the form a of the identity.
+        let strain = || forms::a(mesh, &graph, &Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress));
+        constants_of(mesh, &v, &mass, strain, contact, [Part::Whole, Part::Normal, Part::Tangential])
+    };
+    let heat = || {
+        let q = Space::new(mesh, 1, problem.boundary.iter().filter_map(|b| Some((b.on.as_str(), std::slice::from_ref(b.temperature.as_ref()?)))));
+        let gradient = || forms::d(mesh, &graph, &Sym::from_fn(mesh.dim, |i, j| if i == j { 1.0 } else { 0.0 }));
+        constants_of(mesh, &q, &mass, gradient, contact, [Part::Whole])
+    };
+    let (mechanics, heat) = rayon::join(mechanics, heat);
+    let ((c_k, [s1, s1_normal, s1_tangential]), (c_f, [s2])) = (mechanics?, heat?);
+    Ok(DomainConstants { c_k, c_f, s1, s1_normal, s1_tangential, s2 })
+}
+
+/// What is measured of a trace.
+#[derive(Clone, Copy)]
+enum Part {
+    Whole,
+    Normal,
+    Tangential,
+}
+
+/// The constant of the norm and those of the parts of the trace, none where the space has constants or rigid motions.
+fn constants_of<const N: usize>(
+    mesh: &Mesh,
+    space: &Space,
+    mass: &BlockMatrix,
+    energy: impl FnOnce() -> BlockMatrix,
+    contact: Option<&FacetSet>,
+    parts: [Part; N],
+) -> Result<(Option<Constant>, [Option<Constant>; N]), FactorError> {
+    if !is_held(mass.graph(), space) {
+        return Ok((None, [None; N]));
+    }
+    let energy = energy();
+    let nodes = contact.map(FacetSet::node_list).unwrap_or_default();
+    let unknowns = Unknowns::new(&energy, &mesh.points, space.components, &space.free, &nodes);
+    let mut system = System::new(&energy, unknowns)?;
+    let mut whole = Quotient { numerator: mass, denominator: &energy, system: &mut system };
+    let norm = largest(&mut whole);
+    let traces = parts.map(|part| {
+        let entries = trace_mass(mesh, contact?, whole.system.unknowns(), space.components, part);
+        let mut on_contact = TraceQuotient { entries, system: &mut *whole.system };
+        let mut pair = largest(&mut on_contact);
+        let trace = dot(&pair.vector, &on_contact.numerator(&pair.vector));
+        if trace > 0.0 {
+            // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
+            let body = whole.system.extend(&pair.vector);
+            let quotient = trace / dot(&body, &whole.denominator(&body));
+            pair.error += (quotient - pair.value).abs();
+            pair.value = quotient;
+        }
+        Some(Constant::of_trace(&pair))
+    });
+    Ok((Some(Constant::of_norm(&norm)), traces))
+}
+
+/// Whether every node is joined by cells to one with a prescribed value.
+fn is_held(graph: &Graph, space: &Space) -> bool {
+    let mut reached: Vec<bool> = space.free.chunks_exact(space.components).map(|node| !node.iter().all(|&free| free)).collect();
+    let mut open: Vec<usize> = (0..reached.len()).filter(|&i| reached[i]).collect();
+    while let Some(i) = open.pop() {
+        for &j in graph.row(i) {
+            if !std::mem::replace(&mut reached[j as usize], true) {
+                open.push(j as usize);
+            }
+        }
+    }
+    reached.iter().all(|&r| r)
+}
+
+/// Entries of ∫_{Γ_C} of the product of two traces, on the contact unknowns in elimination order.
+fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: usize, part: Part) -> Vec<Entry> {
+    let mut position = vec![None; mesh.points.len() * components];
+    for (k, &dof) in unknowns.contact().iter().enumerate() {
+        position[dof as usize] = Some(k as u32);
+    }
+    let element = contact.element;
+    let quadrature = rule(element.shape, 2 * element.degree);
+    let mut entries = Vec::new();
+    for facet in contact.facets() {
+        let dofs: Vec<(usize, usize, u32)> = (0..facet.len())
+            .flat_map(|n| (0..components).map(move |c| (n, c)))
+            .filter_map(|(n, c)| Some((n, c, position[facet[n] as usize * components + c]?)))
+            .collect();
+        let mut block = vec![0.0; dofs.len() * dofs.len()];
+        for (at, weight) in quadrature.iter() {
+            let map = FacetMap::new(mesh, element, facet, at);
+            let product = |r: usize, c: usize| {
+                let whole = if r == c { 1.0 } else { 0.0 };
+                match part {
+                    Part::Whole => whole,
+                    Part::Normal => map.normal[r] * map.normal[c],
+                    Part::Tangential => whole - map.normal[r] * map.normal[c],
+                }
+            };
+            for (a, &(i, r, _)) in dofs.iter().enumerate() {
+                for (b, &(j, c, _)) in dofs.iter().enumerate() {
+                    block[a * dofs.len() + b] += weight * map.area * map.values[i] * map.values[j] * product(r, c);
+                }
+            }
+        }
+        for (a, &(.., row)) in dofs.iter().enumerate() {
+            entries.extend(dofs.iter().enumerate().map(|(b, &(.., column))| (row, column, block[a * dofs.len() + b])));
+        }
+    }
+    entries
+}
+
+/// The quotient of a form on Γ_C and the least energy that the trace costs.
+struct TraceQuotient<'a> {
+    entries: Vec<Entry>,
+    system: &'a mut System,
+}
+
+impl Pencil for TraceQuotient<'_> {
+    fn size(&self) -> usize {
+        self.system.unknowns().contact().len()
+    }
+    fn numerator(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        for &(i, j, value) in &self.entries {
+            y[i as usize] += value * x[j as usize];
+        }
+        y
+    }
+    fn denominator(&self, x: &[f64]) -> Vec<f64> {
+        self.system.condensed().apply(x)
+    }
+    fn solve(&mut self, r: &mut [f64]) {
+        self.system.solve_condensed(r);
+    }
+}

@@ -1,0 +1,104 @@
+//! Linear systems known by their products only.
+
+use super::sparse::dot;
+
+/// Where a Krylov iteration ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Krylov {
+    /// The solution found.
+    pub x: Vec<f64>,
+    /// Products made.
+    pub iterations: usize,
+    /// ‖b − A x‖ / ‖b‖ of the recurrence.
+    pub residual: f64,
+}
+
+/// Solves A x = b by the generalized minimal residual method without restart (Saad and Schultz, 1986): `apply` is the product
+/// with A. Ends when the residual is `tolerance` times that of x = 0 or after `limit` products; the caller looks at
+/// [`Krylov::residual`]. Sums are taken in a fixed order, so the bits do not depend on the number of threads.
+#[must_use]
+pub fn gmres(mut apply: impl FnMut(&[f64]) -> Vec<f64>, b: &[f64], tolerance: f64, limit: usize) -> Krylov {
+    let norm = dot(b, b).sqrt();
+    if norm == 0.0 || !norm.is_finite() {
+        return Krylov { x: vec![0.0; b.len()], iterations: 0, residual: if norm == 0.0 { 0.0 } else { norm } };
+    }
+    let mut basis: Vec<Vec<f64>> = vec![b.iter().map(|b| b / norm).collect()];
+    // The triangular factor of the Hessenberg matrix by columns, its rotations, and the rotated right-hand side.
+    let (mut columns, mut rotations, mut rotated): (Vec<Vec<f64>>, Vec<(f64, f64)>, Vec<f64>) = (Vec::new(), Vec::new(), vec![norm]);
+    while columns.len() < limit {
+        let k = columns.len();
+        let mut next = apply(&basis[k]);
+        let mut column = vec![0.0; k + 1];
+        // Twice is enough (Kahan): the basis is orthogonal to round-off.
+        for _ in 0..2 {
+            for (h, v) in column.iter_mut().zip(&basis) {
+                let c = dot(v, &next);
+                *h += c;
+                next.iter_mut().zip(v).for_each(|(n, v)| *n -= c * v);
+            }
+        }
+        let length = dot(&next, &next).sqrt();
+        for (i, &(c, s)) in rotations.iter().enumerate() {
+            (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
+        }
+        let radius = column[k].hypot(length);
+        if radius == 0.0 || !radius.is_finite() {
+            break;
+        }
+        let (c, s) = (column[k] / radius, length / radius);
+        column[k] = radius;
+        columns.push(column);
+        rotations.push((c, s));
+        let last = rotated[k];
+        rotated[k] = c * last;
+        rotated.push(-s * last);
+        if rotated[k + 1].abs() <= tolerance * norm || length == 0.0 {
+            break;
+        }
+        basis.push(next.iter().map(|n| n / length).collect());
+    }
+    let size = columns.len();
+    let mut y = rotated[..size].to_vec();
+    for i in (0..size).rev() {
+        y[i] /= columns[i][i];
+        let yi = y[i];
+        for j in 0..i {
+            y[j] -= columns[i][j] * yi;
+        }
+    }
+    let mut x = vec![0.0; b.len()];
+    for (y, v) in y.iter().zip(&basis) {
+        x.iter_mut().zip(v).for_each(|(x, v)| *x += y * v);
+    }
+    Krylov { x, iterations: size, residual: rotated[size].abs() / norm }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A matrix that is neither symmetric nor definite, with its solution known.
+    #[test]
+    fn a_system_of_n_unknowns_takes_at_most_n_products() {
+        let n = 30;
+        let entry = |i: usize, j: usize| if i == j { if i.is_multiple_of(2) { 3.0 } else { -2.0 } } else { ((i * 7 + j * 3) % 11) as f64 / 40.0 };
+        let apply = |x: &[f64]| (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect::<Vec<f64>>();
+        let exact: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let solved = gmres(apply, &apply(&exact), 1e-14, n);
+        assert!(solved.iterations <= n && solved.residual <= 1e-13, "{solved:?}");
+        assert!(solved.x.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-11));
+    }
+
+    /// I plus a matrix of rank two has a minimal polynomial of degree three.
+    #[test]
+    fn a_perturbation_of_low_rank_takes_few_products() {
+        let n = 500;
+        let apply = |x: &[f64]| {
+            let (s, t): (f64, f64) = (x.iter().sum(), x.iter().enumerate().map(|(i, x)| x * (i as f64).cos()).sum());
+            (0..n).map(|i| x[i] + 0.1 * s + t * (i as f64).sin()).collect::<Vec<f64>>()
+        };
+        let solved = gmres(apply, &vec![1.0; n], 1e-12, 50);
+        assert!(solved.iterations <= 3 && solved.residual <= 1e-12, "{}", solved.iterations);
+        assert_eq!(gmres(apply, &vec![0.0; n], 1e-12, 50).x, vec![0.0; n]);
+    }
+}

@@ -1,0 +1,63 @@
+//! The ledger after a step: every term of the energy and heat identities.
+
+use super::Ledger;
+use super::heat::Heat;
+use super::mechanics::Mechanics;
+use super::system::{Step, difference, vector_at};
+use crate::linalg::dot;
+use crate::tensor;
+
+/// The ledger after a step.
+pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
+    let Step { problem, discrete, old, products, .. } = *step;
+    let (k, rho, c) = (problem.k(), problem.material.density, problem.material.heat_capacity);
+    let before = &old.ledger;
+    let kinetic = 0.5 * rho * dot(&m.w, &m.mass_w);
+    let elastic = 0.5 * dot(&m.u, &m.a_u);
+    let viscous = k * dot(&m.w, &m.b_w);
+    let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
+    let elastic_scheme = 0.5 * dot(&difference(&m.u, &old.u), &difference(&m.a_u, &products.a_u));
+    let thermal_work = k * dot(&m.w, &m.thermal);
+    let mut load_work = k * dot(&m.w, &m.load) + m.support_work;
+    let (mut friction, mut contact_energy, mut pressing) = (0.0, 0.0, 0.0);
+    if let Some(contact) = &problem.contact {
+        let old_gap = discrete.at_contact(&contact.gap, old.t);
+        for (i, (point, state)) in discrete.boundary.points.iter().zip(&m.states).enumerate() {
+            friction += k * point.weight * tensor::dot(&state.q, &state.slip);
+            contact_energy += point.weight * contact.normal.potential(&point.x, state.penetration);
+            let w_nu = tensor::dot(&vector_at(discrete, point, &m.w), &point.normal);
+            pressing += k * point.weight * state.pressure * w_nu;
+            // A foundation that moves does work on the body.
+            load_work -= point.weight * state.pressure * (m.given.gap[i] - old_gap[i]);
+        }
+    }
+    let gap_work = load_work - (k * dot(&m.w, &m.load) + m.support_work);
+    let compliance_scheme = pressing + gap_work - (contact_energy - before.contact_energy);
+    let scheme = inertial + elastic_scheme + compliance_scheme;
+    let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + scheme
+        - load_work
+        - thermal_work;
+
+    let heat_content = c * heat.mass_theta.iter().sum::<f64>();
+    let amounts = &heat.amounts;
+    let heat_error = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed - amounts.supplied - amounts.coupling;
+    Ledger {
+        kinetic,
+        elastic,
+        viscous_dissipation: before.viscous_dissipation + viscous,
+        friction_dissipation: before.friction_dissipation + friction,
+        contact_energy,
+        load_work: before.load_work + load_work,
+        thermal_work: before.thermal_work + thermal_work,
+        scheme_dissipation: before.scheme_dissipation + scheme,
+        closing_error: before.closing_error + error,
+        turned_over: before.turned_over + load_work.abs() + thermal_work.abs(),
+        heat_content,
+        heat_contact: before.heat_contact + amounts.contact,
+        heat_prescribed: before.heat_prescribed + amounts.prescribed,
+        heat_supplied: before.heat_supplied + amounts.supplied,
+        heat_coupling: before.heat_coupling + amounts.coupling,
+        heat_closing_error: before.heat_closing_error + heat_error,
+        heat_turned_over: before.heat_turned_over + amounts.contact.abs() + amounts.prescribed.abs() + amounts.supplied.abs() + amounts.coupling.abs(),
+    }
+}

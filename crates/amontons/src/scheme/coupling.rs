@@ -1,0 +1,305 @@
+//! How the half-steps of one step are coupled: [`Coupling`].
+//!
+//! One *pass* solves (4.1) with a given temperature in m and (4.2) with a given displacement in e. The staggered scheme is one
+//! pass with θ_{n−1} and u_{n−1}. That map of (u, θ) to the solution of both half-steps is the operator Φ of (3.10), taken within
+//! a step: iterating it is the fixed-point coupling, and a root of Φ(θ) − θ by Newton's method, with the mechanical half-step
+//! eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with θ_n in m and u_n in e.
+
+use super::heat::{self, Heat, on_nodes};
+use super::mechanics::Mechanics;
+use super::system::{ACCEPTED, Step, System, difference, vector_at};
+use super::{Contraction, CouplingReport, StepError};
+use crate::linalg::{Entry, PointTangent, dot, gmres, max_abs};
+use crate::problem::Coupling;
+use crate::space::Space;
+use crate::tensor::{self, length};
+
+/// Defect of the coupling, relative to the largest term of the equations, at which an iteration ends.
+const COUPLED: f64 = 1e-12;
+/// Defect down to which the ratio of two of them is a contraction factor and not round-off.
+const TELLING: f64 = 1e-9;
+/// Iterations without progress after which an iteration has failed, and after which Newton's method is taken to circle.
+const WITHOUT_PROGRESS: usize = 60;
+const CIRCLING: usize = 6;
+/// Shortest part of a Newton step of the monolithic coupling that is tried.
+const SHORTEST_STEP: f64 = 1.0 / 1024.0;
+/// Residual, relative to the one before, at which the linear systems of the monolithic coupling are solved.
+const LINEAR: f64 = 1e-10;
+/// Most products in such a system: its matrix is the identity plus a compact part, which takes a few.
+const PRODUCTS: usize = 200;
+
+/// A step that was made.
+pub(super) struct Made {
+    pub mechanics: Mechanics,
+    pub heat: Heat,
+    pub report: CouplingReport,
+    /// Newton iterations of mechanics and heat, and sweeps, of all passes.
+    pub iterations: [usize; 2],
+    pub sweeps: usize,
+}
+
+/// Both half-steps, solved.
+struct Pass {
+    mechanics: Mechanics,
+    heat: Heat,
+}
+
+/// The systems of both half-steps, and what was done with them.
+pub(super) struct Coupled<'a> {
+    pub step: Step<'a>,
+    pub mechanics: &'a mut System,
+    pub heat: &'a mut System,
+    passes: usize,
+    iterations: [usize; 2],
+    sweeps: usize,
+}
+
+impl<'a> Coupled<'a> {
+    pub fn new(step: Step<'a>, mechanics: &'a mut System, heat: &'a mut System) -> Coupled<'a> {
+        Coupled { step, mechanics, heat, passes: 0, iterations: [0; 2], sweeps: 0 }
+    }
+
+    /// Makes the step.
+    pub fn solve(mut self) -> Result<Made, StepError> {
+        let coupling = self.step.problem.coupling;
+        let (pass, defect, progress) = match coupling {
+            Coupling::Staggered => {
+                let pass = self.pass(&self.step.old.theta, &self.step.old.u, None)?;
+                let report = CouplingReport { passes: self.passes, ..CouplingReport::default() };
+                return Ok(self.made(pass, report));
+            }
+            Coupling::FixedPoint => self.fixed_point()?,
+            Coupling::Monolithic => self.monolithic()?,
+        };
+        let contraction = if coupling == Coupling::FixedPoint { progress.contraction() } else { None };
+        let report = CouplingReport { passes: self.passes, contraction, defect: Some(defect) };
+        Ok(self.made(pass, report))
+    }
+
+    fn made(&self, pass: Pass, report: CouplingReport) -> Made {
+        Made { mechanics: pass.mechanics, heat: pass.heat, report, iterations: self.iterations, sweeps: self.sweeps }
+    }
+
+    fn count(&mut self, pass: Pass) -> Pass {
+        self.passes += 1;
+        self.iterations[0] += pass.mechanics.iterations;
+        self.iterations[1] += pass.heat.iterations;
+        self.sweeps += pass.mechanics.sweeps + pass.heat.sweeps;
+        pass
+    }
+
+    /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass. Heat needs the
+    /// contact of (4.1) on Γ_C only: its forward sweep is made beside the mechanical half-step.
+    fn pass(&mut self, theta: &[f64], u: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
+        let (step, mechanics, heat) = (&self.step, &mut *self.mechanics, &*self.heat);
+        let (solved, begun) = rayon::join(
+            || Mechanics::solve(step, mechanics, theta, from.map(|from| &from.mechanics)),
+            || heat::Begun::new(step, heat, u, from.map(|from| &from.heat)),
+        );
+        let solved = solved?;
+        let heat = begun?.solve(step, self.heat, &solved.states)?;
+        Ok(self.count(Pass { mechanics: solved, heat }))
+    }
+
+    /// θ ↦ the temperature of (4.2) at the displacement that (4.1) has with θ.
+    fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
+        let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics))?;
+        let begun = heat::Begun::new(&self.step, self.heat, &mechanics.u, from.map(|from| &from.heat))?;
+        let heat = begun.solve(&self.step, self.heat, &mechanics.states)?;
+        Ok(self.count(Pass { mechanics, heat }))
+    }
+
+    /// By how much (4.1) with θ_n in m and (4.2) with u_n in e fail, relative to their largest terms.
+    fn defect(&self, pass: &Pass) -> Result<f64, StepError> {
+        let Step { discrete, .. } = self.step;
+        let change = |new: Vec<f64>, old: &[f64], space: &Space| {
+            let mut change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+            space.mask(&mut change);
+            max_abs(&change)
+        };
+        let force = change(discrete.m.apply(&pass.heat.theta), &pass.mechanics.thermal, &discrete.v);
+        let supply = change(discrete.e.apply(&pass.mechanics.u), &pass.heat.coupling, &discrete.q);
+        let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
+        Ok(force.max(self.step.relative(supply, pass.heat.scale, "heat")?))
+    }
+
+    fn failed(&self, defect: f64, contraction: Option<Contraction>) -> StepError {
+        StepError::Coupling { step: self.step.n, t: self.step.t, coupling: self.step.problem.coupling, passes: self.passes, defect, contraction }
+    }
+
+    /// Φ is iterated until its arguments are its values.
+    fn fixed_point(&mut self) -> Result<(Pass, f64, Progress), StepError> {
+        let mut pass = self.pass(&self.step.old.theta, &self.step.old.u, None)?;
+        let mut progress = Progress::default();
+        loop {
+            let defect = self.defect(&pass)?;
+            match progress.after(defect) {
+                Verdict::Coupled => return Ok((pass, defect, progress)),
+                Verdict::Failed => return Err(self.failed(defect, progress.contraction())),
+                Verdict::GoOn => {}
+            }
+            pass = self.pass(&pass.heat.theta, &pass.mechanics.u, Some(&pass))?;
+        }
+    }
+
+    /// Newton's method for Φ(θ) − θ = 0, the mechanical half-step eliminated.
+    fn monolithic(&mut self) -> Result<(Pass, f64, Progress), StepError> {
+        let start = self.step.old.theta.clone();
+        let mut now = Iterate::new(self.pass_in_turn(&start, None)?, start);
+        let mut progress = Progress::default();
+        loop {
+            let defect = self.defect(&now.pass)?;
+            match progress.after(defect) {
+                Verdict::Coupled => return Ok((now.pass, defect, progress)),
+                Verdict::Failed => return Err(self.failed(defect, None)),
+                Verdict::GoOn => {}
+            }
+            // Where Newton's method circles around a kink, some passes of the fixed point lead out of it.
+            let circling = progress.without() / CIRCLING % 2 == 1;
+            let next = if circling { None } else { self.newton(&now) };
+            now = match next {
+                Some(next) => next,
+                None => self.iterate(now.pass.heat.theta.clone(), &now.pass)?,
+            };
+        }
+    }
+
+    /// The iterate with this temperature in m.
+    fn iterate(&mut self, theta: Vec<f64>, from: &Pass) -> Result<Iterate, StepError> {
+        Ok(Iterate::new(self.pass_in_turn(&theta, Some(from))?, theta))
+    }
+
+    /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever shorter parts of
+    /// the Newton step.
+    fn newton(&mut self, now: &Iterate) -> Option<Iterate> {
+        let tangent = Tangent::new(self, &now.pass);
+        let change = gmres(|change| tangent.apply(self, change), &now.residual, LINEAR, now.residual.len().min(PRODUCTS)).x;
+        let part = |alpha: f64| now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>();
+        let smaller = |made: &Iterate| made.merit < now.merit;
+        // A trial at which a half-step does not converge is none.
+        if let Some(next) = self.iterate(part(1.0), &now.pass).ok().filter(smaller) {
+            return Some(next);
+        }
+        if let Some(next) = self.iterate(now.pass.heat.theta.clone(), &now.pass).ok().filter(smaller) {
+            return Some(next);
+        }
+        let mut alpha = 0.5;
+        while alpha >= SHORTEST_STEP {
+            if let Some(next) = self.iterate(part(alpha), &now.pass).ok().filter(smaller) {
+                return Some(next);
+            }
+            alpha *= 0.5;
+        }
+        None
+    }
+}
+
+/// An iterate of the monolithic coupling.
+struct Iterate {
+    /// The temperature in m.
+    theta: Vec<f64>,
+    pass: Pass,
+    /// Φ(θ) − θ, and its square.
+    residual: Vec<f64>,
+    merit: f64,
+}
+
+impl Iterate {
+    fn new(pass: Pass, theta: Vec<f64>) -> Iterate {
+        let residual = difference(&pass.heat.theta, &theta);
+        Iterate { merit: dot(&residual, &residual), residual, pass, theta }
+    }
+}
+
+/// How an iteration goes on.
+#[derive(Default)]
+struct Progress {
+    /// The defect after each pass.
+    defects: Vec<f64>,
+    /// Where the least of them is.
+    least: usize,
+}
+
+enum Verdict {
+    GoOn,
+    Coupled,
+    Failed,
+}
+
+impl Progress {
+    fn after(&mut self, defect: f64) -> Verdict {
+        // Round-off may keep the defect from falling further.
+        let stalled = defect <= ACCEPTED && self.defects.last().is_some_and(|last| defect > 0.5 * last);
+        if self.defects.get(self.least).is_none_or(|&least| defect < least) {
+            self.least = self.defects.len();
+        }
+        self.defects.push(defect);
+        if defect <= COUPLED || stalled {
+            Verdict::Coupled
+        } else if self.without() > WITHOUT_PROGRESS {
+            Verdict::Failed
+        } else {
+            Verdict::GoOn
+        }
+    }
+
+    /// Passes since the least defect.
+    fn without(&self) -> usize {
+        self.defects.len() - 1 - self.least
+    }
+
+    /// The contraction factors seen: mean and largest ratio of two defects in turn, as far as they are not round-off.
+    fn contraction(&self) -> Option<Contraction> {
+        let telling: Vec<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
+        let (first, last, ratios) = (telling.first()?, telling.last()?, telling.len().checked_sub(1).filter(|&n| n > 0)?);
+        let largest = telling.windows(2).map(|pair| pair[1] / pair[0]).fold(0.0, f64::max);
+        Some(Contraction { mean: (last / first).powf(1.0 / ratios as f64), largest })
+    }
+}
+
+/// The derivative of both half-steps at a solution.
+struct Tangent {
+    mechanics: Vec<Entry>,
+    points: Vec<PointTangent>,
+    heat: Vec<Entry>,
+    /// ∂(q·ν) in r, p and ‖w_τ‖, with the direction of slip and ν, at each contact point.
+    fluxes: Vec<[f64; 3]>,
+    slips: Vec<[f64; 3]>,
+}
+
+impl Tangent {
+    fn new(coupled: &Coupled, pass: &Pass) -> Tangent {
+        let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
+        let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
+        let fluxes = pass.heat.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed]).collect();
+        let slips = pass.mechanics.states.iter().map(|state| {
+            let speed = length(&state.slip);
+            state.slip.map(|c| if speed > 0.0 { c / speed } else { 0.0 })
+        });
+        Tangent { mechanics, points, heat, fluxes, slips: slips.collect() }
+    }
+
+    /// δθ − Φ′ δθ.
+    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Vec<f64> {
+        let Step { problem, discrete, .. } = coupled.step;
+        let k = problem.k();
+        let w = coupled.mechanics.linearised(&self.mechanics, &discrete.m.apply(change));
+        let u: Vec<f64> = w.iter().map(|w| k * w).collect();
+        let points = discrete.boundary.points.iter().enumerate();
+        let chi: Vec<f64> = points
+            .map(|(i, point)| {
+                let v = vector_at(discrete, point, &w);
+                let force: [f64; 3] = std::array::from_fn(|c| tensor::dot(&self.points[i][c], &v));
+                let [by_penetration, by_pressure, by_slip_speed] = self.fluxes[i];
+                by_penetration * k * tensor::dot(&v, &point.normal)
+                    + by_pressure * tensor::dot(&force, &point.normal)
+                    + by_slip_speed * tensor::dot(&v, &self.slips[i])
+            })
+            .collect();
+        let chi = on_nodes(&coupled.step, &chi);
+        let right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
+        let theta = coupled.heat.linearised(&self.heat, &right);
+        coupled.sweeps += 4;
+        change.iter().zip(&theta).map(|(change, theta)| change - theta).collect()
+    }
+}

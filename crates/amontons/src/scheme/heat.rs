@@ -1,0 +1,184 @@
+//! The heat half-step (4.2).
+
+use super::StepError;
+use super::system::{REFINE, Step, System, at_nodes};
+use crate::contact::Flux;
+use crate::linalg::{Entry, HeatStep, PointState, max_abs};
+
+/// What the heat half-step found.
+pub(super) struct Heat {
+    pub theta: Vec<f64>,
+    pub mass_theta: Vec<f64>,
+    pub d_theta: Vec<f64>,
+    /// Heat supplied in the load and e(u, ·) of the displacement that the half-step was made with.
+    pub supply: Vec<f64>,
+    pub coupling: Vec<f64>,
+    /// Temperature of the body and heat flux at the contact points.
+    pub temperature: Vec<f64>,
+    pub flux: Vec<Flux>,
+    /// ∫_{Γ_C} q·ν in W.
+    pub through_contact: f64,
+    /// Newton iterations on Γ_C, and sweeps.
+    pub iterations: usize,
+    pub sweeps: usize,
+    /// Residual relative to `scale`, the largest term of the equation.
+    pub residual: f64,
+    pub scale: f64,
+    pub amounts: Amounts,
+}
+
+/// Heat moved in one step, J.
+pub(super) struct Amounts {
+    pub supplied: f64,
+    pub coupling: f64,
+    pub contact: f64,
+    pub prescribed: f64,
+}
+
+/// A heat half-step before the contact is known.
+pub(super) struct Begun {
+    supply: Vec<f64>,
+    coupling: Vec<f64>,
+    /// Where the half-step starts, with the prescribed values of t_n, and its products with the forms.
+    theta: Vec<f64>,
+    mass_theta: Vec<f64>,
+    d_theta: Vec<f64>,
+    /// The right-hand side for the increment over `theta`, reduced to Γ_C.
+    reduced: Vec<f64>,
+}
+
+impl Begun {
+    /// What of (4.2), with the displacement `u` in e, does not need the contact: up to the forward sweep. The half-step starts from
+    /// θ_{n−1} or from a solution of the same step with another displacement.
+    pub fn new(step: &Step, system: &System, u: &[f64], from: Option<&Heat>) -> Result<Begun, StepError> {
+        let Step { discrete, old, products, t, .. } = *step;
+        let coupling = discrete.e.apply(u);
+        let mut begun = if let Some(h) = from {
+            let [supply, theta, mass_theta, d_theta] = [&h.supply, &h.theta, &h.mass_theta, &h.d_theta].map(Clone::clone);
+            Begun { supply, coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
+        } else {
+            let mut theta = old.theta.clone();
+            discrete.q.prescribe(t, &mut theta);
+            let [mass_theta, d_theta] = if theta == old.theta {
+                [products.mass_theta.clone(), products.d_theta.clone()]
+            } else {
+                [&discrete.mass, &discrete.d].map(|form| form.apply(&theta))
+            };
+            Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
+        };
+        begun.reduced = system.reduce(&begun.right(step)?);
+        Ok(begun)
+    }
+
+    /// The right-hand side for the increment over θ at hand.
+    fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
+        let storage = step.problem.material.heat_capacity / step.problem.k();
+        let right: Vec<f64> = (0..self.supply.len())
+            .map(|i| self.supply[i] + self.coupling[i] - storage * (self.mass_theta[i] - step.products.mass_theta[i]) - self.d_theta[i])
+            .collect();
+        step.finite(&right, "the data")?;
+        Ok(right)
+    }
+
+    /// Solves (4.2) at the contact that the mechanical half-step has found.
+    pub fn solve(mut self, step: &Step, system: &mut System, states: &[PointState]) -> Result<Heat, StepError> {
+        let Step { problem, discrete, products, .. } = *step;
+        let (k, c) = (problem.k(), problem.material.heat_capacity);
+        let given = Given::new(step, &self.theta);
+        let (mut iterations, mut sweeps) = (0, 0);
+        let mut previous = f64::INFINITY;
+        loop {
+            let reduced = std::mem::take(&mut self.reduced);
+            let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = &mut self;
+            let guess = system.contact_of(theta);
+            let (at_points, newton) = system
+                .expand(reduced, theta, |condensed, unknown, r| {
+                    let Some(on_boundary) = given.on_boundary(step, unknown, states) else { return Ok((Vec::new(), (Vec::new(), 0))) };
+                    let solved = on_boundary.solve(condensed, r, &guess)?;
+                    let fluxes = on_boundary.fluxes(&solved.x);
+                    Ok((solved.x, (fluxes, solved.iterations)))
+                })
+                .map_err(|why| step.not_converged("heat", why))?;
+            iterations += newton;
+            sweeps += 2;
+            step.finite(theta, "heat")?;
+            [*mass_theta, *d_theta] = [&discrete.mass, &discrete.d].map(|form| form.apply(theta));
+            let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
+            let values: Vec<f64> = flux.iter().map(|flux| flux.value).collect();
+            let chi = on_nodes(step, &values);
+            let heat_flow = discrete.boundary.points.iter().zip(&values).fold(0.0, |sum, (point, flux)| sum + point.weight * flux);
+            // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
+            let mut rest: Vec<f64> =
+                (0..theta.len()).map(|i| c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]).collect();
+            let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
+            discrete.q.mask(&mut rest);
+            let storage = c / k * max_abs(mass_theta).max(max_abs(&products.mass_theta));
+            let terms = [&*d_theta, coupling, supply, &chi].map(|term| max_abs(term));
+            let scale = terms.into_iter().fold(storage, f64::max);
+            let residual = step.relative(max_abs(&rest), scale, "heat")?;
+            if residual > REFINE && residual < 0.5 * previous {
+                previous = residual;
+                self.reduced = system.reduce(&self.right(step)?);
+                continue;
+            }
+            let residual = step.accept(residual, "heat")?;
+            let sum = |v: &[f64]| v.iter().sum::<f64>();
+            let amounts = Amounts { supplied: k * sum(supply), coupling: k * sum(coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
+            let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
+            return Ok(Heat {
+                theta,
+                mass_theta,
+                d_theta,
+                supply,
+                coupling,
+                temperature,
+                flux,
+                through_contact: heat_flow,
+                iterations,
+                sweeps,
+                residual,
+                scale,
+                amounts,
+            });
+        }
+    }
+}
+
+impl Heat {
+    /// The derivative of χ in θ at the solution: the entries it adds to S.
+    pub fn contact_tangent(&self, step: &Step, system: &System, states: &[PointState]) -> Vec<Entry> {
+        let given = Given::new(step, &self.theta);
+        given.on_boundary(step, system.on_contact(), states).map_or_else(Vec::new, |on_boundary| on_boundary.tangent(self.flux.iter()))
+    }
+}
+
+/// What is known on Γ_C before the half-step is solved.
+struct Given {
+    prescribed: Vec<f64>,
+    foundation: Vec<f64>,
+}
+
+impl Given {
+    fn new(step: &Step, theta: &[f64]) -> Given {
+        let foundation = step.problem.contact.as_ref().map_or(Vec::new(), |c| step.discrete.at_contact(&c.foundation_temperature, step.t));
+        Given { prescribed: at_nodes(step.discrete, 1, theta), foundation }
+    }
+
+    /// The problem on Γ_C; none without contact.
+    fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>], states: &'a [PointState]) -> Option<HeatStep<'a>> {
+        let contact = step.problem.contact.as_ref()?;
+        Some(HeatStep { contact, boundary: &step.discrete.boundary, unknown, theta_prescribed: &self.prescribed, foundation: &self.foundation, states })
+    }
+}
+
+/// Σ ω Nᵀ · of values at the contact points, over all nodes.
+pub(super) fn on_nodes(step: &Step, values: &[f64]) -> Vec<f64> {
+    let boundary = &step.discrete.boundary;
+    let mut sum = vec![0.0; step.discrete.q.free.len()];
+    for (point, value) in boundary.points.iter().zip(values) {
+        for &(node, shape) in &point.nodes {
+            sum[boundary.nodes[node] as usize] += point.weight * shape * value;
+        }
+    }
+    sum
+}

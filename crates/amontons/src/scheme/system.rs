@@ -1,0 +1,178 @@
+//! A factorized system with its condensed operator, and what the parts of a step share.
+
+use super::{Discretization, State, StepError};
+use crate::contact::PointOnBoundary;
+use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, NotConverged, Unknowns};
+use crate::problem::Problem;
+use crate::space::Space;
+use crate::tensor::Point;
+
+/// Largest relative residual of a step that is accepted.
+pub const ACCEPTED: f64 = 1e-10;
+/// Relative residual above which another pass of sweeps is made.
+pub const REFINE: f64 = 1e-11;
+
+/// What is known when a step is made.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    pub problem: &'a Problem,
+    pub discrete: &'a Discretization,
+    /// The state that the step starts from.
+    pub old: &'a State,
+    pub products: &'a Products,
+    /// n.
+    pub n: usize,
+    /// t_n in s.
+    pub t: f64,
+}
+
+impl Step<'_> {
+    /// An error where a value is not finite.
+    pub fn finite(&self, values: &[f64], part: &'static str) -> Result<(), StepError> {
+        if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(StepError::NotFinite { step: self.n, t: self.t, part }) }
+    }
+
+    /// A residual relative to the largest term of its equation.
+    pub fn relative(&self, residual: f64, scale: f64, part: &'static str) -> Result<f64, StepError> {
+        let relative = if residual == 0.0 { 0.0 } else { residual / scale };
+        if relative.is_nan() { Err(StepError::NotFinite { step: self.n, t: self.t, part }) } else { Ok(relative) }
+    }
+
+    /// The relative residual, if it is small enough to be a result.
+    pub fn accept(&self, residual: f64, part: &'static str) -> Result<f64, StepError> {
+        if residual > ACCEPTED { Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED }) } else { Ok(residual) }
+    }
+
+    /// The iteration on Γ_C that did not end.
+    pub fn not_converged(&self, part: &'static str, why: NotConverged) -> StepError {
+        StepError::NotConverged { step: self.n, t: self.t, part, why }
+    }
+}
+
+/// Products of a state with the matrices, which one step computes and the next one needs.
+#[derive(Debug)]
+pub(super) struct Products {
+    pub step: usize,
+    pub mass_w: Vec<f64>,
+    pub a_u: Vec<f64>,
+    pub a_w: Vec<f64>,
+    pub b_w: Vec<f64>,
+    pub mass_theta: Vec<f64>,
+    pub d_theta: Vec<f64>,
+}
+
+impl Products {
+    /// The products of a state.
+    pub fn of(discrete: &Discretization, state: &State) -> Products {
+        Products {
+            step: state.step,
+            mass_w: discrete.mass.apply(&state.w),
+            a_u: discrete.a.apply(&state.u),
+            a_w: discrete.a.apply(&state.w),
+            b_w: discrete.b.apply(&state.w),
+            mass_theta: discrete.mass.apply(&state.theta),
+            d_theta: discrete.d.apply(&state.theta),
+        }
+    }
+}
+
+/// A factorized system with its condensed operator.
+#[derive(Debug)]
+pub(super) struct System {
+    pub unknowns: Unknowns,
+    pub factor: Box<dyn Factor>,
+    pub condensed: Condensed,
+    /// Contact unknown of each degree of freedom of the contact nodes.
+    on_contact: Vec<Option<u32>>,
+}
+
+impl System {
+    /// Factorizes a matrix with the contact unknowns last.
+    pub fn new(matrix: &BlockMatrix, discrete: &Discretization, space: &Space, backend: &dyn Backend) -> Result<System, FactorError> {
+        let contact = &discrete.boundary.nodes;
+        let unknowns = Unknowns::new(matrix, &discrete.mesh.points, space.components, &space.free, contact);
+        let factor = backend.factorize(matrix, &unknowns)?;
+        let condensed = Condensed::new(factor.condensed());
+        let mut next = 0;
+        let on_contact = contact
+            .iter()
+            .flat_map(|&node| (0..space.components).map(move |c| node as usize * space.components + c))
+            .map(|dof| {
+                space.free[dof].then(|| {
+                    next += 1;
+                    next - 1
+                })
+            })
+            .collect();
+        Ok(System { unknowns, factor, condensed, on_contact })
+    }
+
+    /// The forward sweep: the right-hand side in elimination order, reduced to Γ_C.
+    pub fn reduce(&self, right: &[f64]) -> Vec<f64> {
+        let mut x = self.unknowns.gather(right);
+        self.factor.forward(&mut x);
+        x
+    }
+
+    /// The problem on Γ_C, which `solve` finds from the reduced right-hand side, and the backward sweep:
+    /// adds the increment that the right-hand side causes to the values.
+    pub fn expand<T>(
+        &mut self,
+        mut x: Vec<f64>,
+        values: &mut [f64],
+        solve: impl FnOnce(&mut Condensed, &[Option<u32>], &[f64]) -> Result<(Vec<f64>, T), NotConverged>,
+    ) -> Result<T, NotConverged> {
+        let (_, contact) = x.split_at_mut(self.unknowns.interior);
+        let (solved, result) = solve(&mut self.condensed, &self.on_contact, contact)?;
+        for (x, (solved, &dof)) in contact.iter_mut().zip(solved.iter().zip(self.unknowns.contact())) {
+            *x = solved - values[dof as usize];
+        }
+        self.factor.backward(&mut x);
+        self.unknowns.add(&x, values);
+        Ok(result)
+    }
+
+    /// Solves the system with the entries of a contact term added, for all degrees of freedom.
+    pub fn linearised(&mut self, entries: &[Entry], right: &[f64]) -> Vec<f64> {
+        let mut x = self.reduce(right);
+        let (_, contact) = x.split_at_mut(self.unknowns.interior);
+        if !contact.is_empty() {
+            self.condensed.solve(entries, contact);
+        }
+        self.factor.backward(&mut x);
+        let mut values = vec![0.0; right.len()];
+        self.unknowns.add(&x, &mut values);
+        values
+    }
+
+    /// The contact unknowns of a vector over all degrees of freedom.
+    pub fn contact_of(&self, values: &[f64]) -> Vec<f64> {
+        self.unknowns.contact().iter().map(|&d| values[d as usize]).collect()
+    }
+
+    /// Contact unknown of each degree of freedom of the contact nodes, none where prescribed.
+    pub fn on_contact(&self) -> &[Option<u32>] {
+        &self.on_contact
+    }
+}
+
+/// Values at the contact nodes, node-major.
+pub(super) fn at_nodes(discrete: &Discretization, components: usize, values: &[f64]) -> Vec<f64> {
+    discrete.boundary.nodes.iter().flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components]).copied().collect()
+}
+
+/// The vector of a field over all degrees of freedom at a contact point.
+pub(super) fn vector_at(discrete: &Discretization, point: &PointOnBoundary, values: &[f64]) -> Point {
+    let mut v = [0.0; 3];
+    for &(node, value) in &point.nodes {
+        for c in 0..discrete.mesh.dim {
+            v[c] += value * values[discrete.boundary.nodes[node] as usize * discrete.mesh.dim + c];
+        }
+    }
+    v
+}
+
+/// a − b.
+pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(a, b)| a - b).collect()
+}
