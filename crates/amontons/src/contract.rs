@@ -18,7 +18,7 @@ use crate::linalg::{Backend, Graph, Unknowns};
 use crate::material::{Isotropic, StressState, TensorLaw};
 use crate::mesh::{Diagonal, Mesh};
 use crate::quadrature::{Shape, rule};
-use crate::tensor::{Sym, mandel_len};
+use crate::tensor::{Rotation, Sym, mandel_len};
 
 /// Numbers in [−1, 1) that are the same in every run.
 struct Samples(u64);
@@ -99,46 +99,94 @@ pub fn assert_element(element: &Element) {
     }
 }
 
-/// (H1), (H2): zero at zero, the tangent is the derivative, and the declared constants m and M hold on
-/// samples of the size `size`.
+/// (H1), (H2): zero at zero, the tangent is the derivative, the value that of the potential (and the tangent symmetric)
+/// where there is one, and the declared constants m, M and bounds hold, on samples from a thousandth to a thousand times `size`.
 ///
 /// # Panics
 /// When the law breaks the contract.
 pub fn assert_tensor_law(law: &dyn TensorLaw, dim: usize, size: f64) {
     let x = [0.3, 0.2, 0.1];
-    let mut random = samples();
     let constants = law.constants();
-    let scale = constants.lipschitz.max(constants.monotonicity.abs()) * size;
+    let stiffness = constants.lipschitz.max(constants.monotonicity.abs());
     assert_eq!(law.value(&x, &Sym::ZERO), Sym::ZERO, "{law:?}: the value at zero, (H1) iv");
-    for _ in 0..64 {
-        let (a, b) = (random.sym(dim, size), random.sym(dim, size));
-        let difference = a - b;
-        // Only the d-dimensional part does work and is what m and M speak of.
-        let mut change = law.value(&x, &a) - law.value(&x, &b);
-        for m in mandel_len(dim)..6 {
-            change.0[m] = 0.0;
+    let mut random = samples();
+    for size in [1e-3 * size, size, 1e3 * size] {
+        let scale = stiffness * size;
+        for _ in 0..64 {
+            let (a, b) = (random.sym(dim, size), random.sym(dim, size));
+            assert_monotone(law, dim, (&a, &b), 1e-12 * scale * size);
+            let h = 1e-6 * size;
+            let tangent = law.tangent(&x, &a);
+            let direction = random.sym(dim, 1.0);
+            let (plus, minus) = (a + h * direction, a + (-h) * direction);
+            let slope = (0.5 / h) * (law.value(&x, &plus) - law.value(&x, &minus));
+            let declared = tangent.apply(&direction);
+            for m in 0..6 {
+                near(declared.0[m], slope.0[m], 1e-7 * stiffness, &format!("{law:?}: component {m} of the tangent at {a:?}"));
+            }
+            let form = declared.dot(&direction);
+            let [low, high] = law.bounds().map(|map| map.apply(&direction).dot(&direction));
+            let slack = 1e-12 * stiffness;
+            assert!(low - slack <= form && form <= high + slack, "{law:?}: declared bounds {low:e} and {high:e}, but the tangent gives {form:e} at {a:?}");
+            if let (Some(w), Some(v)) = (law.potential(&x, &plus), law.potential(&x, &minus)) {
+                let work = law.value(&x, &a).dot(&direction);
+                near((w - v) / (2.0 * h), work, 1e-8 * scale, &format!("{law:?}: slope of the potential at {a:?}"));
+                for (i, j) in (0..mandel_len(dim)).flat_map(|i| (0..i).map(move |j| (i, j))) {
+                    near(tangent.0[i][j], tangent.0[j][i], 1e-13 * stiffness, &format!("{law:?}: symmetry of the tangent in {i}, {j}"));
+                }
+            }
         }
-        let squared = difference.dot(&difference);
-        let slack = 1e-12 * scale * size;
-        assert!(
-            change.dot(&difference) >= constants.monotonicity * squared - slack,
-            "{law:?}: declared m = {:e}, but two arguments give {:e}",
-            constants.monotonicity,
-            change.dot(&difference) / squared
-        );
-        assert!(
-            change.norm() <= constants.lipschitz * difference.norm() + slack,
-            "{law:?}: declared M = {:e}, but two arguments give {:e}",
-            constants.lipschitz,
-            change.norm() / difference.norm()
-        );
-        let h = 1e-6 * size;
-        let tangent = law.tangent(&x, &a);
-        let direction = random.sym(dim, 1.0);
-        let slope = (0.5 / h) * (law.value(&x, &(a + h * direction)) - law.value(&x, &(a + (-h) * direction)));
-        let declared = tangent.apply(&direction);
-        for m in 0..6 {
-            near(declared.0[m], slope.0[m], 1e-7 * scale / size, &format!("{law:?}: component {m} of the tangent"));
+    }
+    if let Some(w) = law.potential(&x, &Sym::ZERO) {
+        near(w, 0.0, 0.0, &format!("{law:?}: the potential at zero"));
+    }
+}
+
+/// m and M between two arguments; only the d-dimensional part does work and is what they speak of.
+fn assert_monotone(law: &dyn TensorLaw, dim: usize, (a, b): (&Sym, &Sym), slack: f64) {
+    let x = [0.3, 0.2, 0.1];
+    let constants = law.constants();
+    let difference = *a - *b;
+    let mut change = law.value(&x, a) - law.value(&x, b);
+    change.0[mandel_len(dim)..].fill(0.0);
+    let squared = difference.dot(&difference);
+    assert!(
+        change.dot(&difference) >= constants.monotonicity * squared - slack,
+        "{law:?}: declared m = {:e}, but two arguments give {:e}",
+        constants.monotonicity,
+        change.dot(&difference) / squared
+    );
+    assert!(
+        change.norm() * difference.norm() <= constants.lipschitz * squared + slack,
+        "{law:?}: declared M = {:e}, but two arguments give {:e}",
+        constants.lipschitz,
+        change.norm() / difference.norm()
+    );
+}
+
+/// Objectivity of an isotropic law: a turned argument gives the turned value, and the same potential.
+///
+/// # Panics
+/// When the law has a direction of its own.
+pub fn assert_isotropic(law: &dyn TensorLaw, dim: usize, size: f64) {
+    let x = [0.3, 0.2, 0.1];
+    let mut random = samples();
+    for size in [1e-3 * size, size, 1e3 * size] {
+        for _ in 0..64 {
+            let angles = [3.0 * random.number(), random.number(), random.number()];
+            let rotation = match dim {
+                3 => Rotation::euler(angles),
+                2 => Rotation::in_plane(angles[0]),
+                _ => Rotation::IDENTITY,
+            };
+            let xi = random.sym(dim, size);
+            let turned = rotation.tensor(&xi);
+            let (found, expected) = (law.value(&x, &turned), rotation.tensor(&law.value(&x, &xi)));
+            let slack = 1e-13 * law.constants().lipschitz * size;
+            near((found - expected).norm(), 0.0, slack, &format!("{law:?}: value at a turned argument, {found:?} for {expected:?}"));
+            if let (Some(w), Some(v)) = (law.potential(&x, &turned), law.potential(&x, &xi)) {
+                near(w, v, slack * size, &format!("{law:?}: potential at a turned argument"));
+            }
         }
     }
 }
@@ -317,6 +365,17 @@ mod tests {
     fn every_tensor_law_keeps_its_contract() {
         for (dim, law) in crate::material::samples() {
             assert_tensor_law(law.as_ref(), dim, 1e-3);
+        }
+        for (dim, law) in crate::material::isotropic_samples() {
+            assert_isotropic(law.as_ref(), dim, 1e-3);
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "turned argument")]
+    fn a_law_with_a_direction_is_not_isotropic() {
+        for (dim, law) in crate::material::samples().into_iter().skip(crate::material::isotropic_samples().len()).filter(|(dim, _)| *dim > 1) {
+            assert_isotropic(law.as_ref(), dim, 1e-3);
         }
     }
 

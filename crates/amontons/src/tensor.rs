@@ -85,15 +85,29 @@ impl Sym {
         std::array::from_fn(|i| (0..3).map(|j| self.get(i, j) * v[j]).sum())
     }
 
-    /// Von Mises stress `√(3/2 s·s)`, s the deviator in three dimensions.
+    /// The deviator in three dimensions, σ − tr(σ)/3 I; that of a plane tensor has a component 33.
     #[must_use]
-    pub fn von_mises(&self) -> f64 {
+    pub fn deviator(&self) -> Sym {
         let mean = self.trace() / 3.0;
         let mut s = *self;
         for m in [0, 1, 3] {
             s.0[m] -= mean;
         }
+        s
+    }
+
+    /// Von Mises stress `√(3/2 s·s)`, s the deviator in three dimensions.
+    #[must_use]
+    pub fn von_mises(&self) -> f64 {
+        let s = self.deviator();
         (1.5 * s.dot(&s)).sqrt()
+    }
+
+    /// The tensor with the principal values `values` along the axes that `rotation` turns the
+    /// coordinate axes to: 𝓚, 𝓜 or 𝓡 of a material with axes of its own. Missing values are zero.
+    #[must_use]
+    pub fn principal(values: &[f64], rotation: &Rotation) -> Sym {
+        rotation.tensor(&Sym::from_fn(3, |i, j| if i == j { values.get(i).copied().unwrap_or(0.0) } else { 0.0 }))
     }
 
     /// Eigenvalues of the leading `dim` × `dim` block, ascending.
@@ -171,6 +185,80 @@ impl SymMap {
     }
 }
 
+/// A rotation of ℝ³, by the matrix R whose columns are the turned coordinate axes.
+///
+/// It carries what is given in the axes of a material to those of the body: τ ↦ R τ Rᵀ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rotation([[f64; 3]; 3]);
+
+/// A matrix that is not a rotation.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("not a rotation: the largest entry of RRᵀ − I is {deviation:e} and the determinant {determinant}, expected 0 and 1")]
+pub struct NotARotation {
+    /// Largest entry of RRᵀ − I.
+    pub deviation: f64,
+    /// det R.
+    pub determinant: f64,
+}
+
+impl Rotation {
+    /// No rotation.
+    pub const IDENTITY: Rotation = Rotation([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+
+    /// Axis 1 turned towards axis 2 by `angle` in radians.
+    #[must_use]
+    pub fn in_plane(angle: f64) -> Rotation {
+        let (s, c) = angle.sin_cos();
+        Rotation([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    }
+
+    /// Bunge's Euler angles (φ₁, Φ, φ₂) in radians: about axis 3, the turned axis 1, the turned axis 3;
+    /// R = R₃(φ₁) R₁(Φ) R₃(φ₂). (φ₁, 0, 0) is [`Rotation::in_plane`].
+    #[must_use]
+    pub fn euler(angles: [f64; 3]) -> Rotation {
+        let (s, c) = angles[1].sin_cos();
+        let tilt = Rotation([[1.0, 0.0, 0.0], [0.0, c, -s], [0.0, s, c]]);
+        Rotation::in_plane(angles[0]).after(&tilt).after(&Rotation::in_plane(angles[2]))
+    }
+
+    /// The rotation with the matrix `rows`.
+    ///
+    /// # Errors
+    /// When an entry of RRᵀ − I exceeds 1e-9, or R changes the handedness.
+    pub fn new(rows: [[f64; 3]; 3]) -> Result<Rotation, NotARotation> {
+        let [a, b, c] = rows;
+        let determinant = dot(&a, &[b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]]);
+        let product = |i: usize, j: usize| dot(&rows[i], &rows[j]) - if i == j { 1.0 } else { 0.0 };
+        let deviation = MANDEL.iter().map(|&(i, j)| product(i, j).abs()).fold(0.0, |m, v| if v <= m { m } else { v });
+        if deviation <= 1e-9 && determinant > 0.0 { Ok(Rotation(rows)) } else { Err(NotARotation { deviation, determinant }) }
+    }
+
+    /// The rotation that first does `first`, then this one.
+    #[must_use]
+    pub fn after(&self, first: &Rotation) -> Rotation {
+        Rotation(std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| self.0[i][k] * first.0[k][j]).sum())))
+    }
+
+    /// R τ Rᵀ.
+    #[must_use]
+    pub fn tensor(&self, tau: &Sym) -> Sym {
+        Sym::from_fn(3, |i, j| dot(&self.0[i], &tau.apply(&self.0[j])))
+    }
+
+    /// The map τ ↦ R A(Rᵀ τ R) Rᵀ: a material's law in the axes of the body.
+    #[must_use]
+    pub fn map(&self, a: &SymMap) -> SymMap {
+        // Columns of the orthogonal matrix by which Mandel vectors turn.
+        let q: [Sym; 6] = std::array::from_fn(|m| {
+            let mut unit = Sym::ZERO;
+            unit.0[m] = 1.0;
+            self.tensor(&unit)
+        });
+        let entry = |i: usize, j: usize| (0..6).flat_map(|k| (0..6).map(move |l| (k, l))).map(|(k, l)| q[k].0[i] * a.0[k][l] * q[l].0[j]).sum();
+        SymMap(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+    }
+}
+
 /// Eigenvalues, ascending, of a small symmetric matrix by cyclic Jacobi rotations.
 ///
 /// Jacobi is backward stable and gives small eigenvalues of semidefinite matrices to the last
@@ -245,6 +333,32 @@ mod tests {
         assert!((uniaxial.von_mises() - 7.0).abs() < 1e-14);
         let shear = Sym::from_fn(2, |i, j| if i == j { 0.0 } else { 2.0 });
         assert!((shear.von_mises() - 2.0 * 3f64.sqrt()).abs() < 1e-14);
+    }
+
+    /// A quarter turn exchanges axes; powers of tensors and eigenvalues of maps do not turn; the angles are Bunge's (1982, *Texture Analysis in Materials Science*).
+    #[test]
+    fn rotations_turn_tensors_and_maps() -> Result<(), NotARotation> {
+        let k = Sym::principal(&[5.0, 2.0, 1.0], &Rotation::in_plane(0.5 * std::f64::consts::PI));
+        assert!((k.get(0, 0) - 2.0).abs() < 1e-15 && (k.get(1, 1) - 5.0).abs() < 1e-15 && (k.get(2, 2) - 1.0).abs() < 1e-15);
+        // k₁₂ = (k₁ − k₂) sin α cos α.
+        let k = Sym::principal(&[5.0, 2.0], &Rotation::in_plane(0.3));
+        assert!((k.get(0, 1) - 3.0 * 0.3f64.sin() * 0.3f64.cos()).abs() < 1e-15);
+        let (a, b, c) = (0.4f64, 1.1f64, -0.7f64);
+        let r = Rotation::euler([a, b, c]);
+        assert!((r.0[0][0] - (a.cos() * c.cos() - a.sin() * c.sin() * b.cos())).abs() < 1e-15);
+        assert!((r.0[0][1] + a.cos() * c.sin() + a.sin() * c.cos() * b.cos()).abs() < 1e-15);
+        assert!((r.0[0][2] - a.sin() * b.sin()).abs() < 1e-15 && (r.0[2][0] - c.sin() * b.sin()).abs() < 1e-15);
+        let e = Sym::principal(&[5.0, 2.0, 1.0], &Rotation::new(r.0)?).eigenvalues(3);
+        assert!((e[0] - 1.0).abs() < 1e-14 && (e[1] - 2.0).abs() < 1e-14 && (e[2] - 5.0).abs() < 1e-14);
+        let map = SymMap(std::array::from_fn(|i| std::array::from_fn(|j| 1.0 / (1 + i + j) as f64)));
+        let tau = Sym([0.3, -0.2, 0.5, 0.1, 0.7, -0.4]);
+        let (inside, outside) = (r.tensor(&map.apply(&tau)), r.map(&map).apply(&r.tensor(&tau)));
+        assert!((inside - outside).norm() < 1e-14);
+        let mirror = Rotation::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
+        assert_eq!(mirror, Err(NotARotation { deviation: 0.0, determinant: -1.0 }));
+        assert!(Rotation::new([[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).is_err_and(|e| (e.deviation - 0.1).abs() < 1e-15));
+        assert!(Rotation::new([[f64::NAN; 3]; 3]).is_err());
+        Ok(())
     }
 
     #[test]

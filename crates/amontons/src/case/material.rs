@@ -51,6 +51,7 @@ pub(super) fn material(raw: &raw::Material, dim: usize, findings: &mut Vec<Findi
         heat_capacity: raw.heat_capacity,
         elasticity: Arc::new(Isotropic::elastic(dim, young, poisson, state)),
         viscosity: Arc::new(Isotropic::lame(dim, first, second, state)),
+        prony: None,
         expansion,
         coupling,
         conductivity,

@@ -3,7 +3,21 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use crate::tensor::{Point, Sym, SymMap, mandel_len};
+use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_len};
+
+mod hencky;
+mod isotropic;
+mod linear;
+mod prony;
+mod reduced;
+mod shear;
+
+pub use hencky::Hencky;
+pub use isotropic::Isotropic;
+pub use linear::{Linear, Orthotropic};
+pub use prony::{Balance, Prony};
+pub use reduced::{Reduced, reduced};
+pub use shear::{Carreau, ShearLaw, VonMisesProjection};
 
 /// Constants of an operator on 𝕊^d: (H1) and (H2) ask for `monotonicity` > 0 and a finite `lipschitz`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,86 +38,88 @@ impl Constants {
     }
 }
 
+/// What makes the numbers of a law no law.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LawError {
+    /// A number outside its range.
+    #[error("{name} = {found:?}, expected {expected}")]
+    Range {
+        /// Name of the number, as in the documentation of the law.
+        name: &'static str,
+        /// The number.
+        found: f64,
+        /// Its range.
+        expected: &'static str,
+    },
+    /// A matrix that is not symmetric.
+    #[error("the matrix is not symmetric: {found:?} in row {row}, column {column} but {mirrored:?} in row {column}, column {row}")]
+    NotSymmetric {
+        /// Row, from 1.
+        row: usize,
+        /// Column, from 1.
+        column: usize,
+        /// Entry there.
+        found: f64,
+        /// Entry on the other side of the diagonal.
+        mirrored: f64,
+    },
+    /// A stiffness or compliance for which some strain has no positive energy.
+    #[error("the {what} is not positive definite: its eigenvalues reach from {least:e} to {most:e}, expected all positive")]
+    NotPositive {
+        /// Which matrix, and in which scaling.
+        what: &'static str,
+        /// Least eigenvalue.
+        least: f64,
+        /// Largest eigenvalue.
+        most: f64,
+    },
+    /// A law that has to be linear and is not.
+    #[error("the law is not linear; the branches of a generalized Maxwell body are")]
+    NotLinear,
+}
+
+/// `found` if it is in the range that `holds`.
+fn in_range(name: &'static str, found: f64, expected: &'static str, holds: bool) -> Result<f64, LawError> {
+    if holds && found.is_finite() { Ok(found) } else { Err(LawError::Range { name, found, expected }) }
+}
+
 /// An operator Ω × 𝕊^d → 𝕊^d, serving 𝓔 of (H2) in Pa and 𝓥 of (H1) in Pa s.
 ///
 /// In two dimensions the argument has components 11, 22, 12 and so has the value that enters the
-/// forms; the component 33 of the value is the stress that holds a plane strain (0 in plane stress).
+/// forms; the other components of the value are the stress that holds a plane strain (0 in plane stress).
+/// Axisymmetric bodies use laws of three dimensions: 11, 22, 12 are rr, zz, rz and 33 is θθ.
 pub trait TensorLaw: Debug + Send + Sync {
     /// The value at the point `x` and argument `xi`.
     fn value(&self, x: &Point, xi: &Sym) -> Sym;
     /// Derivative of the value with respect to `xi`.
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap;
-    /// Whether the value is a linear function of `xi`, the same at every `x`.
+    /// Whether the value is a linear function of `xi`, symmetric and the same at every `x`.
     fn is_linear(&self) -> bool {
         false
     }
     /// m and M of (H1), (H2) on 𝕊^d.
     fn constants(&self) -> Constants;
+    /// W with dW/dξ the value on 𝕊^d and W(0) = 0, if there is one: for 𝓔 the stored energy in J/m³.
+    fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
+        self.is_linear().then(|| 0.5 * self.value(x, xi).dot(xi))
+    }
+    /// Linear maps L, U with L ≤ D ≤ U as quadratic forms, for the tangent D at every argument.
+    ///
+    /// They keep the bounds sharp when a law is reduced to a plane ([`Reduced`]), where m and M alone would not.
+    fn bounds(&self) -> [SymMap; 2] {
+        let Constants { monotonicity, lipschitz } = self.constants();
+        [monotonicity, lipschitz].map(|c| SymMap::isotropic(3, 0.0, c))
+    }
 }
 
-/// How the third direction of a plane body is held.
+/// How the directions that a body of one or two dimensions lacks are held.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StressState {
-    /// σ₃₃ = 0.
+    /// No stress there: σ₃₃ = σ₂₃ = σ₁₃ = 0; in one dimension uniaxial stress.
     #[default]
     PlaneStress,
-    /// ε₃₃ = 0.
+    /// No strain there: ε₃₃ = ε₂₃ = ε₁₃ = 0; in one dimension uniaxial strain.
     PlaneStrain,
-}
-
-/// A linear isotropic operator τ ↦ λ tr(τ) I + c τ, constant over the body.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Isotropic {
-    dim: usize,
-    lambda: f64,
-    map: SymMap,
-    /// Whether the operator has a component 33 (plane strain).
-    out_of_plane: bool,
-}
-
-impl Isotropic {
-    /// 𝓔 of (5.1), `Eν/(1−ν²) tr(τ) I + E/(1+ν) τ`, in plane stress; in plane strain and in three
-    /// dimensions `Eν/((1+ν)(1−2ν))` stands in its first term. E is `young` in Pa, ν `poisson`.
-    #[must_use]
-    pub fn elastic(dim: usize, young: f64, poisson: f64, state: StressState) -> Isotropic {
-        let plane_stress = dim == 2 && state == StressState::PlaneStress;
-        let lambda = if plane_stress { young * poisson / (1.0 - poisson * poisson) } else { young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) };
-        Isotropic::new(dim, lambda, young / (1.0 + poisson), dim == 2 && !plane_stress)
-    }
-
-    /// 𝓥 of (5.1), `μ₁ tr(τ) I + μ₂ τ`, coefficients in Pa s.
-    #[must_use]
-    pub fn lame(dim: usize, first: f64, second: f64, state: StressState) -> Isotropic {
-        Isotropic::new(dim, first, second, dim == 2 && state == StressState::PlaneStrain)
-    }
-
-    fn new(dim: usize, lambda: f64, c: f64, out_of_plane: bool) -> Isotropic {
-        Isotropic { dim, lambda, map: SymMap::isotropic(dim, lambda, c), out_of_plane }
-    }
-}
-
-impl TensorLaw for Isotropic {
-    fn value(&self, _x: &Point, xi: &Sym) -> Sym {
-        let mut value = self.map.apply(xi);
-        if self.out_of_plane {
-            value.0[3] = self.lambda * (xi.0[0] + xi.0[1]);
-        }
-        value
-    }
-    fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
-        let mut map = self.map;
-        if self.out_of_plane {
-            map.0[3][0] = self.lambda;
-            map.0[3][1] = self.lambda;
-        }
-        map
-    }
-    fn is_linear(&self) -> bool {
-        true
-    }
-    fn constants(&self) -> Constants {
-        Constants::of_linear(&self.map, self.dim)
-    }
 }
 
 /// The material of a body.
@@ -117,6 +133,8 @@ pub struct Material {
     pub elasticity: Arc<dyn TensorLaw>,
     /// 𝓥, (H1).
     pub viscosity: Arc<dyn TensorLaw>,
+    /// Stress that relaxes, besides 𝓔 and 𝓥.
+    pub prony: Option<Prony>,
     /// 𝓜 in Pa/K, (H4); a component 33 acts on the stress of a plane strain only.
     pub expansion: Sym,
     /// 𝓡 in W/m³ per unit strain, (H5).
@@ -126,7 +144,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜.
+    /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜, without the stress of `prony`, which depends on the past.
     #[must_use]
     pub fn stress(&self, x: &Point, strain: &Sym, strain_rate: &Sym, theta: f64) -> Sym {
         self.elasticity.value(x, strain) + self.viscosity.value(x, strain_rate) - theta * self.expansion
@@ -136,50 +154,40 @@ impl Material {
 /// Names of the stress components in the order of VTK: xx yy zz xy yz zx, as pairs of indices.
 pub const VTK_COMPONENTS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)];
 
-/// Sample laws with the dimension they act in, for tests that hold for every law.
+/// Sample isotropic laws with the dimension they act in, for tests that hold for every such law.
 #[must_use]
-pub fn samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
+pub fn isotropic_samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
     let mut laws: Vec<(usize, Arc<dyn TensorLaw>)> = Vec::new();
     for dim in 1..=3 {
         for state in [StressState::PlaneStress, StressState::PlaneStrain] {
             laws.push((dim, Arc::new(Isotropic::elastic(dim, 2.0, 0.1, state))));
             laws.push((dim, Arc::new(Isotropic::elastic(dim, 2.1e11, 0.3, state))));
             laws.push((dim, Arc::new(Isotropic::lame(dim, 10.0, 10.0, state))));
+            // Kinks and bends lie at the size of the arguments that the contract samples.
+            for excess in [5.0, -1.5] {
+                laws.extend(VonMisesProjection::new(1.0, excess, 1e-3).and_then(|s| Hencky::new(2.0, s)).map(|law| (dim, reduced(law, dim, state))));
+            }
+            laws.extend(Carreau::new(3.0, 0.1, 2e3, 0.4).and_then(|s| Hencky::new(1.5, s)).map(|law| (dim, reduced(law, dim, state))));
+            laws.extend(Carreau::power_law(0.1, 0.25, 1e-4, 0.2).and_then(|s| Hencky::new(20.0, s)).map(|law| (dim, reduced(law, dim, state))));
         }
     }
     debug_assert!(laws.iter().all(|(dim, _)| mandel_len(*dim) <= 6));
     laws
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// (5.1) written out by components.
-    #[test]
-    fn the_paper_s_operators_by_components() {
-        let (young, nu) = (2.0, 0.1);
-        let law = Isotropic::elastic(2, young, nu, StressState::PlaneStress);
-        let tau = Sym::from_fn(2, |i, j| [[0.3, -0.2], [-0.2, 0.7]][i][j]);
-        let sigma = law.value(&[0.0; 3], &tau);
-        assert!((sigma.get(0, 0) - (young * nu / (1.0 - nu * nu) * 1.0 + young / (1.0 + nu) * 0.3)).abs() < 1e-15);
-        assert!((sigma.get(0, 1) - young / (1.0 + nu) * -0.2).abs() < 1e-15);
-        assert!((law.constants().monotonicity - young / (1.0 + nu)).abs() < 1e-14);
-        assert!((law.constants().lipschitz - young / (1.0 - nu)).abs() < 1e-14);
+/// Sample laws with the dimension they act in, for tests that hold for every law.
+#[must_use]
+pub fn samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
+    let mut laws = isotropic_samples();
+    // Pine and a carbon-fibre ply, in Pa.
+    let pine = Orthotropic { young: [9.6e9, 0.77e9, 0.43e9], poisson: [0.31, 0.36, 0.64], shear: [0.8e9, 0.76e9, 0.08e9] };
+    let ply = Orthotropic { young: [140e9, 10e9, 10e9], poisson: [0.3, 0.3, 0.45], shear: [5e9, 5e9, 3.4e9] };
+    for dim in 1..=3 {
+        for state in [StressState::PlaneStress, StressState::PlaneStrain] {
+            for (constants, angles) in [(&pine, [0.4, 0.0, 0.0]), (&ply, [0.3, 0.9, -0.5])] {
+                laws.extend(Linear::orthotropic(constants, &Rotation::euler(angles), dim, state).map(|law| (dim, Arc::new(law) as Arc<dyn TensorLaw>)));
+            }
+        }
     }
-
-    /// Uniaxial stress in plane stress gives −ν across; plane strain is Hooke's law with ε₃₃ = 0.
-    #[test]
-    fn both_plane_states_satisfy_hooke_in_three_dimensions() {
-        let (young, nu) = (210.0, 0.3);
-        let strain = Sym::from_fn(2, |i, j| [[1.0, 0.0], [0.0, -nu]][i][j]);
-        let sigma = Isotropic::elastic(2, young, nu, StressState::PlaneStress).value(&[0.0; 3], &strain);
-        assert!((sigma.get(0, 0) - young).abs() < 1e-12 && sigma.get(1, 1).abs() < 1e-12);
-
-        let strain = Sym::from_fn(2, |i, j| [[0.2, 0.1], [0.1, -0.4]][i][j]);
-        let s = Isotropic::elastic(2, young, nu, StressState::PlaneStrain).value(&[0.0; 3], &strain);
-        let e = |a: f64, b: f64, c: f64| (a - nu * (b + c)) / young;
-        let (x, y, z) = (s.get(0, 0), s.get(1, 1), s.get(2, 2));
-        assert!((e(x, y, z) - 0.2).abs() < 1e-14 && (e(y, x, z) + 0.4).abs() < 1e-14 && e(z, x, y).abs() < 1e-14);
-    }
+    laws
 }

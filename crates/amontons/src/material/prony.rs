@@ -1,0 +1,255 @@
+//! Stress that relaxes: branches of a generalized Maxwell body (Prony series).
+
+use super::{LawError, TensorLaw, in_range};
+use crate::tensor::{Sym, SymMap};
+
+/// Maxwell branches beside 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
+///
+/// A branch is a spring 𝓖_i in series with a dashpot τ_i 𝓖_i (Simo and Hughes 1998, *Computational Inelasticity*, chapter 10).
+/// 𝓔 is the long-term law: under a constant strain the stress relaxes to it, from 𝓔 + Σ 𝓖_i, the instantaneous one. The state of
+/// a branch is the strain e_i of its spring, q_i = 𝓖_i e_i, so that no 𝓖_i has to be inverted (one may act on deviators only):
+///
+/// ```text
+/// ė_i + e_i/τ_i = ε̇        e_i^n = (e_i^{n−1} + ε_n − ε_{n−1})/(1 + k/τ_i)          backward Euler
+/// ```
+///
+/// Multiplied by q_i^n this is the energy identity of the step, exact, with three terms that are never negative beside the stored energy:
+///
+/// ```text
+/// q_i^n:(ε_n − ε_{n−1}) = [½ e_i:𝓖_i e_i]_{n−1}^n + (k/τ_i) e_i^n:𝓖_i e_i^n + ½ (e_i^n − e_i^{n−1}):𝓖_i (e_i^n − e_i^{n−1})
+///        work                    stored                   dissipated                      dissipated by the scheme
+/// ```
+///
+/// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔 ([`Prony::ratios`]).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prony {
+    terms: Vec<Term>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct Term {
+    /// 𝓖_i.
+    modulus: SymMap,
+    /// τ_i in s.
+    time: f64,
+}
+
+/// The energy identity of one step of all branches, in J/m³: `work = stored + dissipated + scheme`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Balance {
+    /// Work of the relaxing stress at the end of the step on the increment of strain.
+    pub work: f64,
+    /// Increase of the stored energy.
+    pub stored: f64,
+    /// Dissipation of the dashpots, not negative.
+    pub dissipated: f64,
+    /// Dissipation of backward Euler, not negative and of second order in the increment.
+    pub scheme: f64,
+}
+
+impl Prony {
+    /// Branches of a linear law 𝓖_i, in Pa, and a relaxation time τ_i > 0, in s.
+    ///
+    /// # Errors
+    /// A law that is not linear or not monotone, or a time that is not positive.
+    pub fn new(terms: &[(&dyn TensorLaw, f64)]) -> Result<Prony, LawError> {
+        let term = |&(law, time): &(&dyn TensorLaw, f64)| {
+            if !law.is_linear() {
+                return Err(LawError::NotLinear);
+            }
+            let c = law.constants();
+            // Round-off of an eigenvalue is relative to the largest; a branch may resist deviators only.
+            if c.monotonicity.is_nan() || c.monotonicity < -1e-14 * c.lipschitz {
+                return Err(LawError::NotPositive { what: "modulus of a branch", least: c.monotonicity, most: c.lipschitz });
+            }
+            Ok(Term { modulus: law.tangent(&[0.0; 3], &Sym::ZERO), time: in_range("a relaxation time", time, "a positive number", time > 0.0)? })
+        };
+        Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
+    }
+
+    /// Branches 𝓖_i = g_i 𝓔 by pairs (g_i, τ_i), g_i > 0 the ratio to the long-term modulus (not to the instantaneous 𝓔 (1 + Σ g_i)).
+    ///
+    /// # Errors
+    /// An 𝓔 that is not linear, or a ratio or time that is not positive.
+    pub fn ratios(elasticity: &dyn TensorLaw, pairs: &[(f64, f64)]) -> Result<Prony, LawError> {
+        let mut prony = Prony::new(&pairs.iter().map(|&(_, time)| (elasticity, time)).collect::<Vec<_>>())?;
+        for (term, &(ratio, _)) in prony.terms.iter_mut().zip(pairs) {
+            in_range("the ratio of a branch", ratio, "a positive number", ratio > 0.0)?;
+            for entry in term.modulus.0.iter_mut().flatten() {
+                *entry *= ratio;
+            }
+        }
+        Ok(prony)
+    }
+
+    /// Number of branches: the strains e_i that a point has to keep.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.terms.len()
+    }
+
+    /// Whether there is no branch.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.terms.is_empty()
+    }
+
+    /// One step of length `k` with the increment of strain ε_n − ε_{n−1}: e_i^{n−1} in `springs` become e_i^n.
+    pub fn update(&self, springs: &mut [Sym], increment: &Sym, k: f64) {
+        for (term, e) in self.terms.iter().zip(springs) {
+            *e = term.factor(k) * (*e + *increment);
+        }
+    }
+
+    /// Σ q_i of the strains e_i in `springs`.
+    #[must_use]
+    pub fn stress(&self, springs: &[Sym]) -> Sym {
+        self.terms.iter().zip(springs).fold(Sym::ZERO, |sum, (term, e)| sum + term.modulus.apply(e))
+    }
+
+    /// Σ q_i^n of a step without increment, Σ 𝓖_i e_i^{n−1}/(1 + k/τ_i): the part of the stress known before the step.
+    #[must_use]
+    pub fn history(&self, springs: &[Sym], k: f64) -> Sym {
+        self.terms.iter().zip(springs).fold(Sym::ZERO, |sum, (term, e)| sum + term.factor(k) * term.modulus.apply(e))
+    }
+
+    /// ∂(Σ q_i^n)/∂ε_n = Σ 𝓖_i/(1 + k/τ_i), so that Σ q_i^n = history + tangent (ε_n − ε_{n−1}); with respect to ε(w_n) it is k times that.
+    #[must_use]
+    pub fn tangent(&self, k: f64) -> SymMap {
+        let entry = |i: usize, j: usize| self.terms.iter().map(|term| term.factor(k) * term.modulus.0[i][j]).sum();
+        SymMap(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
+    }
+
+    /// Stored energy Σ ½ e_i:𝓖_i e_i in J/m³ (½ q_i:𝓖_i⁻¹ q_i where 𝓖_i has an inverse).
+    #[must_use]
+    pub fn energy(&self, springs: &[Sym]) -> f64 {
+        self.terms.iter().zip(springs).map(|(term, e)| 0.5 * term.modulus.apply(e).dot(e)).sum()
+    }
+
+    /// The energy identity of the step of length `k` from `before` to `after` with this increment of strain.
+    #[must_use]
+    pub fn balance(&self, before: &[Sym], after: &[Sym], increment: &Sym, k: f64) -> Balance {
+        let mut sum = Balance::default();
+        for ((term, old), new) in self.terms.iter().zip(before).zip(after) {
+            let (stress, change) = (term.modulus.apply(new), *new - *old);
+            sum.work += stress.dot(increment);
+            // A difference of squares from the difference: no cancellation in a short step.
+            sum.stored += 0.5 * term.modulus.apply(&change).dot(&(*new + *old));
+            sum.dissipated += k / term.time * stress.dot(new);
+            sum.scheme += 0.5 * term.modulus.apply(&change).dot(&change);
+        }
+        sum
+    }
+}
+
+impl Term {
+    /// 1/(1 + k/τ).
+    fn factor(&self, k: f64) -> f64 {
+        1.0 / (1.0 + k / self.time)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Carreau, Hencky, Isotropic, StressState};
+
+    const STRAIN: Sym = Sym([0.3, -0.1, 0.2, 0.0, 0.0, 0.0]);
+
+    fn body() -> Result<(Isotropic, Prony), LawError> {
+        let elasticity = Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain);
+        let prony = Prony::ratios(&elasticity, &[(0.5, 0.2), (2.0, 1.5)])?;
+        Ok((elasticity, prony))
+    }
+
+    /// σ(t) − 𝓔ε = Σ g_i exp(−t/τ_i) 𝓔ε under a strain applied at t = 0 and held, to first order in k.
+    #[test]
+    fn relaxation_is_exponential_to_first_order() -> Result<(), LawError> {
+        let (elasticity, prony) = body()?;
+        let x = [0.0; 3];
+        let error = |steps: u32| {
+            let k = 1.0 / f64::from(steps);
+            let mut springs = vec![STRAIN; prony.len()];
+            for _ in 0..steps {
+                prony.update(&mut springs, &Sym::ZERO, k);
+            }
+            let exact = (0.5 * (-1.0f64 / 0.2).exp() + 2.0 * (-1.0f64 / 1.5).exp()) * elasticity.value(&x, &STRAIN);
+            (prony.stress(&springs) - exact).norm() / exact.norm()
+        };
+        let errors = [64, 128, 256, 512].map(error);
+        for pair in errors.windows(2) {
+            let order = (pair[0] / pair[1]).log2();
+            assert!((order - 1.0).abs() < 0.05, "order {order}");
+        }
+        assert!(errors[3] < 2e-3, "{errors:?}");
+        Ok(())
+    }
+
+    /// A ramp ε̇ = const: q_i → τ_i 𝓖_i ε̇ exactly, the dashpot's stress, for any step.
+    #[test]
+    fn a_steady_rate_ends_in_the_viscosity_of_the_dashpots() -> Result<(), LawError> {
+        let (elasticity, prony) = body()?;
+        let mut springs = vec![Sym::ZERO; 2];
+        for _ in 0..200 {
+            prony.update(&mut springs, &(0.7 * STRAIN), 0.7);
+        }
+        let exact = (0.5 * 0.2 + 2.0 * 1.5) * elasticity.value(&[0.0; 3], &STRAIN);
+        assert!((prony.stress(&springs) - exact).norm() < 1e-13 * exact.norm());
+        Ok(())
+    }
+
+    /// Work = stored + dissipated + scheme to round-off, the last two not negative and the scheme's of first order in k over a time.
+    #[test]
+    fn the_energy_identity_closes() -> Result<(), LawError> {
+        let (_, prony) = body()?;
+        let strain = |t: f64| Sym([0.3 * (3.0 * t).sin(), 0.2 * t, -0.1 * t * t, 0.0, 0.0, 0.0]);
+        let run = |steps: u32| {
+            let k = 1.0 / f64::from(steps);
+            let mut springs = vec![Sym::ZERO; 2];
+            let (mut total, mut scheme) = (0.0, 0.0);
+            for n in 0..steps {
+                let increment = strain(f64::from(n + 1) * k) - strain(f64::from(n) * k);
+                let before = springs.clone();
+                let predicted = prony.history(&before, k) + prony.tangent(k).apply(&increment);
+                prony.update(&mut springs, &increment, k);
+                assert!((predicted - prony.stress(&springs)).norm() < 1e-15);
+                let b = prony.balance(&before, &springs, &increment, k);
+                // Round-off of the strains e_i weighs as the energy they hold.
+                let held = prony.energy(&before) + prony.energy(&springs);
+                assert!((b.work - b.stored - b.dissipated - b.scheme).abs() <= 4.0 * f64::EPSILON * held, "{b:?}, {held}");
+                assert!(b.dissipated >= 0.0 && b.scheme >= 0.0);
+                total += b.stored;
+                scheme += b.scheme;
+            }
+            assert!((total - prony.energy(&springs)).abs() < 1e-14 * total);
+            scheme
+        };
+        let order = (run(200) / run(400)).log2();
+        assert!((order - 1.0).abs() < 0.05, "order of the scheme's dissipation {order}");
+        Ok(())
+    }
+
+    /// ½ e:𝓖e is ½ q:𝓖⁻¹q: in uniaxial strain 𝓖 is a number.
+    #[test]
+    fn stored_energy_by_the_stress() -> Result<(), LawError> {
+        let law = Isotropic::lame(1, 0.0, 4.0, StressState::PlaneStrain);
+        let prony = Prony::new(&[(&law, 1.0)])?;
+        let springs = [Sym([0.25, 0.0, 0.0, 0.0, 0.0, 0.0])];
+        assert!((prony.stress(&springs).0[0] - 1.0).abs() < 1e-15 && (prony.energy(&springs) - 1.0 / 8.0).abs() < 1e-15);
+        Ok(())
+    }
+
+    #[test]
+    fn what_is_no_branch_is_refused() -> Result<(), LawError> {
+        let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
+        assert!(matches!(Prony::ratios(&law, &[(0.5, 0.0)]), Err(LawError::Range { found: 0.0, .. })));
+        assert!(matches!(Prony::ratios(&law, &[(-0.5, 1.0)]), Err(LawError::Range { found: -0.5, .. })));
+        assert!(matches!(Prony::new(&[(&Isotropic::lame(3, 0.0, -1.0, StressState::PlaneStrain), 1.0)]), Err(LawError::NotPositive { least: -1.0, .. })));
+        let curved = Hencky::new(1.0, Carreau::new(1.0, 0.5, 1.0, 0.5)?)?;
+        assert_eq!(Prony::ratios(&curved, &[(0.5, 1.0)]), Err(LawError::NotLinear));
+        // Relaxation of deviators only: λ + c/3 = 0.
+        let deviators = Isotropic::lame(3, -1.0, 3.0, StressState::PlaneStrain);
+        assert!(Prony::new(&[(&deviators, 1.0)]).is_ok());
+        Ok(())
+    }
+}
