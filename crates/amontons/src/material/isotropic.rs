@@ -15,13 +15,16 @@ pub struct Isotropic {
 
 impl Isotropic {
     /// 𝓔 of (5.1), `Eν/(1−ν²) tr(τ) I + E/(1+ν) τ`, in plane stress; in plane strain and in three
-    /// dimensions `Eν/((1+ν)(1−2ν))` stands in its first term, and so in one: uniaxial strain with either `state`.
-    /// E is `young` in Pa, ν `poisson`.
+    /// dimensions `Eν/((1+ν)(1−2ν))` stands in its first term. In one dimension plane stress is uniaxial stress, Eτ, and plane
+    /// strain uniaxial strain. E is `young` in Pa, ν `poisson`.
     #[must_use]
     pub fn elastic(dim: usize, young: f64, poisson: f64, state: StressState) -> Isotropic {
-        let plane_stress = dim == 2 && state == StressState::PlaneStress;
-        let lambda = if plane_stress { young * poisson / (1.0 - poisson * poisson) } else { young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)) };
-        Isotropic::new(dim, lambda, young / (1.0 + poisson), dim == 2 && !plane_stress)
+        let (lambda, c) = (young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (1.0 + poisson));
+        match (dim, state) {
+            (1, StressState::PlaneStress) => Isotropic::new(dim, 0.0, young, false),
+            (2, StressState::PlaneStress) => Isotropic::new(dim, young * poisson / (1.0 - poisson * poisson), c, false),
+            _ => Isotropic::new(dim, lambda, c, dim == 2),
+        }
     }
 
     /// 𝓥 of (5.1), `μ₁ tr(τ) I + μ₂ τ`, coefficients in Pa s.
