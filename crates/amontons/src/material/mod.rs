@@ -15,7 +15,7 @@ mod shear;
 pub use hencky::Hencky;
 pub use isotropic::Isotropic;
 pub use linear::{Linear, Orthotropic};
-pub use prony::{Balance, Prony};
+pub use prony::{Balance, Branch, Prony};
 pub use reduced::{Reduced, reduced};
 pub use shear::{Carreau, ShearLaw, VonMisesProjection};
 

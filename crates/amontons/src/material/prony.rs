@@ -1,7 +1,7 @@
 //! Stress that relaxes: branches of a generalized Maxwell body (Prony series).
 
-use super::{LawError, TensorLaw, in_range};
-use crate::tensor::{Sym, SymMap};
+use super::{Constants, LawError, TensorLaw, in_range};
+use crate::tensor::{Point, Sym, SymMap};
 
 /// Maxwell branches beside 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
 ///
@@ -23,15 +23,31 @@ use crate::tensor::{Sym, SymMap};
 /// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔 ([`Prony::ratios`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prony {
-    terms: Vec<Term>,
+    terms: Vec<Branch>,
 }
 
+/// One Maxwell branch; as a [`TensorLaw`] it is its spring 𝓖_i.
 #[derive(Clone, Debug, PartialEq)]
-struct Term {
-    /// 𝓖_i.
-    modulus: SymMap,
+pub struct Branch {
+    /// 𝓖_i in Pa.
+    pub modulus: SymMap,
     /// τ_i in s.
-    time: f64,
+    pub time: f64,
+}
+
+impl TensorLaw for Branch {
+    fn value(&self, _x: &Point, xi: &Sym) -> Sym {
+        self.modulus.apply(xi)
+    }
+    fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
+        self.modulus
+    }
+    fn is_linear(&self) -> bool {
+        true
+    }
+    fn constants(&self) -> Constants {
+        Constants::of_linear(&self.modulus, 3)
+    }
 }
 
 /// The energy identity of one step of all branches, in J/m³: `work = stored + dissipated + scheme`.
@@ -62,7 +78,7 @@ impl Prony {
             if c.monotonicity.is_nan() || c.monotonicity < -1e-14 * c.lipschitz {
                 return Err(LawError::NotPositive { what: "modulus of a branch", least: c.monotonicity, most: c.lipschitz });
             }
-            Ok(Term { modulus: law.tangent(&[0.0; 3], &Sym::ZERO), time: in_range("a relaxation time", time, "a positive number", time > 0.0)? })
+            Ok(Branch { modulus: law.tangent(&[0.0; 3], &Sym::ZERO), time: in_range("a relaxation time", time, "a positive number", time > 0.0)? })
         };
         Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
     }
@@ -80,6 +96,12 @@ impl Prony {
             }
         }
         Ok(prony)
+    }
+
+    /// The branches.
+    #[must_use]
+    pub fn branches(&self) -> &[Branch] {
+        &self.terms
     }
 
     /// Number of branches: the strains e_i that a point has to keep.
@@ -142,9 +164,10 @@ impl Prony {
     }
 }
 
-impl Term {
-    /// 1/(1 + k/τ).
-    fn factor(&self, k: f64) -> f64 {
+impl Branch {
+    /// 1/(1 + k/τ): what a step of length k leaves of the spring's strain.
+    #[must_use]
+    pub fn factor(&self, k: f64) -> f64 {
         1.0 / (1.0 + k / self.time)
     }
 }
