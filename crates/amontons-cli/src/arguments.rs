@@ -42,6 +42,9 @@ pub enum Command {
     Check {
         /// The case file
         case: PathBuf,
+        /// Tabulate the constants of the domain on these meshes too: cells per side, coarsest first
+        #[arg(long, value_delimiter = ',', value_name = "N,N,…")]
+        levels: Vec<usize>,
         #[command(flatten)]
         common: Common,
     },

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use amontons::case::{self, Case};
+use amontons::hypotheses;
 use amontons::output::{Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
@@ -16,7 +17,7 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::Progress;
 use crate::status::Failure;
-use crate::{converge, reproduce, verify};
+use crate::{constants, converge, reproduce, verify};
 
 /// Exit code after a second Ctrl-C.
 const KILLED: i32 = 130;
@@ -26,7 +27,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run { case, plot, common } => start(&case, plot, &common),
         Command::Resume { dir, common } => resume(&dir, &common),
-        Command::Check { case, common } => check(&case, &common),
+        Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
         Command::Plot { dir, dimensionless, scale } => draw(&dir, &plot::Options { dimensionless, scale_factor: scale, ..plot::Options::default() }, false),
         Command::Verify { names, common } => verify::execute(&names, &common),
@@ -60,19 +61,19 @@ fn start(file: &Path, pictures: bool, common: &Common) -> Result<(), Failure> {
 
 fn resume(dir: &Path, common: &Common) -> Result<(), Failure> {
     let case = case::read(&dir.join("case.toml"), &common.set)?;
-    let checkpoint = Checkpoint::read(dir, &case.text)?;
+    let checkpoint = Checkpoint::read(dir, &case.fingerprint())?;
     let out = common.out.as_deref().unwrap_or(dir);
     let mut folder = if out == dir { Folder::reopen(dir, options(&case, common))? } else { Folder::copy(dir, out, options(&case, common))? };
     drive(&case, Some(checkpoint), &mut folder, out, common)
 }
 
 fn options(case: &Case, common: &Common) -> FolderOptions {
-    FolderOptions { every: case.every, force: common.force, ..FolderOptions::new(&case.text) }
+    FolderOptions { inputs: case.inputs.clone(), every: case.every, force: common.force, ..FolderOptions::new(&case.text) }
 }
 
 /// Runs a case into a folder and prints what it came to.
 fn drive(case: &Case, from: Option<Checkpoint>, folder: &mut Folder, out: &Path, common: &Common) -> Result<(), Failure> {
-    let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(interrupt_flag()) };
+    let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(interrupt_flag()), ..Settings::default() };
     let mut progress = if common.quiet { None } else { Progress::on_terminal() };
     let mut sinks: Vec<&mut dyn Sink> = vec![folder];
     sinks.extend(progress.as_mut().map(|progress| progress as &mut dyn Sink));
@@ -125,12 +126,25 @@ pub fn interrupt_flag() -> Arc<AtomicBool> {
     flag
 }
 
-fn check(file: &Path, common: &Common) -> Result<(), Failure> {
+fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> {
     let case = case::read(file, &common.set)?;
+    let problem = &case.problem;
+    let full = run::with_threads(common.threads.map(usize::from), || hypotheses::full(problem));
+    let certificate = full.map_err(|error| Failure::Run { error, hint: None })?;
+    let table = constants::table(file, levels, common)?;
     match common.format {
-        Format::Json => print::json(&print::valid_json(&case.problem))?,
+        Format::Json => {
+            let mut value = print::valid_json(problem, &certificate);
+            if let Some(table) = &table {
+                constants::add_json(table, &mut value);
+            }
+            print::json(&value)?;
+        }
         Format::Text if common.quiet => {}
-        Format::Text => print::text(&print::valid(&file.display().to_string(), &case.problem))?,
+        Format::Text => {
+            let constants = table.as_ref().map(constants::text).unwrap_or_default();
+            print::text(&(print::valid(&file.display().to_string(), problem, &certificate) + &constants))?;
+        }
     }
     Ok(())
 }

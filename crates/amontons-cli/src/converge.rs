@@ -111,7 +111,8 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest, out:
     if let Ok(Some(error)) = failed.into_inner() {
         return Err(error.into());
     }
-    folder.finish(&table, &case::parse(source, overrides)?.text)?;
+    let case = case::parse(source, overrides)?;
+    folder.finish(&table, &case.text, &case.inputs)?;
     let picture = plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
     picture.save(&out.join("convergence"), plot::Options::default().pixels)?;
     Ok(table)

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod commands;
+mod constants;
 mod converge;
 mod faults;
 mod print;

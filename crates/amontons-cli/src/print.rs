@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use amontons::hypotheses::{Finding, findings};
+use amontons::hypotheses::{Certificate, Finding};
 use amontons::output::{Outcome, Summary};
 use amontons::problem::Problem;
 use serde_json::{Value, json};
@@ -40,7 +40,13 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     let mut lines = vec![
         format!("{}: {state}, {} steps to t = {} s in {:.2} s", summary.case, summary.steps, summary.time, seconds.total),
         row("unknowns", &format!("{} displacement, {} temperature, {} on the contact side", unknowns.displacement, unknowns.temperature, unknowns.contact)),
-        row("time", &format!("{:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output", seconds.setup, seconds.factor, seconds.steps, seconds.output)),
+        row(
+            "time",
+            &format!(
+                "{:.2} s certificate, {:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output",
+                seconds.certificate, seconds.setup, seconds.factor, seconds.steps, seconds.output
+            ),
+        ),
     ];
     for (c, axis) in ["x", "y", "z"].iter().enumerate().take(summary.dimension) {
         lines.push(row(&format!("displacement {axis}"), &format!("{:.5e} … {:.5e} m", end.displacement_min[c], end.displacement_max[c])));
@@ -66,8 +72,8 @@ fn row(name: &str, value: &str) -> String {
     format!("  {name:<18}{value}")
 }
 
-/// Sizes of a valid case for reading.
-pub fn valid(name: &str, problem: &Problem) -> String {
+/// Sizes of a valid case and the verdicts on it, for reading.
+pub fn valid(name: &str, problem: &Problem, certificate: &Certificate) -> String {
     let mesh = &problem.mesh;
     let contact = problem.contact.as_ref().map_or_else(|| "none".to_owned(), |c| format!("on \"{}\"", c.on));
     let mut lines = vec![
@@ -76,16 +82,26 @@ pub fn valid(name: &str, problem: &Problem) -> String {
         row("time", &format!("{} steps of {:.5e} s to {} s", problem.steps, problem.k(), problem.end)),
         row("contact", &contact),
     ];
-    lines.extend(findings(problem).iter().map(|f| row(&format!("({}) {}", f.id, f.status), &format!("{} ({})", f.message, f.place))));
+    let width = certificate.findings.iter().map(|f| f.id.len()).max().unwrap_or(0) + 2;
+    for finding in &certificate.findings {
+        lines.extend(verdict(finding, width));
+    }
     lines.join("\n") + "\n"
 }
 
-/// The constants of the hypotheses that are computed.
-fn constants(problem: &Problem) -> Value {
-    let material = &problem.material;
-    let (a, b) = (material.elasticity.constants(), material.viscosity.constants());
-    let d = material.conductivity.eigenvalues(problem.mesh.dim);
-    json!({ "m_a": a.monotonicity, "M_a": a.lipschitz, "m_b": b.monotonicity, "M_b": b.lipschitz, "m_d": d.first(), "M_d": d.last() })
+/// A verdict in full: id, status, the number found and the one needed, what it means, its place, what would repair it.
+fn verdict(finding: &Finding, width: usize) -> Vec<String> {
+    let Finding { status, value, needed, message, place, repair, .. } = finding;
+    let number = |v: &Option<f64>| v.map(|v| format!("{v:.6e}"));
+    let numbers = match (number(value), number(needed)) {
+        (Some(value), Some(needed)) => format!("{value}, compared with {needed}"),
+        (Some(value), None) => value,
+        (None, _) => "-".to_owned(),
+    };
+    let id = format!("({})", finding.id);
+    let mut lines = vec![format!("  {id:<width$} {status:<11} {numbers}"), format!("      {message} ({place})")];
+    lines.extend(repair.iter().map(|repair| format!("      to repair it: {repair}")));
+    lines
 }
 
 /// A line for each finding that fails.
@@ -93,8 +109,8 @@ fn failing(findings: &[Finding]) -> Vec<String> {
     findings.iter().filter(|f| f.fails()).map(|f| row(&format!("({}) fails", f.id), &format!("{} ({})", f.message, f.place))).collect()
 }
 
-/// Sizes of a valid case for programs.
-pub fn valid_json(problem: &Problem) -> Value {
+/// Sizes of a valid case and the verdicts on it, for programs.
+pub fn valid_json(problem: &Problem, certificate: &Certificate) -> Value {
     let mesh = &problem.mesh;
     json!({
         "case": problem.name,
@@ -107,7 +123,7 @@ pub fn valid_json(problem: &Problem) -> Value {
         "k": problem.k(),
         "time": problem.end,
         "contact": problem.contact.as_ref().map(|c| &c.on),
-        "findings": findings(problem),
-        "constants": constants(problem),
+        "findings": certificate.findings,
+        "constants": certificate.constants,
     })
 }

@@ -45,7 +45,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
         return Err(OutputError::HoldsResults { path: out, found: "report.md".to_owned() }.into());
     }
     let flag = interrupt_flag();
-    let source = Source { name: "paper.toml".to_owned(), text: PAPER.to_owned() };
+    let source = Source::new("paper.toml", PAPER);
     let mut all = Vec::new();
     for reading in READINGS {
         let folder = out.join(reading.0);
@@ -57,7 +57,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
             let case = case::parse(&source, &overrides)?;
             let run_folder = folder.join(format!("run-{foundation}"));
             let mut results = Folder::create(&run_folder, FolderOptions { every: case.every, force: true, ..FolderOptions::new(&case.text) })?;
-            let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(flag.clone()) };
+            let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(flag.clone()), certificate: false };
             let summary = run::run(&case.problem, &settings, &mut [&mut results]).map_err(|error| Failure::Run { error, hint: None })?;
             done.runs.push(summary);
             // Levels of an interrupted attempt are taken as they are.

@@ -6,6 +6,7 @@ use std::process::ExitCode;
 
 use amontons::case::{CaseError, StudyRequestError};
 use amontons::convergence::StudyError;
+use amontons::linalg::FactorError;
 use amontons::output::{CheckpointError, OutputError, Summary};
 use amontons::plot::PlotError;
 use amontons::run::RunError;
@@ -36,6 +37,8 @@ pub enum Failure {
     Usage(String),
     /// Values that do not hold.
     Verification(String),
+    /// Constants of the domain that cannot be computed.
+    Constants(FactorError),
     /// A picture that cannot be drawn.
     Plot(PlotError),
     /// A file that is not to be replaced.
@@ -56,6 +59,12 @@ impl From<StudyRequestError> for Failure {
             StudyRequestError::Case(error) => Failure::Case(error),
             StudyRequestError::Request { .. } => Failure::Request(error.to_string()),
         }
+    }
+}
+
+impl From<FactorError> for Failure {
+    fn from(error: FactorError) -> Failure {
+        Failure::Constants(error)
     }
 }
 
@@ -98,6 +107,7 @@ impl Failure {
             Failure::Case(CaseError::Faults { .. }) => CASE,
             Failure::Output(OutputError::HoldsResults { .. }) | Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
             Failure::Verification(_) => CHECK,
+            Failure::Constants(_) => SOLVER,
             Failure::Plot(_) => FILE,
             Failure::Study { error, .. } => match error {
                 StudyError::Interrupted => INTERRUPTED,
@@ -129,6 +139,7 @@ impl Failure {
             }
             Failure::Study { error, .. } => error.to_string(),
             Failure::Request(message) | Failure::Usage(message) | Failure::Verification(message) => message.clone(),
+            Failure::Constants(error) => format!("the constants of the domain: {error}"),
             Failure::Plot(error) => error.to_string(),
             Failure::Exists(path) => format!("{} is there already; give another name", path.display()),
             Failure::Print(error) => format!("cannot write to standard output: {error}"),

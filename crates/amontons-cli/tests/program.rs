@@ -67,6 +67,36 @@ fn check_tells_the_sizes() {
     assert_eq!(json(&printed)["nodes"], 289);
 }
 
+/// The constants on refined meshes: c_f² → λ/(1 + λ), λ = 5π²/4, from above.
+#[test]
+fn check_tabulates_the_constants_on_refined_meshes() {
+    let case = paper();
+    let printed = output(&mut amontons(&["check", &case, "--levels", "4,8,16", "--format", "json"]));
+    assert_code(&printed, 0);
+    let told = json(&printed);
+    let level = |i: usize, name: &str| told["levels"][i]["constants"][name]["value"].as_f64().expect("a number");
+    assert_eq!((&told["levels"][2]["level"], &told["levels"][2]["h"]), (&16.into(), &0.0625.into()));
+    for name in ["c_k", "c_f", "s1", "s1_normal", "s1_tangential", "s2"] {
+        let falls = name.starts_with('c') || name == "s1_normal";
+        assert!(if falls { level(2, name) <= level(1, name) * (1.0 + 1e-12) } else { level(2, name) > level(1, name) }, "{name}");
+    }
+    let lambda = 1.25 * std::f64::consts::PI.powi(2);
+    let (exact, limit) = ((lambda / (1.0 + lambda)).sqrt(), &told["limits"]["c_f"]);
+    let off = (limit["value"].as_f64().expect("a number") - exact).abs();
+    assert!(level(2, "c_f") > exact && off < 0.1 * (level(2, "c_f") - exact) && off <= limit["error"].as_f64().expect("a number"));
+    assert!(told["levels"][1]["orders"]["c_f"].is_null() && told["levels"][2]["orders"]["c_f"] == limit["order"]);
+    assert!(told["limits"]["s1_normal"]["order"].is_null() && told["findings"].is_array());
+
+    let printed = output(&mut amontons(&["check", &case, "--levels", "4,8", "--set", "mesh.n=[4, 2]"]));
+    assert_code(&printed, 0);
+    assert!(stdout(&printed).contains("s1_tangential") && stdout(&printed).contains("limit"));
+    for (levels, message) in [("8,4", "each finer than the one before"), ("0", "positive levels")] {
+        let printed = output(&mut amontons(&["check", &case, "--levels", levels]));
+        assert_code(&printed, 2);
+        assert!(stderr(&printed).contains(message));
+    }
+}
+
 #[test]
 fn the_starter_case_is_written_once_and_runs() {
     let folder = tempdir().expect("a folder");

@@ -42,16 +42,15 @@ fn small_case() -> Case {
 }
 
 fn folder_of(case: &Case, path: &Path, checkpoint_interval: Duration) -> Folder {
-    let options = FolderOptions { every: case.every, checkpoint_interval, ..FolderOptions::new(&case.text) };
+    let options = FolderOptions { inputs: case.inputs.clone(), every: case.every, checkpoint_interval, ..FolderOptions::new(&case.text) };
     Folder::create(path, options).expect("a folder")
 }
 
 /// A run that is asked to stop at a step.
-fn interrupted(path: &Path, step: usize) {
-    let case = small_case();
+fn interrupted(case: &Case, path: &Path, step: usize) {
     let flag = Arc::new(AtomicBool::new(false));
     let settings = Settings { interrupt: Some(Arc::clone(&flag)), ..Settings::default() };
-    let mut folder = folder_of(&case, path, Duration::from_mins(1));
+    let mut folder = folder_of(case, path, Duration::from_mins(1));
     let mut stop = At(step, || {
         flag.store(true, Ordering::Relaxed);
         Ok(())
@@ -65,7 +64,7 @@ fn whole_and_broken(step: usize) -> (TempDir, PathBuf, PathBuf) {
     let folder = tempdir().expect("a folder");
     let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
     assert_code(&run_paper(&whole, STEPS, &[]), 0);
-    interrupted(&broken, step);
+    interrupted(&small_case(), &broken, step);
     (folder, whole, broken)
 }
 
@@ -146,6 +145,41 @@ fn a_run_goes_on_with_its_own_case_only() {
     assert_code(&printed, 2);
     assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));
     assert_code(&resume(&broken.join("none"), &[]), 4);
+}
+
+/// Results keep copies of the tables that a case refers to: a run goes on, and is drawn and verified, without the originals.
+#[test]
+fn a_run_goes_on_without_the_files_of_its_case() {
+    let folder = tempdir().expect("a folder");
+    let (data, cases) = (folder.path().join("data"), folder.path().join("cases"));
+    for made in [&data, &cases] {
+        fs::create_dir(made).expect("a folder");
+    }
+    fs::write(data.join("heat.csv"), "t,source\n0,1\n0.4,3\n1,2\n").expect("a file");
+    let file = cases.join("oven.toml");
+    let text = read(paper().as_ref()).replace("heat_source = 1.0 ", "heat_source = { table = \"../data/heat.csv\", factor = \"1 + x\" } ");
+    fs::write(&file, &text).expect("a file");
+    let set = ["mesh.n=8", "time.steps=10", "output.every=3"];
+    let case = case::read(&file, &set.map(str::to_owned)).unwrap_or_else(|error| panic!("{error}"));
+    let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
+    let mut arguments = vec!["run".to_owned(), file.display().to_string(), "--out".to_owned(), whole.display().to_string()];
+    arguments.extend(set.into_iter().flat_map(|set| ["--set".to_owned(), set.to_owned()]));
+    assert_code(&output(&mut amontons(&arguments.iter().map(String::as_str).collect::<Vec<_>>())), 0);
+    interrupted(&case, &broken, 4);
+    fs::remove_dir_all(&data).expect("a folder");
+    fs::remove_dir_all(&cases).expect("a folder");
+    assert!(read(&broken.join("case.toml")).contains("heat_source = { table = \"inputs/heat.csv\", factor = \"1 + x\" } "));
+
+    assert_code(&resume(&broken, &[]), 0);
+    assert_same_results(&whole, &broken);
+    for command in ["plot", "verify"] {
+        assert_code(&output(&mut amontons(&[command, &broken.display().to_string()])), 0);
+    }
+    let copy = broken.join("inputs/heat.csv");
+    fs::write(&copy, read(&copy).replace("1,2\n", "1,5\n")).expect("a file");
+    let printed = resume(&broken, &[]);
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));
 }
 
 #[test]

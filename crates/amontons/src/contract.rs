@@ -14,35 +14,15 @@ use std::sync::Arc;
 use crate::contact::{ContactPoint, FrictionLaw, HeatLaw, NormalLaw};
 use crate::element::{Element, MAX_NODES};
 use crate::forms;
+use crate::hypotheses::Samples;
 use crate::linalg::{Backend, Graph, Unknowns};
 use crate::material::{Isotropic, StressState, TensorLaw};
 use crate::mesh::{Diagonal, Mesh};
 use crate::quadrature::{Shape, rule};
 use crate::tensor::{Rotation, Sym, mandel_len};
 
-/// Numbers in [−1, 1) that are the same in every run.
-struct Samples(u64);
-
-impl Samples {
-    fn number(&mut self) -> f64 {
-        // Xorshift (Marsaglia, 2003).
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    fn sym(&mut self, dim: usize, size: f64) -> Sym {
-        let mut sym = Sym::ZERO;
-        for m in 0..mandel_len(dim) {
-            sym.0[m] = size * self.number();
-        }
-        sym
-    }
-}
-
 fn samples() -> Samples {
-    Samples(0x2545_F491_4F6C_DD1D)
+    Samples::default()
 }
 
 #[track_caller]
@@ -351,6 +331,7 @@ pub fn assert_backend(backend: &dyn Backend) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::{Bound, Compliance, Coulomb, Flux, Ramp, ValueSlope};
     use crate::material::Constants;
     use crate::tensor::{Point, SymMap};
 
@@ -419,5 +400,75 @@ mod tests {
     #[should_panic(expected = "declared m")]
     fn a_law_with_wrong_constants_is_caught() {
         assert_tensor_law(&Boastful(Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress)), 2, 1.0);
+    }
+
+    /// A compliance that declares half its stiffness.
+    #[derive(Debug)]
+    struct Soft(Compliance);
+    impl NormalLaw for Soft {
+        fn pressure(&self, x: &Point, z: f64, lambda: f64) -> ValueSlope {
+            self.0.pressure(x, z, lambda)
+        }
+        fn potential(&self, x: &Point, r: f64) -> f64 {
+            self.0.potential(x, r)
+        }
+        fn lipschitz(&self) -> Option<f64> {
+            self.0.lipschitz().map(|l| 0.5 * l)
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "declared L = ")]
+    fn a_normal_law_with_a_wrong_constant_is_caught() {
+        assert_normal_law(&Soft(Compliance { stiffness: 1e4 }), 1e-4);
+    }
+
+    /// Coulomb friction that declares half its coefficient.
+    #[derive(Debug)]
+    struct Smooth(Coulomb);
+    impl FrictionLaw for Smooth {
+        fn bound(&self, at: &ContactPoint) -> Bound {
+            self.0.bound(at)
+        }
+        fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
+            self.0.lipschitz(l_nu).map(|l| 0.5 * l)
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "declared L_τ")]
+    fn a_friction_law_with_a_wrong_constant_is_caught() {
+        assert_friction_law(&Smooth(Coulomb { coefficient: 0.3 }), 2.0);
+    }
+
+    /// A ramp that declares wrong constants.
+    #[derive(Debug)]
+    struct Conducting(Ramp, f64, f64);
+    impl HeatLaw for Conducting {
+        fn flux(&self, at: &ContactPoint) -> Flux {
+            self.0.flux(at)
+        }
+        fn conductance_bound(&self) -> f64 {
+            self.1 * self.0.conductance_bound()
+        }
+        fn conductance_lipschitz(&self) -> Option<f64> {
+            self.0.conductance_lipschitz().map(|l| self.2 * l)
+        }
+    }
+
+    fn ramp() -> Ramp {
+        Ramp { conductance: 30.0, width: 0.5, truncation: None }
+    }
+
+    #[test]
+    #[should_panic(expected = "declared M_kc")]
+    fn a_heat_law_with_a_wrong_bound_is_caught() {
+        assert_heat_law(&Conducting(ramp(), 0.5, 1.0), 0.5);
+    }
+
+    #[test]
+    #[should_panic(expected = "declared L_kc")]
+    fn a_heat_law_with_a_wrong_constant_is_caught() {
+        assert_heat_law(&Conducting(ramp(), 1.0, 0.5), 0.5);
     }
 }

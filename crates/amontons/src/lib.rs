@@ -13,7 +13,7 @@
 //! ```
 //! use amontons::{case, output::Memory, run::{Settings, run}};
 //!
-//! let source = case::Source { name: "starter.toml".into(), text: case::STARTER.into() };
+//! let source = case::Source::new("starter.toml", case::STARTER);
 //! let case = case::parse(&source, &["mesh.n=[16, 8]".into()])?;
 //! let summary = run(&case.problem, &Settings::default(), &mut [&mut Memory::default()])?;
 //! println!("{:?}", summary.last.temperature_max);

@@ -9,18 +9,27 @@ use std::time::Instant;
 
 use rayon::ThreadPool;
 
+use crate::hypotheses;
 use crate::linalg::{Backend, BlockMatrix, Factor, FactorError, Supernodal, Unknowns};
 use crate::output::{Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work};
 use crate::problem::Problem;
 use crate::scheme::{BackwardEuler, Scheme, SetupError, StepError};
 
 /// How a run is made. None of it changes results.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Settings {
     /// Number of threads; without it, those of the thread pool at hand, by default all cores.
     pub threads: Option<usize>,
     /// Ends the run before its next step when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
+    /// Judges all hypotheses for the summary, which takes some factorizations; without it, those that cost nothing.
+    pub certificate: bool,
+}
+
+impl Default for Settings {
+    fn default() -> Settings {
+        Settings { threads: None, interrupt: None, certificate: true }
+    }
 }
 
 /// Why a run is not done.
@@ -75,6 +84,10 @@ pub fn resume(problem: &Problem, from: Checkpoint, settings: &Settings, sinks: &
 fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
     let begin = Instant::now();
     let pool = pool(settings.threads)?;
+    // Before the factors of the run, so that they are not in memory at once.
+    let findings =
+        within(pool.as_ref(), || if settings.certificate { hypotheses::certificate_or_findings(problem).findings } else { hypotheses::findings(problem) });
+    let certificate = begin.elapsed().as_secs_f64();
     let backend = Timed::new(&Supernodal);
     let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, &backend))?;
     let [displacement, temperature, contact] = scheme.unknowns();
@@ -90,7 +103,8 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total };
     let factor = backend.seconds();
     clock.seconds.factor += factor;
-    clock.seconds.setup += begin.elapsed().as_secs_f64() - factor;
+    clock.seconds.certificate += certificate;
+    clock.seconds.setup += begin.elapsed().as_secs_f64() - factor - certificate;
 
     let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
     let from = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work: clock.work(before, &scheme) };
@@ -122,7 +136,7 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
         None => Outcome::Done,
     };
     let last = Snapshot { work: clock.work(before, &scheme), ..last };
-    let summary = Summary::new(&last, unknowns, outcome, failed.as_ref().map(ToString::to_string));
+    let summary = Summary::new(&last, unknowns, findings, outcome, failed.as_ref().map(ToString::to_string));
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     match (failed, outcome) {
         (Some(source), _) => Err(RunError::Step { source, summary: Box::new(summary) }),

@@ -14,34 +14,45 @@ pub struct Space {
     prescribed: Vec<Prescribed>,
 }
 
+/// One component that is prescribed on a facet set.
+#[derive(Clone, Copy, Debug)]
+pub struct Prescription<'a> {
+    /// Name of the facet set.
+    pub on: &'a str,
+    /// The component.
+    pub component: usize,
+    /// Its value, up to the factor.
+    pub field: &'a Field,
+    /// Factor of the field: −1 where the field is given along the outward normal and the axis points inward.
+    pub factor: f64,
+}
+
 #[derive(Clone, Debug)]
 struct Prescribed {
     field: Field,
+    factor: f64,
     points: Vec<Point>,
     dofs: Vec<u32>,
 }
 
 impl Space {
-    /// The space in which `conditions`, pairs of a facet set and a field a component, are prescribed.
-    /// At a node of two facet sets the condition that comes first holds.
-    pub fn new<'a>(mesh: &Mesh, components: usize, conditions: impl Iterator<Item = (&'a str, &'a [Field])>) -> Space {
+    /// The space in which some components are prescribed on parts of the boundary.
+    /// At a node of two facet sets the prescription of a component that comes first holds.
+    pub fn new<'a>(mesh: &Mesh, components: usize, prescriptions: impl IntoIterator<Item = Prescription<'a>>) -> Space {
         let mut free = vec![true; mesh.points.len() * components];
         let mut prescribed = Vec::new();
-        for (on, fields) in conditions {
-            let Some(set) = mesh.facets.get(on) else { continue };
-            let nodes = set.node_list();
-            for (c, field) in fields.iter().enumerate().take(components) {
-                let mut part = Prescribed { field: field.clone(), points: Vec::new(), dofs: Vec::new() };
-                for &node in &nodes {
-                    let dof = node as usize * components + c;
-                    if free[dof] {
-                        free[dof] = false;
-                        part.dofs.push(dof as u32);
-                        part.points.push(mesh.points[node as usize]);
-                    }
+        for Prescription { on, component, field, factor } in prescriptions {
+            let Some(set) = mesh.facets.get(on).filter(|_| component < components) else { continue };
+            let mut part = Prescribed { field: field.clone(), factor, points: Vec::new(), dofs: Vec::new() };
+            for node in set.node_list() {
+                let dof = node as usize * components + component;
+                if free[dof] {
+                    free[dof] = false;
+                    part.dofs.push(dof as u32);
+                    part.points.push(mesh.points[node as usize]);
                 }
-                prescribed.push(part);
             }
+            prescribed.push(part);
         }
         Space { components, free, prescribed }
     }
@@ -62,7 +73,7 @@ impl Space {
     pub fn prescribe(&self, t: f64, values: &mut [f64]) {
         for part in &self.prescribed {
             for (&dof, value) in part.dofs.iter().zip(part.field.values(&part.points, t)) {
-                values[dof as usize] = value;
+                values[dof as usize] = part.factor * value;
             }
         }
     }

@@ -64,7 +64,7 @@ pub enum VerifyError {
 /// When the case has faults, the run or a study fails, or a check names something that is not there. Values that
 /// do not agree are no error: their verdict says so.
 pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
-    let source = Source { name: format!("{name}.toml"), text: text.to_owned() };
+    let source = Source::new(format!("{name}.toml"), text);
     let case = case::parse(&source, &[])?;
     let Some(block) = &case.verify else { return Err(VerifyError::Check(format!("{name} has no [verify] block"))) };
     let mut recorder = Recorder::new(&case);
@@ -194,7 +194,7 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
 /// Errors against the exact solution with the mesh and the steps of the case.
 fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
-    let level = Level { level: case.cells[0], problem: case.problem.clone(), text: case.text.clone() };
+    let level = Level { level: case.cells[0], problem: case.problem.clone(), text: case.fingerprint() };
     let study = Study { vary: Vary::Both, levels: vec![level], reference: Reference::Exact(exact.clone()) };
     let mut table = study.run(&StudySettings::default())?;
     table.rows.pop().ok_or_else(|| VerifyError::Check(format!("{name}: an empty study")))

@@ -1,25 +1,18 @@
 //! The paper's case with one thing spoiled each: the message is exact, with its place.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
+mod common;
+
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, CaseError, Place, Source};
+use common::{spoil, told};
 use proptest::prelude::*;
 
 const PAPER: &str = include_str!("../../../cases/paper.toml");
 
-/// The paper's case with a piece of its text, which must occur once, replaced.
-fn spoil(text: &str, old: &str, new: &str) -> String {
-    assert!(old.is_empty() || text.matches(old).count() == 1, "`{old}` does not occur once");
-    if old.is_empty() { text.to_owned() } else { text.replace(old, new) }
-}
-
 fn message(text: String, overrides: &[&str]) -> String {
-    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    match case::parse(&Source { name: "paper.toml".to_owned(), text }, &overrides) {
-        Ok(_) => "no fault".to_owned(),
-        Err(error) => error.to_string(),
-    }
+    told(&Source::new("paper.toml", text), overrides)
 }
 
 /// A test each: `name: "old" => "new" set "KEY=VALUE" "line of the message"… ;`
@@ -70,9 +63,9 @@ spoiled! {
     unknown_key_at_the_root: "name = \"paper\"" => "name = \"paper\"\nsteps = 4"
         "paper.toml:12:1: steps: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; `steps` belongs to [time]";
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
-        "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\"";
+        "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [boundary.convection] or [contact.friction] with law = \"coulomb\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
-        "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of displacement, heat_inflow, on, temperature, traction; did you mean `traction`?";
+        "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of convection, dashpot, displacement, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
     missing_key: "density = 1.0 " => "# "
         "paper.toml:23:1: material.density: found no such key, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)";
     missing_key_of_a_law: "young = 2.0" => ""
@@ -101,14 +94,14 @@ spoiled! {
     table_for_number: "end = 1.0" => "end = { value = 1 }"
         "paper.toml:20:7: time.end: found a table, expected a number > 0 (end of the time interval in s)";
     boolean_for_field: "heat_source = 1.0" => "heat_source = true"
-        "paper.toml:41:15: load.heat_source: found true, expected a number or an expression in x, y, z, t (heat source q₀ in W/m³)";
+        "paper.toml:41:15: load.heat_source: found true, expected a number, an expression in x, y, z, t or a table in time (heat source q₀ in W/m³)";
     date_for_number: "end = 1.0" => "end = 2025-01-01"
         "paper.toml:20:7: time.end: found the date 2025-01-01, expected a number > 0 (end of the time interval in s)";
     number_for_table: "[output]\nevery = 16" => "output = 16\n[load2]"
         "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
         "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; did you mean `load`?";
     number_for_vector: "traction = [1.4, 0.4]" => "traction = 1.4"
-        "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number or an expression in x, y, z, t (traction f₁ = σν in Pa, one entry a component)";
+        "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry a component)";
     table_for_boundary: "[[boundary]]                         # Γ_D: (2.5), (2.7)\non = \"top\"\ndisplacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹: (2.6), (2.7)\non = \"left\"\ntraction = [1.4, 0.4]\ntemperature = 0\n[[boundary]]                         # Γ_N²: (2.6), (2.7)\non = \"right\"" => "[boundary]\non = \"right\""
         "paper.toml:43:1: boundary: found a table, expected an array, each a table (conditions on the sides, one entry a side); write [[boundary]]";
     fractional_cells: "n = 64" => "n = 6.5"
@@ -231,7 +224,7 @@ spoiled! {
     inflow_and_temperature: "traction = [1.4, 0.4]" => "traction = [1.4, 0.4]\nheat_inflow = 1"
         "paper.toml:50:15: boundary[1].heat_inflow: found a heat inflow besides a temperature, expected one of the two; drop one of them";
     contact_on_gamma_d: "on = \"bottom\"" => "on = \"top\""
-        "paper.toml:45:16: boundary[0].displacement: found a displacement on \"top\", expected Γ_D apart from Γ_C; [contact] is on the same side; a side that bears contact takes `traction` and `heat_inflow` only"
+        "paper.toml:45:16: boundary[0].displacement: found a displacement on \"top\", expected Γ_D apart from Γ_C; [contact] is on the same side; a side that bears contact takes loads, springs and heat flows only"
         "paper.toml:46:15: boundary[0].temperature: found a temperature on \"top\", expected heat exchange or a temperature, not both; drop contact.heat or the temperature";
     temperature_on_contact: "on = \"bottom\"" => "on = \"right\""
         "paper.toml:54:15: boundary[2].temperature: found a temperature on \"right\", expected heat exchange or a temperature, not both; drop contact.heat or the temperature";
@@ -240,7 +233,7 @@ spoiled! {
     steady_heat_without_temperature: "" => "" set "boundary=[]" set "material.heat_capacity=0" set "contact.heat={law='none'}"
         "--set boundary=[]: boundary: found no temperature prescribed and heat_capacity 0, expected a side whose temperature is known; give `temperature` on a side, or a positive material.heat_capacity";
     side_without_condition: "traction = [1.4, 0.4]\ntemperature = 0" => ""
-        "paper.toml:47:1: boundary[1]: found a side without a condition, expected `displacement`, `traction`, `temperature` or `heat_inflow`; a side without an entry is free and insulated";
+        "paper.toml:47:1: boundary[1]: found a side without a condition, expected `displacement`, `traction`, `temperature`, `heat_inflow` or another condition; a side without an entry is free and insulated";
 }
 
 // Names.
@@ -317,7 +310,7 @@ spoiled! {
     set_table_array: "" => "" set "boundary[0]=4"
         "--set boundary[0]=4: boundary[0]: found a value that is no table for a [[table]], expected a table";
     set_law_of_missing: "" => "" set "contact.friction={ law = \"none\", coefficient = 1 }"
-        "--set contact.friction={ law = \"none\", coefficient = 1 }: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\"";
+        "--set contact.friction={ law = \"none\", coefficient = 1 }: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [boundary.convection] or [contact.friction] with law = \"coulomb\"";
 }
 
 // Several at once, and what no replaced line shows.
@@ -381,7 +374,7 @@ fn places_are_those_of_the_file_as_it_is() {
 #[test]
 fn spans_cover_what_is_faulty() {
     let text = spoil(PAPER, "heat_source = 1.0", "heat_source = \"1 + θ*x\"");
-    let result = case::parse(&Source { name: "paper.toml".to_owned(), text }, &[]);
+    let result = case::parse(&Source::new("paper.toml", text), &[]);
     let Err(CaseError::Faults { file, faults }) = result else { panic!("no faults") };
     let [fault] = faults.as_slice() else { panic!("{faults:?}") };
     let Place::File { start, end, .. } = fault.place else { panic!("{fault:?}") };
@@ -498,7 +491,7 @@ proptest! {
             }
         }
         let text = String::from_utf8_lossy(&bytes).into_owned();
-        let source = Source { name: "case.toml".to_owned(), text };
+        let source = Source::new("case.toml", text);
         for overrides in [vec![], vec![format!("{key}={value}")]] {
             if let Err(error) = case::parse(&source, &overrides) {
                 let CaseError::Faults { file, faults } = &error else { panic!("{error}") };

@@ -13,7 +13,7 @@ type Outcome = Result<(), CaseError>;
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Case, CaseError> {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    case::parse(&Source { name: "case.toml".to_owned(), text: text.to_owned() }, &overrides)
+    case::parse(&Source::new("case.toml", text), &overrides)
 }
 
 fn ones() -> Sym {

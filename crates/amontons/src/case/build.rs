@@ -2,30 +2,31 @@
 
 use std::sync::Arc;
 
+use super::files::{Files, Loader};
 use super::material;
 use super::memory::{self, Demand};
 use super::path::{Path, Segment};
 use super::place::{At, Finding};
-use super::raw::{self, Cells, Scalar};
-use super::schema::one_of;
+use super::raw::{self, Cells};
 use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
 use crate::convergence::Exact;
-use crate::expression::{Expression, Variable};
 use crate::field::Field;
 use crate::mesh::{Diagonal, Mesh};
-use crate::problem::{BoundaryCondition, Coupling, Initial, Problem};
+use crate::output::Input;
+use crate::problem::{Coupling, Initial, Problem};
 use crate::tensor::Point;
 
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
 ///
 /// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
 /// found there, below, or in the tables around.
-pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path]) -> (Option<(Problem, Option<Exact>)>, Vec<Finding>) {
-    let mut build = Build { findings: Vec::new(), doubtful, end: raw.time.end };
+pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, doubtful: &[Path]) -> (Option<Built>, Vec<Finding>) {
+    let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), dim: 2, end: raw.time.end };
     build.name(&raw.name);
     build.step(&raw.time);
     let contact_on = raw.contact.as_ref().map(|c| c.on.clone());
     let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), available);
+    build.dim = mesh.dim;
     let material = material::material(&raw.material, mesh.dim, &mut build.findings);
     let exact = raw.exact.map(|exact| build.exact(&exact, &mesh.points));
     let problem = Problem {
@@ -54,7 +55,18 @@ pub(super) fn problem(raw: raw::Case, available: Option<f64>, doubtful: &[Path])
     };
     let said = |finding: &Finding| build.is_doubtful(&finding.path);
     let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
-    (problem.filter(|_| findings.is_empty()).map(|problem| (problem, exact)), findings)
+    let (inputs, references) = build.loader.copies();
+    (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, exact, inputs, references }), findings)
+}
+
+/// What a case gives.
+pub(super) struct Built {
+    pub problem: Problem,
+    pub exact: Option<Exact>,
+    /// Copies of the files that it refers to.
+    pub inputs: Vec<Input>,
+    /// Keys of the case that refer to files, and what they say where the copies are.
+    pub references: Vec<(Path, String)>,
 }
 
 /// Cells per side.
@@ -76,15 +88,20 @@ pub(super) fn expected(raw: &raw::Expected) -> super::Expected {
     super::Expected { tolerance: raw.tolerance, values }
 }
 
-struct Build<'d> {
-    findings: Vec<Finding>,
-    doubtful: &'d [Path],
+/// What is known while a problem is built.
+pub(super) struct Build<'d> {
+    pub findings: Vec<Finding>,
+    pub doubtful: &'d [Path],
+    /// The files beside the case.
+    pub loader: Loader<'d>,
+    /// d.
+    pub dim: usize,
     /// T in s.
-    end: f64,
+    pub end: f64,
 }
 
 impl Build<'_> {
-    fn note(&mut self, path: &str, at: At, found: impl Into<String>, expected: impl Into<String>, hint: Option<&str>) {
+    pub fn note(&mut self, path: &str, at: At, found: impl Into<String>, expected: impl Into<String>, hint: Option<&str>) {
         let path = Path::parse(path).unwrap_or_default();
         self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
     }
@@ -168,65 +185,6 @@ impl Build<'_> {
         true
     }
 
-    /// A scalar of space and time, finite at the points on which it acts.
-    fn field(&mut self, path: &str, scalar: &Scalar, points: &[Point]) -> Field {
-        let text = match scalar {
-            Scalar::Number(value) => return Field::Constant(*value),
-            Scalar::Expression(text) => text,
-        };
-        let expression = match Expression::parse(text) {
-            Ok(expression) => expression,
-            Err(error) => {
-                self.note(path, At::Inside(error.offset), error.found, error.expected, error.hint.as_deref());
-                return Field::ZERO;
-            }
-        };
-        if expression.uses(Variable::Z) {
-            self.note(path, At::Value, "`z` in an expression", "an expression in x, y, t: the body is plane", None);
-            return Field::ZERO;
-        }
-        let field = Field::Expression(expression);
-        self.check_finite(path, &field, points);
-        field
-    }
-
-    /// A field without a finite value somewhere at the beginning or the end is refused.
-    fn check_finite(&mut self, path: &str, field: &Field, points: &[Point]) {
-        // Points of a stand-in mesh say nothing.
-        if self.doubtful.iter().any(|p| p.to_string().starts_with("mesh")) {
-            return;
-        }
-        for t in [0.0, self.end] {
-            let values = field.values(points, t);
-            if let Some(([x, y, _], value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
-                let found = format!("the value {value} at x = {x:?}, y = {y:?}, t = {t:?}");
-                self.note(path, At::Value, found, "finite values at all nodes on which it acts, at t = 0 and t = end", None);
-                return;
-            }
-        }
-    }
-
-    fn vector(&mut self, path: &str, scalars: &[Scalar], points: &[Point]) -> Vec<Field> {
-        scalars.iter().enumerate().map(|(i, s)| self.field(&format!("{path}[{i}]"), s, points)).collect()
-    }
-
-    fn boundary(&mut self, i: usize, raw: raw::Boundary, mesh: &Mesh) -> BoundaryCondition {
-        let points = side(mesh, &raw.on);
-        let path = |key: &str| format!("boundary[{i}].{key}");
-        let keys = ["displacement", "traction", "temperature", "heat_inflow"];
-        if raw.displacement.is_none() && raw.traction.is_none() && raw.temperature.is_none() && raw.heat_inflow.is_none() {
-            let hint = "a side without an entry is free and insulated";
-            self.note(&format!("boundary[{i}]"), At::Value, "a side without a condition", one_of(&keys).replace('"', "`"), Some(hint));
-        }
-        BoundaryCondition {
-            displacement: raw.displacement.map(|v| self.vector(&path("displacement"), &v, &points)),
-            traction: raw.traction.map(|v| self.vector(&path("traction"), &v, &points)),
-            temperature: raw.temperature.map(|s| self.field(&path("temperature"), &s, &points)),
-            heat_inflow: raw.heat_inflow.map(|s| self.field(&path("heat_inflow"), &s, &points)),
-            on: raw.on,
-        }
-    }
-
     fn contact(&mut self, raw: raw::Contact, mesh: &Mesh) -> Contact {
         let points = side(mesh, &raw.on);
         let raw::Normal::Compliance { stiffness } = raw.normal;
@@ -260,33 +218,24 @@ impl Build<'_> {
             self.note("exact.displacement", At::Value, found, "2 components", None);
         }
         Exact {
-            displacement: self.vector("exact.displacement", &raw.displacement, points),
-            temperature: self.field("exact.temperature", &raw.temperature, points),
+            displacement: self.scalars("exact.displacement", &raw.displacement, points),
+            temperature: self.scalar("exact.temperature", &raw.temperature, points),
         }
     }
 
     fn initial(&mut self, raw: &raw::Initial, points: &[Point]) -> Initial {
-        let initial = Initial {
-            displacement: self.vector("initial.displacement", &raw.displacement, points),
-            velocity: self.vector("initial.velocity", &raw.velocity, points),
-            temperature: self.field("initial.temperature", &raw.temperature, points),
-        };
-        let indexed = |name: &'static str, fields: &[Field]| -> Vec<String> {
-            let timed = fields.iter().enumerate().filter(|(_, f)| f.depends_on_time());
-            timed.map(|(i, _)| format!("initial.{name}[{i}]")).collect()
-        };
-        let mut timed = indexed("displacement", &initial.displacement);
-        timed.extend(indexed("velocity", &initial.velocity));
-        timed.extend(initial.temperature.depends_on_time().then(|| "initial.temperature".to_owned()));
-        for path in timed {
-            self.note(&path, At::Value, "`t` in an expression", "an expression in x, y: it holds at t = 0", None);
+        let mut steady = |path: &str, scalar: &raw::Scalar| self.steady(path, scalar, points, "it holds at t = 0");
+        let mut vector = |path: &str, all: &[raw::Scalar]| all.iter().enumerate().map(|(c, scalar)| steady(&format!("{path}[{c}]"), scalar)).collect();
+        Initial {
+            displacement: vector("initial.displacement", &raw.displacement),
+            velocity: vector("initial.velocity", &raw.velocity),
+            temperature: steady("initial.temperature", &raw.temperature),
         }
-        initial
     }
 }
 
 /// The nodes of a side; none if there is no such side, which is found elsewhere.
-fn side(mesh: &Mesh, name: &str) -> Vec<Point> {
+pub(super) fn side(mesh: &Mesh, name: &str) -> Vec<Point> {
     let nodes = mesh.facets.get(name).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
     nodes.iter().filter_map(|&n| mesh.points.get(n as usize).copied()).collect()
 }
@@ -298,7 +247,7 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (problem, findings) = problem(raw, Some(2e6), &[]);
+        let (problem, findings) = problem(raw, &Files::None, Some(2e6), &[]);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);

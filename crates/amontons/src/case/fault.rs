@@ -5,13 +5,24 @@ use std::io;
 use std::ops::Range;
 use std::path::PathBuf;
 
-/// The text of a case and the name that messages call it by.
-#[derive(Clone, Debug, PartialEq, Eq)]
+use super::files::Files;
+
+/// The text of a case, the name that messages call it by, and the files that it may refer to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
     /// Name shown in messages, usually the file name as given.
     pub name: String,
     /// The TOML text.
     pub text: String,
+    /// The files that it may refer to.
+    pub files: Files,
+}
+
+impl Source {
+    /// A text that refers to no files.
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
+        Source { name: name.into(), text: text.into(), files: Files::None }
+    }
 }
 
 /// Where a fault is.

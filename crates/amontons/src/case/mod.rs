@@ -9,7 +9,7 @@
 //! ```
 //! use amontons::case::{self, Source};
 //!
-//! let source = Source { name: "starter.toml".to_owned(), text: case::STARTER.to_owned() };
+//! let source = Source::new("starter.toml", case::STARTER);
 //! let case = case::parse(&source, &["mesh.n=8".to_owned()])?;
 //! assert_eq!(case.problem.mesh.points.len(), 81);
 //! # Ok::<(), case::CaseError>(())
@@ -17,7 +17,9 @@
 
 mod build;
 mod check;
+mod data;
 mod fault;
+mod files;
 mod material;
 mod memory;
 mod overrides;
@@ -26,8 +28,10 @@ mod place;
 mod raw;
 mod read;
 mod schema;
+mod sides;
 mod study;
 mod syntax;
+mod table;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -35,11 +39,13 @@ use std::collections::BTreeMap;
 use toml::de::DeTable;
 
 pub use fault::{CaseError, CaseFault, Place, Source};
+pub use files::Files;
 pub use schema::schema;
-pub use study::{ReferenceRequest, StudyRequest, StudyRequestError, study};
+pub use study::{ReferenceRequest, StudyRequest, StudyRequestError, meshes, study};
 pub use verify::{Check, Comparison, ErrorName, ProbeField, Take, Verify};
 
 use crate::convergence::Exact;
+use crate::output::{Input, fingerprint};
 use crate::problem::Problem;
 use overrides::Applied;
 use place::{At, Finding, Origin};
@@ -62,8 +68,18 @@ pub struct Case {
     pub verify: Option<Verify>,
     /// Cells per side of a structured mesh.
     pub cells: [usize; 2],
-    /// The text of the case as run, overrides applied.
+    /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
     pub text: String,
+    /// The files that it refers to.
+    pub inputs: Vec<Input>,
+}
+
+impl Case {
+    /// What tells the case from others: its text and what the files hold that it refers to.
+    #[must_use]
+    pub fn fingerprint(&self) -> String {
+        fingerprint(&self.text, &self.inputs)
+    }
 }
 
 /// Values that a run of a case must give.
@@ -83,13 +99,14 @@ pub fn read(path: &std::path::Path, overrides: &[String]) -> Result<Case, CaseEr
     parse(&source(path)?, overrides)
 }
 
-/// The text of a case file with its name.
+/// The text of a case file with its name and the folder in which the files are that it refers to.
 ///
 /// # Errors
 /// [`CaseError::Read`] when the file cannot be read.
 pub fn source(path: &std::path::Path) -> Result<Source, CaseError> {
     let text = read::text(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
-    Ok(Source { name: path.display().to_string(), text })
+    let folder = path.parent().map(std::path::Path::to_owned).unwrap_or_default();
+    Ok(Source { files: Files::Folder(folder), ..Source::new(path.display().to_string(), text) })
 }
 
 /// Reads a case from its text; overrides are given as `KEY=VALUE`.
@@ -105,7 +122,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         // With keys given twice alone the rest can be read; overrides might change what it says.
         if overrides.is_empty() && faults.iter().all(syntax::is_duplicate) {
             let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
-            faults.extend(build_case(document.get_ref()).1.into_iter().map(|finding| origin.locate(finding)));
+            faults.extend(build_case(document.get_ref(), &source.files).1.into_iter().map(|finding| origin.locate(finding)));
         }
         return Err(CaseError::faults(source, faults));
     }
@@ -113,13 +130,13 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     let Applied { text, set, mut faults } = applied;
     let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
     let (case, findings) = match DeTable::parse(&text) {
-        Ok(changed) => build_case(changed.get_ref()),
+        Ok(changed) => build_case(changed.get_ref(), &source.files),
         Err(error) => (None, vec![whole(error.message())]),
     };
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
     match case {
-        Some(mut case) if faults.is_empty() => {
-            case.text = text;
+        Some((mut case, references)) if faults.is_empty() => {
+            case.text = overrides::refer(&text, &references).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
             Ok(case)
         }
         _ => Err(CaseError::faults(source, faults)),
@@ -131,8 +148,11 @@ fn whole(found: impl Into<String>) -> Finding {
     Finding::new(path::Path::default(), At::Value, found, "a case file")
 }
 
+/// Keys of a case that refer to files, and what they say where copies of the files are.
+type References = Vec<(path::Path, String)>;
+
 /// Checks and builds the case of a document with overrides applied; without a case there are findings.
-fn build_case(document: &DeTable<'_>) -> (Option<Case>, Vec<Finding>) {
+fn build_case(document: &DeTable<'_>, files: &Files) -> (Option<(Case, References)>, Vec<Finding>) {
     let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document);
     let raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
@@ -144,8 +164,10 @@ fn build_case(document: &DeTable<'_>) -> (Option<Case>, Vec<Finding>) {
     };
     let (every, expected) = (raw.output.every, raw.expected.as_ref().map(build::expected));
     let (cells, verify) = (build::cells(&raw.mesh), raw.verify.as_ref().map(verify::verify));
-    let (built, later) = build::problem(raw, memory::available(), &doubtful);
+    let (built, later) = build::problem(raw, files, memory::available(), &doubtful);
     findings.extend(later);
-    let case = built.map(|(problem, exact)| Case { problem, every, expected, exact, verify, cells, text: String::new() });
+    let case = built.map(|build::Built { problem, exact, inputs, references }| {
+        (Case { problem, every, expected, exact, verify, cells, text: String::new(), inputs }, references)
+    });
     (case, findings)
 }

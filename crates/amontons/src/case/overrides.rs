@@ -36,6 +36,22 @@ pub(super) fn apply(text: &str, overrides: &[String]) -> Result<Applied, SyntaxE
     Ok(applied)
 }
 
+/// Sets strings into the text of a case: names of files where copies of them are kept.
+///
+/// # Errors
+/// When the text is not TOML.
+pub(super) fn refer(text: &str, references: &[(Path, String)]) -> Result<String, SyntaxError> {
+    if references.is_empty() {
+        return Ok(text.to_owned());
+    }
+    let mut document: DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
+    for (path, name) in references {
+        let told = |refusal: Refusal| (format!("{}: found {}, expected {}", refusal.path, refusal.found, refusal.expected), None);
+        set(&mut document, path, Value::from(name.as_str())).map_err(told)?;
+    }
+    Ok(document.to_string())
+}
+
 /// The overrides that are faulty whatever the document.
 pub(super) fn faults(overrides: &[String]) -> Vec<CaseFault> {
     overrides.iter().filter_map(|given| read(given).err().map(|refusal| refusal.into_fault(given))).collect()

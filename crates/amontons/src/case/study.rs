@@ -54,9 +54,7 @@ fn refuse<T>(found: impl Into<String>, expected: impl Into<String>) -> Result<T,
 pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> Result<Study, StudyRequestError> {
     let case = parse(source, overrides)?;
     let mut levels = request.levels.clone();
-    if levels.contains(&0) || !levels.is_sorted_by(|a, b| a < b) {
-        return refuse(format!("the levels {levels:?}"), "positive levels, each finer than the one before");
-    }
+    check_levels(&levels)?;
     let finest = match request.reference {
         ReferenceRequest::Exact => None,
         ReferenceRequest::Finest => levels.pop(),
@@ -72,9 +70,9 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
     }
     let level = |level: usize| -> Result<Level, StudyRequestError> {
         let mut overrides = overrides.to_vec();
-        overrides.extend(refined(&case, request, level)?);
+        overrides.extend(refined(&case, request.vary, request.power, level)?);
         let case = parse(source, &overrides)?;
-        Ok(Level { level, problem: case.problem, text: case.text })
+        Ok(Level { level, text: case.fingerprint(), problem: case.problem })
     };
     let reference = match (finest, &case.exact) {
         (Some(finest), _) => Reference::Level(Box::new(level(finest)?)),
@@ -85,8 +83,31 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
     Ok(Study { vary: request.vary, levels, reference })
 }
 
+/// A case on each of several meshes, given by their cells per side, coarsest first.
+///
+/// # Errors
+/// When the case has faults, or the levels do not fit it.
+pub fn meshes(source: &Source, overrides: &[String], levels: &[usize]) -> Result<Vec<Level>, StudyRequestError> {
+    let case = parse(source, overrides)?;
+    check_levels(levels)?;
+    let level = |&level: &usize| {
+        let mut overrides = overrides.to_vec();
+        overrides.extend(refined(&case, Vary::Space, 1, level)?);
+        let case = parse(source, &overrides)?;
+        Ok(Level { level, problem: case.problem, text: case.text })
+    };
+    levels.iter().map(level).collect()
+}
+
+fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {
+    if levels.contains(&0) || !levels.is_sorted_by(|a, b| a < b) {
+        return refuse(format!("the levels {levels:?}"), "positive levels, each finer than the one before");
+    }
+    Ok(())
+}
+
 /// The overrides that make a level of a case.
-fn refined(case: &Case, request: &StudyRequest, level: usize) -> Result<Vec<String>, StudyRequestError> {
+fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<String>, StudyRequestError> {
     let ([nx, ny], steps) = (case.cells, case.problem.steps);
     let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
         let (times, over) = (level.pow(power), nx.pow(power));
@@ -97,8 +118,8 @@ fn refined(case: &Case, request: &StudyRequest, level: usize) -> Result<Vec<Stri
         }
     };
     let mesh = || -> Result<String, StudyRequestError> { Ok(format!("mesh.n=[{level}, {}]", scaled("cells across", ny, 1)?)) };
-    Ok(match request.vary {
-        Vary::Both => vec![mesh()?, format!("time.steps={}", scaled("steps", steps, request.power)?)],
+    Ok(match vary {
+        Vary::Both => vec![mesh()?, format!("time.steps={}", scaled("steps", steps, power)?)],
         Vary::Space => vec![mesh()?],
         Vary::Time => vec![format!("time.steps={level}")],
     })

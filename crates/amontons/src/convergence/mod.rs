@@ -1,12 +1,15 @@
-//! Convergence studies: the errors of (5.2) on a sequence of meshes and steps, with observed orders.
+//! Convergence studies: the errors of (5.2) on a sequence of meshes and steps, with observed orders; and limits
+//! of numbers on refined meshes.
 //!
 //! The levels are solved first, in parallel, and keep their states; the reference is solved last and
 //! compared with them as it goes, so that its states need not be kept.
 
+mod limit;
 mod norms;
 mod study;
 mod transfer;
 
+pub use limit::{ConstantsRow, ConstantsTable, Limit, limit};
 pub use norms::{Errors, Exact, Products, against_exact, of_difference};
 pub use study::{Level, Reference, Row, Study, StudyError, StudySettings, Table, Vary, slope};
 pub use transfer::{Locator, Transfer, TransferError};

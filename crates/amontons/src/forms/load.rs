@@ -3,12 +3,12 @@
 use crate::element::{Element, MAX_NODES};
 use crate::field::Field;
 use crate::mesh::{CellMap, FacetMap, Mesh};
-use crate::problem::BoundaryCondition;
+use crate::problem::{BoundaryCondition, Convection};
 use crate::quadrature::{Rule, rule};
 use crate::tensor::Point;
 
 /// Degree of the rules that integrate data against shape functions: exact for cubic data on P1.
-fn data_degree(element: &Element) -> usize {
+pub(crate) fn data_degree(element: &Element) -> usize {
     element.degree + 3
 }
 
@@ -68,12 +68,12 @@ impl Varying {
     }
 }
 
-/// Points and entries of ∫ · N_i over cells or facets, for component `c` of `components`.
+/// Points and entries of ∫ field · weight N_i over cells or facets: entry of `components` components a node the weights
+/// that `map` gives beside position, measure and shape functions.
 fn over<'a>(
     shapes: impl Iterator<Item = (&'a Element, &'a [u32])>,
-    map: impl Fn(&Element, &[u32], &Point) -> (Point, f64, [f64; MAX_NODES]),
     components: usize,
-    c: usize,
+    map: impl Fn(&Element, &[u32], &Point) -> (Point, f64, [f64; MAX_NODES], Point),
 ) -> (Vec<Point>, Vec<(u32, f64)>) {
     let (mut points, mut entries) = (Vec::new(), Vec::new());
     let mut cached: Option<(&'static str, Rule)> = None;
@@ -83,47 +83,49 @@ fn over<'a>(
         }
         let Some((_, rule)) = &cached else { continue };
         for (at, weight) in rule.iter() {
-            let (x, measure, values) = map(element, nodes, at);
+            let (x, measure, values, direction) = map(element, nodes, at);
             points.push(x);
-            entries.extend(nodes.iter().zip(values).map(|(&node, value)| (node * components as u32 + c as u32, weight * measure * value)));
+            for (&node, value) in nodes.iter().zip(values) {
+                let first = node * components as u32;
+                entries.extend((0..components).map(|c| (first + c as u32, weight * measure * value * direction[c])));
+            }
         }
     }
     (points, entries)
 }
 
+/// ∫_Ω field η, η the component `c` of `components`.
 fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c: usize) {
     if field.is_zero() {
         return;
     }
     for block in &mesh.blocks {
-        let (points, entries) = over(
-            block.cells().map(|cell| (block.element, cell)),
-            |element, nodes, at| {
-                let map = CellMap::new(mesh, element, nodes, at);
-                (map.position, map.determinant, map.values)
-            },
-            components,
-            c,
-        );
-        load.add(field, block.element.nodes.len(), points, entries);
+        let cells = block.cells().map(|cell| (block.element, cell));
+        let (points, entries) = over(cells, components, |element, nodes, at| {
+            let map = CellMap::new(mesh, element, nodes, at);
+            (map.position, map.determinant, map.values, unit(c))
+        });
+        load.add(field, block.element.nodes.len() * components, points, entries);
     }
 }
 
-fn facet_terms(mesh: &Mesh, load: &mut Load, on: &str, field: &Field, components: usize, c: usize) {
+/// ∫ field direction·v over a side, v of `components` components.
+fn facet_terms(mesh: &Mesh, load: &mut Load, on: &str, field: &Field, components: usize, direction: impl Fn(&FacetMap) -> Point) {
     let Some(set) = mesh.facets.get(on).filter(|_| !field.is_zero()) else { return };
-    let (points, entries) = over(
-        set.facets().map(|facet| (set.element, facet)),
-        |element, nodes, at| {
-            let map = FacetMap::new(mesh, element, nodes, at);
-            (map.position, map.area, map.values)
-        },
-        components,
-        c,
-    );
-    load.add(field, set.element.nodes.len(), points, entries);
+    let facets = set.facets().map(|facet| (set.element, facet));
+    let (points, entries) = over(facets, components, |element, nodes, at| {
+        let map = FacetMap::new(mesh, element, nodes, at);
+        let direction = direction(&map);
+        (map.position, map.area, map.values, direction)
+    });
+    load.add(field, set.element.nodes.len() * components, points, entries);
 }
 
-/// (f(t), v)_V of (2.16): body force and tractions.
+fn unit(c: usize) -> Point {
+    std::array::from_fn(|d| if d == c { 1.0 } else { 0.0 })
+}
+
+/// (f(t), v)_V of (2.16): body force, tractions, and pressures p with the traction −pν.
 #[must_use]
 pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> Load {
     let mut load = Load::new(mesh.points.len() * mesh.dim);
@@ -132,20 +134,26 @@ pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> L
     }
     for condition in boundary {
         for (c, field) in condition.traction.iter().flatten().enumerate() {
-            facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, c);
+            facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c));
+        }
+        if let Some(pressure) = &condition.pressure {
+            facet_terms(mesh, &mut load, &condition.on, pressure, mesh.dim, |map| map.normal.map(|nu| -nu));
         }
     }
     load
 }
 
-/// (q_h(t), η)_Q of (2.17): heat source, and heat inflow through the boundary.
+/// (q_h(t), η)_Q of (2.17): heat source, heat inflow through the boundary, and h θ_a of convection.
 #[must_use]
 pub fn q(mesh: &Mesh, heat_source: &Field, boundary: &[BoundaryCondition]) -> Load {
     let mut load = Load::new(mesh.points.len());
     cell_terms(mesh, &mut load, heat_source, 1, 0);
     for condition in boundary {
         if let Some(field) = &condition.heat_inflow {
-            facet_terms(mesh, &mut load, &condition.on, field, 1, 0);
+            facet_terms(mesh, &mut load, &condition.on, field, 1, |_| unit(0));
+        }
+        if let Some(Convection { coefficient, ambient }) = &condition.convection {
+            facet_terms(mesh, &mut load, &condition.on, ambient, 1, |map| [coefficient.value(&map.position, 0.0), 0.0, 0.0]);
         }
     }
     load

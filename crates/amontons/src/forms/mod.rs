@@ -7,14 +7,19 @@
 //! | [`d`] | ∫ 𝓚∇θ·∇η | 1 × 1 |
 //! | [`m`] | ∫ θ 𝓜:ε(v) | d × 1 |
 //! | [`e`] | ∫ 𝓡:ε(u) η | 1 × d |
+//! | [`springs`], [`dashpots`] | ∫ (k u)·v, ∫ (c w)·v over sides | d × d |
+//! | [`convection`] | ∫ h θ η over sides | 1 × 1 |
 //! | [`f`], [`q`] | ∫ f₀·v + ∫_{Γ_N} f₁·v, ∫ q₀ η + heat inflow | load vectors |
 //!
 //! j and χ, the terms on Γ_C, are evaluated at contact points in [`crate::linalg`].
 
+mod boundary;
 mod load;
 
 use std::sync::Arc;
 
+pub use boundary::{convection, dashpots, springs};
+pub(crate) use load::data_degree;
 pub use load::{Load, f, q};
 
 use crate::element::Element;

@@ -16,6 +16,8 @@
 
 use std::sync::Arc;
 
+use serde::Serialize;
+
 use crate::forms;
 use crate::linalg::{BlockMatrix, Eigenpair, Entry, FactorError, Graph, Pencil, Quotient, System, Unknowns, dot, largest};
 use crate::material::{Isotropic, StressState};
@@ -26,7 +28,7 @@ use crate::space::Space;
 use crate::tensor::Sym;
 
 /// A constant on the mesh with the bound of its algebraic error.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Constant {
     /// The constant.
     pub value: f64,
@@ -66,6 +68,14 @@ pub struct DomainConstants {
     pub s2: Option<Constant>,
 }
 
+impl DomainConstants {
+    /// The constants with their names: `c_k c_f s1 s1_normal s1_tangential s2`.
+    #[must_use]
+    pub fn named(&self) -> [(&'static str, Option<Constant>); 6] {
+        [("c_k", self.c_k), ("c_f", self.c_f), ("s1", self.s1), ("s1_normal", self.s1_normal), ("s1_tangential", self.s1_tangential), ("s2", self.s2)]
+    }
+}
+
 /// Computes the constants on the mesh of a problem. They depend on the mesh, Γ_D, Γ_C and the sides of prescribed
 /// temperature, and on nothing else.
 ///
@@ -77,13 +87,13 @@ pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, FactorErro
     let mass = forms::inner_h(mesh, &graph);
     let contact = problem.contact.as_ref().and_then(|contact| mesh.facets.get(&contact.on));
     let mechanics = || {
-        let v = Space::new(mesh, mesh.dim, problem.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.displacement.as_deref()?))));
+        let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.
         let strain = || forms::a(mesh, &graph, &Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress));
         constants_of(mesh, &v, &mass, strain, contact, [Part::Whole, Part::Normal, Part::Tangential])
     };
     let heat = || {
-        let q = Space::new(mesh, 1, problem.boundary.iter().filter_map(|b| Some((b.on.as_str(), std::slice::from_ref(b.temperature.as_ref()?)))));
+        let q = problem.temperature_space();
         let gradient = || forms::d(mesh, &graph, &Sym::from_fn(mesh.dim, |i, j| if i == j { 1.0 } else { 0.0 }));
         constants_of(mesh, &q, &mass, gradient, contact, [Part::Whole])
     };

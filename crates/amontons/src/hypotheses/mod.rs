@@ -1,18 +1,41 @@
-//! Hypotheses of the theory as findings with numbers: reported, never a gate (design decision D6).
+//! What the theory asks of the data, judged with numbers: findings are reported, never a gate (design decision D6).
+//!
+//! | id | what is judged | by |
+//! |---|---|---|
+//! | `H1` … `H8` | the hypotheses of Theorem 3.1 | closed forms; declared constants of nonlinear laws are put to the test on samples |
+//! | `phi-L` | the cut-off of φ_L in (2.10) | the law |
+//! | `2.23-printed` | both inequalities of (2.23) as they are printed | eigenvalues on the mesh |
+//! | `2.23-needed` | what the proof of Theorem 3.1 needs instead | closed forms |
+//! | `step-unique`, `time-step` | one solution of a step of (4.1), and the number of steps that ensures it | an eigenvalue on Γ_C |
+//! | `mesh-quality` | the shape of the cells | their geometry |
+//! | `contact-possible` | whether contact can occur at all | an energy estimate |
+//! | `energy`, `heat` | the audit of a run | the run |
+//!
+//! The proofs are in the book, chapter 2. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
+//! [`advice`] as many as its search takes.
 
+mod data;
 mod domain;
-
-pub use domain::{Constant, DomainConstants, domain_constants};
+mod laws;
+mod quality;
+mod reach;
+mod sample;
+mod step;
+mod theorem;
 
 use serde::{Deserialize, Serialize};
 
-use crate::material::Constants;
+use crate::linalg::FactorError;
 use crate::problem::Problem;
+
+pub use domain::{Constant, DomainConstants, domain_constants};
+pub(crate) use sample::Samples;
+pub use step::monotonicity_loss;
 
 /// A hypothesis or condition, and whether it holds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Finding {
-    /// `H1` … `H3`, or one of our own such as `energy`.
+    /// `H1` … `H8`, `2.23-printed`, `2.23-needed`, or one of our own such as `energy`.
     pub id: String,
     /// `holds`, `fails` or `not-covered`.
     pub status: String,
@@ -22,12 +45,58 @@ pub struct Finding {
     pub needed: Option<f64>,
     /// What it means.
     pub message: String,
-    /// What it is about.
+    /// What it is about: a dotted path of the case file where there is one.
     #[serde(rename = "where")]
     pub place: String,
+    /// What would make it hold, if something is known to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repair: Option<String>,
+}
+
+/// The verdict of a finding, in ascending order of gravity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Status {
+    Holds,
+    NotCovered,
+    Fails,
+}
+
+impl Status {
+    fn of(holds: bool) -> Status {
+        if holds { Status::Holds } else { Status::Fails }
+    }
 }
 
 impl Finding {
+    fn new(id: &str, status: Status, message: impl Into<String>, place: &str) -> Finding {
+        let status = match status {
+            Status::Holds => "holds",
+            Status::Fails => "fails",
+            Status::NotCovered => "not-covered",
+        };
+        Finding { id: id.to_owned(), status: status.to_owned(), value: None, needed: None, message: message.into(), place: place.to_owned(), repair: None }
+    }
+
+    /// With the number found and the one needed.
+    fn numbers(mut self, value: Option<f64>, needed: Option<f64>) -> Finding {
+        (self.value, self.needed) = (value, needed);
+        self
+    }
+
+    /// With what would repair it; nothing is said where it holds.
+    fn repair(mut self, repair: impl Into<String>) -> Finding {
+        if !self.holds() {
+            self.repair = Some(repair.into());
+        }
+        self
+    }
+
+    /// Whether it holds.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.status == "holds"
+    }
+
     /// Whether it fails.
     #[must_use]
     pub fn fails(&self) -> bool {
@@ -35,37 +104,174 @@ impl Finding {
     }
 }
 
-fn finding(id: &str, holds: bool, value: f64, needed: f64, message: String, place: &str) -> Finding {
-    let status = if holds { "holds" } else { "fails" };
-    Finding { id: id.to_owned(), status: status.to_owned(), value: Some(value), needed: Some(needed), message, place: place.to_owned() }
+/// The constants of the hypotheses, under the names of the paper; none where there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Constants {
+    /// m_a of (H2) in Pa.
+    pub m_a: f64,
+    /// M_a of (H2) in Pa.
+    #[serde(rename = "M_a")]
+    pub lipschitz_a: f64,
+    /// m_b of (H1) in Pa s.
+    pub m_b: f64,
+    /// M_b of (H1) in Pa s.
+    #[serde(rename = "M_b")]
+    pub lipschitz_b: f64,
+    /// m_d of (H3) in W/(m K).
+    pub m_d: f64,
+    /// M_d of (H3) in W/(m K).
+    #[serde(rename = "M_d")]
+    pub bound_d: f64,
+    /// M_m of (H4) in Pa m/K: |m(θ, v)| ≤ M_m ‖∇θ‖ ‖ε(v)‖; needs c_f.
+    #[serde(rename = "M_m")]
+    pub bound_m: Option<f64>,
+    /// M_e of (H5): |e(v, η)| ≤ M_e ‖∇η‖ ‖ε(v)‖; needs c_f.
+    #[serde(rename = "M_e")]
+    pub bound_e: Option<f64>,
+    /// L_ν of (H8) in Pa/m.
+    #[serde(rename = "L_nu")]
+    pub lipschitz_nu: Option<f64>,
+    /// L_τ of (H8) in Pa/m.
+    #[serde(rename = "L_tau")]
+    pub lipschitz_tau: Option<f64>,
+    /// M_kc of (H7) in W/(m² K).
+    #[serde(rename = "M_kc")]
+    pub bound_kc: Option<f64>,
+    /// L_kc of (H7) in W/(m³ K).
+    #[serde(rename = "L_kc")]
+    pub lipschitz_kc: Option<f64>,
+    /// L of φ_L in K; none without cut-off.
+    #[serde(rename = "L")]
+    pub truncation: Option<f64>,
+    /// c_k of (2.12).
+    pub c_k: Option<f64>,
+    /// c_f of (2.13).
+    pub c_f: Option<f64>,
+    /// s₁ of (2.14) in √m.
+    pub s1: Option<f64>,
+    /// The same for the normal trace.
+    pub s1_normal: Option<f64>,
+    /// The same for the tangential trace.
+    pub s1_tangential: Option<f64>,
+    /// s₂ of (2.15) in √m.
+    pub s2: Option<f64>,
 }
 
-/// (H1), (H2) and (H3) for the data of a problem: the constants of 𝓥 and 𝓔 on 𝕊^d, the eigenvalues of 𝓚.
+impl Constants {
+    /// Those of the material and the laws of contact.
+    fn of_laws(problem: &Problem) -> Constants {
+        let material = &problem.material;
+        let (a, b) = (material.elasticity.constants(), material.viscosity.constants());
+        let d = material.conductivity.eigenvalues(problem.mesh.dim);
+        let contact = problem.contact.as_ref();
+        let lipschitz_nu = contact.and_then(|c| c.normal.lipschitz());
+        Constants {
+            m_a: a.monotonicity,
+            lipschitz_a: a.lipschitz,
+            m_b: b.monotonicity,
+            lipschitz_b: b.lipschitz,
+            m_d: d.first().copied().unwrap_or(0.0),
+            bound_d: d.iter().fold(0.0, |max, e| e.abs().max(max)),
+            lipschitz_nu,
+            lipschitz_tau: contact.and_then(|c| c.friction.lipschitz(lipschitz_nu)),
+            bound_kc: contact.map(|c| c.heat.conductance_bound()),
+            lipschitz_kc: contact.and_then(|c| c.heat.conductance_lipschitz()),
+            truncation: contact.and_then(|c| c.heat.truncation()),
+            ..Constants::default()
+        }
+    }
+
+    /// The same with the constants of the domain, and those that follow from them.
+    fn on(self, problem: &Problem, domain: &DomainConstants) -> Constants {
+        let value = |constant: Option<Constant>| constant.map(|c| c.value);
+        // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
+        let poincare = value(domain.c_f).map(|c| (1.0 - c * c).max(0.0).sqrt() / c);
+        let norm = |tensor| laws::norm(tensor, problem.mesh.dim);
+        Constants {
+            bound_m: poincare.map(|p| p * norm(&problem.material.expansion)),
+            bound_e: poincare.map(|p| p * norm(&problem.material.coupling)),
+            c_k: value(domain.c_k),
+            c_f: value(domain.c_f),
+            s1: value(domain.s1),
+            s1_normal: value(domain.s1_normal),
+            s1_tangential: value(domain.s1_tangential),
+            s2: value(domain.s2),
+            ..self
+        }
+    }
+}
+
+/// The verdicts on a problem with the constants they rest on.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Certificate {
+    /// One verdict an id.
+    pub findings: Vec<Finding>,
+    /// The constants.
+    pub constants: Constants,
+}
+
+/// What can be judged without an eigenvalue problem: (H1)–(H8), the cut-off of φ_L, the need of (2.23) and the cells.
 #[must_use]
 pub fn findings(problem: &Problem) -> Vec<Finding> {
-    let material = &problem.material;
-    let operator = |id: &str, name: &str, m: &str, constants: Constants, place: &str| {
-        let Constants { monotonicity, lipschitz } = constants;
-        let message = format!("{name} is strongly monotone with {m} = {monotonicity:.6e} and Lipschitz with constant {lipschitz:.6e}");
-        let weak = format!("{name} is not strongly monotone: {m} = {monotonicity:.6e}, expected a positive number");
-        let holds = monotonicity > 0.0 && lipschitz.is_finite();
-        finding(id, holds, monotonicity, 0.0, if holds { message } else { weak }, place)
-    };
-    let eigenvalues = material.conductivity.eigenvalues(problem.mesh.dim);
-    let (least, largest) = (eigenvalues.first().copied().unwrap_or(0.0), eigenvalues.last().copied().unwrap_or(0.0));
-    // Round-off of an eigenvalue is relative to the largest.
-    let positive = least > 1e-14 * largest.abs();
-    let list = eigenvalues.iter().map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 })).collect::<Vec<_>>().join(", ");
-    let conductivity = if positive {
-        format!("𝓚 has the eigenvalues {list}")
-    } else {
-        format!("𝓚 has the eigenvalues {list}: it is not positive definite, heat flows in some directions only and the result depends on the mesh")
-    };
-    vec![
-        operator("H1", "𝓥", "m_b", material.viscosity.constants(), "material.viscosity"),
-        operator("H2", "𝓔", "m_a", material.elasticity.constants(), "material.elasticity"),
-        finding("H3", positive, if positive { least } else { 0.0f64.max(least) }, 0.0, conductivity, "material.conductivity"),
-    ]
+    judged(problem, &Constants::of_laws(problem))
+}
+
+fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
+    let mut findings = laws::material(problem, constants);
+    findings.push(data::h6(problem));
+    findings.extend(laws::contact(problem, constants));
+    findings.push(theorem::needed(problem, constants, &findings));
+    findings.push(quality::cells(&problem.mesh));
+    findings
+}
+
+/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖ and one of the mechanical
+/// system, and where the gap is open at t = 0 and loads do not vary, one of a. Constants are those of V^h and Q^h.
+///
+/// # Errors
+/// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
+pub fn certificate(problem: &Problem) -> Result<Certificate, FactorError> {
+    let (domain, unique) = rayon::join(|| domain_constants(problem), || step::unique(problem));
+    let constants = Constants::of_laws(problem).on(problem, &domain?);
+    let mut findings = judged(problem, &constants);
+    let at = findings.iter().position(|f| f.id == "2.23-needed").unwrap_or(findings.len());
+    findings.insert(at, theorem::printed(problem, &constants));
+    findings.push(unique);
+    if !reach::loads_vary(problem) {
+        findings.push(reach::possible(problem, &constants));
+    }
+    Ok(Certificate { findings, constants })
+}
+
+/// Verdicts that cost more than a fixed number of factorizations: `time-step` searches by doubling the steps, and
+/// `contact-possible` under loads that vary in time solves a static problem for every step.
+#[must_use]
+pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
+    let mut findings = vec![step::time_step(problem)];
+    if reach::loads_vary(problem) {
+        findings.push(reach::possible(problem, constants));
+    }
+    findings
+}
+
+/// The certificate, or where it cannot be computed what can be judged without it, and why.
+#[must_use]
+pub fn certificate_or_findings(problem: &Problem) -> Certificate {
+    certificate(problem).unwrap_or_else(|error| {
+        let constants = Constants::of_laws(problem);
+        let mut findings = judged(problem, &constants);
+        let message = format!("the constants of the domain cannot be computed: {error}");
+        findings.push(Finding::new("certificate", Status::NotCovered, message, "mesh"));
+        Certificate { findings, constants }
+    })
+}
+
+/// All verdicts there are: [`certificate_or_findings`] with [`advice`].
+#[must_use]
+pub fn full(problem: &Problem) -> Certificate {
+    let mut certificate = certificate_or_findings(problem);
+    certificate.findings.extend(advice(problem, &certificate.constants));
+    certificate
 }
 
 /// Closing error of an identity of the audit above which round-off does not explain it.
@@ -81,7 +287,7 @@ pub fn audit(energy: f64, heat: f64) -> [Finding; 2] {
         } else {
             format!("the {name} identity closes to {error:.1e} of what was turned over only: round-off has grown, take the results with care")
         };
-        finding(id, holds, error.abs(), CLOSING, message, "the audit of every step")
+        Finding::new(id, Status::of(holds), message, "the audit of every step").numbers(Some(error.abs()), Some(CLOSING))
     };
     [one("energy", "energy", energy), one("heat", "heat", heat)]
 }
@@ -89,27 +295,6 @@ pub fn audit(energy: f64, heat: f64) -> [Finding; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::case::{self, CaseError, Source};
-
-    fn paper(overrides: &[&str]) -> Result<Vec<Finding>, CaseError> {
-        let source = Source { name: "paper.toml".to_owned(), text: include_str!("../../../../cases/paper.toml").to_owned() };
-        let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-        Ok(findings(&case::parse(&source, &overrides)?.problem))
-    }
-
-    /// m_a = E/(1+ν), m_b = μ₂; the all-ones 𝓚 has the eigenvalues 0 and 2.
-    #[test]
-    fn the_readings_of_the_paper_are_judged() -> Result<(), CaseError> {
-        let default = paper(&[])?;
-        assert!(default.iter().all(|f| f.status == "holds"));
-        let value = |findings: &[Finding], id: &str| findings.iter().find(|f| f.id == id).and_then(|f| f.value).unwrap_or(f64::NAN);
-        assert!((value(&default, "H1") - 10.0).abs() < 1e-13 && (value(&default, "H2") - 2.0 / 1.1).abs() < 1e-14);
-        assert!((value(&default, "H3") - 1.0).abs() < 1e-15);
-        let literal = paper(&["material.conductivity=[[1, 1], [1, 1]]"])?;
-        let h3 = literal.iter().find(|f| f.id == "H3");
-        assert!(h3.is_some_and(|f| f.fails() && f.message.contains("0.000000, 2.000000") && f.value == Some(0.0)));
-        Ok(())
-    }
 
     #[test]
     fn an_identity_that_does_not_close_is_a_failure() {

@@ -5,8 +5,8 @@
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 1 |
-//! | 32 | SHA-256 of the text of the case |
+//! | 4 | version of the format, little-endian, now 2 |
+//! | 32 | SHA-256 of the fingerprint of the case: its text, and what the files hold that it refers to |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
 //! | 32 | SHA-256 of all that stands before |
@@ -216,7 +216,7 @@ impl Body {
 }
 
 impl Checkpoint {
-    /// Reads the newest checkpoint of a results folder whose case has the text `case`.
+    /// Reads the newest checkpoint of a results folder whose case has the fingerprint `case`.
     ///
     /// # Errors
     /// When it is not there, damaged, of another format or of another case.
@@ -259,7 +259,7 @@ fn seal(case: &str, body: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// States of a level of a study, to be found again for a case of the same text.
+/// States of a level of a study, to be found again for a case of the same fingerprint.
 pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<(), OutputError> {
     let bodies: Vec<Body> = states.iter().map(Body::of_state).collect();
     let body = postcard::to_stdvec(&bodies).map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
@@ -267,7 +267,7 @@ pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<
     write_atomically(path, |out| out.write_all(&bytes))
 }
 
-/// States that [`write_states`] wrote for a case of this text.
+/// States that [`write_states`] wrote for a case of this fingerprint.
 pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, CheckpointError> {
     let bytes = fs::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
     let bodies: Vec<Body> = decode(path, &bytes, case)?;

@@ -7,12 +7,13 @@ use std::time::{Duration, Instant};
 
 use super::csv::{History, write_contact};
 use super::files::{copy, create_folder, remove, write_atomically, write_json};
+use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
 use super::vtu::{write_collection, write_fields};
 use super::{OutputError, RunStart, Sink, Snapshot, Summary, checkpoint, manifest};
 
 /// What a results folder may hold, studies included.
-const RESULTS: [&str; 11] = [
+const RESULTS: [&str; 12] = [
     "summary.json",
     manifest::FILE,
     "history.csv",
@@ -21,6 +22,7 @@ const RESULTS: [&str; 11] = [
     "fields",
     "checkpoint",
     "case.toml",
+    INPUTS,
     "convergence.csv",
     "convergence.json",
     "convergence.svg",
@@ -33,6 +35,8 @@ const STAGING: &str = ".starting";
 pub struct FolderOptions {
     /// The text of the case as run.
     pub text: String,
+    /// The files that the text refers to.
+    pub inputs: Vec<Input>,
     /// Steps between field snapshots; 0: only the last.
     pub every: usize,
     /// Whether results that are there may be replaced.
@@ -45,7 +49,11 @@ impl FolderOptions {
     /// Options for a case with this text: only the last fields, nothing replaced, a checkpoint a minute.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
-        FolderOptions { text: text.into(), every: 0, force: false, checkpoint_interval: Duration::from_mins(1) }
+        FolderOptions { text: text.into(), inputs: Vec::new(), every: 0, force: false, checkpoint_interval: Duration::from_mins(1) }
+    }
+
+    fn fingerprint(&self) -> String {
+        fingerprint(&self.text, &self.inputs)
     }
 }
 
@@ -159,7 +167,7 @@ impl Folder {
         if let Some(history) = &self.history {
             history.sync()?;
         }
-        checkpoint::write(&self.root(), &self.options.text, now)?;
+        checkpoint::write(&self.root(), &self.options.fingerprint(), now)?;
         self.last_checkpoint = Instant::now();
         Ok(())
     }
@@ -170,9 +178,10 @@ impl Folder {
             create_folder(&root.join(folder))?;
         }
         write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
+        write_inputs(&root, &self.options.inputs)?;
         self.history = Some(History::create(root.join("history.csv"), problem.mesh.dim)?);
         let settings = Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
-        self.manifest = Some(Manifest::new(&problem.name, &self.options.text, settings));
+        self.manifest = Some(Manifest::new(&problem.name, &self.options.fingerprint(), settings));
         if self.is_due(0) {
             self.write_fields(&start.from)?;
         }

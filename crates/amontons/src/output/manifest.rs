@@ -20,7 +20,7 @@ pub(super) struct Manifest {
     program: String,
     version: String,
     case: String,
-    /// SHA-256 of `case.toml`, hexadecimal.
+    /// SHA-256 of `case.toml` and of what the files hold that it refers to, hexadecimal.
     input_sha256: String,
     settings: Settings,
     tolerances: Tolerances,
@@ -70,12 +70,12 @@ struct Session {
 
 impl Manifest {
     /// The manifest of a run that starts now.
-    pub fn new(case: &str, text: &str, settings: Settings) -> Manifest {
+    pub fn new(case: &str, fingerprint: &str, settings: Settings) -> Manifest {
         Manifest {
             program: "amontons".to_owned(),
             version: version(),
             case: case.to_owned(),
-            input_sha256: hexadecimal(&Sha256::digest(text)),
+            input_sha256: hexadecimal(&Sha256::digest(fingerprint)),
             settings,
             tolerances: Tolerances { newton: TOLERANCE, refined_above: REFINE, accepted_below: ACCEPTED },
             platform: Platform {

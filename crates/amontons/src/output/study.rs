@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::checkpoint::{read_states, write_states};
 use super::files::{create_folder, write_atomically, write_json};
+use super::inputs::{Input, write_inputs};
 use super::{OutputError, Table};
 use crate::convergence::Level;
 use crate::scheme::State;
@@ -55,12 +56,13 @@ impl StudyFolder {
         write_states(&self.file(level), &key(level), states)
     }
 
-    /// Writes the table, with the text of the case beside it.
+    /// Writes the table, with the text of the case and the files that it refers to beside it.
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn finish(&self, table: &Table, case: &str) -> Result<(), OutputError> {
+    pub fn finish(&self, table: &Table, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
         write_atomically(&self.path.join("case.toml"), |out| std::io::Write::write_all(out, case.as_bytes()))?;
+        write_inputs(&self.path, inputs)?;
         write_json(&self.path.join("convergence.json"), table)?;
         write_atomically(&self.path.join("convergence.csv"), |out| std::io::Write::write_all(out, table.csv().as_bytes()))
     }

@@ -166,6 +166,9 @@ pub struct Seconds {
     pub factor: f64,
     /// Time stepping.
     pub steps: f64,
+    /// Judging the hypotheses.
+    #[serde(default)]
+    pub certificate: f64,
     /// Sinks.
     pub output: f64,
     /// All of the run.
@@ -173,9 +176,9 @@ pub struct Seconds {
 }
 
 impl Summary {
-    /// Sums up a run that ended after `last`.
+    /// Sums up a run that ended after `last`; `findings` are those on the data, the audit's are added.
     #[must_use]
-    pub fn new(last: &Snapshot, unknowns: UnknownCounts, outcome: Outcome, error: Option<String>) -> Summary {
+    pub fn new(last: &Snapshot, unknowns: UnknownCounts, findings: Vec<Finding>, outcome: Outcome, error: Option<String>) -> Summary {
         let Snapshot { problem, discretization, state, report, work } = *last;
         let counts = &state.counts;
         let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
@@ -220,7 +223,7 @@ impl Summary {
                 contraction_max: counts.contraction_max,
             },
             energy,
-            findings: hypotheses::findings(problem).into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),
+            findings: findings.into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),
             seconds: work.seconds,
             peak_memory_bytes: peak_memory(),
         }

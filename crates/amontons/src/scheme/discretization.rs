@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::contact::ContactBoundary;
 use crate::field::Field;
 use crate::forms;
-use crate::linalg::{BlockMatrix, Graph};
+use crate::linalg::{BlockMatrix, Graph, mechanical_products};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -31,6 +31,12 @@ pub struct Discretization {
     pub m: BlockMatrix,
     /// e, from displacements to heat.
     pub e: BlockMatrix,
+    /// Springs at the boundary, which act beside a.
+    pub springs: Option<BlockMatrix>,
+    /// Dashpots at the boundary, which act beside b.
+    pub dashpots: Option<BlockMatrix>,
+    /// Convection at the boundary, which acts beside d.
+    pub convection: Option<BlockMatrix>,
     /// f(t).
     pub f: forms::Load,
     /// q_h(t).
@@ -45,8 +51,7 @@ impl Discretization {
     pub fn new(problem: &Problem) -> Discretization {
         let mesh = Arc::clone(&problem.mesh);
         let graph = Arc::new(Graph::of_mesh(&mesh));
-        let v = Space::new(&mesh, mesh.dim, problem.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.displacement.as_deref()?))));
-        let q = Space::new(&mesh, 1, problem.boundary.iter().filter_map(|b| Some((b.on.as_str(), std::slice::from_ref(b.temperature.as_ref()?)))));
+        let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let material = &problem.material;
         let boundary = problem
             .contact
@@ -60,6 +65,9 @@ impl Discretization {
             d: forms::d(&mesh, &graph, &material.conductivity),
             m: forms::m(&mesh, &graph, &material.expansion),
             e: forms::e(&mesh, &graph, &material.coupling),
+            springs: forms::springs(&mesh, &graph, &problem.boundary),
+            dashpots: forms::dashpots(&mesh, &graph, &problem.boundary),
+            convection: forms::convection(&mesh, &graph, &problem.boundary),
             f: forms::f(&mesh, &problem.body_force, &problem.boundary),
             q_h: forms::q(&mesh, &problem.heat_source, &problem.boundary),
             boundary,
@@ -69,21 +77,59 @@ impl Discretization {
         }
     }
 
-    /// K_u = ρM/k + B + kA.
+    /// K_u = ρM/k + B + kA, B with the dashpots and A with the springs.
     #[must_use]
     pub fn mechanical_matrix(&self, density: f64, k: f64) -> BlockMatrix {
         let mut matrix = self.b.clone();
-        matrix.add_scaled(k, &self.a);
-        matrix.add_scaled(density / k, &self.mass);
+        for (factor, form) in [(k, Some(&self.a)), (k, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (density / k, Some(&self.mass))] {
+            if let Some(form) = form {
+                matrix.add_scaled(factor, form);
+            }
+        }
         matrix
     }
 
-    /// K_θ = C/k + D, C the mass matrix times the heat capacity.
+    /// K_θ = C/k + D, C the mass matrix times the heat capacity and D with the convection.
     #[must_use]
     pub fn thermal_matrix(&self, heat_capacity: f64, k: f64) -> BlockMatrix {
         let mut matrix = self.d.clone();
+        if let Some(convection) = &self.convection {
+            matrix.add_scaled(1.0, convection);
+        }
         matrix.add_scaled(heat_capacity / k, &self.mass);
         matrix
+    }
+
+    /// a(u, ·) with the springs.
+    #[must_use]
+    pub fn apply_a(&self, u: &[f64]) -> Vec<f64> {
+        with(self.a.apply(u), self.springs.as_ref(), u)
+    }
+
+    /// b(w, ·) with the dashpots.
+    #[must_use]
+    pub fn apply_b(&self, w: &[f64]) -> Vec<f64> {
+        with(self.b.apply(w), self.dashpots.as_ref(), w)
+    }
+
+    /// d(θ, ·) with the convection.
+    #[must_use]
+    pub fn apply_d(&self, theta: &[f64]) -> Vec<f64> {
+        with(self.d.apply(theta), self.convection.as_ref(), theta)
+    }
+
+    /// M w, a(u, ·), a(w, ·) and b(w, ·), the latter three with springs and dashpots.
+    #[must_use]
+    pub fn mechanical_products(&self, u: &[f64], w: &[f64]) -> [Vec<f64>; 4] {
+        let [mass_w, a_u, a_w, b_w] = mechanical_products(&self.mass, &self.a, &self.b, u, w);
+        let springs = self.springs.as_ref();
+        [mass_w, with(a_u, springs, u), with(a_w, springs, w), with(b_w, self.dashpots.as_ref(), w)]
+    }
+
+    /// Heat that leaves through convection beyond what the surroundings send in: ∫ h θ.
+    #[must_use]
+    pub fn convected(&self, theta: &[f64]) -> f64 {
+        self.convection.as_ref().map_or(0.0, |convection| convection.apply(theta).iter().sum())
     }
 
     /// Values of a field at the contact points.
@@ -98,4 +144,14 @@ impl Discretization {
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
         crate::linalg::dot(v, &matrix.apply(v)).max(0.0).sqrt()
     }
+}
+
+/// The sum of a product with that of a form at the boundary.
+fn with(mut product: Vec<f64>, form: Option<&BlockMatrix>, x: &[f64]) -> Vec<f64> {
+    if let Some(form) = form {
+        for (sum, term) in product.iter_mut().zip(form.apply(x)) {
+            *sum += term;
+        }
+    }
+    product
 }

@@ -67,7 +67,7 @@ impl Scheme for BackwardEuler {
         }
         let material = &self.problem.material;
         let kinetic = 0.5 * material.density * dot(&w, &self.discrete.mass.apply(&w));
-        let elastic = 0.5 * dot(&u, &self.discrete.a.apply(&u));
+        let elastic = 0.5 * dot(&u, &self.discrete.apply_a(&u));
         let mut contact_energy = 0.0;
         if let Some(contact) = &self.problem.contact {
             let gap = self.discrete.at_contact(&contact.gap, 0.0);

@@ -62,7 +62,7 @@ impl Begun {
             let [mass_theta, d_theta] = if theta == old.theta {
                 [products.mass_theta.clone(), products.d_theta.clone()]
             } else {
-                [&discrete.mass, &discrete.d].map(|form| form.apply(&theta))
+                [discrete.mass.apply(&theta), discrete.apply_d(&theta)]
             };
             Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
@@ -102,7 +102,7 @@ impl Begun {
             iterations += newton;
             sweeps += 2;
             step.finite(theta, "heat")?;
-            [*mass_theta, *d_theta] = [&discrete.mass, &discrete.d].map(|form| form.apply(theta));
+            [*mass_theta, *d_theta] = [discrete.mass.apply(theta), discrete.apply_d(theta)];
             let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
             let values: Vec<f64> = flux.iter().map(|flux| flux.value).collect();
             let chi = on_nodes(step, &values);
@@ -123,7 +123,12 @@ impl Begun {
             }
             let residual = step.accept(residual, "heat")?;
             let sum = |v: &[f64]| v.iter().sum::<f64>();
-            let amounts = Amounts { supplied: k * sum(supply), coupling: k * sum(coupling), contact: k * heat_flow, prescribed: k * through_prescribed };
+            let amounts = Amounts {
+                supplied: k * (sum(supply) - discrete.convected(theta)),
+                coupling: k * sum(coupling),
+                contact: k * heat_flow,
+                prescribed: k * through_prescribed,
+            };
             let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
             return Ok(Heat {
                 theta,

@@ -3,7 +3,7 @@
 use super::Discretization;
 use super::StepError;
 use super::system::{REFINE, Step, System, at_nodes};
-use crate::linalg::{Entry, MechanicalStep, Multipliers, PointState, PointTangent, max_abs, mechanical_products};
+use crate::linalg::{Entry, MechanicalStep, Multipliers, PointState, PointTangent, max_abs};
 use crate::tensor::Point;
 
 /// What the mechanical half-step found.
@@ -87,7 +87,7 @@ impl Mechanics {
             step.finite(&w, "mechanics")?;
             let u: Vec<f64> = (0..w.len()).map(|i| old.u[i] + k * w[i]).collect();
             let a_w;
-            [mass_w, a_u, a_w, b_w] = mechanical_products(&discrete.mass, &discrete.a, &discrete.b, &u, &w);
+            [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&u, &w);
             let (force, contact_force) = contact_forces(discrete, &states);
             // What is left of (4.1) tested with every basis function; at prescribed nodes the reaction.
             let mut rest: Vec<f64> =
@@ -157,7 +157,7 @@ impl Begun {
         let [mass_w, a_w, b_w] = if w == old.w {
             [products.mass_w.clone(), products.a_w.clone(), products.b_w.clone()]
         } else {
-            [&discrete.mass, &discrete.a, &discrete.b].map(|form| form.apply(&w))
+            [discrete.mass.apply(&w), discrete.apply_a(&w), discrete.apply_b(&w)]
         };
         let a_u = products.a_u.iter().zip(&a_w).map(|(a_u, a_w)| a_u + k * a_w).collect();
         let gap = problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));

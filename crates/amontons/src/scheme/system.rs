@@ -67,11 +67,11 @@ impl Products {
         Products {
             step: state.step,
             mass_w: discrete.mass.apply(&state.w),
-            a_u: discrete.a.apply(&state.u),
-            a_w: discrete.a.apply(&state.w),
-            b_w: discrete.b.apply(&state.w),
+            a_u: discrete.apply_a(&state.u),
+            a_w: discrete.apply_a(&state.w),
+            b_w: discrete.apply_b(&state.w),
             mass_theta: discrete.mass.apply(&state.theta),
-            d_theta: discrete.d.apply(&state.theta),
+            d_theta: discrete.apply_d(&state.theta),
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use amontons::case::{self, Case};
+use amontons::case::{self, Case, Source};
 
 /// A file of the repository.
 pub fn file(path: &str) -> PathBuf {
@@ -47,4 +47,16 @@ impl Random {
         self.0 ^= self.0 << 17;
         (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
+}
+
+/// A text with a piece of it, which must occur once, replaced.
+pub fn spoil(text: &str, old: &str, new: &str) -> String {
+    assert!(old.is_empty() || text.matches(old).count() == 1, "`{old}` does not occur once");
+    if old.is_empty() { text.to_owned() } else { text.replace(old, new) }
+}
+
+/// What is said about a case that has faults.
+pub fn told(source: &Source, overrides: &[&str]) -> String {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    case::parse(source, &overrides).map_or_else(|error| error.to_string(), |_| "no fault".to_owned())
 }

@@ -1,7 +1,11 @@
 //! Problem 2.1 with its data: what is to be solved, checked once and trusted afterwards.
 
+mod boundary;
+
 use std::fmt;
 use std::sync::Arc;
+
+pub use boundary::{BoundaryCondition, Convection, Support};
 
 use crate::contact::Contact;
 use crate::field::Field;
@@ -49,21 +53,6 @@ impl fmt::Display for Fault {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
 pub struct Faults(pub Vec<Fault>);
-
-/// What holds on one named part of the boundary, contact apart.
-#[derive(Clone, Debug, Default)]
-pub struct BoundaryCondition {
-    /// Name of the facet set.
-    pub on: String,
-    /// Prescribed displacement, m, one field a component: (2.5).
-    pub displacement: Option<Vec<Field>>,
-    /// Traction f₁, Pa, one field a component: (2.6).
-    pub traction: Option<Vec<Field>>,
-    /// Prescribed temperature, K: (2.7).
-    pub temperature: Option<Field>,
-    /// Heat flux into the body −q·ν, W/m².
-    pub heat_inflow: Option<Field>,
-}
 
 /// u₀, u̇₀ and θ₀ of (2.11).
 #[derive(Clone, Debug, Default)]
@@ -149,6 +138,7 @@ impl Problem {
         self.check_material(&mut faults);
         self.check_shapes(&mut faults);
         self.check_boundary(&mut faults);
+        self.check_times(&mut faults);
         if let Err(error) = self.mesh.check() {
             faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));
         }
@@ -171,20 +161,49 @@ impl Problem {
                 faults.push(Fault::new(path, value.to_string(), "a number that is not negative"));
             }
         }
-        if m.density == 0.0 && !self.boundary.iter().any(|b| b.displacement.is_some()) {
+        if m.density == 0.0 && !self.boundary.iter().any(BoundaryCondition::holds_body) {
             faults.push(
                 Fault::new("boundary", "no displacement prescribed and density 0", "a part Γ_D that holds the body")
                     .hint("give `displacement` on a side, or a positive material.density"),
             );
         }
         if m.heat_capacity == 0.0
-            && !self.boundary.iter().any(|b| b.temperature.is_some())
+            && !self.boundary.iter().any(BoundaryCondition::holds_temperature)
             && self.contact.as_ref().is_none_or(|c| c.heat.conductance_bound() <= 0.0)
         {
             faults.push(
                 Fault::new("boundary", "no temperature prescribed and heat_capacity 0", "a side whose temperature is known")
                     .hint("give `temperature` on a side, or a positive material.heat_capacity"),
             );
+        }
+    }
+
+    /// Tables have values at all times of the run.
+    fn check_times(&self, faults: &mut Vec<Fault>) {
+        let mut check = |path: String, field: &Field| {
+            let [first, last] = field.span();
+            let hint = "give more rows, or `extend = \"hold\"` to keep the value at the end";
+            if first > 0.0 {
+                faults.push(Fault::new(&*path, format!("a table that begins at t = {first:?}"), "values from t = 0").hint(hint));
+            }
+            if last < self.end {
+                faults.push(
+                    Fault::new(path, format!("a table that ends at t = {last:?}"), format!("values to the end of the run, t = {:?}", self.end)).hint(hint),
+                );
+            }
+        };
+        for (i, field) in self.body_force.iter().enumerate() {
+            check(format!("load.body_force[{i}]"), field);
+        }
+        check("load.heat_source".to_owned(), &self.heat_source);
+        for (i, condition) in self.boundary.iter().enumerate() {
+            for (key, field) in condition.fields() {
+                check(format!("boundary[{i}].{key}"), field);
+            }
+        }
+        if let Some(contact) = &self.contact {
+            check("contact.gap".to_owned(), &contact.gap);
+            check("contact.heat.foundation_temperature".to_owned(), &contact.foundation_temperature);
         }
     }
 
@@ -205,59 +224,8 @@ impl Problem {
         for (i, b) in self.boundary.iter().enumerate() {
             check(format!("boundary[{i}].displacement"), b.displacement.as_ref().map(Vec::len));
             check(format!("boundary[{i}].traction"), b.traction.as_ref().map(Vec::len));
-        }
-    }
-
-    /// Sides exist, are named once, and bear no two conditions that exclude each other.
-    fn check_boundary(&self, faults: &mut Vec<Fault>) {
-        let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
-        let mut exists = |path: String, name: &str| {
-            let found = self.mesh.facets.contains_key(name);
-            if !found {
-                let near = known.iter().min_by_key(|k| strsim::damerau_levenshtein(k, name));
-                let mut fault = Fault::new(path, format!("\"{name}\""), format!("one of the facet sets {}", known.join(", ")));
-                if let Some(near) = near.filter(|k| strsim::damerau_levenshtein(k, name) <= 2) {
-                    fault = fault.hint(format!("did you mean \"{near}\"?"));
-                }
-                faults.push(fault);
-            }
-        };
-        for (i, b) in self.boundary.iter().enumerate() {
-            exists(format!("boundary[{i}].on"), &b.on);
-        }
-        if let Some(contact) = &self.contact {
-            exists("contact.on".into(), &contact.on);
-        }
-        for (i, b) in self.boundary.iter().enumerate() {
-            if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
-                faults.push(
-                    Fault::new(format!("boundary[{i}].on"), format!("\"{}\" again", b.on), "each side in one [[boundary]] entry")
-                        .hint(format!("join it with entry {} of the file, which is on the same side", first + 1)),
-                );
-            }
-            if b.displacement.is_some() && b.traction.is_some() {
-                faults.push(
-                    Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", "one of the two: Γ_D and Γ_N do not overlap")
-                        .hint("drop one of them"),
-                );
-            }
-            if b.temperature.is_some() && b.heat_inflow.is_some() {
-                faults.push(Fault::new(format!("boundary[{i}].heat_inflow"), "a heat inflow besides a temperature", "one of the two").hint("drop one of them"));
-            }
-            if let Some(contact) = self.contact.as_ref().filter(|c| c.on == b.on) {
-                if b.displacement.is_some() {
-                    faults.push(
-                        Fault::new(format!("boundary[{i}].displacement"), format!("a displacement on \"{}\"", b.on), "Γ_D apart from Γ_C")
-                            .hint("[contact] is on the same side; a side that bears contact takes `traction` and `heat_inflow` only"),
-                    );
-                }
-                if b.temperature.is_some() && contact.heat.conductance_bound() > 0.0 {
-                    faults.push(
-                        Fault::new(format!("boundary[{i}].temperature"), format!("a temperature on \"{}\"", b.on), "heat exchange or a temperature, not both")
-                            .hint("drop contact.heat or the temperature"),
-                    );
-                }
-            }
+            check(format!("boundary[{i}].spring"), b.spring.as_ref().and_then(Support::components));
+            check(format!("boundary[{i}].dashpot"), b.dashpot.as_ref().and_then(Support::components));
         }
     }
 }

@@ -1,4 +1,8 @@
-//! Data that may vary in space and time: a number or an expression in x, y, z, t.
+//! Data that may vary in space and time: a number, an expression in x, y, z, t, or a table in time.
+
+mod table;
+
+pub use table::{Table, TableError};
 
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
@@ -10,6 +14,8 @@ pub enum Field {
     Constant(f64),
     /// An expression in x, y, z and t.
     Expression(Expression),
+    /// Values at times, linear between them, times a factor.
+    Table(Table),
 }
 
 impl Default for Field {
@@ -34,6 +40,7 @@ impl Field {
         match self {
             Field::Constant(value) => *value,
             Field::Expression(e) => e.value(x, t),
+            Field::Table(table) => table.value(x, t),
         }
     }
 
@@ -43,6 +50,7 @@ impl Field {
         match self {
             Field::Constant(value) => Derivatives { value: *value, ..Derivatives::default() },
             Field::Expression(e) => e.derivatives(x, t),
+            Field::Table(table) => table.derivatives(x, t),
         }
     }
 
@@ -53,6 +61,7 @@ impl Field {
         match self {
             Field::Constant(value) => out.fill(*value),
             Field::Expression(e) => e.values(points, t, &mut out),
+            Field::Table(table) => table.values(points, t, &mut out),
         }
         out
     }
@@ -60,7 +69,20 @@ impl Field {
     /// Whether the value changes with time.
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
-        matches!(self, Field::Expression(e) if e.depends_on_time())
+        match self {
+            Field::Constant(_) => false,
+            Field::Expression(e) => e.depends_on_time(),
+            Field::Table(_) => true,
+        }
+    }
+
+    /// The first and the last time at which it has a value.
+    #[must_use]
+    pub fn span(&self) -> [f64; 2] {
+        match self {
+            Field::Table(table) => table.span(),
+            _ => [f64::NEG_INFINITY, f64::INFINITY],
+        }
     }
 
     /// Whether the field is the number zero.

@@ -1,0 +1,188 @@
+//! Data that vary, from the raw case to [`Field`]s.
+
+use super::build::Build;
+use super::path::Path;
+use super::place::At;
+use super::raw::{Component, Datum, Extend, Scalar, TableData};
+use super::table;
+use crate::expression::{Expression, Variable};
+use crate::field::{Field, Table, TableError};
+use crate::tensor::Point;
+
+/// Names of the coordinates.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+impl Build<'_> {
+    /// A datum of space and time, finite at the points on which it acts.
+    pub fn field(&mut self, path: &str, datum: &Datum, points: &[Point]) -> Field {
+        let field = match datum {
+            Datum::Number(value) => return Field::Constant(*value),
+            Datum::Expression(text) => self.expression(path, text).map(Field::Expression),
+            Datum::Table(data) => self.table(path, data).map(Field::Table),
+        };
+        let Some(field) = field else { return Field::ZERO };
+        self.check_finite(path, &field, points);
+        field
+    }
+
+    /// A number or an expression, likewise.
+    pub fn scalar(&mut self, path: &str, scalar: &Scalar, points: &[Point]) -> Field {
+        self.field(path, &scalar.clone().into(), points)
+    }
+
+    /// A number or an expression without t; `why` says what it would be that depends on time.
+    pub fn steady(&mut self, path: &str, scalar: &Scalar, points: &[Point], why: &str) -> Field {
+        let field = self.scalar(path, scalar, points);
+        if !field.depends_on_time() {
+            return field;
+        }
+        self.note(path, At::Value, "`t` in an expression", format!("an expression in {}: {why}", self.axes()), None);
+        Field::ZERO
+    }
+
+    /// A number or an expression without t that is nowhere negative.
+    pub fn coefficient(&mut self, path: &str, scalar: &Scalar, points: &[Point]) -> Field {
+        let field = self.steady(path, scalar, points, "it is the same at all times");
+        if let Some((x, value)) = points.iter().zip(field.values(points, 0.0)).find(|(_, value)| *value < 0.0) {
+            let at = if matches!(field, Field::Constant(_)) { String::new() } else { format!(" at {}", self.place(x)) };
+            self.note(path, At::Value, format!("the value {value:?}{at}"), "no negative value", None);
+        }
+        field
+    }
+
+    /// One datum a component.
+    pub fn vector(&mut self, path: &str, data: &[Datum], points: &[Point]) -> Vec<Field> {
+        data.iter().enumerate().map(|(c, datum)| self.field(&format!("{path}[{c}]"), datum, points)).collect()
+    }
+
+    /// One number or expression a component.
+    pub fn scalars(&mut self, path: &str, data: &[Scalar], points: &[Point]) -> Vec<Field> {
+        data.iter().enumerate().map(|(c, datum)| self.scalar(&format!("{path}[{c}]"), datum, points)).collect()
+    }
+
+    /// One datum a component, none where the component is free.
+    pub fn components(&mut self, path: &str, data: Vec<Component>, points: &[Point]) -> Vec<Option<Field>> {
+        let data = data.into_iter().map(Component::prescribed).enumerate();
+        data.map(|(c, datum)| Some(self.field(&format!("{path}[{c}]"), &datum?, points))).collect()
+    }
+
+    /// The coordinates of the body: `x, y`.
+    fn axes(&self) -> String {
+        AXES[..self.dim.min(AXES.len())].join(", ")
+    }
+
+    /// `x = 1.0, y = 2.0`.
+    fn place(&self, x: &Point) -> String {
+        AXES.iter().zip(x).take(self.dim).map(|(axis, x)| format!("{axis} = {x:?}")).collect::<Vec<_>>().join(", ")
+    }
+
+    fn expression(&mut self, path: &str, text: &str) -> Option<Expression> {
+        let expression = match Expression::parse(text) {
+            Ok(expression) => expression,
+            Err(error) => {
+                self.note(path, At::Inside(error.offset), error.found, error.expected, error.hint.as_deref());
+                return None;
+            }
+        };
+        let beyond = [Variable::X, Variable::Y, Variable::Z].into_iter().zip(AXES).skip(self.dim).find(|(variable, _)| expression.uses(*variable));
+        if let Some((_, axis)) = beyond {
+            let body = if self.dim == 2 { "the body is plane" } else { "the body is a line" };
+            let expected = format!("an expression in {}, t: {body}", self.axes());
+            self.note(path, At::Value, format!("`{axis}` in an expression"), expected, None);
+            return None;
+        }
+        Some(expression)
+    }
+
+    /// The table that is meant: of a file, or of `times` and `values`.
+    fn table(&mut self, path: &str, data: &TableData) -> Option<Table> {
+        let (times, values) = match (&data.table, &data.times, &data.values) {
+            (Some(name), None, None) => self.columns(path, name, data)?,
+            (None, Some(times), Some(values)) => self.pairs(path, times, values, data)?,
+            _ => {
+                self.note(path, At::Value, "a table of unclear data", "either `table`, the name of a file, or `times` and `values`", None);
+                return None;
+            }
+        };
+        let factor = match &data.factor {
+            None => None,
+            Some(Scalar::Number(factor)) => Some((*factor, None)),
+            Some(Scalar::Expression(text)) => Some((1.0, Some(self.expression(&format!("{path}.factor"), text)?))),
+        };
+        let values = values.iter().map(|value| value * factor.as_ref().map_or(1.0, |(number, _)| *number)).collect();
+        let table = match Table::new(times, values) {
+            Ok(table) if data.extend == Extend::Hold => table.hold(),
+            Ok(table) => table,
+            Err(error) => {
+                self.refuse_table(path, &error);
+                return None;
+            }
+        };
+        Some(match factor {
+            Some((_, Some(expression))) => table.scaled(expression),
+            _ => table,
+        })
+    }
+
+    /// Times and values that stand in the case.
+    fn pairs(&mut self, path: &str, times: &[f64], values: &[f64], data: &TableData) -> Option<(Vec<f64>, Vec<f64>)> {
+        for (key, given) in [("column", data.column.is_some()), ("time", data.time.is_some())] {
+            if given {
+                self.note(&format!("{path}.{key}"), At::Value, format!("`{key}` besides `times` and `values`"), "it with `table`, a file", None);
+                return None;
+            }
+        }
+        Some((times.to_vec(), values.to_vec()))
+    }
+
+    fn refuse_table(&mut self, path: &str, error: &TableError) {
+        match error {
+            TableError::Empty => self.note(&format!("{path}.times"), At::Value, "no times", "at least one", None),
+            TableError::Lengths { times, values } => {
+                self.note(&format!("{path}.values"), At::Value, format!("{values} values for {times} times"), "a value a time", None);
+            }
+            TableError::NotFinite { row, .. } => {
+                self.note(&format!("{path}.values[{}]", row - 1), At::Value, "a number that is not finite", "finite numbers", None);
+            }
+            TableError::NotIncreasing { row, found, before } => {
+                self.note(&format!("{path}.times[{}]", row - 1), At::Value, format!("the time {found:?} after {before:?}"), "times that increase", None);
+            }
+        }
+    }
+
+    /// Times and values of a file.
+    fn columns(&mut self, path: &str, name: &str, data: &TableData) -> Option<(Vec<f64>, Vec<f64>)> {
+        let key = format!("{path}.table");
+        let bytes = match self.loader.get(&Path::parse(&key).unwrap_or_default(), name) {
+            Ok(bytes) => bytes,
+            Err(missing) => {
+                self.note(&key, At::Value, missing.found, missing.expected, missing.hint.as_deref());
+                return None;
+            }
+        };
+        match table::read(name, &bytes, data.time.as_ref(), data.column.as_ref()) {
+            Ok(columns) => Some(columns),
+            Err(refusal) => {
+                self.note(&format!("{path}.{}", refusal.key), At::Value, refusal.found, refusal.expected, refusal.hint.as_deref());
+                None
+            }
+        }
+    }
+
+    /// A field without a finite value somewhere at the beginning or the end is refused.
+    fn check_finite(&mut self, path: &str, field: &Field, points: &[Point]) {
+        // Points of a stand-in mesh say nothing, and of times that a table lacks the problem tells.
+        let [first, last] = field.span();
+        if self.doubtful.iter().any(|p| p.to_string().starts_with("mesh")) || first > 0.0 || last < self.end {
+            return;
+        }
+        for t in [0.0, self.end] {
+            let values = field.values(points, t);
+            if let Some((x, value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
+                let found = format!("the value {value} at {}, t = {t:?}", self.place(x));
+                self.note(path, At::Value, found, "finite values at all nodes on which it acts, at t = 0 and t = end", None);
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Files beside a case: where they come from, and the copies that its results keep.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::check::nearest;
+use super::path;
+use crate::output::{INPUTS, Input};
+
+/// Where the files are that a case refers to.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Files {
+    /// Nowhere: the case is a text alone and may not refer to files.
+    #[default]
+    None,
+    /// In this folder, that of the case file; relative names are seen from it.
+    Folder(PathBuf),
+    /// In memory, by the name that the case gives them.
+    Memory(BTreeMap<String, Arc<[u8]>>),
+}
+
+/// Why there is no file.
+#[derive(Debug)]
+pub(super) struct Missing {
+    pub found: String,
+    pub expected: String,
+    pub hint: Option<String>,
+}
+
+/// Reads the files of one case, each once, and notes where they were referred to.
+#[derive(Debug)]
+pub(super) struct Loader<'s> {
+    files: &'s Files,
+    read: BTreeMap<String, Arc<[u8]>>,
+    references: Vec<(path::Path, String)>,
+}
+
+impl<'s> Loader<'s> {
+    pub fn new(files: &'s Files) -> Loader<'s> {
+        Loader { files, read: BTreeMap::new(), references: Vec::new() }
+    }
+
+    /// The file of this name, to which the key at `path` refers.
+    ///
+    /// # Errors
+    /// When it is not there or cannot be read.
+    pub fn get(&mut self, path: &path::Path, name: &str) -> Result<Arc<[u8]>, Missing> {
+        let bytes = match self.read.get(name) {
+            Some(bytes) => Arc::clone(bytes),
+            None => read(self.files, name)?,
+        };
+        self.read.insert(name.to_owned(), Arc::clone(&bytes));
+        self.references.push((path.clone(), name.to_owned()));
+        Ok(bytes)
+    }
+
+    /// The copies to keep, and where the case has to refer to them.
+    ///
+    /// A name that is one of a copy already stays, so that a case read from a results folder is the case that was run.
+    pub fn copies(self) -> (Vec<Input>, Vec<(path::Path, String)>) {
+        let is_copy = |name: &str| name.strip_prefix(INPUTS).and_then(|rest| rest.strip_prefix('/')).is_some_and(|file| !file.contains(['/', '\\']));
+        let mut copies: BTreeMap<&str, String> = self.read.keys().filter(|name| is_copy(name)).map(|name| (name.as_str(), name.clone())).collect();
+        for name in self.read.keys().filter(|name| !is_copy(name)) {
+            let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
+            let (stem, ending) = file.rsplit_once('.').map_or((file, String::new()), |(stem, ending)| (stem, format!(".{ending}")));
+            let numbered = (2..).map(|n| format!("{INPUTS}/{stem}-{n}{ending}"));
+            let mut candidates = std::iter::once(format!("{INPUTS}/{file}")).chain(numbered);
+            if let Some(copy) = candidates.find(|candidate| copies.values().all(|taken| taken != candidate)) {
+                copies.insert(name, copy);
+            }
+        }
+        let mut inputs: Vec<Input> =
+            self.read.iter().filter_map(|(name, bytes)| Some(Input { path: copies.get(name.as_str())?.clone(), bytes: Arc::clone(bytes) })).collect();
+        inputs.sort_by(|a, b| a.path.cmp(&b.path));
+        let references = self.references.iter().filter_map(|(path, name)| Some((path.clone(), copies.get(name.as_str())?.clone()))).collect();
+        (inputs, references)
+    }
+}
+
+fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
+    const BESIDE: &str = "a file beside the case file";
+    let missing = |what: &str, hint: Option<String>| Missing { found: format!("\"{name}\", {what}"), expected: BESIDE.to_owned(), hint };
+    let did_you_mean = |near: &str| format!("did you mean \"{near}\"?");
+    match files {
+        Files::None => {
+            let expected = "data in the case itself: it is a text without a folder".to_owned();
+            Err(Missing { found: format!("the file \"{name}\""), expected, hint: None })
+        }
+        Files::Memory(all) => {
+            let names: Vec<&str> = all.keys().map(String::as_str).collect();
+            all.get(name).cloned().ok_or_else(|| missing("which is not there", nearest(name, &names).map(did_you_mean)))
+        }
+        Files::Folder(folder) => {
+            let path = folder.join(name);
+            match fs::metadata(&path) {
+                Ok(meta) if meta.is_file() => {}
+                Ok(_) => return Err(missing("which is no file", None)),
+                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+                    return Err(missing("which is not there", similar(&path, name).map(|near| did_you_mean(&near))));
+                }
+                Err(error) => return Err(missing(&format!("which cannot be read: {error}"), None)),
+            }
+            fs::read(&path).map(Arc::from).map_err(|error| missing(&format!("which cannot be read: {error}"), None))
+        }
+    }
+}
+
+/// A file of the same folder that goes by a similar name, as it would be given.
+fn similar(path: &Path, name: &str) -> Option<String> {
+    let file = path.file_name()?.to_str()?;
+    let mut names: Vec<String> = fs::read_dir(path.parent()?).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    names.sort();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let near = nearest(file, &names)?;
+    Some(format!("{}{near}", name.strip_suffix(file)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn copies(names: &[&str]) -> Vec<(String, String)> {
+        let files = Files::Memory(names.iter().map(|name| ((*name).to_owned(), Arc::from(name.as_bytes()))).collect());
+        let mut loader = Loader::new(&files);
+        for name in names {
+            assert!(loader.get(&path::Path::default(), name).is_ok());
+        }
+        let (inputs, references) = loader.copies();
+        assert!(inputs.is_sorted_by(|a, b| a.path < b.path));
+        references.into_iter().zip(names).map(|((_, copy), name)| ((*name).to_owned(), copy)).collect()
+    }
+
+    #[test]
+    fn copies_have_names_of_their_own_and_keep_them() {
+        let names = ["load.csv", "../a/load.csv", "/b/load.csv", "inputs/load.csv", "inputs/x/load.csv", "mesh"];
+        let first = copies(&names);
+        let mut stored: Vec<&str> = first.iter().map(|(_, copy)| copy.as_str()).collect();
+        assert_eq!(first[3].1, "inputs/load.csv");
+        assert_eq!(first[5].1, "inputs/mesh");
+        for (name, copy) in copies(&stored) {
+            assert_eq!(name, copy);
+        }
+        stored.sort_unstable();
+        stored.dedup();
+        assert_eq!(stored.len(), names.len());
+    }
+}

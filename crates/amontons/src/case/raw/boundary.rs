@@ -1,0 +1,71 @@
+//! `[[boundary]]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Component, Datum, Scalar};
+
+/// Conditions on one side.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Boundary {
+    /// Name of the side.
+    pub on: String,
+    /// Prescribed displacement in m, one entry a component.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub displacement: Option<Vec<Component>>,
+    /// Prescribed displacement u_ν along the outward normal in m.
+    ///
+    /// 0 for a plane of symmetry. The side lies in a plane perpendicular to an axis.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub normal_displacement: Option<Datum>,
+    /// Traction f₁ = σν in Pa, one entry a component.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub traction: Option<Vec<Datum>>,
+    /// Pressure p in Pa, the traction −p ν.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressure: Option<Datum>,
+    /// Stiffness of springs to the ground in Pa/m.
+    ///
+    /// A number k acts along the normal, −k u_ν ν; entries by component, −k_i u_i.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spring: Option<Support>,
+    /// Damping of dashpots to the ground in Pa s/m.
+    ///
+    /// A number c acts along the normal, −c u̇_ν ν; entries by component, −c_i u̇_i.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dashpot: Option<Support>,
+    /// Prescribed temperature in K.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Datum>,
+    /// Heat flux into the body, −q·ν, in W/m².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub heat_inflow: Option<Datum>,
+    /// Heat exchange with the surroundings, −q·ν = coefficient (ambient − θ).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub convection: Option<Convection>,
+}
+
+/// Stiffness or damping of a foundation.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number or an expression in x, y, z, or one a component")]
+pub(in crate::case) enum Support {
+    /// Along the normal.
+    Number(f64),
+    /// Along the normal, an expression in x, y, z.
+    Expression(String),
+    /// By component.
+    Components(Vec<Scalar>),
+}
+
+/// Heat exchange with the surroundings.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Convection {
+    /// Heat transfer coefficient h in W/(m² K), without t.
+    pub coefficient: Scalar,
+    /// Temperature θ_a of the surroundings in K.
+    #[serde(default)]
+    pub ambient: Datum,
+}

@@ -1,0 +1,123 @@
+//! Data that vary: numbers, expressions, tables.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// A number or an expression.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number or an expression in x, y, z, t")]
+pub(in crate::case) enum Scalar {
+    /// The same value everywhere and always.
+    Number(f64),
+    /// An expression in x, y, z, t, such as "sin(pi*x)*exp(-t)".
+    Expression(String),
+}
+
+impl Default for Scalar {
+    fn default() -> Scalar {
+        Scalar::Number(0.0)
+    }
+}
+
+/// A number, an expression or a table.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, an expression in x, y, z, t or a table in time")]
+pub(in crate::case) enum Datum {
+    /// The same value everywhere and always.
+    Number(f64),
+    /// An expression in x, y, z, t, such as "sin(pi*x)*exp(-t)".
+    Expression(String),
+    /// Values at times, linear between them.
+    Table(TableData),
+}
+
+impl Default for Datum {
+    fn default() -> Datum {
+        Datum::Number(0.0)
+    }
+}
+
+impl From<Scalar> for Datum {
+    fn from(scalar: Scalar) -> Datum {
+        match scalar {
+            Scalar::Number(value) => Datum::Number(value),
+            Scalar::Expression(text) => Datum::Expression(text),
+        }
+    }
+}
+
+/// A component of a prescribed vector.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, an expression in x, y, z, t, a table in time or \"free\"")]
+pub(in crate::case) enum Component {
+    /// The same value everywhere and always.
+    Number(f64),
+    /// An expression in x, y, z, t, or the word "free" for a component that is not prescribed.
+    Expression(String),
+    /// Values at times, linear between them.
+    Table(TableData),
+}
+
+impl Component {
+    /// The value that is prescribed, if any.
+    pub fn prescribed(self) -> Option<Datum> {
+        match self {
+            Component::Number(value) => Some(Datum::Number(value)),
+            Component::Expression(word) if word.trim() == "free" => None,
+            Component::Expression(text) => Some(Datum::Expression(text)),
+            Component::Table(table) => Some(Datum::Table(table)),
+        }
+    }
+}
+
+/// Values at times, linear between them: those of a file, or `times` and `values`.
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct TableData {
+    /// Name of a file of comma-separated values, seen from the case file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub table: Option<String>,
+    /// Column of the values, by its header or its number from 1; the second where left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub column: Option<Column>,
+    /// Column of the times in s, by its header or its number from 1; the first where left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub time: Option<Column>,
+    /// Times in s in place of a file, each later than the one before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times: Option<Vec<f64>>,
+    /// Values in place of a file, one a time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub values: Option<Vec<f64>>,
+    /// Factor of the values.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub factor: Option<Scalar>,
+    /// What holds outside the times.
+    #[serde(default)]
+    pub extend: Extend,
+}
+
+/// A column of a file.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "the name of a column or its number from 1")]
+pub(in crate::case) enum Column {
+    /// By number, from 1.
+    Number(#[schemars(range(min = 1))] usize),
+    /// By header.
+    Name(String),
+}
+
+/// What holds outside the times of a table.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Extend {
+    /// Nothing: the times must cover those of the run.
+    #[default]
+    None,
+    /// The first value before, the last one after.
+    Hold,
+}

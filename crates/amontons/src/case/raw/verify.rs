@@ -1,0 +1,160 @@
+//! `[verify]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// What makes a case a benchmark.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Verify {
+    /// What is shown, in one line.
+    pub title: String,
+    /// Where the reference values come from.
+    pub source: String,
+    /// The values to compare.
+    pub check: Vec<Check>,
+}
+
+/// A value to compare, by kind.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
+pub(in crate::case) enum Check {
+    /// A field at a point and a time, interpolated in space and time.
+    Probe {
+        /// The field.
+        field: ProbeField,
+        /// The point in m.
+        at: [f64; 2],
+        /// The time in s.
+        time: f64,
+        /// Reference value.
+        reference: f64,
+        /// Allowed deviation, relative to the reference or to `scale`.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+        /// Magnitude that the deviation is relative to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        scale: Option<f64>,
+    },
+    /// A column of history.csv at a time, or its extreme over all times.
+    History {
+        /// The column.
+        column: String,
+        /// The time in s, interpolated.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        time: Option<f64>,
+        /// Which value where no time is given.
+        #[serde(default)]
+        take: Take,
+        /// Reference value.
+        reference: f64,
+        /// Allowed deviation, relative to the reference or to `scale`.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+        /// Magnitude that the deviation is relative to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        scale: Option<f64>,
+    },
+    /// The least-squares order of an error against `[exact]`.
+    Order {
+        /// What is refined.
+        #[serde(default)]
+        vary: Vary,
+        /// Cells per side of the levels, or steps where time is varied.
+        levels: Vec<usize>,
+        /// Steps are those of the case times (level / cells of the case) to this power.
+        #[serde(default = "one")]
+        #[schemars(range(min = 1, max = 2))]
+        power: u32,
+        /// The error.
+        error: ErrorName,
+        /// Expected order.
+        reference: f64,
+        /// Allowed deviation.
+        #[serde(default = "tenth")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+    },
+    /// An error against `[exact]` on the mesh and with the steps of the case.
+    Error {
+        /// The error.
+        error: ErrorName,
+        /// Reference value.
+        reference: f64,
+        /// Allowed deviation, relative to the reference or to `scale`.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        tolerance: f64,
+        /// Magnitude that the deviation is relative to.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        scale: Option<f64>,
+    },
+}
+
+/// A field that a probe reads.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(in crate::case) enum ProbeField {
+    /// u_x in m.
+    DisplacementX,
+    /// u_y in m.
+    DisplacementY,
+    /// u̇_x in m/s.
+    VelocityX,
+    /// u̇_y in m/s.
+    VelocityY,
+    /// θ in K.
+    Temperature,
+}
+
+/// Which value of a column is taken.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Take {
+    /// The last.
+    #[default]
+    Last,
+    /// The smallest.
+    Min,
+    /// The largest.
+    Max,
+}
+
+/// What a study refines.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Vary {
+    /// Mesh and step together.
+    #[default]
+    Both,
+    /// The mesh.
+    Space,
+    /// The step.
+    Time,
+}
+
+/// An error of a study, the maximum over time.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub(in crate::case) enum ErrorName {
+    /// ‖w − w^{hk}‖_H.
+    ErrorW,
+    /// ‖ε(u − u^{hk})‖.
+    ErrorU,
+    /// ‖θ − θ^{hk}‖_{L²}.
+    ErrorTheta,
+    /// ‖u − u^{hk}‖_H.
+    ErrorUH,
+    /// E^{hk} of (5.2).
+    Error,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn tenth() -> f64 {
+    0.1
+}

@@ -1,0 +1,130 @@
+//! Columns of a file of separated values.
+
+use super::check::nearest;
+use super::raw::Column;
+
+/// Why a file gives no times and values: the key of the case that it is about, and what to say.
+#[derive(Debug, PartialEq)]
+pub(super) struct Refusal {
+    pub key: &'static str,
+    pub found: String,
+    pub expected: String,
+    pub hint: Option<String>,
+}
+
+fn refuse<T>(key: &'static str, found: String, expected: impl Into<String>, hint: Option<String>) -> Result<T, Refusal> {
+    Err(Refusal { key, found, expected: expected.into(), hint })
+}
+
+/// Two columns of the file `name`: times, which increase, and values.
+///
+/// Values are separated by the first of `,` `;` and tab that the first line has, else by blanks. The first line is a
+/// header unless it holds numbers only. Empty lines and those that begin with `#` are passed over.
+///
+/// # Errors
+/// With the line of the file, what was found there and what was expected.
+pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Option<&Column>) -> Result<(Vec<f64>, Vec<f64>), Refusal> {
+    let text = match std::str::from_utf8(bytes) {
+        Ok(text) => text.trim_start_matches('\u{feff}'),
+        Err(error) => {
+            let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
+            return refuse("table", format!("bytes in line {line} of {name} that are no text"), "a table saved as UTF-8 text", None);
+        }
+    };
+    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
+    let Some(&(first, line)) = lines.peek() else {
+        return refuse("table", format!("no rows in {name}"), "a time and a value a row", None);
+    };
+    let separator = [',', ';', '\t'].into_iter().find(|c| line.contains(*c));
+    let fields = |line: &'_ str| -> Vec<String> {
+        let clean = |field: &str| field.trim().trim_matches('"').to_owned();
+        match separator {
+            Some(separator) => line.split(separator).map(clean).collect(),
+            None => line.split_whitespace().map(clean).collect(),
+        }
+    };
+    let head = fields(line);
+    let has_header = head.iter().any(|field| field.parse::<f64>().is_err());
+    let headers = has_header.then_some(head.as_slice());
+    if has_header {
+        lines.next();
+    }
+    let time = find(name, "time", time, 1, headers, head.len())?;
+    let value = find(name, "column", value, 2, headers, head.len())?;
+    let title = |column: usize| headers.map_or_else(|| format!("column {}", column + 1), |headers| format!("the column \"{}\"", headers[column]));
+    let (mut times, mut values) = (Vec::new(), Vec::new());
+    for (number, line) in lines {
+        let row = fields(line);
+        if row.len() != head.len() {
+            let found = format!("{} entries in line {number} of {name}", row.len());
+            return refuse("table", found, format!("{}, as in line {first}", head.len()), None);
+        }
+        for (column, into) in [(time, &mut times), (value, &mut values)] {
+            let entry = &row[column];
+            match entry.parse::<f64>() {
+                Ok(number) if number.is_finite() => into.push(number),
+                _ => {
+                    let comma = entry.contains(',').then(|| "decimals stand behind a point".to_owned());
+                    return refuse("table", format!("\"{entry}\" in line {number} of {name}"), format!("a number in {}", title(column)), comma);
+                }
+            }
+        }
+        if let [.., before, last] = times.as_slice()
+            && last <= before
+        {
+            return refuse("table", format!("the time {last:?} after {before:?} in line {number} of {name}"), "times that increase", None);
+        }
+    }
+    if times.is_empty() {
+        return refuse("table", format!("no rows in {name}"), "a time and a value a row", None);
+    }
+    Ok((times, values))
+}
+
+/// The index of a column that is given by its header or its number.
+fn find(name: &str, key: &'static str, column: Option<&Column>, otherwise: usize, headers: Option<&[String]>, count: usize) -> Result<usize, Refusal> {
+    let number = match column {
+        Some(Column::Name(wanted)) => {
+            let Some(headers) = headers else {
+                let found = format!("\"{wanted}\", but {name} has no header");
+                return refuse(key, found, format!("the number of a column from 1 to {count}"), None);
+            };
+            let Some(index) = headers.iter().position(|header| header == wanted) else {
+                let known: Vec<&str> = headers.iter().map(String::as_str).collect();
+                let hint = nearest(wanted, &known).map(|near| format!("did you mean \"{near}\"?"));
+                return refuse(key, format!("\"{wanted}\""), format!("one of the columns {} of {name}", known.join(", ")), hint);
+            };
+            return Ok(index);
+        }
+        Some(Column::Number(number)) => *number,
+        None => otherwise,
+    };
+    if (1..=count).contains(&number) {
+        return Ok(number - 1);
+    }
+    // A column that is not named in the case is about the file.
+    let key = if column.is_some() { key } else { "table" };
+    refuse(key, format!("{count} columns in {name}"), format!("at least {number}"), None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn separators_headers_comments_and_blanks() {
+        let expected = Ok((vec![0.0, 1.5], vec![2.0, -3e2]));
+        for text in [
+            "t,f\n0,2\n1.5,-3e2\n",
+            "0;2\n1.5;-3e2",
+            "# a force\n\nt\tf\r\n0\t2\r\n1.5\t-300.0\r\n",
+            "\u{feff}\"t\" , \"f\"\n 0 , 2 \n1.5,-300",
+            "0  2\n 1.5   -300",
+        ] {
+            assert_eq!(read("f.csv", text.as_bytes(), None, None), expected, "{text}");
+        }
+        let by = |column| read("f.csv", b"f,x,t\n2,9,0\n-300,9,1.5", Some(&Column::Name("t".to_owned())), Some(&column));
+        assert_eq!(by(Column::Number(1)), expected);
+        assert_eq!(by(Column::Name("f".to_owned())), expected);
+    }
+}

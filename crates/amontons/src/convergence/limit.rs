@@ -1,0 +1,143 @@
+//! Observed order and limit of a number on a sequence of meshes (Richardson's extrapolation).
+//!
+//! Of v(h) = v + C h^p three meshes give p, C and v. The pure power is an assumption: corners and changes of the
+//! boundary condition mix exponents, and the error told is an estimate, not a bound.
+
+use serde::Serialize;
+
+use crate::hypotheses::{Constant, DomainConstants};
+
+/// Orders beyond this one are differences of round-off.
+const HIGHEST: f64 = 16.0;
+
+/// The limit of a sequence.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Limit {
+    /// p of the three finest meshes; none where the values agree within their errors.
+    pub order: Option<f64>,
+    /// The limit.
+    pub value: f64,
+    /// Estimate of its error: the change of the limit by the finest mesh, where there are four meshes; with three, its
+    /// distance to the finest value. Algebraic errors are added.
+    pub error: f64,
+}
+
+/// A mesh of a sequence with its constants.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstantsRow {
+    /// Cells per side.
+    pub level: usize,
+    /// Spacing of the mesh, m.
+    pub h: f64,
+    /// The constants on this mesh.
+    pub constants: DomainConstants,
+    /// Observed order of each constant over this mesh and the two before, in the order of [`DomainConstants::named`].
+    pub orders: [Option<f64>; 6],
+}
+
+/// Constants of (2.12)–(2.15) on a sequence of meshes, each finer than the one before, and what they tend to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConstantsTable {
+    /// One row a mesh.
+    pub rows: Vec<ConstantsRow>,
+    /// The limits, in the order of [`DomainConstants::named`]; none with fewer than three meshes, and where the differences
+    /// do not shrink as those of a power of h.
+    pub limits: [Option<Limit>; 6],
+}
+
+impl ConstantsTable {
+    /// The table of meshes given by level, spacing h in m and constants, coarsest first.
+    #[must_use]
+    pub fn new(meshes: &[(usize, f64, DomainConstants)]) -> ConstantsTable {
+        let column = |i: usize, count: usize| -> Option<Vec<(f64, Constant)>> {
+            meshes[..count].iter().map(|(_, h, constants)| Some((*h, constants.named()[i].1?))).collect()
+        };
+        let rows = meshes.iter().enumerate().map(|(k, &(level, h, constants))| ConstantsRow {
+            level,
+            h,
+            constants,
+            orders: std::array::from_fn(|i| limit(&column(i, k + 1)?)?.order),
+        });
+        ConstantsTable { rows: rows.collect(), limits: std::array::from_fn(|i| limit(&column(i, meshes.len())?)) }
+    }
+}
+
+/// The limit of values at falling h, by the last three; none where they do not behave as v + C h^p, p > 0.
+#[must_use]
+pub fn limit(values: &[(f64, Constant)]) -> Option<Limit> {
+    let [earlier @ .., (h0, v0), (h1, v1), (h2, v2)] = values else { return None };
+    let (first, second) = (v0.value - v1.value, v1.value - v2.value);
+    if second.abs() <= v1.error + v2.error {
+        return Some(Limit { order: None, value: v2.value, error: second.abs() + v2.error });
+    }
+    let p = order([*h0, *h1, *h2], first / second)?;
+    // v = v₂ − C h₂^p with C = (v₁ − v₂)/(h₁^p − h₂^p).
+    let share = 1.0 / ((h1 / h2).powf(p) - 1.0);
+    let value = v2.value - share * second;
+    let before = if earlier.is_empty() { None } else { limit(&values[..values.len() - 1]) };
+    let change = before.map_or(share * second, |before| before.value - value).abs();
+    Some(Limit { order: Some(p), value, error: change + (1.0 + share) * v2.error + share * v1.error })
+}
+
+/// p with (h₀^p − h₁^p)/(h₁^p − h₂^p) = `ratio`; the left side grows with p.
+fn order(h: [f64; 3], ratio: f64) -> Option<f64> {
+    let left = |p: f64| ((h[0] / h[1]).powf(p) - 1.0) / (1.0 - (h[2] / h[1]).powf(p));
+    let (mut low, mut high) = (0.0, HIGHEST);
+    if !((h[0] / h[1]).ln() < ratio * (h[1] / h[2]).ln() && ratio < left(high)) {
+        return None;
+    }
+    // As many halvings as a number has binary digits.
+    for _ in 0..f64::MANTISSA_DIGITS {
+        let middle = 0.5 * (low + high);
+        if left(middle) < ratio { low = middle } else { high = middle }
+    }
+    Some(0.5 * (low + high))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::expect_used, reason = "a test fails by panicking")]
+
+    use super::*;
+
+    fn power(h: &[f64], p: f64, error: f64) -> Vec<(f64, Constant)> {
+        h.iter().map(|&h| (h, Constant { value: 3.0 - 0.7 * h.powf(p), error })).collect()
+    }
+
+    #[test]
+    fn a_power_of_h_has_its_exponent_and_limit_whatever_the_ratio_of_the_meshes() {
+        for p in [0.4, 1.0, 1.37, 2.0, 4.0] {
+            for h in [[0.5, 0.25, 0.125].as_slice(), &[0.5, 0.3, 0.2, 0.07], &[1e-6, 5e-7, 1e-7]] {
+                // In units in which h is of order 1 a small h leaves no digits of the power.
+                let unit: Vec<f64> = h.iter().map(|x| x / h[0]).collect();
+                let found = limit(&power(&unit, p, 0.0)).expect("a limit");
+                assert!((found.order.expect("an order") - p).abs() < 1e-9 && (found.value - 3.0).abs() < 1e-10, "{p} {h:?} {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_that_agree_have_a_limit_without_order() {
+        let values: Vec<_> = [0.5, 0.25, 0.125].iter().map(|&h| (h, Constant { value: 1.0 + 1e-13 * h, error: 1e-12 })).collect();
+        let found = limit(&values).expect("a limit");
+        assert!(found.order.is_none() && (found.value - 1.0).abs() < 1e-12 && found.error >= 1e-12);
+    }
+
+    #[test]
+    fn values_that_do_not_settle_have_no_limit() {
+        let of = |values: [f64; 3]| limit(&[0.5, 0.25, 0.125].iter().zip(values).map(|(&h, value)| (h, Constant { value, error: 0.0 })).collect::<Vec<_>>());
+        assert_eq!(of([1.0, 2.0, 3.0]), None);
+        assert_eq!(of([1.0, 2.0, 1.5]), None);
+        assert_eq!(of([1.0, 2.0, f64::NAN]), None);
+        assert_eq!(limit(&power(&[0.5, 0.25], 1.0, 0.0)), None);
+    }
+
+    /// The estimate of the error covers it where the next term is h^{p+1}.
+    #[test]
+    fn the_error_is_of_the_size_told() {
+        let values: Vec<_> = [0.4, 0.2, 0.1, 0.05].iter().map(|h: &f64| (*h, Constant { value: 2.0 + h * h + h.powi(3), error: 0.0 })).collect();
+        let found = limit(&values).expect("a limit");
+        let off = (found.value - 2.0).abs();
+        assert!(off < found.error && found.error < 20.0 * off, "{found:?} {off:e}");
+    }
+}

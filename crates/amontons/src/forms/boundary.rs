@@ -1,0 +1,76 @@
+//! Forms over sides: springs, dashpots and convection, for conditions of the third kind.
+
+use std::sync::Arc;
+
+use crate::field::Field;
+use crate::linalg::{BlockMatrix, Graph};
+use crate::mesh::{FacetMap, Mesh};
+use crate::problem::{BoundaryCondition, Support};
+use crate::quadrature::rule;
+use crate::tensor::Point;
+
+/// ∫ κ(x, ν) N_j·N_i over the sides where there is a coefficient κ, a tensor of `components`² entries;
+/// none where there is no such side.
+///
+/// The rule is exact for coefficients that are quadratic on a facet that is flat.
+fn assemble<'a, K: 'a>(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    components: usize,
+    sides: impl Iterator<Item = (&'a str, &'a K)>,
+    coefficient: impl Fn(&K, &FacetMap) -> [Point; 3],
+) -> Option<BlockMatrix> {
+    let mut matrix = None;
+    for (on, given) in sides {
+        let Some(set) = mesh.facets.get(on) else { continue };
+        let matrix = matrix.get_or_insert_with(|| BlockMatrix::zero(graph, components, components));
+        let rule = rule(set.element.shape, 2 * set.element.degree + 2);
+        let width = set.element.nodes.len() * components;
+        let mut form = vec![0.0; width * width];
+        for facet in set.facets() {
+            form.fill(0.0);
+            for (at, weight) in rule.iter() {
+                let map = FacetMap::new(mesh, set.element, facet, at);
+                let kappa = coefficient(given, &map);
+                for (i, entry) in form.iter_mut().enumerate() {
+                    let (row, column) = (i / width, i % width);
+                    let shapes = map.values[row / components] * map.values[column / components];
+                    *entry += weight * map.area * shapes * kappa[row % components][column % components];
+                }
+            }
+            matrix.add(facet, &form);
+        }
+    }
+    matrix
+}
+
+/// κ = k ν ⊗ ν, or diagonal with the entries k_i.
+fn stiffness(support: &Support, map: &FacetMap) -> [Point; 3] {
+    let value = |field: &Field| field.value(&map.position, 0.0);
+    match support {
+        Support::Normal(k) => {
+            let k = value(k);
+            map.normal.map(|nu| map.normal.map(|mu| k * nu * mu))
+        }
+        Support::Components(k) => std::array::from_fn(|r| std::array::from_fn(|c| if r == c { k.get(c).map_or(0.0, value) } else { 0.0 })),
+    }
+}
+
+/// ∫ (κ u)·v of the springs at the boundary, whose traction is −κu.
+#[must_use]
+pub fn springs(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
+    assemble(mesh, graph, mesh.dim, boundary.iter().filter_map(|b| Some((b.on.as_str(), b.spring.as_ref()?))), stiffness)
+}
+
+/// ∫ (κ w)·v of the dashpots at the boundary, whose traction is −κu̇.
+#[must_use]
+pub fn dashpots(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
+    assemble(mesh, graph, mesh.dim, boundary.iter().filter_map(|b| Some((b.on.as_str(), b.dashpot.as_ref()?))), stiffness)
+}
+
+/// ∫ h θ η of the heat exchange −q·ν = h (θ_a − θ); its other part is a load, see [`super::q`].
+#[must_use]
+pub fn convection(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
+    let sides = boundary.iter().filter_map(|b| Some((b.on.as_str(), b.convection.as_ref()?)));
+    assemble(mesh, graph, 1, sides, |convection, map| [[convection.coefficient.value(&map.position, 0.0), 0.0, 0.0], [0.0; 3], [0.0; 3]])
+}

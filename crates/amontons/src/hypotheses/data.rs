@@ -1,0 +1,178 @@
+//! (H6): loads, gap, initial and prescribed data.
+
+use super::laws::{at, boundary};
+use super::sample::times;
+use super::{Finding, Status};
+use crate::field::Field;
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// Time levels at which the gap is looked at.
+const LEVELS: usize = 1024;
+
+/// Mismatch of initial and prescribed values, relative to their size, that round-off explains.
+const MATCH: f64 = 1e-12;
+
+/// One part of (H6).
+struct Part {
+    status: Status,
+    value: Option<f64>,
+    message: String,
+    place: String,
+    repair: &'static str,
+}
+
+/// (H6): the verdict is that of its worst part. Data are looked at on the nodes of the mesh and at time levels; what they do in
+/// between is not known.
+pub(super) fn h6(problem: &Problem) -> Finding {
+    let mut parts = vec![finite(problem)];
+    parts.extend(gap(problem));
+    parts.extend(initial(problem));
+    parts.extend(homogeneous(problem));
+    let worst = parts.iter().map(|p| p.status).max().unwrap_or(Status::Holds);
+    let said: Vec<&str> = parts.iter().filter(|p| p.status == worst).map(|p| p.message.as_str()).collect();
+    let first = parts.iter().find(|p| p.status == worst);
+    let mut message = said.join("; ");
+    if worst == Status::Holds {
+        message = format!("{message}; j is convex, since p_τ ≥ 0 and its first term is linear in v");
+    }
+    let finding = Finding::new("H6", worst, message, first.map_or("load", |p| p.place.as_str()));
+    let needed = first.filter(|p| p.status != Status::Holds && p.value.is_some()).map(|_| 0.0);
+    finding.numbers(first.and_then(|p| p.value), needed).repair(first.map_or("", |p| p.repair))
+}
+
+/// The data with their places in the case file and the nodes where they act.
+fn fields(problem: &Problem) -> Vec<(String, &Field, Vec<Point>)> {
+    let mesh = &problem.mesh;
+    let everywhere = || mesh.points.clone();
+    let on = |set: &str| mesh.facets.get(set).map_or_else(Vec::new, |s| s.node_list().into_iter().map(|n| mesh.points[n as usize]).collect());
+    let mut fields = vec![("load.heat_source".to_owned(), &problem.heat_source, everywhere())];
+    fields.extend(problem.body_force.iter().enumerate().map(|(c, f)| (format!("load.body_force[{c}]"), f, everywhere())));
+    for (i, b) in problem.boundary.iter().enumerate() {
+        fields.extend(b.fields().into_iter().map(|(key, f)| (format!("boundary[{i}].{key}"), f, on(&b.on))));
+    }
+    if let Some(contact) = &problem.contact {
+        fields.push(("contact.gap".to_owned(), &contact.gap, on(&contact.on)));
+        fields.push(("contact.heat.foundation_temperature".to_owned(), &contact.foundation_temperature, on(&contact.on)));
+    }
+    fields
+}
+
+/// Loads are finite: bounded data are square integrable.
+fn finite(problem: &Problem) -> Part {
+    let initial = &problem.initial;
+    let start = initial.displacement.iter().chain(&initial.velocity).chain([&initial.temperature]);
+    let names = (0..initial.displacement.len()).map(|c| format!("initial.displacement[{c}]"));
+    let names = names.chain((0..initial.velocity.len()).map(|c| format!("initial.velocity[{c}]"))).chain(["initial.temperature".to_owned()]);
+    let start = names.zip(start).map(|(name, field)| (name, field, problem.mesh.points.clone()));
+    for (place, field, points) in fields(problem).into_iter().chain(start).filter(|(_, f, _)| !matches!(f, Field::Constant(v) if v.is_finite())) {
+        for t in [0.0, problem.end] {
+            let values = field.values(&points, t);
+            if let Some(i) = values.iter().position(|v| !v.is_finite()) {
+                let message = format!("{place} is {} at {}, t = {t} s", values[i], at(&points[i]));
+                return Part { status: Status::Fails, value: None, message, place, repair: "data that are finite everywhere" };
+            }
+        }
+    }
+    let message = "the data are finite at the nodes at t = 0 and t = T".to_owned();
+    Part { status: Status::Holds, value: None, message, place: "load".to_owned(), repair: "" }
+}
+
+/// g ≥ 0.
+fn gap(problem: &Problem) -> Option<Part> {
+    let contact = problem.contact.as_ref()?;
+    let points: Vec<Point> = boundary(problem, contact)?.points.iter().map(|p| p.x).collect();
+    let levels = if contact.gap.depends_on_time() { times(problem, LEVELS) } else { vec![0.0] };
+    let values = levels.iter().flat_map(|&t| contact.gap.values(&points, t).into_iter().zip(&points).map(move |(g, x)| (g, *x, t)));
+    let (least, x, t) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
+    let when = if levels.len() > 1 { format!(", t = {t} s, of {} time levels", levels.len()) } else { String::new() };
+    let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
+    Some(Part {
+        status,
+        value: Some(least),
+        message,
+        place: "contact.gap".to_owned(),
+        repair: "a gap that is not negative; a body pressed in from the start has initial.displacement",
+    })
+}
+
+/// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
+type Mismatch = Option<(f64, f64, Point, String)>;
+
+/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) asks it of u₀ and u̇₀ only.
+fn initial(problem: &Problem) -> Vec<Part> {
+    let mesh = &problem.mesh;
+    let start = &problem.initial;
+    let mut seen = vec![false; mesh.points.len() * (mesh.dim + 1)];
+    let mut worst: [Mismatch; 3] = [None, None, None];
+    let component = |fields: &[Field], c: usize, x: &Point| fields.get(c).map_or(0.0, |f| f.value(x, 0.0));
+    for b in &problem.boundary {
+        let Some(set) = mesh.facets.get(&b.on) else { continue };
+        let displacement = b.prescriptions(mesh).into_iter().map(|p| (p.component, p.field, p.factor));
+        for (c, prescribed, factor) in displacement.chain(b.temperature.iter().map(|f| (mesh.dim, f, 1.0))) {
+            for node in set.node_list() {
+                // At a node of two sides the first one holds.
+                if std::mem::replace(&mut seen[node as usize * (mesh.dim + 1) + c], true) {
+                    continue;
+                }
+                let x = &mesh.points[node as usize];
+                let value = factor * prescribed.value(x, 0.0);
+                if c == mesh.dim {
+                    keep(&mut worst[2], start.temperature.value(x, 0.0), value, x, "initial.temperature".to_owned());
+                } else {
+                    keep(&mut worst[0], component(&start.displacement, c, x), value, x, format!("initial.displacement[{c}]"));
+                    let rate = factor * prescribed.derivatives(x, 0.0).by_t;
+                    keep(&mut worst[1], component(&start.velocity, c, x), rate, x, format!("initial.velocity[{c}]"));
+                }
+            }
+        }
+    }
+    let mut parts: Vec<Part> = Vec::new();
+    for (worst, status) in worst.into_iter().zip([Status::Fails, Status::Fails, Status::NotCovered]) {
+        let Some((mismatch, expected, x, place)) = worst else { continue };
+        let what = if status == Status::Fails {
+            "the first step makes a jump"
+        } else {
+            "enough for a solution, but errors of the first steps do not have the order of (4.4)"
+        };
+        let message = format!("{place} differs by {mismatch:.6e} from the prescribed {expected:.6e} at {}: {what}", at(&x));
+        parts.push(Part { status, value: Some(mismatch), message, place, repair: "initial data that have the prescribed values, and rates, at t = 0" });
+    }
+    if parts.is_empty() {
+        let message = "initial and prescribed values agree".to_owned();
+        parts.push(Part { status: Status::Holds, value: Some(0.0), message, place: "initial".to_owned(), repair: "" });
+    }
+    parts
+}
+
+/// Keeps the larger mismatch.
+fn keep(worst: &mut Mismatch, found: f64, expected: f64, x: &Point, place: String) {
+    let mismatch = (found - expected).abs();
+    if mismatch > MATCH * found.abs().max(expected.abs()) && worst.as_ref().is_none_or(|w| mismatch > w.0) {
+        *worst = Some((mismatch, expected, *x, place));
+    }
+}
+
+/// (2.5), (2.7): prescribed values are zero.
+fn homogeneous(problem: &Problem) -> Option<Part> {
+    for (i, b) in problem.boundary.iter().enumerate() {
+        let displacement = b.displacement.iter().flatten().flatten().chain(&b.normal_displacement).any(|f| !f.is_zero());
+        if !displacement && b.temperature.as_ref().is_none_or(Field::is_zero) {
+            continue;
+        }
+        let what = if displacement { "displacement" } else { "temperature" };
+        let message = format!(
+            "the prescribed {what} on \"{}\" is not zero as in (2.5), (2.7); subtracting a function with these values gives a problem of the paper's form with other loads, gap and θ_F, and the same (H1)–(H5), (H7), (H8)",
+            b.on
+        );
+        return Some(Part {
+            status: Status::NotCovered,
+            value: None,
+            message,
+            place: format!("boundary[{i}].{what}"),
+            repair: "none is needed if the data are smooth in time",
+        });
+    }
+    None
+}

@@ -1,0 +1,260 @@
+//! (H1)–(H5), (H7), (H8): the operators of the material and the laws of contact.
+//!
+//! Constants of linear operators are eigenvalues. What a nonlinear law declares cannot be proved by evaluating it, but it can be
+//! refuted: two arguments that contradict a declared constant make the hypothesis fail.
+
+use super::sample::{Samples, diameter, some};
+use super::{Constants, Finding, Status};
+use crate::contact::{Contact, ContactBoundary, ContactPoint};
+use crate::material::TensorLaw;
+use crate::problem::Problem;
+use crate::tensor::{Point, Sym, mandel_len};
+
+/// Pairs of arguments that a declaration is tested on at each point.
+const PAIRS: usize = 128;
+
+/// Points of the body or of Γ_C where it is tested.
+const PLACES: usize = 8;
+
+/// Share by which a sample may exceed a declared constant: round-off of a quotient of differences.
+const SLACK: f64 = 1e-9;
+
+/// (H1)–(H5).
+pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding> {
+    let material = &problem.material;
+    vec![
+        operator(problem, material.viscosity.as_ref(), ["H1", "𝓥", "m_b", "M_b", "material.viscosity"]),
+        operator(problem, material.elasticity.as_ref(), ["H2", "𝓔", "m_a", "M_a", "material.elasticity"]),
+        conductivity(problem),
+        coupling(problem, &material.expansion, constants.bound_m, ["H4", "𝓜", "M_m", "material.expansion"]),
+        coupling(problem, &material.coupling, constants.bound_e, ["H5", "𝓡", "M_e", "material.coupling"]),
+    ]
+}
+
+/// The norm of the part of a tensor that acts on strains of 𝕊^d.
+pub(super) fn norm(tensor: &Sym, dim: usize) -> f64 {
+    tensor.0[..mandel_len(dim)].iter().map(|c| c * c).sum::<f64>().sqrt()
+}
+
+/// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
+fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]: [&str; 5]) -> Finding {
+    let c = law.constants();
+    let (least, lipschitz) = (c.monotonicity, c.lipschitz);
+    let (status, message) = if !(least > 0.0 && lipschitz.is_finite()) {
+        (Status::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))
+    } else if let Some(contradiction) = refuted(problem, law, [m, upper]) {
+        (Status::Fails, format!("{name} does not keep what it declares: {contradiction}"))
+    } else {
+        let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
+        (Status::Holds, format!("{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"))
+    };
+    let repair =
+        if id == "H1" { "give the material some viscosity, with both eigenvalues positive" } else { "give the law a positive stiffness in every direction" };
+    Finding::new(id, status, message, place).numbers(Some(least), Some(0.0)).repair(repair)
+}
+
+/// Two arguments that contradict the constants of a law, or a value at zero that is not zero.
+fn refuted(problem: &Problem, law: &dyn TensorLaw, [m, upper]: [&str; 2]) -> Option<String> {
+    let dim = problem.mesh.dim;
+    let constants = law.constants();
+    let mut random = Samples::default();
+    // Only the d-dimensional part does work and is what the constants speak of.
+    let value = |x: &Point, xi: &Sym| {
+        let mut value = law.value(x, xi);
+        value.0[mandel_len(dim)..].fill(0.0);
+        value
+    };
+    for x in some(&problem.mesh.points, PLACES) {
+        let zero = value(x, &Sym::ZERO).norm();
+        if zero != 0.0 {
+            return Some(format!("its value at zero has the norm {zero:.3e}, expected zero, at {}", at(x)));
+        }
+        for _ in 0..if law.is_linear() { 4 } else { PAIRS } {
+            let (a, size) = (random.spread(1.0, 8.0).abs(), random.spread(1.0, 8.0).abs());
+            let a = random.sym(dim, a);
+            let b = a + random.sym(dim, size);
+            let difference = a - b;
+            let (squared, change) = (difference.dot(&difference), value(x, &a) - value(x, &b));
+            // Round-off of the two values does not grow with their difference.
+            let noise = 8.0 * f64::EPSILON * constants.lipschitz * (a.norm() + b.norm());
+            let (work, length) = (change.dot(&difference), change.norm());
+            if work < constants.monotonicity * squared * (1.0 - SLACK) - noise * difference.norm() {
+                return Some(format!("{m} = {:.6e}, but two arguments give {:.6e} at {}", constants.monotonicity, work / squared, at(x)));
+            }
+            if length > constants.lipschitz * difference.norm() * (1.0 + SLACK) + noise || length.is_nan() {
+                return Some(format!("{upper} = {:.6e}, but two arguments give {:.6e} at {}", constants.lipschitz, length / difference.norm(), at(x)));
+            }
+        }
+    }
+    None
+}
+
+/// (H3): 𝓚 is positive definite.
+fn conductivity(problem: &Problem) -> Finding {
+    let eigenvalues = problem.material.conductivity.eigenvalues(problem.mesh.dim);
+    let (least, largest) = (eigenvalues.first().copied().unwrap_or(0.0), eigenvalues.last().copied().unwrap_or(0.0));
+    // Round-off of an eigenvalue is relative to the largest.
+    let positive = least > 1e-14 * largest.abs();
+    let list = eigenvalues.iter().map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 })).collect::<Vec<_>>().join(", ");
+    let message = if positive {
+        format!("𝓚 has the eigenvalues {list}")
+    } else {
+        format!("𝓚 has the eigenvalues {list}: it is not positive definite, heat flows in some directions only and the result depends on the mesh")
+    };
+    let value = if positive { least } else { least.max(0.0) };
+    Finding::new("H3", Status::of(positive), message, "material.conductivity")
+        .numbers(Some(value), Some(0.0))
+        .repair("a positive definite matrix, such as a multiple of the identity")
+}
+
+/// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
+fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, [id, name, upper, place]: [&str; 4]) -> Finding {
+    let norm = norm(tensor, problem.mesh.dim);
+    let message = match bound {
+        _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}"),
+        Some(bound) => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so {upper} = {bound:.6e} by (2.13)"),
+        None => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"),
+    };
+    Finding::new(id, Status::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
+}
+
+/// (H7), (H8) and the cut-off of φ_L.
+pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> {
+    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else {
+        let none = |id: &str, what: &str| Finding::new(id, Status::Holds, format!("there is no contact: {what}"), "contact");
+        return vec![none("H7", "k_c = 0"), none("H8", "p_ν = p_τ = 0"), none("phi-L", "φ_L does not enter")];
+    };
+    let places: Vec<Point> = boundary.points.iter().map(|p| p.x).collect();
+    let test = Test { contact, places: some(&places, PLACES).copied().collect(), length: diameter(problem) };
+    vec![exchange(&test, constants), pressure(&test, constants), cut_off(contact)]
+}
+
+pub(super) fn boundary(problem: &Problem, contact: &Contact) -> Option<ContactBoundary> {
+    Some(ContactBoundary::new(&problem.mesh, problem.mesh.facets.get(&contact.on)?, contact.quadrature))
+}
+
+/// The laws of contact, and where they are tested: penetrations of any size below that of the body.
+struct Test<'a> {
+    contact: &'a Contact,
+    places: Vec<Point>,
+    length: f64,
+}
+
+impl Test<'_> {
+    /// What a law sees at a penetration, the pressure that of the normal law; without one of a single value, none.
+    fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
+        let pressure = self.contact.normal.lipschitz().map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0).value);
+        ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }
+    }
+
+    /// A contradiction to: f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s|, f ≤ `bound`.
+    fn refute(&self, [name, lipschitz]: [&str; 2], l: f64, bound: f64, f: impl Fn(&ContactPoint) -> f64) -> Option<String> {
+        let mut random = Samples::default();
+        for x in &self.places {
+            for _ in 0..PAIRS {
+                let r = random.spread(self.length, 12.0);
+                let s = if random.number() < 0.0 { random.spread(self.length, 12.0) } else { r + random.spread(r.abs(), 6.0) };
+                let (fr, fs) = (f(&self.at(x, r)), f(&self.at(x, s)));
+                if r <= 0.0 && fr != 0.0 {
+                    return Some(format!("{name} = {fr:.3e} at the penetration {r:.3e}, expected zero, at {}", at(x)));
+                }
+                if fr < 0.0 || fr.is_nan() || fr > bound * (1.0 + SLACK) {
+                    return Some(format!("{name} = {fr:.6e} at the penetration {r:.3e}, expected a number from 0 to {bound:.6e}, at {}", at(x)));
+                }
+                let noise = 8.0 * f64::EPSILON * (fr.abs() + fs.abs());
+                if (fr - fs).abs() > l * (r - s).abs() * (1.0 + SLACK) + noise {
+                    let found = ((fr - fs) / (r - s)).abs();
+                    return Some(format!("{lipschitz} = {l:.6e}, but the penetrations {r:.3e} and {s:.3e} give {found:.6e} at {}", at(x)));
+                }
+            }
+        }
+        None
+    }
+}
+
+/// (H7): k_c is bounded, Lipschitz and zero for r ≤ 0.
+fn exchange(test: &Test, constants: &Constants) -> Finding {
+    let heat = test.contact.heat.as_ref();
+    let bound = heat.conductance_bound();
+    // φ_L has the slope 1 at 0.
+    let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;
+    let finding = |status, message: String| Finding::new("H7", status, message, "contact.heat").numbers(constants.bound_kc, None);
+    let Some(lipschitz) = heat.conductance_lipschitz().filter(|l| l.is_finite() && bound.is_finite()) else {
+        return finding(Status::Fails, format!("k_c is bounded by M_kc = {bound:.6e} and has no Lipschitz constant"))
+            .repair("a law whose conductance grows gradually, such as \"ramp\"");
+    };
+    match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
+        Some(contradiction) => {
+            finding(Status::Fails, format!("k_c does not keep what it declares: {contradiction}")).repair("correct the constants of the law")
+        }
+        None => finding(Status::Holds, format!("k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration")),
+    }
+}
+
+/// (H8): p_ν and p_τ are Lipschitz and zero for r ≤ 0. (2.9) has a bound of the penetration alone.
+fn pressure(test: &Test, constants: &Constants) -> Finding {
+    let contact = test.contact;
+    let finding = |status, message: String, place: &str| {
+        Finding::new("H8", status, message, place).numbers(constants.lipschitz_nu.zip(constants.lipschitz_tau).map(|(n, t)| n + t), None)
+    };
+    let Some(nu) = contact.normal.lipschitz().filter(|l| l.is_finite()) else {
+        let message = "p_ν is no Lipschitz function of the penetration: a unilateral condition has no L_ν";
+        return finding(Status::Fails, message.to_owned(), "contact.normal").repair("normal compliance with a stiffness");
+    };
+    let Some(tau) = contact.friction.lipschitz(Some(nu)).filter(|l| l.is_finite()) else {
+        return finding(Status::Fails, "p_τ is no Lipschitz function of the penetration".to_owned(), "contact.friction")
+            .repair("a friction bound that grows gradually");
+    };
+    let wrong = "correct the constants of the law";
+    if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
+        return finding(Status::Fails, format!("p_ν does not keep what it declares: {contradiction}"), "contact.normal").repair(wrong);
+    }
+    if let Some(contradiction) = test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value) {
+        return finding(Status::Fails, format!("p_τ does not keep what it declares: {contradiction}"), "contact.friction").repair(wrong);
+    }
+    if depends_on_slip_speed(test) {
+        let message = "the friction bound depends on the slip speed, which (2.9) does not provide for";
+        return finding(Status::NotCovered, message.to_owned(), "contact.friction").repair("a friction bound of the penetration or pressure");
+    }
+    let message = format!("p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration");
+    finding(Status::Holds, message, "contact")
+}
+
+/// Whether the friction bound of a problem depends on the slip speed, as far as samples tell.
+pub(super) fn slip_speed_matters(problem: &Problem) -> bool {
+    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else { return false };
+    let places: Vec<Point> = boundary.points.iter().map(|p| p.x).collect();
+    depends_on_slip_speed(&Test { contact, places: some(&places, PLACES).copied().collect(), length: diameter(problem) })
+}
+
+fn depends_on_slip_speed(test: &Test) -> bool {
+    let mut random = Samples::default();
+    test.places.iter().any(|x| {
+        (0..PAIRS).any(|_| {
+            let at = test.at(x, random.spread(test.length, 12.0).abs());
+            let slipping = ContactPoint { slip_speed: random.spread(test.length, 12.0).abs() * 1e3, ..at };
+            test.contact.friction.bound(&at).value.to_bits() != test.contact.friction.bound(&slipping).value.to_bits()
+        })
+    })
+}
+
+/// φ_L of (2.10) is cut off at ±L.
+fn cut_off(contact: &Contact) -> Finding {
+    let (bound, cut) = (contact.heat.conductance_bound(), contact.heat.truncation());
+    let finding = |status, message: String| Finding::new("phi-L", status, message, "contact.heat.truncation").numbers(cut, None);
+    match cut {
+        _ if bound == 0.0 => finding(Status::Holds, "there is no heat exchange: φ_L does not enter".to_owned()),
+        Some(l) => finding(Status::Holds, format!("φ_L is cut off at ±L, L = {l:.6e}, as (2.10) has it")),
+        None => finding(
+            Status::NotCovered,
+            "φ_L(s) = s is not bounded; (2.10) cuts it off at ±L and (3.24) uses L. Section 5 of the paper computes without the cut, too, and there is at most one solution without it (book, chapter 2)".to_owned(),
+        )
+        .repair("contact.heat.truncation = L, above any difference of temperatures that occurs: results are then the same"),
+    }
+}
+
+/// A point for reading.
+pub(super) fn at(x: &Point) -> String {
+    let short = |v: f64| format!("{v:.5e}").parse::<f64>().map_or_else(|_| v.to_string(), |v| format!("{v:?}"));
+    format!("({}, {}, {})", short(x[0]), short(x[1]), short(x[2]))
+}

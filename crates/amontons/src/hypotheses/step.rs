@@ -1,0 +1,225 @@
+//! One discrete step of (4.1): when it has one solution.
+//!
+//! With the bound of friction taken at the unknown u_n a step is a quasi-variational inequality. After condensation, S w + T(w) ∋ r̂
+//! on Γ_C, where T(w) = Σ ω Nᵀ(p_ν(r) ν + p_τ(r) ∂‖w_τ‖), r = r₀ + k w_ν. T loses monotonicity by at most c* k W, W the weights, so that
+//! the step has one solution if
+//!
+//! ```text
+//!     λ_min(S, W) > c* k,    c* = max{ (√(L_ν² + L_τ²) − L_ν)/2, L_r/2 },
+//! ```
+//!
+//! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 + μ²) − 1)/2. It has a
+//! solution in any case. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds
+//! for k holds for all shorter steps. Relaxing stress of the material only adds to S and is left out. Proofs: book, chapter 2.
+
+use std::sync::Arc;
+
+use super::laws::{boundary, norm, slip_speed_matters};
+use super::{Finding, Status};
+use crate::contact::{Contact, ContactBoundary};
+use crate::forms;
+use crate::linalg::{BlockMatrix, Entry, FactorError, Graph, Pencil, System, Unknowns, largest};
+use crate::material::{Isotropic, StressState, TensorLaw};
+use crate::problem::{Coupling, Problem};
+use crate::space::Space;
+
+/// Doublings of the number of steps after which the search for one that ensures a unique step ends.
+const DOUBLINGS: u32 = 20;
+
+/// c* in Pa/m: the loss of monotonicity of the contact forces by friction, for a step of unit length. `l_nu` and `l_tau` are L_ν and L_τ,
+/// `l_r` the Lipschitz constant of the friction bound at fixed pressure.
+#[must_use]
+pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
+    // (√(a² + b²) − a)/2 without cancellation.
+    let coupled = if l_tau > 0.0 { 0.5 * l_tau * (l_tau / (l_nu.hypot(l_tau) + l_nu)) } else { 0.0 };
+    coupled.max(0.5 * l_r)
+}
+
+/// c* of the laws of a contact; none where they have no Lipschitz constants.
+fn loss(contact: &Contact) -> Option<f64> {
+    if contact.friction.is_frictionless() {
+        return Some(0.0);
+    }
+    let l_nu = contact.normal.lipschitz()?;
+    Some(monotonicity_loss(l_nu, contact.friction.lipschitz(Some(l_nu))?, contact.friction.lipschitz(Some(0.0))?))
+}
+
+/// The mechanical system of a step for any k: λ_min(S, W).
+struct Step<'a> {
+    problem: &'a Problem,
+    space: Space,
+    boundary: ContactBoundary,
+    mass: BlockMatrix,
+    a: BlockMatrix,
+    b: BlockMatrix,
+}
+
+/// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ − ξ₂‖².
+fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
+    if law.is_linear() {
+        return Arc::clone(law);
+    }
+    Arc::new(Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress))
+}
+
+impl<'a> Step<'a> {
+    fn new(problem: &'a Problem, boundary: ContactBoundary) -> Step<'a> {
+        let mesh = &problem.mesh;
+        let graph = Arc::new(Graph::of_mesh(mesh));
+        let law = |law| minorant(law, mesh.dim);
+        Step {
+            problem,
+            space: problem.displacement_space(),
+            boundary,
+            mass: forms::inner_h(mesh, &graph),
+            a: forms::a(mesh, &graph, law(&problem.material.elasticity).as_ref()),
+            b: forms::b(mesh, &graph, law(&problem.material.viscosity).as_ref()),
+        }
+    }
+
+    /// λ_min(S, W) of K_u = ρM/k + B + kA; infinite without unknowns on Γ_C.
+    fn least(&self, k: f64) -> Result<f64, FactorError> {
+        let mesh = &self.problem.mesh;
+        let mut matrix = self.b.clone();
+        matrix.add_scaled(k, &self.a);
+        matrix.add_scaled(self.problem.material.density / k, &self.mass);
+        let unknowns = Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
+        let system = System::new(&matrix, unknowns)?;
+        let entries = self.weights(system.unknowns());
+        Ok(1.0 / largest(&mut WeightQuotient { entries, system }).value)
+    }
+
+    /// W = Σ ω NᵀN on each component of the contact unknowns.
+    fn weights(&self, unknowns: &Unknowns) -> Vec<Entry> {
+        let dim = self.problem.mesh.dim;
+        let mut position = vec![None; self.space.free.len()];
+        for (k, &dof) in unknowns.contact().iter().enumerate() {
+            position[dof as usize] = Some(k as u32);
+        }
+        let at = |node: usize, c: usize| position[self.boundary.nodes[node] as usize * dim + c];
+        let mut entries = Vec::new();
+        for point in &self.boundary.points {
+            for &(i, n_i) in &point.nodes {
+                for &(j, n_j) in &point.nodes {
+                    entries.extend((0..dim).filter_map(|c| Some((at(i, c)?, at(j, c)?, point.weight * n_i * n_j))));
+                }
+            }
+        }
+        entries
+    }
+}
+
+/// The pencil (W, S), whose largest eigenvalue is 1/λ_min(S, W).
+struct WeightQuotient {
+    entries: Vec<Entry>,
+    system: System,
+}
+
+impl Pencil for WeightQuotient {
+    fn size(&self) -> usize {
+        self.system.unknowns().contact().len()
+    }
+    fn numerator(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        for &(i, j, value) in &self.entries {
+            y[i as usize] += value * x[j as usize];
+        }
+        y
+    }
+    fn denominator(&self, x: &[f64]) -> Vec<f64> {
+        self.system.condensed().apply(x)
+    }
+    fn solve(&mut self, r: &mut [f64]) {
+        self.system.solve_condensed(r);
+    }
+}
+
+/// Whether θ_n acts on w_n in the same step, as in couplings other than the paper's.
+pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
+    problem.coupling != Coupling::Staggered && norm(&problem.material.expansion, problem.mesh.dim) > 0.0
+}
+
+/// What there is to compare, or the finding that says why there is nothing.
+fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, f64), Box<Finding>> {
+    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else {
+        return Err(Box::new(Finding::new(id, Status::Holds, "there is no contact: a step is monotone", "contact")));
+    };
+    let Some(loss) = loss(contact) else {
+        let message = "the step is judged for laws with Lipschitz constants L_ν, L_τ: see (H8)";
+        return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
+    };
+    if heat_acts_at_once(problem) {
+        let message = "u_n and θ_n are found together: the condition is that of a step with θ given";
+        return Err(Box::new(Finding::new(id, Status::NotCovered, message, "material.expansion")));
+    }
+    if slip_speed_matters(problem) {
+        let message = "a friction bound that depends on the slip speed is not judged";
+        return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact.friction")));
+    }
+    Ok((Step::new(problem, boundary), loss))
+}
+
+fn not_factorized(id: &str, error: &FactorError) -> Finding {
+    Finding::new(id, Status::NotCovered, format!("the mechanical system of a step cannot be factorized: {error}"), "boundary")
+}
+
+/// `step-unique`: λ_min(S, W) > c* k.
+pub(super) fn unique(problem: &Problem) -> Finding {
+    let id = "step-unique";
+    let (step, loss) = match prepare(problem, id) {
+        Ok(ready) => ready,
+        Err(finding) => return *finding,
+    };
+    let k = problem.k();
+    let needed = loss * k;
+    let found = match step.least(k) {
+        Ok(found) => found,
+        Err(error) => return not_factorized(id, &error),
+    };
+    let holds = found > needed;
+    let message = if holds {
+        format!("each step has one solution, and it depends continuously on the data: λ_min(S, W) = {found:.4}, more than {needed:.4} that friction takes")
+    } else {
+        format!(
+            "the condition that ensures one solution of a step does not hold: λ_min(S, W) = {found:.4}, friction takes {needed:.4}. It is sufficient, not necessary: a step has a solution, and may well have one only"
+        )
+    };
+    Finding::new(id, Status::of(holds), message, "time.steps").numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step")
+}
+
+/// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
+pub(super) fn time_step(problem: &Problem) -> Finding {
+    let id = "time-step";
+    let (step, loss) = match prepare(problem, id) {
+        Ok(ready) => ready,
+        Err(finding) => return *finding,
+    };
+    let mut ratio = 0.0;
+    for doubling in 0..=DOUBLINGS {
+        let steps = problem.steps as f64 * f64::from(1u32 << doubling);
+        let k = problem.end / steps;
+        let found = match step.least(k) {
+            Ok(found) => found,
+            Err(error) => return not_factorized(id, &error),
+        };
+        if found > loss * k {
+            let message = if doubling == 0 {
+                format!("with {steps} steps, k = {k:.6e} s, each step has one solution")
+            } else {
+                format!("with {steps} steps, k = {k:.6e} s, and more, each step has one solution; the case has {}", problem.steps)
+            };
+            return Finding::new(id, Status::of(doubling == 0), message, "time.steps")
+                .numbers(Some(problem.steps as f64), Some(steps))
+                .repair(format!("time.steps = {steps}"));
+        }
+        // λ/k of a body without mass and viscosity does not change with k: no step is short enough.
+        if found / k <= ratio * (1.0 + 1e-9) {
+            break;
+        }
+        ratio = found / k;
+    }
+    let message = "no number of steps was found that ensures one solution of a step";
+    Finding::new(id, Status::NotCovered, message, "time.steps")
+        .numbers(Some(problem.steps as f64), None)
+        .repair("inertia, viscosity, or a smaller coefficient of friction")
+}

@@ -1,0 +1,45 @@
+//! Files that a case refers to, kept with its results.
+
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+
+use super::OutputError;
+use super::files::{create_folder, write_atomically};
+
+/// Folder of the copies in a results folder.
+pub const INPUTS: &str = "inputs";
+
+/// A file that a case refers to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Its path seen from the case as run, `inputs/…`.
+    pub path: String,
+    /// What it holds.
+    pub bytes: Arc<[u8]>,
+}
+
+/// What tells a case from others: its text, and of the files that it refers to their SHA-256.
+///
+/// It is the text alone where there are no such files.
+#[must_use]
+pub fn fingerprint(text: &str, inputs: &[Input]) -> String {
+    let mut all = text.to_owned();
+    for input in inputs {
+        let _ = write!(all, "\n# {} sha256 ", input.path);
+        for byte in Sha256::digest(&*input.bytes) {
+            let _ = write!(all, "{byte:02x}");
+        }
+    }
+    all
+}
+
+/// Writes copies of the files into a results folder.
+pub(super) fn write_inputs(folder: &Path, inputs: &[Input]) -> Result<(), OutputError> {
+    if !inputs.is_empty() {
+        create_folder(&folder.join(INPUTS))?;
+    }
+    inputs.iter().try_for_each(|input| write_atomically(&folder.join(&input.path), |out| std::io::Write::write_all(out, &input.bytes)))
+}

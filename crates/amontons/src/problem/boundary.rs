@@ -1,0 +1,280 @@
+//! What holds on the parts of the boundary, contact apart, and which of it excludes what.
+
+use super::{Fault, Problem};
+use crate::field::Field;
+use crate::mesh::{FacetMap, FacetSet, Mesh};
+use crate::quadrature::rule;
+use crate::space::{Prescription, Space};
+use crate::tensor::Point;
+
+/// What holds on one named part of the boundary, contact apart.
+#[derive(Clone, Debug, Default)]
+pub struct BoundaryCondition {
+    /// Name of the facet set.
+    pub on: String,
+    /// Prescribed displacement, m, one entry a component, none for a component that is free: (2.5).
+    pub displacement: Option<Vec<Option<Field>>>,
+    /// Prescribed displacement u_ν along the outward normal, m; the side is perpendicular to an axis.
+    pub normal_displacement: Option<Field>,
+    /// Traction f₁, Pa, one field a component: (2.6).
+    pub traction: Option<Vec<Field>>,
+    /// Pressure p, Pa: the traction −pν.
+    pub pressure: Option<Field>,
+    /// Springs to the ground, Pa/m: the traction −k u.
+    pub spring: Option<Support>,
+    /// Dashpots to the ground, Pa s/m: the traction −c u̇.
+    pub dashpot: Option<Support>,
+    /// Prescribed temperature, K: (2.7).
+    pub temperature: Option<Field>,
+    /// Heat flux into the body −q·ν, W/m².
+    pub heat_inflow: Option<Field>,
+    /// Heat exchange with the surroundings.
+    pub convection: Option<Convection>,
+}
+
+/// Distributed springs or dashpots (Winkler's foundation), constant in time.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Support {
+    /// Along the normal: the traction −k u_ν ν.
+    Normal(Field),
+    /// By component: the traction −k_i u_i.
+    Components(Vec<Field>),
+}
+
+impl Support {
+    /// The fields with their index in the case file.
+    fn fields(&self) -> impl Iterator<Item = (String, &Field)> {
+        let (one, several) = match self {
+            Support::Normal(field) => (Some(field), [].as_slice()),
+            Support::Components(fields) => (None, fields.as_slice()),
+        };
+        one.into_iter().map(|f| (String::new(), f)).chain(several.iter().enumerate().map(|(c, f)| (format!("[{c}]"), f)))
+    }
+
+    /// Number of components; none for a support along the normal.
+    pub(super) fn components(&self) -> Option<usize> {
+        match self {
+            Support::Normal(_) => None,
+            Support::Components(fields) => Some(fields.len()),
+        }
+    }
+
+    fn is_zero(&self) -> bool {
+        self.fields().all(|(_, field)| field.is_zero())
+    }
+}
+
+/// Heat exchange with the surroundings: −q·ν = h (θ_a − θ).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Convection {
+    /// h in W/(m² K), constant in time, not negative.
+    pub coefficient: Field,
+    /// θ_a in K.
+    pub ambient: Field,
+}
+
+impl BoundaryCondition {
+    /// Whether some displacement of the body is held: by a prescribed value or a spring.
+    #[must_use]
+    pub fn holds_body(&self) -> bool {
+        let prescribed = self.displacement.iter().flatten().any(Option::is_some) || self.normal_displacement.is_some();
+        prescribed || self.spring.as_ref().is_some_and(|spring| !spring.is_zero())
+    }
+
+    /// Whether the temperature of the body is held: by a prescribed value or by the surroundings.
+    #[must_use]
+    pub fn holds_temperature(&self) -> bool {
+        self.temperature.is_some() || self.convection.as_ref().is_some_and(|c| !c.coefficient.is_zero())
+    }
+
+    /// Whether nothing is said about the side.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        let BoundaryCondition { on: _, displacement, normal_displacement, traction, pressure, spring, dashpot, temperature, heat_inflow, convection } = self;
+        let mechanical = displacement.is_none() && normal_displacement.is_none() && traction.is_none() && pressure.is_none();
+        mechanical && spring.is_none() && dashpot.is_none() && temperature.is_none() && heat_inflow.is_none() && convection.is_none()
+    }
+
+    /// Every field with its key in the case file.
+    #[must_use]
+    pub fn fields(&self) -> Vec<(String, &Field)> {
+        let mut fields: Vec<(String, &Field)> = Vec::new();
+        let displacement = self.displacement.iter().flatten().enumerate();
+        fields.extend(displacement.filter_map(|(c, field)| Some((format!("displacement[{c}]"), field.as_ref()?))));
+        fields.extend(self.traction.iter().flatten().enumerate().map(|(c, field)| (format!("traction[{c}]"), field)));
+        for (key, support) in [("spring", &self.spring), ("dashpot", &self.dashpot)] {
+            fields.extend(support.iter().flat_map(Support::fields).map(|(index, field)| (format!("{key}{index}"), field)));
+        }
+        let scalars = [
+            ("normal_displacement", self.normal_displacement.as_ref()),
+            ("pressure", self.pressure.as_ref()),
+            ("temperature", self.temperature.as_ref()),
+            ("heat_inflow", self.heat_inflow.as_ref()),
+            ("convection.coefficient", self.convection.as_ref().map(|c| &c.coefficient)),
+            ("convection.ambient", self.convection.as_ref().map(|c| &c.ambient)),
+        ];
+        fields.extend(scalars.into_iter().filter_map(|(key, field)| Some((key.to_owned(), field?))));
+        fields
+    }
+
+    /// The components of the displacement that are prescribed: (2.5).
+    #[must_use]
+    pub fn prescriptions<'a>(&'a self, mesh: &Mesh) -> Vec<Prescription<'a>> {
+        let on = self.on.as_str();
+        let by_component = self.displacement.iter().flatten().enumerate();
+        let mut all: Vec<Prescription> =
+            by_component.filter_map(|(component, field)| Some(Prescription { on, component, field: field.as_ref()?, factor: 1.0 })).collect();
+        let plane = mesh.facets.get(on).and_then(|set| axis_of(mesh, set).ok());
+        if let (Some(field), Some((component, factor))) = (&self.normal_displacement, plane) {
+            all.push(Prescription { on, component, field, factor });
+        }
+        all
+    }
+}
+
+/// The axis that a side is perpendicular to, and whether its outward normal points along it (1) or against it (−1).
+///
+/// Direction cosines count as 0 below 1e-6, the precision with which mesh files are written at the least.
+///
+/// # Errors
+/// The number and the normal of the first facet that is not perpendicular to the axis of the first one.
+fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> {
+    const FLAT: f64 = 1e-6;
+    let mut axis = None;
+    let rule = rule(set.element.shape, set.element.degree);
+    for (number, facet) in set.facets().enumerate() {
+        for (at, _) in rule.iter() {
+            let normal = FacetMap::new(mesh, set.element, facet, at).normal;
+            let along = (0..mesh.dim).find(|&c| (0..mesh.dim).all(|d| d == c || normal[d].abs() < FLAT)).map(|c| (c, normal[c].signum()));
+            match along {
+                Some(along) if axis.is_none_or(|axis| axis == along) => axis = Some(along),
+                _ => return Err((number, normal)),
+            }
+        }
+    }
+    axis.ok_or((0, [f64::NAN; 3]))
+}
+
+impl Problem {
+    /// V^h with the prescribed displacements: (2.5).
+    #[must_use]
+    pub fn displacement_space(&self) -> Space {
+        Space::new(&self.mesh, self.mesh.dim, self.boundary.iter().flat_map(|b| b.prescriptions(&self.mesh)))
+    }
+
+    /// Q^h with the prescribed temperatures: (2.7).
+    #[must_use]
+    pub fn temperature_space(&self) -> Space {
+        let prescribed = self.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.temperature.as_ref()?)));
+        Space::new(&self.mesh, 1, prescribed.map(|(on, field)| Prescription { on, component: 0, field, factor: 1.0 }))
+    }
+
+    /// Sides exist, are named once, and bear no two conditions that exclude each other.
+    pub(super) fn check_boundary(&self, faults: &mut Vec<Fault>) {
+        self.check_sides(faults);
+        for (i, b) in self.boundary.iter().enumerate() {
+            if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
+                faults.push(
+                    Fault::new(format!("boundary[{i}].on"), format!("\"{}\" again", b.on), "each side in one [[boundary]] entry")
+                        .hint(format!("join it with entry {} of the file, which is on the same side", first + 1)),
+                );
+            }
+            self.check_displacement(i, b, faults);
+            self.check_forces(i, b, faults);
+            for (key, what, given) in
+                [("heat_inflow", "a heat inflow", b.heat_inflow.is_some()), ("convection", "a heat exchange with the surroundings", b.convection.is_some())]
+            {
+                if given && b.temperature.is_some() {
+                    faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a temperature"), "one of the two").hint("drop one of them"));
+                }
+            }
+            let heat = self.contact.as_ref().filter(|c| c.on == b.on && c.heat.conductance_bound() > 0.0);
+            if b.temperature.is_some() && heat.is_some() {
+                faults.push(
+                    Fault::new(format!("boundary[{i}].temperature"), format!("a temperature on \"{}\"", b.on), "heat exchange or a temperature, not both")
+                        .hint("drop contact.heat or the temperature"),
+                );
+            }
+        }
+    }
+
+    /// The sides that conditions name are there.
+    fn check_sides(&self, faults: &mut Vec<Fault>) {
+        let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
+        let conditions = self.boundary.iter().enumerate().map(|(i, b)| (format!("boundary[{i}].on"), &b.on));
+        for (path, name) in conditions.chain(self.contact.iter().map(|c| ("contact.on".to_owned(), &c.on))) {
+            if !self.mesh.facets.contains_key(name) {
+                faults.push(unknown(path, name, "facet sets", &known));
+            }
+        }
+    }
+
+    /// A displacement, by components or along the normal, and apart from Γ_C.
+    fn check_displacement(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
+        let given = [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
+        let on_contact = self.contact.as_ref().is_some_and(|c| c.on == b.on);
+        for (key, _) in given.iter().filter(|(_, given)| *given && on_contact) {
+            faults.push(
+                Fault::new(format!("boundary[{i}].{key}"), format!("a displacement on \"{}\"", b.on), "Γ_D apart from Γ_C")
+                    .hint("[contact] is on the same side; a side that bears contact takes loads, springs and heat flows only"),
+            );
+        }
+        let path = format!("boundary[{i}].normal_displacement");
+        if given.iter().all(|(_, given)| *given) {
+            faults.push(Fault::new(&*path, "a displacement along the normal besides one by components", "one of the two").hint("drop one of them"));
+        }
+        let set = self.mesh.facets.get(&b.on).filter(|_| b.normal_displacement.is_some());
+        if let Some(Err((facet, normal))) = set.map(|set| axis_of(&self.mesh, set)) {
+            let normal = normal.iter().take(self.mesh.dim).map(|c| format!("{c:.6}")).collect::<Vec<_>>().join(", ");
+            faults.push(
+                Fault::new(path, format!("facet {facet} of \"{}\" with the normal ({normal})", b.on), "a side in a plane perpendicular to an axis")
+                    .hint("turn the body so that the plane is perpendicular to an axis, or hold the side by a `spring`"),
+            );
+        }
+    }
+
+    /// Forces act on what is not prescribed.
+    fn check_forces(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
+        let dim = self.mesh.dim;
+        let plane = self.mesh.facets.get(&b.on).filter(|_| b.normal_displacement.is_some()).and_then(|set| axis_of(&self.mesh, set).ok());
+        let held: Vec<bool> = (0..dim)
+            .map(|c| {
+                let by_component = b.displacement.iter().flatten().nth(c).is_some_and(Option::is_some);
+                by_component || plane.is_some_and(|(axis, _)| axis == c)
+            })
+            .collect();
+        let all_held = held.iter().all(|held| *held);
+        let drop = "drop one of them";
+        let both = "one of the two: Γ_D and Γ_N do not overlap";
+        if let Some(traction) = &b.traction {
+            if all_held {
+                faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", both).hint(drop));
+            } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero())) {
+                faults
+                    .push(Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", both).hint("put 0"));
+            }
+        }
+        let along_normal = |support: &Option<Support>| matches!(support, Some(Support::Normal(_)));
+        for (key, what, given, normal) in [
+            ("pressure", "a pressure", b.pressure.is_some(), b.pressure.is_some()),
+            ("spring", "a spring", b.spring.is_some(), along_normal(&b.spring)),
+            ("dashpot", "a dashpot", b.dashpot.is_some(), along_normal(&b.dashpot)),
+        ] {
+            if given && all_held {
+                faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), both).hint(drop));
+            } else if normal && b.normal_displacement.is_some() {
+                let found = format!("{what} along the normal besides a displacement along it");
+                faults.push(Fault::new(format!("boundary[{i}].{key}"), found, both).hint(drop));
+            }
+        }
+    }
+}
+
+/// A name that is none of those that are known, with the nearest one.
+fn unknown(path: String, name: &str, of: &str, known: &[&str]) -> Fault {
+    let fault = Fault::new(path, format!("\"{name}\""), format!("one of the {of} {}", known.join(", ")));
+    match known.iter().min_by_key(|k| strsim::damerau_levenshtein(k, name)).filter(|k| strsim::damerau_levenshtein(k, name) <= 2) {
+        Some(near) => fault.hint(format!("did you mean \"{near}\"?")),
+        None => fault,
+    }
+}
