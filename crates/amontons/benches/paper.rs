@@ -42,7 +42,7 @@ fn main() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
     let overrides = [format!("mesh.n={n}"), format!("time.steps={steps}"), format!("contact.heat.foundation_temperature={foundation}")];
     let problem = case::read(&path, &overrides).expect("the paper's case").problem;
-    let stored = BackwardEuler::new(&problem, &Supernodal).expect("a regular system").stored();
+    let stored = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system").stored();
     let before = bandwidth(stored);
     let summary = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut Memory::default()]).expect("a run that ends");
     let after = bandwidth(stored);

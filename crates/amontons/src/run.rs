@@ -88,8 +88,8 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     let findings =
         within(pool.as_ref(), || if settings.certificate { hypotheses::certificate_or_findings(problem).findings } else { hypotheses::findings(problem) });
     let certificate = begin.elapsed().as_secs_f64();
-    let backend = Timed::new(&Supernodal);
-    let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, &backend))?;
+    let backend = Arc::new(Timed::default());
+    let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, Arc::<Timed>::clone(&backend)))?;
     let [displacement, temperature, contact] = scheme.unknowns();
     let unknowns = UnknownCounts { displacement, temperature, contact };
     let resumed = from.is_some();
@@ -200,16 +200,13 @@ impl Clock {
 }
 
 /// A backend that notes when it factorizes.
-#[derive(Debug)]
-struct Timed<'a> {
-    backend: &'a dyn Backend,
+#[derive(Debug, Default)]
+struct Timed {
+    backend: Supernodal,
     intervals: Mutex<Vec<(Instant, Instant)>>,
 }
 
-impl<'a> Timed<'a> {
-    fn new(backend: &'a dyn Backend) -> Timed<'a> {
-        Timed { backend, intervals: Mutex::default() }
-    }
+impl Timed {
 
     /// Seconds during which it factorized; factorizations at the same time count once.
     fn seconds(&self) -> f64 {
@@ -226,7 +223,7 @@ impl<'a> Timed<'a> {
     }
 }
 
-impl Backend for Timed<'_> {
+impl Backend for Timed {
     fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
         let begin = Instant::now();
         let factor = self.backend.factorize(matrix, unknowns);

@@ -415,7 +415,7 @@ fn the_quality_of_slender_cells_is_named() {
 
 /// Largest u_ν on Γ_C over all steps of a run whose gap it never closes.
 fn farthest(problem: &Problem) -> f64 {
-    let mut scheme = BackwardEuler::new(problem, &Supernodal).expect("a regular system");
+    let mut scheme = BackwardEuler::new(problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = f64::NEG_INFINITY;
     for _ in 0..problem.steps {

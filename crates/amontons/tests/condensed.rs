@@ -55,7 +55,7 @@ fn plain_mechanics(scheme: &BackwardEuler, old: &State, multiplier: &[f64], k: f
     let t = old.t + k;
     let size = old.w.len();
     let weight = |i: usize| if i == 0 || i == n { 0.5 / n as f64 } else { 1.0 / n as f64 };
-    let base = triplets(&discrete.mechanical_matrix(1.0, k), &discrete.v.free);
+    let base = triplets(&discrete.mechanical_matrix(k), &discrete.v.free);
     let (load, mass_w, a_u, thermal) = (discrete.f.at(t), discrete.mass.apply(&old.w), discrete.a.apply(&old.u), discrete.m.apply(&old.theta));
     let mut right: Vec<f64> = (0..size).map(|i| load[i] + mass_w[i] / k - a_u[i] + thermal[i]).collect();
     discrete.v.mask(&mut right);
@@ -110,7 +110,7 @@ fn plain_heat(scheme: &BackwardEuler, old: &State, w: Vec<f64>, k: f64, n: usize
     let (t, size) = (old.t + k, old.w.len());
     let weight = |i: usize| if i == 0 || i == n { 0.5 / n as f64 } else { 1.0 / n as f64 };
     let u: Vec<f64> = (0..size).map(|i| old.u[i] + k * w[i]).collect();
-    let mut entries = triplets(&discrete.thermal_matrix(1.0, k), &discrete.q.free);
+    let mut entries = triplets(&discrete.thermal_matrix(k), &discrete.q.free);
     let (supply, mass_theta, coupling) = (discrete.q_h.at(t), discrete.mass.apply(&old.theta), discrete.e.apply(&old.u));
     let mut right: Vec<f64> = (0..supply.len()).map(|i| supply[i] + mass_theta[i] / k + coupling[i]).collect();
     discrete.q.mask(&mut right);
@@ -127,7 +127,7 @@ fn condensed_and_plain_solutions_agree_to_1e_9() {
     for (n, foundation) in [(16, 0.0), (16, 10.0), (24, 10.0)] {
         let case = paper(&[&format!("mesh.n={n}"), &format!("time.steps={n}"), &format!("contact.heat.foundation_temperature={foundation:?}")]);
         let problem = case.problem;
-        let mut scheme = BackwardEuler::new(&problem, &Supernodal).expect("a regular system");
+        let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         let mut plain = state.clone();
         let mut multiplier = vec![0.0; n + 1];

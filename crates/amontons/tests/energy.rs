@@ -13,7 +13,7 @@ fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
     let c_nu = 1e4;
     for foundation in ["0", "10"] {
         let problem = paper(&["mesh.n=16", "time.steps=32", &format!("contact.heat.foundation_temperature={foundation}")]).problem;
-        let mut scheme = BackwardEuler::new(&problem, &Supernodal).expect("a regular system");
+        let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         let weights: Vec<f64> = scheme.discretization().boundary.points.iter().map(|p| p.weight).collect();
         let mut before = vec![0.0f64; weights.len()];

@@ -12,7 +12,7 @@ use common::{Random, paper, reading};
 
 fn scheme(overrides: &[&str]) -> (amontons::problem::Problem, BackwardEuler) {
     let problem = paper(overrides).problem;
-    let scheme = BackwardEuler::new(&problem, &Supernodal).expect("a regular system");
+    let scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
     (problem, scheme)
 }
 

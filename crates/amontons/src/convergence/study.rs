@@ -319,7 +319,7 @@ fn check(settings: &StudySettings) -> Result<(), StudyError> {
 }
 
 fn scheme_of(level: &Level) -> Result<BackwardEuler, StudyError> {
-    BackwardEuler::new(&level.problem, &Supernodal).map_err(|source| StudyError::Setup { level: level.level, source })
+    BackwardEuler::new(&level.problem, std::sync::Arc::new(Supernodal)).map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
 /// Makes all steps of a level and hands over each state.

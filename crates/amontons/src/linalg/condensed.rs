@@ -30,6 +30,12 @@ impl Condensed {
         Condensed { s, kept: VecDeque::new(), factorizations: 0 }
     }
 
+    /// Goes over to another operator; factors of the one before are of no use.
+    pub fn replace(&mut self, s: Mat<f64>) {
+        self.s = s;
+        self.kept.clear();
+    }
+
     /// Number of unknowns on Γ_C.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -28,7 +28,7 @@ use crate::tensor::Point;
 /// Where the newest checkpoint is in a results folder.
 pub(super) const FILE: &str = "checkpoint/state.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -99,6 +99,7 @@ struct Body {
     w: Vec<f64>,
     theta: Vec<f64>,
     q: Vec<Point>,
+    branches: Vec<Vec<f64>>,
     ledger: Ledger,
     counts: Counts,
     work: Work,
@@ -169,6 +170,7 @@ impl Body {
             w: state.w,
             theta: state.theta,
             q: state.multipliers.q,
+            branches: state.branches,
             ledger: state.ledger,
             counts: state.counts,
             work: Work::default(),
@@ -208,6 +210,7 @@ impl Body {
             w: self.w,
             theta: self.theta,
             multipliers: Multipliers { q: self.q },
+            branches: self.branches,
             ledger: self.ledger,
             counts: self.counts,
         };
@@ -233,6 +236,10 @@ impl Checkpoint {
         same("displacements", self.state.u.len(), nodes * dim)?;
         same("velocities", self.state.w.len(), nodes * dim)?;
         same("temperatures", self.state.theta.len(), nodes)?;
+        same("branches", self.state.branches.len(), discretization.branches.len())?;
+        for branch in &self.state.branches {
+            same("displacements of a branch", branch.len(), nodes * dim)?;
+        }
         same("contact points", self.state.multipliers.q.len(), discretization.boundary.points.len())?;
         same("steps", self.state.step, self.state.step.min(steps))
     }

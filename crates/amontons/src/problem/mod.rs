@@ -116,6 +116,12 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// The materials by region.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        std::slice::from_ref(&self.material)
+    }
+
     /// Length of a time step, s.
     #[must_use]
     pub fn k(&self) -> f64 {

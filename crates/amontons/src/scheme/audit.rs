@@ -10,13 +10,12 @@ use crate::tensor;
 /// The ledger after a step.
 pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let Step { problem, discrete, old, products, .. } = *step;
-    let (k, rho, c) = (problem.k(), problem.material.density, problem.material.heat_capacity);
+    let (k, (rho, _), (c, _)) = (problem.k(), discrete.inertia(), discrete.storage());
     let before = &old.ledger;
     let kinetic = 0.5 * rho * dot(&m.w, &m.mass_w);
-    let elastic = 0.5 * dot(&m.u, &m.a_u);
-    let viscous = k * dot(&m.w, &m.b_w);
+    let Stored { elastic, relaxed, scheme: elastic_scheme } = stored(step, m);
+    let viscous = k * dot(&m.w, &m.b_w) + relaxed;
     let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
-    let elastic_scheme = 0.5 * dot(&difference(&m.u, &old.u), &difference(&m.a_u, &products.a_u));
     let thermal_work = k * dot(&m.w, &m.thermal);
     let mut load_work = k * dot(&m.w, &m.load) + m.support_work;
     let (mut friction, mut contact_energy, mut pressing) = (0.0, 0.0, 0.0);
@@ -60,4 +59,39 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_closing_error: before.heat_closing_error + heat_error,
         heat_turned_over: before.heat_turned_over + amounts.contact.abs() + amounts.prescribed.abs() + amounts.supplied.abs() + amounts.coupling.abs(),
     }
+}
+
+/// The energy that the body stores after a step, and what it dissipates in one besides viscosity.
+struct Stored {
+    /// In elasticity, springs and branches, J.
+    elastic: f64,
+    /// Dissipated by the dashpots of the branches, J.
+    relaxed: f64,
+    /// Dissipated by the scheme, J.
+    scheme: f64,
+}
+
+fn stored(step: &Step, m: &Mechanics) -> Stored {
+    let Step { problem, discrete, old, products, .. } = *step;
+    let k = problem.k();
+    let change = difference(&m.u, &old.u);
+    let mut branches = 0.0;
+    let mut sum = if discrete.is_linear() {
+        Stored { elastic: 0.5 * dot(&m.u, &m.a_u), relaxed: 0.0, scheme: 0.5 * dot(&change, &difference(&m.a_u, &products.a_u)) }
+    } else {
+        // What the stress works beyond the change of the potential is the scheme's; without a potential the work is taken for stored.
+        let work = dot(&change, &m.a_u);
+        let before = old.ledger.elastic - old.branches.iter().zip(&discrete.branches).map(|(z, b)| 0.5 * dot(z, &b.form.apply(z))).sum::<f64>();
+        let elastic = discrete.stored_energy(&m.u).unwrap_or(before + work);
+        Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before) }
+    };
+    // q_n:(ε_n − ε_{n−1}) = [½ z:𝓖z] + (k/τ) z_n:𝓖z_n + ½ Δz:𝓖Δz in every branch.
+    for ((branch, new), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
+        let (force, change) = (branch.form.apply(new), difference(new, old));
+        branches += 0.5 * dot(new, &force);
+        sum.relaxed += k / branch.time * dot(new, &force);
+        sum.scheme += 0.5 * dot(&change, &branch.form.apply(&change));
+    }
+    sum.elastic += branches;
+    sum
 }

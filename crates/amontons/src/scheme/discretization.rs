@@ -4,27 +4,39 @@ use std::sync::Arc;
 
 use crate::contact::ContactBoundary;
 use crate::field::Field;
-use crate::forms;
-use crate::linalg::{BlockMatrix, Graph, mechanical_products};
+use crate::forms::{self, Dilatation};
+use crate::linalg::{BlockMatrix, Graph, dot, mechanical_products};
+use crate::material::{self, Material, TensorLaw};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
+use crate::tensor::{Sym, SymMap};
 
 /// Everything about the discrete problem that does not change with time.
 #[derive(Debug)]
 pub struct Discretization {
     /// The mesh.
     pub mesh: Arc<Mesh>,
+    /// The strain that elasticity and viscosity see.
+    pub dilatation: Dilatation,
     /// V^h.
     pub v: Space,
     /// Q^h.
     pub q: Space,
     /// (·, ·)_{L²}, on scalars and by components on vectors.
     pub mass: BlockMatrix,
-    /// a.
+    /// ρ in kg/m³ where it is the same everywhere, and heat capacity likewise.
+    density: Weight,
+    capacity: Weight,
+    /// a of the laws that are linear.
     pub a: BlockMatrix,
-    /// b.
+    /// b of the laws that are linear.
     pub b: BlockMatrix,
+    /// Laws of elasticity and viscosity that are not linear, by region, zero in regions whose law is; empty if all are.
+    elasticity: Vec<Arc<dyn TensorLaw>>,
+    viscosity: Vec<Arc<dyn TensorLaw>>,
+    /// Branches that relax, by their time.
+    pub branches: Vec<Branch>,
     /// d.
     pub d: BlockMatrix,
     /// m, from temperatures to forces.
@@ -45,6 +57,55 @@ pub struct Discretization {
     pub boundary: ContactBoundary,
 }
 
+/// All branches of the body with one relaxation time τ. Where the springs have the strain ε(z), their stress is 𝓖ε(z), and
+/// ż + z/τ = u̇ is the equation of every one of them: one field z serves the body.
+#[derive(Debug)]
+pub struct Branch {
+    /// τ in s.
+    pub time: f64,
+    /// ∫ 𝓖ε(·):ε(·).
+    pub form: BlockMatrix,
+}
+
+impl Branch {
+    /// 1/(1 + k/τ), what a step of length k leaves of z: z_n = (z_{n−1} + u_n − u_{n−1})/(1 + k/τ).
+    #[must_use]
+    pub fn factor(&self, k: f64) -> f64 {
+        1.0 / (1.0 + k / self.time)
+    }
+}
+
+/// A factor of (·, ·)_{L²}: a number, or a form of its own where it differs from region to region.
+#[derive(Debug)]
+enum Weight {
+    Same(f64),
+    ByRegion(BlockMatrix),
+}
+
+impl Weight {
+    fn new(mesh: &Mesh, graph: &Arc<Graph>, values: &[f64]) -> Weight {
+        match values {
+            [first, rest @ ..] if rest.iter().all(|value| value.to_bits() == first.to_bits()) => Weight::Same(*first),
+            _ => Weight::ByRegion(forms::weighted_inner_h(mesh, graph, values)),
+        }
+    }
+
+    /// The number that multiplies the form.
+    fn factor(&self) -> f64 {
+        match self {
+            Weight::Same(value) => *value,
+            Weight::ByRegion(_) => 1.0,
+        }
+    }
+
+    fn form<'a>(&'a self, mass: &'a BlockMatrix) -> &'a BlockMatrix {
+        match self {
+            Weight::Same(_) => mass,
+            Weight::ByRegion(form) => form,
+        }
+    }
+}
+
 impl Discretization {
     /// Assembles the forms of a problem.
     #[must_use]
@@ -52,7 +113,19 @@ impl Discretization {
         let mesh = Arc::clone(&problem.mesh);
         let graph = Arc::new(Graph::of_mesh(&mesh));
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
-        let material = &problem.material;
+        let materials = problem.materials();
+        let each = |f: fn(&Material) -> f64| materials.iter().map(f).collect::<Vec<f64>>();
+        let tensors = |f: fn(&Material) -> &Sym| materials.iter().map(f).collect::<Vec<&Sym>>();
+        let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
+            let linear: Vec<&dyn TensorLaw> = materials.iter().map(|m| if law(m).is_linear() { law(m).as_ref() } else { &ZERO }).collect();
+            forms::tensor_form(&mesh, &graph, &linear, problem.dilatation)
+        };
+        let others = |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
+            if materials.iter().all(|m| law(m).is_linear()) {
+                return Vec::new();
+            }
+            materials.iter().map(|m| if law(m).is_linear() { Arc::new(ZERO) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) }).collect()
+        };
         let boundary = problem
             .contact
             .as_ref()
@@ -60,16 +133,22 @@ impl Discretization {
             .unwrap_or(ContactBoundary { nodes: Vec::new(), points: Vec::new() });
         Discretization {
             mass: forms::inner_h(&mesh, &graph),
-            a: forms::a(&mesh, &graph, material.elasticity.as_ref()),
-            b: forms::b(&mesh, &graph, material.viscosity.as_ref()),
-            d: forms::d(&mesh, &graph, &material.conductivity),
-            m: forms::m(&mesh, &graph, &material.expansion),
-            e: forms::e(&mesh, &graph, &material.coupling),
+            density: Weight::new(&mesh, &graph, &each(|m| m.density)),
+            capacity: Weight::new(&mesh, &graph, &each(|m| m.heat_capacity)),
+            a: form(|m| &m.elasticity),
+            b: form(|m| &m.viscosity),
+            elasticity: others(|m| &m.elasticity),
+            viscosity: others(|m| &m.viscosity),
+            branches: branches(&mesh, &graph, materials, problem.dilatation),
+            d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)),
+            m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)),
+            e: forms::e(&mesh, &graph, &tensors(|m| &m.coupling)),
             springs: forms::springs(&mesh, &graph, &problem.boundary),
             dashpots: forms::dashpots(&mesh, &graph, &problem.boundary),
             convection: forms::convection(&mesh, &graph, &problem.boundary),
             f: forms::f(&mesh, &problem.body_force, &problem.boundary),
             q_h: forms::q(&mesh, &problem.heat_source, &problem.boundary),
+            dilatation: problem.dilatation,
             boundary,
             v,
             q,
@@ -77,11 +156,32 @@ impl Discretization {
         }
     }
 
-    /// K_u = ρM/k + B + kA, B with the dashpots and A with the springs.
+    /// Whether all laws of the body are linear, so that K_u does not change.
     #[must_use]
-    pub fn mechanical_matrix(&self, density: f64, k: f64) -> BlockMatrix {
+    pub fn is_linear(&self) -> bool {
+        self.elasticity.is_empty() && self.viscosity.is_empty()
+    }
+
+    /// The number ρ and the form of which inertia is the product: (ρ·, ·) = ρ (·, ·) where the density is the same everywhere.
+    #[must_use]
+    pub fn inertia(&self) -> (f64, &BlockMatrix) {
+        (self.density.factor(), self.density.form(&self.mass))
+    }
+
+    /// The same of the heat capacity.
+    #[must_use]
+    pub fn storage(&self) -> (f64, &BlockMatrix) {
+        (self.capacity.factor(), self.capacity.form(&self.mass))
+    }
+
+    /// K_u = ρM/k + B + kA of the linear laws, B with the dashpots and A with the springs and the branches.
+    #[must_use]
+    pub fn mechanical_matrix(&self, k: f64) -> BlockMatrix {
         let mut matrix = self.b.clone();
-        for (factor, form) in [(k, Some(&self.a)), (k, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (density / k, Some(&self.mass))] {
+        let (rho, inertia) = self.inertia();
+        let boundary = [(k, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (rho / k, Some(inertia))];
+        let branches = self.branches.iter().map(|branch| (k * branch.factor(k), Some(&branch.form)));
+        for (factor, form) in [(k, Some(&self.a))].into_iter().chain(boundary).chain(branches) {
             if let Some(form) = form {
                 matrix.add_scaled(factor, form);
             }
@@ -89,27 +189,46 @@ impl Discretization {
         matrix
     }
 
+    /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear.
+    #[must_use]
+    pub fn mechanical_tangent(&self, k: f64, u: &[f64], w: &[f64]) -> BlockMatrix {
+        let mut matrix = self.mechanical_matrix(k);
+        for (laws, factor, at) in [(&self.elasticity, k, u), (&self.viscosity, 1.0, w)] {
+            if !laws.is_empty() {
+                matrix.add_scaled(factor, &forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at));
+            }
+        }
+        matrix
+    }
+
     /// K_θ = C/k + D, C the mass matrix times the heat capacity and D with the convection.
     #[must_use]
-    pub fn thermal_matrix(&self, heat_capacity: f64, k: f64) -> BlockMatrix {
+    pub fn thermal_matrix(&self, k: f64) -> BlockMatrix {
         let mut matrix = self.d.clone();
         if let Some(convection) = &self.convection {
             matrix.add_scaled(1.0, convection);
         }
-        matrix.add_scaled(heat_capacity / k, &self.mass);
+        let (c, storage) = self.storage();
+        matrix.add_scaled(c / k, storage);
         matrix
+    }
+
+    /// a(u, ·) of the linear laws with the springs.
+    #[must_use]
+    pub fn apply_linear_a(&self, u: &[f64]) -> Vec<f64> {
+        with(self.a.apply(u), self.springs.as_ref(), u)
     }
 
     /// a(u, ·) with the springs.
     #[must_use]
     pub fn apply_a(&self, u: &[f64]) -> Vec<f64> {
-        with(self.a.apply(u), self.springs.as_ref(), u)
+        self.with_laws(self.apply_linear_a(u), &self.elasticity, u)
     }
 
     /// b(w, ·) with the dashpots.
     #[must_use]
     pub fn apply_b(&self, w: &[f64]) -> Vec<f64> {
-        with(self.b.apply(w), self.dashpots.as_ref(), w)
+        self.with_laws(with(self.b.apply(w), self.dashpots.as_ref(), w), &self.viscosity, w)
     }
 
     /// d(θ, ·) with the convection.
@@ -118,12 +237,33 @@ impl Discretization {
         with(self.d.apply(theta), self.convection.as_ref(), theta)
     }
 
-    /// M w, a(u, ·), a(w, ·) and b(w, ·), the latter three with springs and dashpots.
+    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·), the latter three with springs and dashpots; a(w, ·) is empty where a law is not linear.
     #[must_use]
     pub fn mechanical_products(&self, u: &[f64], w: &[f64]) -> [Vec<f64>; 4] {
-        let [mass_w, a_u, a_w, b_w] = mechanical_products(&self.mass, &self.a, &self.b, u, w);
+        let (_, inertia) = self.inertia();
+        let [mass_w, a_u, a_w, b_w] = mechanical_products(inertia, &self.a, &self.b, u, w);
         let springs = self.springs.as_ref();
-        [mass_w, with(a_u, springs, u), with(a_w, springs, w), with(b_w, self.dashpots.as_ref(), w)]
+        let (a_u, b_w) = (with(a_u, springs, u), with(b_w, self.dashpots.as_ref(), w));
+        if self.is_linear() {
+            return [mass_w, a_u, with(a_w, springs, w), b_w];
+        }
+        [mass_w, self.with_laws(a_u, &self.elasticity, u), Vec::new(), self.with_laws(b_w, &self.viscosity, w)]
+    }
+
+    /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none where one of these has no potential.
+    #[must_use]
+    pub fn stored_energy(&self, u: &[f64]) -> Option<f64> {
+        let linear = 0.5 * dot(u, &self.apply_linear_a(u));
+        if self.elasticity.is_empty() { Some(linear) } else { Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), self.dilatation, u)?) }
+    }
+
+    fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64]) -> Vec<f64> {
+        if !laws.is_empty() {
+            for (sum, term) in product.iter_mut().zip(forms::residual(&self.mesh, &borrowed(laws), self.dilatation, at)) {
+                *sum += term;
+            }
+        }
+        product
     }
 
     /// Heat that leaves through convection beyond what the surroundings send in: ∫ h θ.
@@ -144,6 +284,38 @@ impl Discretization {
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
         crate::linalg::dot(v, &matrix.apply(v)).max(0.0).sqrt()
     }
+}
+
+/// The law of regions that have none of their own in a form.
+const ZERO: material::Branch = material::Branch { modulus: SymMap([[0.0; 6]; 6]), time: f64::INFINITY };
+
+/// The branches of all materials, those with one relaxation time together.
+fn branches(mesh: &Mesh, graph: &Arc<Graph>, materials: &[Material], dilatation: Dilatation) -> Vec<Branch> {
+    let of = |material: &Material| material.prony.as_ref().map_or(&[][..], |prony| prony.branches()).to_vec();
+    let mut times: Vec<f64> = materials.iter().flat_map(|m| of(m).into_iter().map(|branch| branch.time)).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    let form = |time: f64| {
+        let springs: Vec<material::Branch> = materials
+            .iter()
+            .map(|material| {
+                let mut sum = ZERO;
+                for branch in of(material).iter().filter(|branch| branch.time.to_bits() == time.to_bits()) {
+                    for (sum, entry) in sum.modulus.0.iter_mut().flatten().zip(branch.modulus.0.iter().flatten()) {
+                        *sum += entry;
+                    }
+                }
+                sum
+            })
+            .collect();
+        let laws: Vec<&dyn TensorLaw> = springs.iter().map(|law| law as &dyn TensorLaw).collect();
+        forms::tensor_form(mesh, graph, &laws, dilatation)
+    };
+    times.into_iter().map(|time| Branch { time, form: form(time) }).collect()
+}
+
+fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {
+    laws.iter().map(AsRef::as_ref).collect()
 }
 
 /// The sum of a product with that of a form at the boundary.

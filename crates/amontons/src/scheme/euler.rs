@@ -1,5 +1,7 @@
 //! Backward Euler for Problem 4.1.
 
+use std::sync::Arc;
+
 use super::audit::audit;
 use super::coupling::{Coupled, Made};
 use super::system::{Products, Step, System, vector_at};
@@ -15,26 +17,25 @@ pub struct BackwardEuler {
     discrete: Discretization,
     mechanics: System,
     heat: System,
-    factorizations: usize,
     /// Products that one step computes and the next one needs, with the step they belong to.
     products: Option<Products>,
 }
 
 impl BackwardEuler {
-    /// Assembles and factorizes: the only factorizations of a run.
+    /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear.
     ///
     /// # Errors
     /// When a system is singular or does not fit into memory.
-    pub fn new(problem: &Problem, backend: &dyn Backend) -> Result<BackwardEuler, SetupError> {
+    pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
-        let (k, material) = (problem.k(), &problem.material);
+        let k = problem.k();
         let (mechanics, heat) = rayon::join(
-            || System::new(&discrete.mechanical_matrix(material.density, k), &discrete, &discrete.v, backend),
-            || System::new(&discrete.thermal_matrix(material.heat_capacity, k), &discrete, &discrete.q, backend),
+            || System::new(&discrete.mechanical_matrix(k), &discrete, &discrete.v, &backend),
+            || System::new(&discrete.thermal_matrix(k), &discrete, &discrete.q, &backend),
         );
         let mechanics = mechanics.map_err(|source| SetupError::Factor { part: "mechanical", source })?;
         let heat = heat.map_err(|source| SetupError::Factor { part: "heat", source })?;
-        Ok(BackwardEuler { problem: problem.clone(), discrete, mechanics, heat, factorizations: 2, products: None })
+        Ok(BackwardEuler { problem: problem.clone(), discrete, mechanics, heat, products: None })
     }
 
     /// Unknowns of displacement, temperature and on Γ_C.
@@ -65,9 +66,11 @@ impl Scheme for BackwardEuler {
                 return Err(SetupError::Initial(name));
             }
         }
-        let material = &self.problem.material;
-        let kinetic = 0.5 * material.density * dot(&w, &self.discrete.mass.apply(&w));
-        let elastic = 0.5 * dot(&u, &self.discrete.apply_a(&u));
+        let ((rho, inertia), (c, storage)) = (self.discrete.inertia(), self.discrete.storage());
+        let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
+        // Without a potential the energy is counted from the initial state.
+        let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
+        let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
         let mut contact_energy = 0.0;
         if let Some(contact) = &self.problem.contact {
             let gap = self.discrete.at_contact(&contact.gap, 0.0);
@@ -76,7 +79,7 @@ impl Scheme for BackwardEuler {
                 contact_energy += point.weight * contact.normal.potential(&point.x, r);
             }
         }
-        let heat_content = material.heat_capacity * self.discrete.mass.apply(&theta).iter().sum::<f64>();
+        let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
         let ledger = Ledger {
             kinetic,
             elastic,
@@ -87,7 +90,7 @@ impl Scheme for BackwardEuler {
             ..Ledger::default()
         };
         let multipliers = Multipliers { q: vec![[0.0; 3]; self.discrete.boundary.points.len()] };
-        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, ledger, counts: Counts::default() })
+        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, ledger, counts: Counts::default() })
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
@@ -132,11 +135,11 @@ impl Scheme for BackwardEuler {
             mass_theta: heat.mass_theta,
             d_theta: heat.d_theta,
         });
-        let state = State { step, t, u: mechanics.u, w: mechanics.w, theta: heat.theta, multipliers: mechanics.multipliers, ledger, counts };
+        let state = State { step, t, u: mechanics.u, w: mechanics.w, theta: heat.theta, multipliers: mechanics.multipliers, branches: mechanics.branches, ledger, counts };
         Ok((state, report))
     }
 
     fn factorizations(&self) -> (usize, usize) {
-        (self.factorizations, self.mechanics.condensed.factorizations() + self.heat.condensed.factorizations())
+        (self.mechanics.factorizations() + self.heat.factorizations(), self.mechanics.condensed.factorizations() + self.heat.condensed.factorizations())
     }
 }

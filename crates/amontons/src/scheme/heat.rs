@@ -62,7 +62,7 @@ impl Begun {
             let [mass_theta, d_theta] = if theta == old.theta {
                 [products.mass_theta.clone(), products.d_theta.clone()]
             } else {
-                [discrete.mass.apply(&theta), discrete.apply_d(&theta)]
+                [discrete.storage().1.apply(&theta), discrete.apply_d(&theta)]
             };
             Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
@@ -72,7 +72,7 @@ impl Begun {
 
     /// The right-hand side for the increment over θ at hand.
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
-        let storage = step.problem.material.heat_capacity / step.problem.k();
+        let storage = step.discrete.storage().0 / step.problem.k();
         let right: Vec<f64> = (0..self.supply.len())
             .map(|i| self.supply[i] + self.coupling[i] - storage * (self.mass_theta[i] - step.products.mass_theta[i]) - self.d_theta[i])
             .collect();
@@ -83,7 +83,7 @@ impl Begun {
     /// Solves (4.2) at the contact that the mechanical half-step has found.
     pub fn solve(mut self, step: &Step, system: &mut System, states: &[PointState]) -> Result<Heat, StepError> {
         let Step { problem, discrete, products, .. } = *step;
-        let (k, c) = (problem.k(), problem.material.heat_capacity);
+        let (k, (c, storage_form)) = (problem.k(), discrete.storage());
         let given = Given::new(step, &self.theta);
         let (mut iterations, mut sweeps) = (0, 0);
         let mut previous = f64::INFINITY;
@@ -102,7 +102,7 @@ impl Begun {
             iterations += newton;
             sweeps += 2;
             step.finite(theta, "heat")?;
-            [*mass_theta, *d_theta] = [discrete.mass.apply(theta), discrete.apply_d(theta)];
+            [*mass_theta, *d_theta] = [storage_form.apply(theta), discrete.apply_d(theta)];
             let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
             let values: Vec<f64> = flux.iter().map(|flux| flux.value).collect();
             let chi = on_nodes(step, &values);

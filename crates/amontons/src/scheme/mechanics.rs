@@ -2,7 +2,7 @@
 
 use super::Discretization;
 use super::StepError;
-use super::system::{REFINE, Step, System, at_nodes};
+use super::system::{ACCEPTED, REFINE, Step, System, at_nodes};
 use crate::linalg::{Entry, MechanicalStep, Multipliers, PointState, PointTangent, max_abs};
 use crate::tensor::Point;
 
@@ -11,6 +11,9 @@ pub(super) struct Mechanics {
     pub u: Vec<f64>,
     pub w: Vec<f64>,
     pub multipliers: Multipliers,
+    /// z_n of the branches that relax, and the force of their springs; empty without.
+    pub branches: Vec<Vec<f64>>,
+    pub relaxing: Vec<f64>,
     pub states: Vec<PointState>,
     /// Newton iterations on Γ_C, and sweeps.
     pub iterations: usize,
@@ -56,59 +59,90 @@ impl Given {
             gap: &self.gap,
         })
     }
+
+    /// The states of the contact points.
+    fn states(&self, step: &Step, system: &System, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        self.on_boundary(step, system.on_contact()).map_or_else(Vec::new, |on_boundary| on_boundary.states(&system.contact_of(w), multipliers))
+    }
 }
+
+/// Iterations over the body after which it has not converged, and the shortest part of one that is tried.
+const ITERATIONS: usize = 50;
+const SHORTEST_STEP: f64 = 1.0 / 256.0;
+/// Ratio of two residuals in turn above which the tangent is made anew.
+const SLOW: f64 = 0.01;
 
 impl Mechanics {
     /// Solves (4.1) with the temperature `theta` in m, from the velocity w_{n−1} or from a solution of the same
     /// step with another temperature.
+    ///
+    /// The step is solved for the increment over the velocity at hand, with the contact solved inside. Where the body is linear, that is
+    /// it, and what the round-off of the sweeps leaves is met by another pass. Where a law is not linear, the passes are Newton's method
+    /// over the body: K_u is the tangent at the velocity at hand.
     pub fn solve(step: &Step, system: &mut System, theta: &[f64], from: Option<&Mechanics>) -> Result<Mechanics, StepError> {
-        let Step { problem, discrete, old, products, .. } = *step;
-        let (k, rho) = (problem.k(), problem.material.density);
+        let discrete = step.discrete;
         let thermal = discrete.m.apply(theta);
-        let Begun { mut w, mut multipliers, load, given, mut mass_w, mut a_u, mut b_w } = from.map_or_else(|| Begun::new(step), Begun::from);
-        let (mut iterations, mut sweeps) = (0, 0);
+        let Begun { mut now, load, given } = from.map_or_else(|| Begun::new(step), Begun::from);
+        let (mut newton, mut sweeps, mut passes) = (0, 0, 0);
         let mut previous = f64::INFINITY;
+        let mut is_stale = !discrete.is_linear();
         loop {
-            // The step is solved for the increment over the velocity at hand; what the round-off of the
-            // sweeps leaves is met by another pass.
-            let right: Vec<f64> = (0..load.len()).map(|i| load[i] + thermal[i] - rho / k * (mass_w[i] - products.mass_w[i]) - b_w[i] - a_u[i]).collect();
+            if is_stale {
+                let tangent = discrete.mechanical_tangent(step.problem.k(), &step.displacement(&now.w), &now.w);
+                system.refactorize(&tangent).map_err(|source| step.singular(source))?;
+            }
+            let right = now.right(step, &load, &thermal);
             step.finite(&right, "the data")?;
-            let guess = system.contact_of(&w);
-            let (states, newton) = system
+            let guess = system.contact_of(&now.w);
+            let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
+            let iterations = system
                 .expand(system.reduce(&right), &mut w, |condensed, unknown, r| {
-                    let Some(on_boundary) = given.on_boundary(step, unknown) else { return Ok((Vec::new(), (Vec::new(), 0))) };
+                    let Some(on_boundary) = given.on_boundary(step, unknown) else { return Ok((Vec::new(), 0)) };
                     let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
-                    let states = on_boundary.states(&solved.x, &multipliers);
-                    Ok((solved.x, (states, solved.iterations)))
+                    Ok((solved.x, solved.iterations))
                 })
                 .map_err(|why| step.not_converged("mechanics", why))?;
-            iterations += newton;
+            newton += iterations;
             sweeps += 2;
+            passes += 1;
             step.finite(&w, "mechanics")?;
-            let u: Vec<f64> = (0..w.len()).map(|i| old.u[i] + k * w[i]).collect();
-            let a_w;
-            [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&u, &w);
-            let (force, contact_force) = contact_forces(discrete, &states);
-            // What is left of (4.1) tested with every basis function; at prescribed nodes the reaction.
-            let mut rest: Vec<f64> =
-                (0..w.len()).map(|i| rho / k * (mass_w[i] - products.mass_w[i]) + b_w[i] + a_u[i] - thermal[i] - load[i] + contact_force[i]).collect();
-            let support_work = (0..w.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * w[i]).sum();
-            discrete.v.mask(&mut rest);
-            let inertia = rho / k * max_abs(&mass_w).max(max_abs(&products.mass_w));
-            let terms = [&b_w, &a_u, &thermal, &load, &contact_force].map(|term| max_abs(term));
-            let scale = terms.into_iter().fold(inertia, f64::max);
-            let residual = step.relative(max_abs(&rest), scale, "mechanics")?;
-            if residual > REFINE && residual < 0.5 * previous {
+            let evaluate = |w: Vec<f64>, multipliers: Multipliers| {
+                let states = given.states(step, system, &w, &multipliers);
+                Iterate::new(step, w, multipliers).balance(step, &load, &thermal, states)
+            };
+            let mut next = evaluate(w, multipliers)?;
+            // A law that is not linear may throw the residual up: the step is then shortened.
+            let mut alpha = 0.5;
+            while !discrete.is_linear() && next.residual > previous && alpha >= SHORTEST_STEP {
+                let part = |old: f64, new: f64| old + alpha * (new - old);
+                let w = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
+                let q = now.multipliers.q.iter().zip(&next.iterate.multipliers.q).map(|(old, new)| std::array::from_fn(|c| part(old[c], new[c])));
+                let shorter = evaluate(w, Multipliers { q: q.collect() })?;
+                if shorter.residual < next.residual {
+                    next = shorter;
+                }
+                alpha *= 0.5;
+            }
+            let (residual, ratio) = (next.residual, next.residual / previous);
+            let goes_on = if discrete.is_linear() { ratio < 0.5 } else { passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED) };
+            if residual > REFINE && goes_on {
+                is_stale = !discrete.is_linear() && ratio > SLOW;
                 previous = residual;
+                now = next.iterate;
                 continue;
             }
-            let residual = step.accept(residual, "mechanics")?;
+            step.accept(residual, "mechanics")?;
+            let branches = step.branches(&next.iterate.w);
+            let Balanced { iterate, states, residual, scale, force, support_work } = next;
+            let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
+            let u = step.displacement(&w);
             return Ok(Mechanics {
                 u,
                 w,
                 multipliers,
+                branches,
                 states,
-                iterations,
+                iterations: newton,
                 sweeps,
                 residual,
                 scale,
@@ -118,6 +152,7 @@ impl Mechanics {
                 a_u,
                 a_w,
                 b_w,
+                relaxing,
                 given,
                 force,
                 support_work,
@@ -132,15 +167,64 @@ impl Mechanics {
     }
 }
 
-/// Where a half-step starts.
-struct Begun {
+/// A velocity with the terms of (4.1) that it makes.
+#[derive(Clone)]
+struct Iterate {
     w: Vec<f64>,
     multipliers: Multipliers,
-    load: Vec<f64>,
-    given: Given,
     mass_w: Vec<f64>,
     a_u: Vec<f64>,
+    a_w: Vec<f64>,
     b_w: Vec<f64>,
+    /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
+    relaxing: Vec<f64>,
+}
+
+/// What is left of (4.1) at an iterate.
+struct Balanced {
+    iterate: Iterate,
+    states: Vec<PointState>,
+    residual: f64,
+    scale: f64,
+    force: Point,
+    support_work: f64,
+}
+
+impl Iterate {
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers) -> Iterate {
+        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w);
+        Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
+    }
+
+    /// The right-hand side for the increment over the velocity, the contact apart.
+    fn right(&self, step: &Step, load: &[f64], thermal: &[f64]) -> Vec<f64> {
+        let inertia = step.discrete.inertia().0 / step.problem.k();
+        let relaxing = |i: usize| self.relaxing.get(i).copied().unwrap_or(0.0);
+        (0..load.len())
+            .map(|i| load[i] + thermal[i] - inertia * (self.mass_w[i] - step.products.mass_w[i]) - self.b_w[i] - self.a_u[i] - relaxing(i))
+            .collect()
+    }
+
+    /// What is left of (4.1) tested with every basis function, with contact points in these states; at prescribed nodes it is the reaction.
+    fn balance(self, step: &Step, load: &[f64], thermal: &[f64], states: Vec<PointState>) -> Result<Balanced, StepError> {
+        let (discrete, k) = (step.discrete, step.problem.k());
+        let (force, contact_force) = contact_forces(discrete, &states);
+        let mut rest: Vec<f64> = self.right(step, load, thermal).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
+        let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
+        discrete.v.mask(&mut rest);
+        let inertia = discrete.inertia().0 / k * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
+        let terms = [self.b_w.as_slice(), &self.a_u, thermal, load, &contact_force, &self.relaxing].map(max_abs);
+        let scale = terms.into_iter().fold(inertia, f64::max);
+        let residual = step.relative(max_abs(&rest), scale, "mechanics")?;
+        Ok(Balanced { iterate: self, states, residual, scale, force, support_work })
+    }
+}
+
+/// Where a half-step starts.
+struct Begun {
+    now: Iterate,
+    load: Vec<f64>,
+    given: Given,
 }
 
 impl Begun {
@@ -154,31 +238,27 @@ impl Begun {
         for (i, w) in w.iter_mut().enumerate() {
             *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / k };
         }
-        let [mass_w, a_w, b_w] = if w == old.w {
-            [products.mass_w.clone(), products.a_w.clone(), products.b_w.clone()]
-        } else {
-            [discrete.mass.apply(&w), discrete.apply_a(&w), discrete.apply_b(&w)]
-        };
-        let a_u = products.a_u.iter().zip(&a_w).map(|(a_u, a_w)| a_u + k * a_w).collect();
         let gap = problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));
         let given = Given { u_old: at_nodes(discrete, discrete.mesh.dim, &old.u), w_prescribed: at_nodes(discrete, discrete.mesh.dim, &w), gap };
-        Begun { w, multipliers: old.multipliers.clone(), load, given, mass_w, a_u, b_w }
+        let multipliers = old.multipliers.clone();
+        let now = if discrete.is_linear() && w == old.w {
+            // a(u_{n−1} + k w_{n−1}, ·) without another product.
+            let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + k * a_w).collect();
+            let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
+            Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
+        } else {
+            Iterate::new(step, w, multipliers)
+        };
+        Begun { now, load, given }
     }
 }
 
 impl From<&Mechanics> for Begun {
     /// At a solution of the same step.
     fn from(m: &Mechanics) -> Begun {
-        let Mechanics { w, multipliers, load, given, mass_w, a_u, b_w, .. } = m;
-        Begun {
-            w: w.clone(),
-            multipliers: multipliers.clone(),
-            load: load.clone(),
-            given: given.clone(),
-            mass_w: mass_w.clone(),
-            a_u: a_u.clone(),
-            b_w: b_w.clone(),
-        }
+        let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
+        let [w, mass_w, a_u, a_w, b_w, relaxing] = [w, mass_w, a_u, a_w, b_w, relaxing].map(Clone::clone);
+        Begun { now: Iterate { w, multipliers: multipliers.clone(), mass_w, a_u, a_w, b_w, relaxing }, load: load.clone(), given: given.clone() }
     }
 }
 

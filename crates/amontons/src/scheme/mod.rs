@@ -33,6 +33,8 @@ pub struct State {
     pub theta: Vec<f64>,
     /// Friction multipliers at the contact points.
     pub multipliers: Multipliers,
+    /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
+    pub branches: Vec<Vec<f64>>,
     /// Energies and flows since the start.
     pub ledger: Ledger,
     /// Newton iterations since the start.
@@ -147,6 +149,16 @@ pub enum StepError {
         residual: f64,
         /// The residual that is accepted.
         accepted: f64,
+    },
+    /// The tangent of laws that are not linear could not be factorized.
+    #[error("step {step} (t = {t:.6e} s): the tangent of the body: {source}")]
+    Singular {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// Why.
+        source: FactorError,
     },
     /// The half-steps could not be brought together.
     #[error(

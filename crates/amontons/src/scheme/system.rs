@@ -1,5 +1,7 @@
 //! A factorized system with its condensed operator, and what the parts of a step share.
 
+use std::sync::Arc;
+
 use super::{Discretization, State, StepError};
 use crate::contact::PointOnBoundary;
 use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, NotConverged, Unknowns};
@@ -27,6 +29,33 @@ pub(super) struct Step<'a> {
 }
 
 impl Step<'_> {
+    /// u_{n−1} + k w.
+    pub fn displacement(&self, w: &[f64]) -> Vec<f64> {
+        let k = self.problem.k();
+        self.old.u.iter().zip(w).map(|(u, w)| u + k * w).collect()
+    }
+
+    /// z_n = (z_{n−1} + k w)/(1 + k/τ) of each branch that relaxes.
+    pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
+        let k = self.problem.k();
+        let branches = self.discrete.branches.iter().zip(&self.old.branches);
+        branches.map(|(branch, z)| z.iter().zip(w).map(|(z, w)| branch.factor(k) * (z + k * w)).collect()).collect()
+    }
+
+    /// Σ ∫ 𝓖ε(z_n):ε(·) of the branches; empty without.
+    pub fn relaxing(&self, w: &[f64]) -> Vec<f64> {
+        let mut sum = Vec::new();
+        for (branch, z) in self.discrete.branches.iter().zip(self.branches(w)) {
+            let force = branch.form.apply(&z);
+            if sum.is_empty() {
+                sum = force;
+            } else {
+                sum.iter_mut().zip(&force).for_each(|(sum, force)| *sum += force);
+            }
+        }
+        sum
+    }
+
     /// An error where a value is not finite.
     pub fn finite(&self, values: &[f64], part: &'static str) -> Result<(), StepError> {
         if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(StepError::NotFinite { step: self.n, t: self.t, part }) }
@@ -43,18 +72,25 @@ impl Step<'_> {
         if residual > ACCEPTED { Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED }) } else { Ok(residual) }
     }
 
+    /// A tangent that could not be factorized.
+    pub fn singular(&self, source: FactorError) -> StepError {
+        StepError::Singular { step: self.n, t: self.t, source }
+    }
+
     /// The iteration on Γ_C that did not end.
     pub fn not_converged(&self, part: &'static str, why: NotConverged) -> StepError {
         StepError::NotConverged { step: self.n, t: self.t, part, why }
     }
 }
 
-/// Products of a state with the matrices, which one step computes and the next one needs.
+/// Products of a state with the forms, which one step computes and the next one needs.
 #[derive(Debug)]
 pub(super) struct Products {
     pub step: usize,
+    /// (ρ·, ·), or (·, ·) where the density is the same everywhere.
     pub mass_w: Vec<f64>,
     pub a_u: Vec<f64>,
+    /// a(w, ·); empty where a is not linear.
     pub a_w: Vec<f64>,
     pub b_w: Vec<f64>,
     pub mass_theta: Vec<f64>,
@@ -64,15 +100,9 @@ pub(super) struct Products {
 impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
-        Products {
-            step: state.step,
-            mass_w: discrete.mass.apply(&state.w),
-            a_u: discrete.apply_a(&state.u),
-            a_w: discrete.apply_a(&state.w),
-            b_w: discrete.apply_b(&state.w),
-            mass_theta: discrete.mass.apply(&state.theta),
-            d_theta: discrete.apply_d(&state.theta),
-        }
+        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w);
+        let (mass_theta, d_theta) = (discrete.storage().1.apply(&state.theta), discrete.apply_d(&state.theta));
+        Products { step: state.step, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
 }
 
@@ -81,6 +111,8 @@ impl Products {
 pub(super) struct System {
     pub unknowns: Unknowns,
     pub factor: Box<dyn Factor>,
+    backend: Arc<dyn Backend>,
+    factorizations: usize,
     pub condensed: Condensed,
     /// Contact unknown of each degree of freedom of the contact nodes.
     on_contact: Vec<Option<u32>>,
@@ -88,7 +120,7 @@ pub(super) struct System {
 
 impl System {
     /// Factorizes a matrix with the contact unknowns last.
-    pub fn new(matrix: &BlockMatrix, discrete: &Discretization, space: &Space, backend: &dyn Backend) -> Result<System, FactorError> {
+    pub fn new(matrix: &BlockMatrix, discrete: &Discretization, space: &Space, backend: &Arc<dyn Backend>) -> Result<System, FactorError> {
         let contact = &discrete.boundary.nodes;
         let unknowns = Unknowns::new(matrix, &discrete.mesh.points, space.components, &space.free, contact);
         let factor = backend.factorize(matrix, &unknowns)?;
@@ -104,7 +136,20 @@ impl System {
                 })
             })
             .collect();
-        Ok(System { unknowns, factor, condensed, on_contact })
+        Ok(System { unknowns, factor, backend: Arc::clone(backend), factorizations: 1, condensed, on_contact })
+    }
+
+    /// Factorizes another matrix with the same unknowns.
+    pub fn refactorize(&mut self, matrix: &BlockMatrix) -> Result<(), FactorError> {
+        self.factor = self.backend.factorize(matrix, &self.unknowns)?;
+        self.condensed.replace(self.factor.condensed());
+        self.factorizations += 1;
+        Ok(())
+    }
+
+    /// Factorizations so far.
+    pub fn factorizations(&self) -> usize {
+        self.factorizations
     }
 
     /// The forward sweep: the right-hand side in elimination order, reduced to Γ_C.
