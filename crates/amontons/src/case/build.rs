@@ -162,7 +162,7 @@ impl Build<'_> {
         let built = if affordable { Mesh::rectangle(*size, cells, diagonal) } else { Mesh::rectangle(*size, [1, 1], diagonal) };
         built.unwrap_or_else(|error| {
             self.note("mesh", At::Value, error.to_string(), "a mesh that can be built", None);
-            Mesh { dim: 2, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: std::collections::BTreeMap::new() }
+            Mesh { dim: 2, axisymmetric: false, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: std::collections::BTreeMap::new() }
         })
     }
 

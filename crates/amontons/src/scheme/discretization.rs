@@ -60,11 +60,11 @@ impl Discretization {
             .unwrap_or(ContactBoundary { nodes: Vec::new(), points: Vec::new() });
         Discretization {
             mass: forms::inner_h(&mesh, &graph),
-            a: forms::a(&mesh, &graph, material.elasticity.as_ref()),
-            b: forms::b(&mesh, &graph, material.viscosity.as_ref()),
-            d: forms::d(&mesh, &graph, &material.conductivity),
-            m: forms::m(&mesh, &graph, &material.expansion),
-            e: forms::e(&mesh, &graph, &material.coupling),
+            a: forms::a(&mesh, &graph, &[material.elasticity.as_ref()]),
+            b: forms::b(&mesh, &graph, &[material.viscosity.as_ref()]),
+            d: forms::d(&mesh, &graph, &[&material.conductivity]),
+            m: forms::m(&mesh, &graph, &[&material.expansion]),
+            e: forms::e(&mesh, &graph, &[&material.coupling]),
             springs: forms::springs(&mesh, &graph, &problem.boundary),
             dashpots: forms::dashpots(&mesh, &graph, &problem.boundary),
             convection: forms::convection(&mesh, &graph, &problem.boundary),
