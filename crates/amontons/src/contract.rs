@@ -12,13 +12,13 @@
 use std::sync::Arc;
 
 use crate::contact::{ContactPoint, FrictionLaw, HeatLaw, NormalLaw};
-use crate::element::{Element, MAX_NODES};
+use crate::element::{Element, MAX_NODES, Table};
 use crate::forms;
 use crate::hypotheses::Samples;
 use crate::linalg::{Backend, Graph, Unknowns};
 use crate::material::{Isotropic, StressState, TensorLaw};
-use crate::mesh::{Diagonal, Mesh};
-use crate::quadrature::{Shape, rule};
+use crate::mesh::{Diagonal, FacetMap, Mesh};
+use crate::quadrature::rule;
 use crate::tensor::{Rotation, Sym, mandel_len};
 
 fn samples() -> Samples {
@@ -31,16 +31,16 @@ fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
 }
 
 /// Shape functions are one at their node, zero at the others, sum to one and have the gradients they
-/// claim; facets have the nodes of their element.
+/// claim; facets have the nodes of their element and close the cell.
 ///
 /// # Panics
 /// When the element breaks the contract.
-pub fn assert_element(element: &Element) {
+pub fn assert_element(element: &'static Element) {
     let n = element.nodes.len();
     assert!(n <= MAX_NODES, "{}: {n} nodes, more than MAX_NODES", element.name);
     let mut values = [0.0; MAX_NODES];
     for (i, node) in element.nodes.iter().enumerate() {
-        (element.shape_functions)(node, &mut values);
+        (element.shape_functions)(node, &mut values[..n]);
         for (j, value) in values.iter().enumerate().take(n) {
             near(*value, f64::from(u8::from(i == j)), 1e-14, &format!("{}: N_{j} at node {i}", element.name));
         }
@@ -48,8 +48,8 @@ pub fn assert_element(element: &Element) {
     let dim = element.shape.dim();
     for (at, _) in rule(element.shape, 4).iter() {
         let mut gradients = [[0.0; 3]; MAX_NODES];
-        (element.shape_functions)(at, &mut values);
-        (element.gradients)(at, &mut gradients);
+        (element.shape_functions)(at, &mut values[..n]);
+        (element.gradients)(at, &mut gradients[..n]);
         near(values[..n].iter().sum(), 1.0, 1e-14, &format!("{}: sum of the shape functions", element.name));
         for d in 0..dim {
             let h = 1e-6;
@@ -57,26 +57,61 @@ pub fn assert_element(element: &Element) {
             plus[d] += h;
             minus[d] -= h;
             let (mut p, mut m) = ([0.0; MAX_NODES], [0.0; MAX_NODES]);
-            (element.shape_functions)(&plus, &mut p);
-            (element.shape_functions)(&minus, &mut m);
+            (element.shape_functions)(&plus, &mut p[..n]);
+            (element.shape_functions)(&minus, &mut m[..n]);
             for i in 0..n {
                 near(gradients[i][d], (p[i] - m[i]) / (2.0 * h), 1e-8, &format!("{}: gradient of N_{i}", element.name));
             }
         }
     }
+    assert_facets(element);
+    let mut listed = element.gmsh_nodes.to_vec();
+    listed.sort_unstable();
+    assert!(listed.into_iter().eq(0..n), "{}: the nodes of Gmsh are no permutation: {:?}", element.name, element.gmsh_nodes);
+}
+
+/// Facets have the nodes of their element in its order, and close the cell: with the outward normal,
+/// ∫ ν = 0 and ∫ x·ν = d |K| (Gauss), and x·ν > c·ν for the centre c of a convex cell.
+fn assert_facets(element: &'static Element) {
+    let mesh = Mesh {
+        dim: element.dim().max(1),
+        axisymmetric: false,
+        points: element.nodes.to_vec(),
+        blocks: Vec::new(),
+        regions: Vec::new(),
+        facets: std::collections::BTreeMap::new(),
+    };
+    let (mut total, mut flux, centre) = ([0.0; 3], 0.0, element.centre());
     for facet in element.facets {
-        let expected = element.facet.map_or(0, |f| f.nodes.len());
-        assert_eq!(facet.len(), expected, "{}: nodes of a facet", element.name);
-        assert!(facet.iter().all(|&i| i < n), "{}: a facet names node {facet:?} of {n}", element.name);
-    }
-    if element.shape == Shape::Triangle {
-        // The body lies on the left of each facet.
-        for facet in element.facets {
-            let (a, b) = (element.nodes[facet[0]], element.nodes[facet[1]]);
-            let centre = [1.0 / 3.0 - a[0], 1.0 / 3.0 - a[1]];
-            assert!((b[0] - a[0]) * centre[1] - (b[1] - a[1]) * centre[0] > 0.0, "{}: facet {facet:?} is turned inwards", element.name);
+        assert_eq!(facet.nodes.len(), facet.element.nodes.len(), "{}: nodes of a facet", element.name);
+        assert!(facet.nodes.iter().all(|&i| i < element.nodes.len()), "{}: a facet names a node that is not there: {:?}", element.name, facet.nodes);
+        let nodes: Vec<u32> = facet.nodes.iter().map(|&i| i as u32).collect();
+        // The corners of a facet determine the places of its other nodes.
+        let flat = Element::find(facet.element.shape, 1).unwrap_or(facet.element);
+        let linear = Table::at(flat, facet.element.nodes);
+        for (q, &node) in facet.nodes.iter().enumerate().filter(|_| facet.element.dim() > 0) {
+            for d in 0..3 {
+                let expected: f64 = linear.values(q).iter().zip(facet.nodes).map(|(value, &i)| value * element.nodes[i][d]).sum();
+                near(element.nodes[node][d], expected, 1e-15, &format!("{}: node {node} of the facet {:?}", element.name, facet.nodes));
+            }
+        }
+        let table = Table::new(facet.element, 3);
+        let mut map = FacetMap::new(&mesh, &table);
+        for (q, weight) in table.weights.iter().enumerate() {
+            map.at(&nodes, q);
+            let height: f64 = (0..3).map(|d| (map.position[d] - centre[d]) * map.normal[d]).sum();
+            assert!(height > 0.0, "{}: facet {:?} is turned inwards", element.name, facet.nodes);
+            for d in 0..3 {
+                total[d] += weight * map.area * map.normal[d];
+                flux += weight * map.area * map.normal[d] * map.position[d];
+            }
         }
     }
+    for d in total {
+        near(d, 0.0, 1e-14, &format!("{}: the facets do not close the cell", element.name));
+    }
+    let volume = if element.dim() > 0 { element.shape.measure() * element.dim() as f64 } else { 0.0 };
+    near(flux, volume, 1e-14, &format!("{}: ∫ x·ν over the facets", element.name));
 }
 
 /// (H1), (H2): zero at zero, the tangent is the derivative, the value that of the potential (and the tangent symmetric)
@@ -292,7 +327,7 @@ pub fn assert_heat_law(law: &dyn HeatLaw, r: f64) {
 pub fn assert_backend(backend: &dyn Backend) {
     let Ok(mesh) = Mesh::rectangle([1.0, 0.7], [9, 7], Diagonal::Left) else { panic!("a mesh of 9 × 7 squares") };
     let graph = Arc::new(Graph::of_mesh(&mesh));
-    let mut matrix = forms::a(&mesh, &graph, &Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
+    let mut matrix = forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]);
     let size = graph.len() * 2;
     let mut free = vec![true; size];
     for node in mesh.facets["top"].node_list() {

@@ -44,3 +44,4 @@ pub mod scheme;
 pub mod space;
 pub mod tensor;
 pub mod verify;
+mod vtu;

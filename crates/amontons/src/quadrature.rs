@@ -1,7 +1,7 @@
 //! Quadrature on the reference cells, of any degree, computed rather than tabulated.
 //!
 //! Gauss–Legendre points come from Newton's method on the Legendre recurrence; simplices are
-//! reached by collapsing a cube onto them (Duffy), which raises the degree to be met by d − 1.
+//! reached by collapsing a cube onto them (Duffy), which raises the degree to be met by one for each collapse.
 
 use crate::tensor::Point;
 
@@ -30,16 +30,31 @@ pub enum Shape {
     Segment,
     /// The triangle (0,0), (1,0), (0,1).
     Triangle,
+    /// The square [0, 1]².
+    Quadrilateral,
+    /// The tetrahedron (0,0,0), (1,0,0), (0,1,0), (0,0,1).
+    Tetrahedron,
+    /// The cube [0, 1]³.
+    Hexahedron,
+    /// The unit triangle times [0, 1].
+    Prism,
+    /// The pyramid over [0, 1]² with the apex (0, 0, 1).
+    Pyramid,
 }
 
 impl Shape {
+    /// Every shape.
+    pub const ALL: [Shape; 8] =
+        [Shape::Point, Shape::Segment, Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron, Shape::Hexahedron, Shape::Prism, Shape::Pyramid];
+
     /// Dimension of the reference cell.
     #[must_use]
     pub fn dim(self) -> usize {
         match self {
             Shape::Point => 0,
             Shape::Segment => 1,
-            Shape::Triangle => 2,
+            Shape::Triangle | Shape::Quadrilateral => 2,
+            Shape::Tetrahedron | Shape::Hexahedron | Shape::Prism | Shape::Pyramid => 3,
         }
     }
 
@@ -47,8 +62,42 @@ impl Shape {
     #[must_use]
     pub fn measure(self) -> f64 {
         match self {
-            Shape::Point | Shape::Segment => 1.0,
-            Shape::Triangle => 0.5,
+            Shape::Point | Shape::Segment | Shape::Quadrilateral | Shape::Hexahedron => 1.0,
+            Shape::Triangle | Shape::Prism => 0.5,
+            Shape::Tetrahedron => 1.0 / 6.0,
+            Shape::Pyramid => 1.0 / 3.0,
+        }
+    }
+
+    /// Number of vertices.
+    #[must_use]
+    pub fn vertices(self) -> usize {
+        match self {
+            Shape::Point => 1,
+            Shape::Segment => 2,
+            Shape::Triangle => 3,
+            Shape::Quadrilateral | Shape::Tetrahedron => 4,
+            Shape::Pyramid => 5,
+            Shape::Prism => 6,
+            Shape::Hexahedron => 8,
+        }
+    }
+
+    /// How far a reference point lies inside the cell: the least of the distances to the faces, up to constant
+    /// factors; negative outside.
+    #[must_use]
+    pub fn depth(self, x: &Point) -> f64 {
+        let [x, y, z] = *x;
+        let between = |c: f64| c.min(1.0 - c);
+        match self {
+            Shape::Point => 0.0,
+            Shape::Segment => between(x),
+            Shape::Triangle => x.min(y).min(1.0 - x - y),
+            Shape::Quadrilateral => between(x).min(between(y)),
+            Shape::Tetrahedron => x.min(y).min(z).min(1.0 - x - y - z),
+            Shape::Hexahedron => between(x).min(between(y)).min(between(z)),
+            Shape::Prism => x.min(y).min(1.0 - x - y).min(between(z)),
+            Shape::Pyramid => x.min(y).min(z).min(1.0 - z - x).min(1.0 - z - y),
         }
     }
 }
@@ -92,28 +141,60 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// A rule on `shape` that integrates polynomials of total degree `degree` exactly.
+/// A rule on `shape` with positive weights that integrates exactly the polynomials of degree `degree`: of that total
+/// degree on simplices and pyramids, of that degree in each coordinate on quadrilaterals and hexahedra, of that degree
+/// in the plane and in the height on prisms.
 #[must_use]
 pub fn rule(shape: Shape, degree: usize) -> Rule {
-    // n Gauss points meet degree 2n − 1; the collapse of a simplex adds d − 1 to the degree.
-    let points = |degree: usize| degree / 2 + 1;
+    // n Gauss points meet degree 2n − 1; each collapse of a direction multiplies by a distance to the vertex.
+    let line = |extra: usize| gauss_legendre((degree + extra) / 2 + 1);
+    let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
+    let mut push = |x: Point, w: f64| {
+        rule.points.push(x);
+        rule.weights.push(w);
+    };
     match shape {
-        Shape::Point => Rule { points: vec![[0.0; 3]], weights: vec![1.0] },
-        Shape::Segment => {
-            let (points, weights) = gauss_legendre(points(degree)).into_iter().map(|(x, w)| ([x, 0.0, 0.0], w)).unzip();
-            Rule { points, weights }
-        }
-        Shape::Triangle if degree <= 1 => Rule { points: vec![[1.0 / 3.0, 1.0 / 3.0, 0.0]], weights: vec![0.5] },
-        Shape::Triangle => {
-            let line = gauss_legendre(points(degree + 1));
-            let (mut points, mut weights) = (Vec::new(), Vec::new());
-            for &(s, ws) in &line {
-                for &(t, wt) in &line {
-                    points.push([s, (1.0 - s) * t, 0.0]);
-                    weights.push(ws * wt * (1.0 - s));
-                }
+        Shape::Point => push([0.0; 3], 1.0),
+        Shape::Segment => line(0).iter().for_each(|&(x, w)| push([x, 0.0, 0.0], w)),
+        Shape::Triangle => triangle(degree).iter().for_each(|&(x, y, w)| push([x, y, 0.0], w)),
+        Shape::Quadrilateral => products(&line(0), &line(0), &[(0.0, 1.0)], push),
+        Shape::Hexahedron => products(&line(0), &line(0), &line(0), push),
+        Shape::Prism => {
+            let plane = triangle(degree);
+            for &(z, wz) in &line(0) {
+                plane.iter().for_each(|&(x, y, w)| push([x, y, z], w * wz));
             }
-            Rule { points, weights }
+        }
+        Shape::Pyramid => products(&line(0), &line(0), &line(2), |[s, t, z], w| push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z))),
+        Shape::Tetrahedron if degree <= 1 => push([0.25; 3], 1.0 / 6.0),
+        Shape::Tetrahedron if degree == 2 => {
+            // Four points on the lines from the centre to the vertices (Keast, 1986).
+            let (a, b) = ((5.0 - 5f64.sqrt()) / 20.0, (5.0 + 3.0 * 5f64.sqrt()) / 20.0);
+            [[a, a, a], [b, a, a], [a, b, a], [a, a, b]].into_iter().for_each(|x| push(x, 1.0 / 24.0));
+        }
+        Shape::Tetrahedron => products(&line(0), &line(1), &line(2), |[s, t, z], w| {
+            let (rest, size) = (1.0 - z, (1.0 - t) * (1.0 - z));
+            push([size * s, rest * t, z], w * size * rest);
+        }),
+    }
+    rule
+}
+
+/// Points (x, y) of the triangle with their weights.
+fn triangle(degree: usize) -> Vec<(f64, f64, f64)> {
+    if degree <= 1 {
+        return vec![(1.0 / 3.0, 1.0 / 3.0, 0.5)];
+    }
+    let (outer, inner) = (gauss_legendre(degree.div_ceil(2) + 1), gauss_legendre(degree / 2 + 1));
+    outer.iter().flat_map(|&(s, ws)| inner.iter().map(move |&(t, wt)| (s, (1.0 - s) * t, ws * wt * (1.0 - s)))).collect()
+}
+
+fn products(x: &[(f64, f64)], y: &[(f64, f64)], z: &[(f64, f64)], mut push: impl FnMut(Point, f64)) {
+    for &(z, wz) in z {
+        for &(y, wy) in y {
+            for &(x, wx) in x {
+                push([x, y, z], wx * wy * wz);
+            }
         }
     }
 }
@@ -122,35 +203,79 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
 mod tests {
     use super::*;
 
-    /// ∫ x^a y^b over the reference triangle is a! b! / (a + b + 2)!.
-    #[test]
-    fn monomials_are_exact_up_to_the_degree_and_not_far_beyond() {
-        let factorial = |n: usize| (1..=n).map(|k| k as f64).product::<f64>();
-        for degree in 0..9 {
-            let r = rule(Shape::Triangle, degree);
-            for a in 0..=degree {
-                let b = degree - a;
-                let computed: f64 = r.iter().map(|(x, w)| w * x[0].powi(a as i32) * x[1].powi(b as i32)).sum();
-                let exact = factorial(a) * factorial(b) / factorial(a + b + 2);
-                assert!((computed - exact).abs() < 1e-15, "degree {degree}, x^{a} y^{b}");
-            }
-            let line = rule(Shape::Segment, degree);
-            let computed: f64 = line.iter().map(|(x, w)| w * x[0].powi(degree as i32)).sum();
-            assert!((computed - 1.0 / (degree as f64 + 1.0)).abs() < 1e-15);
+    fn factorial(n: usize) -> f64 {
+        (1..=n).map(|k| k as f64).product()
+    }
+
+    /// ∫ x^a y^b z^c over a reference cell.
+    fn exact(shape: Shape, [a, b, c]: [usize; 3]) -> f64 {
+        let line = |n: usize| 1.0 / (n as f64 + 1.0);
+        let plane = factorial(a) * factorial(b) / factorial(a + b + 2);
+        match shape {
+            Shape::Point => 1.0,
+            Shape::Segment => line(a),
+            Shape::Triangle => plane,
+            Shape::Quadrilateral => line(a) * line(b),
+            Shape::Hexahedron => line(a) * line(b) * line(c),
+            Shape::Prism => plane * line(c),
+            Shape::Tetrahedron => factorial(a) * factorial(b) * factorial(c) / factorial(a + b + c + 3),
+            // ∫ (1 − z)^(a+b+2) z^c is a Beta function.
+            Shape::Pyramid => line(a) * line(b) * factorial(a + b + 2) * factorial(c) / factorial(a + b + c + 3),
         }
-        let two = gauss_legendre(2);
-        assert!((two[0].0 - (0.5 - 0.5 / 3f64.sqrt())).abs() < 1e-16);
-        let fourth: f64 = two.iter().map(|(x, w)| w * x.powi(4)).sum();
-        assert!((fourth - 0.2).abs() > 1e-3, "two points cannot meet degree 4");
+    }
+
+    fn computed(shape: Shape, degree: usize, [a, b, c]: [usize; 3]) -> f64 {
+        rule(shape, degree).iter().map(|(x, w)| w * x[0].powi(a as i32) * x[1].powi(b as i32) * x[2].powi(c as i32)).sum()
     }
 
     #[test]
-    fn weights_sum_to_the_measure() {
-        for shape in [Shape::Point, Shape::Segment, Shape::Triangle] {
-            for degree in 0..7 {
-                let sum: f64 = rule(shape, degree).weights.iter().sum();
-                assert!((sum - shape.measure()).abs() < 1e-15);
+    fn monomials_are_exact_up_to_the_degree() {
+        for shape in Shape::ALL {
+            let dim = shape.dim();
+            for degree in 0..8 {
+                let most = |d: usize| if d < dim { degree } else { 0 };
+                for a in 0..=most(0) {
+                    for b in 0..=most(1) {
+                        for c in 0..=most(2) {
+                            let met = match shape {
+                                Shape::Triangle | Shape::Tetrahedron | Shape::Pyramid => a + b + c <= degree,
+                                Shape::Prism => a + b <= degree,
+                                _ => true,
+                            };
+                            let (found, expected) = (computed(shape, degree, [a, b, c]), exact(shape, [a, b, c]));
+                            assert!(!met || (found - expected).abs() < 1e-14, "{shape:?} degree {degree}, x^{a} y^{b} z^{c}: {found} instead of {expected}");
+                        }
+                    }
+                }
             }
         }
+    }
+
+    #[test]
+    fn the_next_degree_is_not_met() {
+        for shape in Shape::ALL.into_iter().filter(|s| s.dim() > 0) {
+            for degree in [1, 3, 5] {
+                let monomials = if shape.dim() > 1 { vec![[degree + 1, 0, 0], [0, degree + 1, 0]] } else { vec![[degree + 1, 0, 0]] };
+                let error = monomials.into_iter().map(|m| (computed(shape, degree, m) - exact(shape, m)).abs()).fold(0.0, f64::max);
+                assert!(error > 1e-6, "{shape:?} degree {degree} meets the next degree: it has more points than it needs");
+            }
+        }
+    }
+
+    #[test]
+    fn weights_are_positive_and_sum_to_the_measure() {
+        for shape in Shape::ALL {
+            for degree in 0..7 {
+                let rule = rule(shape, degree);
+                let sum: f64 = rule.weights.iter().sum();
+                assert!((sum - shape.measure()).abs() < 1e-14);
+                assert!(rule.iter().all(|(x, w)| w > 0.0 && (shape == Shape::Point || shape.depth(x) > 0.0)));
+            }
+        }
+    }
+
+    #[test]
+    fn two_gauss_points_are_those_of_the_formula() {
+        assert!((gauss_legendre(2)[0].0 - (0.5 - 0.5 / 3f64.sqrt())).abs() < 1e-16);
     }
 }

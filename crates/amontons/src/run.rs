@@ -207,7 +207,6 @@ struct Timed {
 }
 
 impl Timed {
-
     /// Seconds during which it factorized; factorizations at the same time count once.
     fn seconds(&self) -> f64 {
         let mut intervals = self.intervals.lock().unwrap_or_else(PoisonError::into_inner).clone();

@@ -299,8 +299,8 @@ fn a_step_is_unique_with_32_steps_and_not_ensured_with_16() {
 fn dense_least(problem: &Problem) -> f64 {
     let (mesh, k) = (&problem.mesh, problem.k());
     let graph = Arc::new(Graph::of_mesh(mesh));
-    let mut matrix = forms::b(mesh, &graph, problem.material.viscosity.as_ref());
-    matrix.add_scaled(k, &forms::a(mesh, &graph, problem.material.elasticity.as_ref()));
+    let mut matrix = forms::b(mesh, &graph, &[problem.material.viscosity.as_ref()]);
+    matrix.add_scaled(k, &forms::a(mesh, &graph, &[problem.material.elasticity.as_ref()]));
     matrix.add_scaled(problem.material.density / k, &forms::inner_h(mesh, &graph));
     let held = mesh.facets["top"].node_list();
     let free: Vec<bool> = (0..2 * graph.len()).map(|dof| !held.contains(&(dof as u32 / 2))).collect();
@@ -415,7 +415,7 @@ fn the_quality_of_slender_cells_is_named() {
 
 /// Largest u_ν on Γ_C over all steps of a run whose gap it never closes.
 fn farthest(problem: &Problem) -> f64 {
-    let mut scheme = BackwardEuler::new(problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+    let mut scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = f64::NEG_INFINITY;
     for _ in 0..problem.steps {

@@ -44,12 +44,12 @@ fn held(mesh: &Mesh, components: usize, sides: &[&str]) -> Vec<bool> {
 /// The gradient of every component: (∇v, ∇v).
 fn gradients(mesh: &Mesh, graph: &Arc<Graph>, components: usize) -> BlockMatrix {
     let mut matrix = BlockMatrix::zero(graph, components, components);
-    matrix.add_scaled(1.0, &forms::d(mesh, graph, &identity(mesh.dim)));
+    matrix.add_scaled(1.0, &forms::d(mesh, graph, &[&identity(mesh.dim)]));
     matrix
 }
 
 fn strains(mesh: &Mesh, graph: &Arc<Graph>) -> BlockMatrix {
-    forms::a(mesh, graph, &Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress))
+    forms::a(mesh, graph, &[&Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress)])
 }
 
 /// The columns of `constants.csv` that are no constants of a problem: other norms, and the all-ones 𝓚.
@@ -60,7 +60,7 @@ fn other_columns(mesh: &Mesh) -> BTreeMap<&'static str, f64> {
     let (strain, gradient) = (strains(mesh, &graph), gradients(mesh, &graph, 2));
     let mut h1 = gradient.clone();
     h1.add_scaled(1.0, &mass);
-    let (laplace, ones) = (forms::d(mesh, &graph, &identity(2)), forms::d(mesh, &graph, &Sym::from_fn(2, |_, _| 1.0)));
+    let (laplace, ones) = (forms::d(mesh, &graph, &[&identity(2)]), forms::d(mesh, &graph, &[&Sym::from_fn(2, |_, _| 1.0)]));
     [
         ("lam_eps_over_L2", supremum(mesh, &mass, &strain, &v)),
         ("lam_eps_over_grad", supremum(mesh, &gradient, &strain, &v)),
@@ -174,7 +174,7 @@ fn the_laplacian_of_a_rectangle() {
         let error = |n: usize| {
             let mesh = Mesh::rectangle([a, b], [2 * n, n], diagonal).unwrap();
             let graph = Arc::new(Graph::of_mesh(&mesh));
-            let (mass, laplace) = (forms::inner_h(&mesh, &graph), forms::d(&mesh, &graph, &identity(2)));
+            let (mass, laplace) = (forms::inner_h(&mesh, &graph), forms::d(&mesh, &graph, &[&identity(2)]));
             1.0 / supremum(&mesh, &mass, &laplace, &held(&mesh, 1, &["left", "right", "bottom", "top"])).value - exact
         };
         let errors = [8, 16, 32].map(error);
@@ -213,7 +213,7 @@ fn dense_supremum(free: &[bool], b: impl Fn(usize, usize) -> f64, k: impl Fn(usi
 /// Entries of ∫ over segments, ℓ/6 (1 + δ_ij), for the components (r, c) weighed by `weight(ν)`.
 fn segments(mesh: &Mesh, side: &str, components: usize, weight: impl Fn([f64; 2], usize, usize) -> f64) -> Mat<f64> {
     let mut matrix = Mat::zeros(mesh.points.len() * components, mesh.points.len() * components);
-    for facet in mesh.facets[side].facets() {
+    for (_, facet) in mesh.facets[side].facets() {
         let [p, q] = [facet[0], facet[1]].map(|n| mesh.points[n as usize]);
         let (dx, dy) = (q[0] - p[0], q[1] - p[1]);
         let length = dx.hypot(dy);
@@ -237,7 +237,7 @@ fn every_constant_agrees_with_dense_algebra_on_a_curved_body() {
     let mesh = &problem.mesh;
     let graph = Arc::new(Graph::of_mesh(mesh));
     let (v, q) = (held(mesh, 2, &["top"]), held(mesh, 1, &["top", "left", "right"]));
-    let (mass, strain, laplace) = (forms::inner_h(mesh, &graph), strains(mesh, &graph), forms::d(mesh, &graph, &identity(2)));
+    let (mass, strain, laplace) = (forms::inner_h(mesh, &graph), strains(mesh, &graph), forms::d(mesh, &graph, &[&identity(2)]));
     let vector = |i: usize, j: usize| if i % 2 == j % 2 { mass.get(i / 2, 0, j / 2, 0) } else { 0.0 };
     let energy = |i: usize, j: usize| strain.get(i / 2, i % 2, j / 2, j % 2);
     let heat = |i: usize, j: usize| laplace.get(i, 0, j, 0);

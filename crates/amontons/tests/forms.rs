@@ -45,7 +45,7 @@ fn constant_strain() {
     for diagonal in DIAGONALS {
         let (mesh, graph) = distorted(diagonal);
         for law in [Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress), Isotropic::elastic(2, 3.0, 0.4, StressState::PlaneStrain)] {
-            let a = forms::a(&mesh, &graph, &law);
+            let a = forms::a(&mesh, &graph, &[&law]);
             let u = vector(&mesh, |x, y| [0.3 * x - 0.2 * y + 1.0, -0.2 * x + 0.5 * y - 2.0]);
             let force = a.apply(&u);
             assert!(largest((0..mesh.points.len()).filter(|&n| !on_boundary(&mesh, n)).flat_map(|n| [force[2 * n], force[2 * n + 1]])) < 1e-13);
@@ -63,7 +63,7 @@ fn constant_flux() {
     let conductivity = Sym::from_fn(2, |i, j| [[1.0, 0.2], [0.2, 0.7]][i][j]);
     for diagonal in DIAGONALS {
         let (mesh, graph) = distorted(diagonal);
-        let d = forms::d(&mesh, &graph, &conductivity);
+        let d = forms::d(&mesh, &graph, &[&conductivity]);
         let theta: Vec<f64> = mesh.points.iter().map(|p| 4.0 + 2.0 * p[0] - 3.0 * p[1]).collect();
         let heat = d.apply(&theta);
         assert!(largest((0..mesh.points.len()).filter(|&n| !on_boundary(&mesh, n)).map(|n| heat[n])) < 1e-13);
@@ -78,8 +78,8 @@ fn constant_flux() {
 fn rigid_motion() {
     for diagonal in DIAGONALS {
         let (mesh, graph) = distorted(diagonal);
-        let a = forms::a(&mesh, &graph, &Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain));
-        let e = forms::e(&mesh, &graph, &Sym::from_fn(2, |_, _| 1.0));
+        let a = forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]);
+        let e = forms::e(&mesh, &graph, &[&Sym::from_fn(2, |_, _| 1.0)]);
         for motion in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
             let u = vector(&mesh, |x, y| [motion[0] - motion[2] * y, motion[1] + motion[2] * x]);
             assert!(largest(a.apply(&u).into_iter()) < 1e-13, "force of the rigid motion {motion:?}");
@@ -100,15 +100,15 @@ fn symmetry() {
         let (mesh, graph) = distorted(diagonal);
         let tensor = Sym::from_fn(2, |i, j| [[0.9, -0.4], [-0.4, 1.1]][i][j]);
         let symmetric: [BlockMatrix; 4] = [
-            forms::a(&mesh, &graph, &Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)),
-            forms::b(&mesh, &graph, &Isotropic::lame(2, 10.0, 10.0, StressState::PlaneStress)),
-            forms::d(&mesh, &graph, &tensor),
+            forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]),
+            forms::b(&mesh, &graph, &[&Isotropic::lame(2, 10.0, 10.0, StressState::PlaneStress)]),
+            forms::d(&mesh, &graph, &[&tensor]),
             forms::inner_h(&mesh, &graph),
         ];
         for matrix in &symmetric {
             assert!(matrix.asymmetry(matrix) < 1e-15);
         }
-        assert!(forms::m(&mesh, &graph, &tensor).asymmetry(&forms::e(&mesh, &graph, &tensor)) < 1e-15);
+        assert!(forms::m(&mesh, &graph, &[&tensor]).asymmetry(&forms::e(&mesh, &graph, &[&tensor])) < 1e-15);
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 /// Modules on one line may not use each other; a module may use those on the lines before.
 const LAYERS: &[&[&str]] = &[
     &["tensor", "expression"],
-    &["quadrature", "field"],
+    &["quadrature", "field", "vtu"],
     &["element"],
     &["mesh"],
     &["material", "contact", "space"],

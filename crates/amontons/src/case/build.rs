@@ -11,6 +11,7 @@ use super::raw::{self, Cells};
 use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
 use crate::convergence::Exact;
 use crate::field::Field;
+use crate::material::Dilatation;
 use crate::mesh::{Diagonal, Mesh};
 use crate::output::Input;
 use crate::problem::{Coupling, Initial, Problem};
@@ -44,6 +45,7 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
             raw::Coupling::FixedPoint => Coupling::FixedPoint,
             raw::Coupling::Monolithic => Coupling::Monolithic,
         },
+        dilatation: Dilatation::Full,
         mesh: Arc::new(mesh),
     };
     let problem = match problem.checked() {
@@ -162,7 +164,7 @@ impl Build<'_> {
         let built = if affordable { Mesh::rectangle(*size, cells, diagonal) } else { Mesh::rectangle(*size, [1, 1], diagonal) };
         built.unwrap_or_else(|error| {
             self.note("mesh", At::Value, error.to_string(), "a mesh that can be built", None);
-            Mesh { dim: 2, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: std::collections::BTreeMap::new() }
+            Mesh { dim: 2, axisymmetric: false, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: std::collections::BTreeMap::new() }
         })
     }
 

@@ -5,11 +5,13 @@
 //! compared with them as it goes, so that its states need not be kept.
 
 mod limit;
+mod locator;
 mod norms;
 mod study;
 mod transfer;
 
 pub use limit::{ConstantsRow, ConstantsTable, Limit, limit};
+pub use locator::Locator;
 pub use norms::{Errors, Exact, Products, against_exact, of_difference};
 pub use study::{Level, Reference, Row, Study, StudyError, StudySettings, Table, Vary, slope};
-pub use transfer::{Locator, Transfer, TransferError};
+pub use transfer::{Transfer, TransferError};

@@ -2,13 +2,12 @@
 
 use rayon::prelude::*;
 
+use crate::element::Table;
 use crate::expression::Derivatives;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, dot};
 use crate::mesh::{CellMap, Mesh};
-use crate::quadrature::rule;
 use crate::scheme::State;
-use crate::tensor::Sym;
 
 /// The three errors of (5.2) at one time, and that of the displacement in H.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -56,16 +55,17 @@ const CELLS: usize = 64;
 pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
     let mut sums = [0.0; 4];
     for block in &mesh.blocks {
-        let rule = rule(block.element.shape, DEGREE);
+        let table = Table::new(block.element, DEGREE.max(2 * block.element.degree + 2));
         // Chunks of a fixed size are summed in their order: the same bits on any number of threads.
         let chunks: Vec<[f64; 4]> = block
             .nodes
             .par_chunks(block.element.nodes.len() * CELLS)
             .map(|nodes| {
-                let mut sums = [0.0; 4];
+                let (mut sums, mut map) = ([0.0; 4], CellMap::new(mesh, &table));
                 for cell in nodes.chunks_exact(block.element.nodes.len()) {
-                    for (at, weight) in rule.iter() {
-                        add_squares(&CellMap::new(mesh, block.element, cell, at), weight, mesh.dim, cell, state, exact, &mut sums);
+                    for (q, weight) in table.weights.iter().enumerate() {
+                        map.at(cell, q);
+                        add_squares(&map, weight * map.measure, mesh, cell, state, exact, &mut sums);
                     }
                 }
                 sums
@@ -82,29 +82,32 @@ pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
 }
 
 /// Adds the squared errors at one quadrature point: w, ε(u), θ, u.
-fn add_squares(map: &CellMap, weight: f64, dim: usize, cell: &[u32], state: &State, exact: &Exact, sums: &mut [f64; 4]) {
-    let weight = weight * map.determinant;
-    let mut gradient = [[0.0; 3]; 3];
+fn add_squares(map: &CellMap, weight: f64, mesh: &Mesh, cell: &[u32], state: &State, exact: &Exact, sums: &mut [f64; 4]) {
+    let (dim, values) = (mesh.dim, map.values());
+    let (mut gradient, mut radial) = ([[0.0; 3]; 3], 0.0);
     for (c, row) in gradient.iter_mut().enumerate().take(dim) {
         let exact: Derivatives = exact.displacement.get(c).map_or(Derivatives::default(), |f| f.derivatives(&map.position, state.t));
         let (mut u, mut w) = (exact.value, exact.by_t);
         *row = exact.by_x;
         for (n, &node) in cell.iter().enumerate() {
             let dof = node as usize * dim + c;
-            u -= map.values[n] * state.u[dof];
-            w -= map.values[n] * state.w[dof];
+            u -= values[n] * state.u[dof];
+            w -= values[n] * state.w[dof];
             for d in 0..dim {
                 row[d] -= map.gradients[n][d] * state.u[dof];
             }
         }
         sums[0] += weight * w * w;
         sums[3] += weight * u * u;
+        if c == 0 {
+            radial = u / map.position[0];
+        }
     }
-    let strain = Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
+    let strain = mesh.strain(&gradient, radial);
     sums[1] += weight * strain.dot(&strain);
     let mut theta = exact.temperature.value(&map.position, state.t);
     for (n, &node) in cell.iter().enumerate() {
-        theta -= map.values[n] * state.theta[node as usize];
+        theta -= values[n] * state.theta[node as usize];
     }
     sums[2] += weight * theta * theta;
 }

@@ -207,8 +207,8 @@ impl Study {
 
         let mut scheme = scheme_of(reference)?;
         let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: reference.level, source })?;
-        let unit = Isotropic::lame(reference.problem.mesh.dim, 0.0, 1.0, StressState::PlaneStress);
-        let strain = forms::a(&reference.problem.mesh, scheme.discretization().mass.graph(), &unit);
+        let unit = Isotropic::lame(reference.problem.mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress);
+        let strain = forms::a(&reference.problem.mesh, scheme.discretization().mass.graph(), &[&unit]);
         let mut worst = vec![Worst::default(); self.levels.len()];
         let mut transfers = Vec::new();
         // The comparison borrows the matrices of the reference, the steps change its scheme: one set of

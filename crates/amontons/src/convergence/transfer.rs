@@ -1,8 +1,9 @@
 //! Differences of functions on two meshes: exact by interpolation where the meshes are nested, and exact
 //! on the intersections of the cells where they are not.
 
+use crate::convergence::locator::{At, Locator, OUTSIDE, reference_point};
 use crate::convergence::norms::{Errors, Products, of_difference};
-use crate::element::MAX_NODES;
+use crate::element::{MAX_NODES, P1_TRIANGLE, Table};
 use crate::linalg::BlockMatrix;
 use crate::mesh::{CellMap, Mesh};
 use crate::quadrature::{Shape, rule};
@@ -13,90 +14,15 @@ use crate::tensor::{Point, Sym};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TransferError {
     /// A point of one mesh lies outside the other.
-    #[error("the point ({:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ", .0[0], .0[1])]
+    #[error("the point ({:.6e}, {:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ", .0[0], .0[1], .0[2])]
     Outside(Point),
     /// The meshes have cells that cannot be intersected.
-    #[error("meshes of {0} cells are compared only where they are nested")]
+    #[error("meshes of {0} cells are compared only where they are nested: straight cells, each halved")]
     Cells(&'static str),
 }
 
-/// Cells of a mesh of triangles by the squares of a background grid, to find the cell of a point.
-pub struct Locator<'a> {
-    mesh: &'a Mesh,
-    low: Point,
-    width: [f64; 2],
-    count: [usize; 2],
-    buckets: Vec<Vec<(u32, u32)>>,
-}
-
-impl<'a> Locator<'a> {
-    /// Sorts the cells of a mesh.
-    #[must_use]
-    pub fn new(mesh: &'a Mesh) -> Locator<'a> {
-        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-        for p in &mesh.points {
-            for d in 0..3 {
-                low[d] = low[d].min(p[d]);
-                high[d] = high[d].max(p[d]);
-            }
-        }
-        let side = ((mesh.cell_count() as f64).sqrt().ceil() as usize).max(1);
-        let count = [side, side];
-        let width = [0, 1].map(|d| ((high[d] - low[d]) / side as f64).max(f64::MIN_POSITIVE));
-        let mut locator = Locator { mesh, low, width, count, buckets: vec![Vec::new(); side * side] };
-        for (b, block) in mesh.blocks.iter().enumerate() {
-            for (c, cell) in block.cells().enumerate() {
-                let corners: Vec<&Point> = cell.iter().map(|&n| &mesh.points[n as usize]).collect();
-                for bucket in locator.range(&corners) {
-                    locator.buckets[bucket].push((b as u32, c as u32));
-                }
-            }
-        }
-        locator
-    }
-
-    /// Buckets that the bounding box of some points touches.
-    fn range(&self, points: &[&Point]) -> Vec<usize> {
-        let index = |d: usize, x: f64| (((x - self.low[d]) / self.width[d]).floor().max(0.0) as usize).min(self.count[d] - 1);
-        let bounds = [0, 1].map(|d| {
-            let low = points.iter().map(|p| p[d]).fold(f64::INFINITY, f64::min);
-            let high = points.iter().map(|p| p[d]).fold(f64::NEG_INFINITY, f64::max);
-            index(d, low - 1e-9 * self.width[d])..=index(d, high + 1e-9 * self.width[d])
-        });
-        let [x, y] = bounds;
-        y.flat_map(|j| x.clone().map(move |i| (i, j))).map(|(i, j)| j * self.count[0] + i).collect()
-    }
-
-    fn cell(&self, (block, cell): (u32, u32)) -> &'a [u32] {
-        let block = &self.mesh.blocks[block as usize];
-        let n = block.element.nodes.len();
-        &block.nodes[cell as usize * n..(cell as usize + 1) * n]
-    }
-
-    /// Nodes of the cell of a point with the values of their shape functions there; none outside the mesh.
-    #[must_use]
-    pub fn locate(&self, p: &Point) -> Option<(&'a [u32], [f64; MAX_NODES])> {
-        self.find(p).map(|(at, values)| (self.cell(at), values))
-    }
-
-    /// The cell of a point with the values of its shape functions there.
-    fn find(&self, p: &Point) -> Option<((u32, u32), [f64; MAX_NODES])> {
-        let mut best: Option<(f64, (u32, u32), [f64; MAX_NODES])> = None;
-        for bucket in self.range(&[p]) {
-            for &at in &self.buckets[bucket] {
-                let values = barycentric(self.mesh, self.cell(at), p);
-                let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-                if best.as_ref().is_none_or(|(found, ..)| least > *found) {
-                    best = Some((least, at, values));
-                }
-            }
-        }
-        best.filter(|(least, ..)| *least > -1e-9).map(|(_, at, values)| (at, values))
-    }
-}
-
 /// Shape functions of a triangle at a physical point.
-fn barycentric(mesh: &Mesh, cell: &[u32], p: &Point) -> [f64; MAX_NODES] {
+fn barycentric(mesh: &Mesh, cell: &[u32], p: &Point) -> [f64; 3] {
     let [a, b, c] = [0, 1, 2].map(|i| &mesh.points[cell[i] as usize]);
     let cross = |o: &Point, u: &Point, v: &Point| (u[0] - o[0]) * (v[1] - o[1]) - (u[1] - o[1]) * (v[0] - o[0]);
     let area = cross(a, b, c);
@@ -113,15 +39,15 @@ pub struct Transfer<'a> {
 
 enum Way {
     /// Nested: the coarse function is interpolated at the nodes of the reference, without error.
-    Interpolate(Vec<([u32; MAX_NODES], [f64; MAX_NODES])>),
+    Interpolate(Vec<Vec<(u32, f64)>>),
     /// Not nested: squares are integrated over the intersections of the cells.
     Intersect(Vec<Piece>),
 }
 
 /// A triangle inside one cell of each mesh.
 struct Piece {
-    fine: (u32, u32),
-    coarse: (u32, u32),
+    fine: At,
+    coarse: At,
     corners: [Point; 3],
 }
 
@@ -133,20 +59,22 @@ impl<'a> Transfer<'a> {
     /// When the meshes cover different bodies.
     pub fn new(reference: &'a Discretization, strain: &'a BlockMatrix, coarse: &'a Mesh) -> Result<Transfer<'a>, TransferError> {
         let fine = &reference.mesh;
-        for mesh in [&**fine, coarse] {
-            if let Some(block) = mesh.blocks.iter().find(|b| b.element.shape != Shape::Triangle) {
-                return Err(TransferError::Cells(block.element.name));
-            }
-        }
         let locator = Locator::new(coarse);
         let located = fine.points.iter().map(|p| locator.find(p).ok_or(TransferError::Outside(*p))).collect::<Result<Vec<_>, _>>()?;
         let way = if nested(fine, &locator) {
-            let entry = |&(at, values): &((u32, u32), [f64; MAX_NODES])| {
-                let cell = locator.cell(at);
-                ([cell[0], cell[1], cell[2]], values)
+            let mut values = [0.0; MAX_NODES];
+            let mut entry = |&(at, x): &(At, Point)| -> Vec<(u32, f64)> {
+                let (element, nodes) = locator.cell(at);
+                (element.shape_functions)(&x, &mut values[..nodes.len()]);
+                nodes.iter().copied().zip(values).collect()
             };
-            Way::Interpolate(located.iter().map(entry).collect())
+            Way::Interpolate(located.iter().map(&mut entry).collect())
         } else {
+            for mesh in [&**fine, coarse] {
+                if let Some(block) = mesh.blocks.iter().find(|b| !std::ptr::eq(b.element, &P1_TRIANGLE) || mesh.axisymmetric) {
+                    return Err(TransferError::Cells(block.element.name));
+                }
+            }
             Way::Intersect(intersections(fine, &locator))
         };
         Ok(Transfer { reference, coarse, strain, way })
@@ -166,8 +94,8 @@ impl<'a> Transfer<'a> {
                 let dim = self.coarse.dim;
                 let difference = |components: usize, coarse: &[f64], fine: &[f64]| -> Vec<f64> {
                     let mut out = fine.to_vec();
-                    for (node, (nodes, values)) in entries.iter().enumerate() {
-                        for (&n, value) in nodes.iter().zip(values) {
+                    for (node, entries) in entries.iter().enumerate() {
+                        for &(n, value) in entries {
                             for c in 0..components {
                                 out[node * components + c] -= value * coarse[n as usize * components + c];
                             }
@@ -192,7 +120,8 @@ impl<'a> Transfer<'a> {
         let dim = fine.dim;
         // The difference of two linear functions squared is quadratic.
         let quadrature = rule(Shape::Triangle, 2);
-        let nodes_of = |mesh: &'a Mesh, at: (u32, u32)| -> &'a [u32] {
+        let table = Table::new(&P1_TRIANGLE, 0);
+        let nodes_of = |mesh: &'a Mesh, at: At| -> &'a [u32] {
             let block = &mesh.blocks[at.0 as usize];
             let n = block.element.nodes.len();
             &block.nodes[at.1 as usize * n..(at.1 as usize + 1) * n]
@@ -202,13 +131,13 @@ impl<'a> Transfer<'a> {
             let (f, c) = (nodes_of(fine, piece.fine), nodes_of(self.coarse, piece.coarse));
             let [a, b, d] = &piece.corners;
             let area2 = (b[0] - a[0]) * (d[1] - a[1]) - (b[1] - a[1]) * (d[0] - a[0]);
-            let centre = [1.0 / 3.0, 1.0 / 3.0, 0.0];
-            let gradients = |mesh: &Mesh, at: (u32, u32), nodes: &[u32], u: &[f64]| {
-                let map = CellMap::new(mesh, mesh.blocks[at.0 as usize].element, nodes, &centre);
+            let gradients = |mesh: &Mesh, nodes: &[u32], u: &[f64]| {
+                let mut map = CellMap::new(mesh, &table);
+                map.at(nodes, 0);
                 let gradient = |i: usize, j: usize| nodes.iter().enumerate().map(|(n, &node)| u[node as usize * dim + i] * map.gradients[n][j]).sum::<f64>();
                 Sym::from_fn(dim, |i, j| 0.5 * (gradient(i, j) + gradient(j, i)))
             };
-            let strain = gradients(fine, piece.fine, f, &reference.u) - gradients(self.coarse, piece.coarse, c, &coarse.u);
+            let strain = gradients(fine, f, &reference.u) - gradients(self.coarse, c, &coarse.u);
             strain2 += 0.5 * area2 * strain.dot(&strain);
             for (at, weight) in quadrature.iter() {
                 let p: Point = std::array::from_fn(|k| a[k] + at[0] * (b[k] - a[k]) + at[1] * (d[k] - a[k]));
@@ -228,15 +157,16 @@ impl<'a> Transfer<'a> {
     }
 }
 
-/// Whether every cell of the fine mesh lies in one of the coarse mesh.
+/// Whether every cell of the fine mesh lies in one of the coarse mesh, whose functions are then among its own.
 fn nested(fine: &Mesh, coarse: &Locator) -> bool {
     fine.blocks.iter().all(|block| {
         block.cells().all(|cell| {
-            let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
-            let centre: Point = std::array::from_fn(|d| corners.iter().map(|p| p[d]).sum::<f64>() / corners.len() as f64);
+            let corners = || cell.iter().map(|&n| &fine.points[n as usize]);
+            let centre: Point = std::array::from_fn(|d| corners().map(|p| p[d]).sum::<f64>() / cell.len() as f64);
             coarse.find(&centre).is_some_and(|(at, _)| {
-                let nodes = coarse.cell(at);
-                corners.iter().all(|p| barycentric(coarse.mesh, nodes, p).iter().all(|&v| v > -1e-9))
+                let (element, nodes) = coarse.cell(at);
+                let inside = |p: &Point| reference_point(coarse.mesh(), element, nodes, p).is_some_and(|x| element.shape.depth(&x) > OUTSIDE);
+                (element.shape == block.element.shape || element.is_simplex()) && element.degree <= block.element.degree && corners().all(inside)
             })
         })
     })
@@ -248,14 +178,14 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
     for (b, block) in fine.blocks.iter().enumerate() {
         for (c, cell) in block.cells().enumerate() {
             let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
-            let mut candidates: Vec<(u32, u32)> = coarse.range(&corners).into_iter().flat_map(|i| coarse.buckets[i].iter().copied()).collect();
+            let mut candidates: Vec<At> = coarse.range(corners.iter().copied(), 0.0).into_iter().flat_map(|i| coarse.bucket(i).iter().copied()).collect();
             candidates.sort_unstable();
             candidates.dedup();
             for at in candidates {
                 let mut polygon: Vec<Point> = corners.iter().map(|&&p| p).collect();
-                let nodes = coarse.cell(at);
+                let (points, (_, nodes)) = (&coarse.mesh().points, coarse.cell(at));
                 for k in 0..3 {
-                    polygon = clip(&polygon, &coarse.mesh.points[nodes[k] as usize], &coarse.mesh.points[nodes[(k + 1) % 3] as usize]);
+                    polygon = clip(&polygon, &points[nodes[k] as usize], &points[nodes[(k + 1) % 3] as usize]);
                 }
                 for k in 1..polygon.len().saturating_sub(1) {
                     pieces.push(Piece { fine: (b as u32, c as u32), coarse: at, corners: [polygon[0], polygon[k], polygon[k + 1]] });

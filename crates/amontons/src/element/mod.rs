@@ -1,4 +1,32 @@
 //! Finite elements as static records; [`ALL`] is the list that tests loop over.
+//!
+//! | family | elements |
+//! |---|---|
+//! | segments | [`P1_SEGMENT`], [`P2_SEGMENT`], their ends [`POINT_LEFT`], [`POINT_RIGHT`] |
+//! | triangles, tetrahedra | [`P1_TRIANGLE`], [`P2_TRIANGLE`], [`P1_TETRAHEDRON`], [`P2_TETRAHEDRON`] |
+//! | quadrilaterals, hexahedra | [`Q1_QUADRILATERAL`], [`Q2_QUADRILATERAL`], [`Q1_HEXAHEDRON`], [`Q2_HEXAHEDRON`] |
+//! | prisms, pyramids | [`P1_PRISM`], [`P2_PRISM`], [`P1_PYRAMID`] |
+//!
+//! Nodes are numbered as in the VTK file formats: vertices, then middles of edges, of faces, of the cell.
+
+mod basis;
+mod hexahedron;
+mod prism;
+mod pyramid;
+mod quadrilateral;
+mod segment;
+mod table;
+mod tetrahedron;
+mod triangle;
+
+pub use hexahedron::{Q1_HEXAHEDRON, Q2_HEXAHEDRON};
+pub use prism::{P1_PRISM, P2_PRISM};
+pub use pyramid::P1_PYRAMID;
+pub use quadrilateral::{Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+pub use segment::{P1_SEGMENT, P2_SEGMENT, POINT_LEFT, POINT_RIGHT};
+pub use table::Table;
+pub use tetrahedron::{P1_TETRAHEDRON, P2_TETRAHEDRON};
+pub use triangle::{P1_TRIANGLE, P2_TRIANGLE};
 
 use crate::quadrature::Shape;
 use crate::tensor::Point;
@@ -10,77 +38,84 @@ pub struct Element {
     pub name: &'static str,
     /// Shape of the reference cell.
     pub shape: Shape,
-    /// Polynomial degree of the shape functions.
+    /// Largest p such that the shape functions span all polynomials of total degree p: the order of the element.
     pub degree: usize,
-    /// Reference coordinates of the nodes.
+    /// Degree of the gradients for [`crate::quadrature::rule`]: the total degree on a simplex, that in each
+    /// coordinate on the other shapes.
+    pub gradient_degree: usize,
+    /// Reference coordinates of the nodes, in the order of VTK.
     pub nodes: &'static [Point],
-    /// Local nodes of each facet, ordered so that the outward normal is on the right of a segment.
-    pub facets: &'static [&'static [usize]],
+    /// The facets, oriented outward.
+    pub facets: &'static [Facet],
     /// Values of the shape functions at a reference point, one a node.
     pub shape_functions: fn(&Point, &mut [f64]),
     /// Gradients of the shape functions at a reference point, one a node.
     pub gradients: fn(&Point, &mut [Point]),
-    /// Element of a facet, none for points.
-    pub facet: Option<&'static Element>,
     /// Cell type of the VTK file formats.
     pub vtk: u8,
+    /// Element type of the Gmsh file formats.
+    pub gmsh: u32,
+    /// `gmsh_nodes[i]` is the local node here that Gmsh lists at place `i`.
+    pub gmsh_nodes: &'static [usize],
+}
+
+/// A facet of a cell: the cell's local nodes in the order of the facet's own.
+///
+/// A segment has the body on its left, hence its outward normal on its right; on a face the outward normal is
+/// ∂x/∂ξ × ∂x/∂η. A point is [`POINT_LEFT`] or [`POINT_RIGHT`] by the side of the body that it closes.
+#[derive(Debug)]
+pub struct Facet {
+    /// Element of the facet.
+    pub element: &'static Element,
+    /// Local nodes of the cell, `element.nodes.len()` of them.
+    pub nodes: &'static [usize],
 }
 
 /// Most nodes that an element has.
-pub const MAX_NODES: usize = 3;
+pub const MAX_NODES: usize = 27;
 
-/// A single node, the facet of [`P1_SEGMENT`].
-pub static POINT: Element = Element {
-    name: "point",
-    shape: Shape::Point,
-    degree: 0,
-    nodes: &[[0.0; 3]],
-    facets: &[],
-    shape_functions: |_, n| n[0] = 1.0,
-    gradients: |_, g| g[0] = [0.0; 3],
-    facet: None,
-    vtk: 1,
-};
+impl Element {
+    /// Spatial dimension of the reference cell.
+    #[must_use]
+    pub fn dim(&self) -> usize {
+        self.shape.dim()
+    }
 
-/// Linear segment.
-pub static P1_SEGMENT: Element = Element {
-    name: "P1 segment",
-    shape: Shape::Segment,
-    degree: 1,
-    nodes: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]],
-    facets: &[&[0], &[1]],
-    shape_functions: |x, n| {
-        n[0] = 1.0 - x[0];
-        n[1] = x[0];
-    },
-    gradients: |_, g| {
-        g[0] = [-1.0, 0.0, 0.0];
-        g[1] = [1.0, 0.0, 0.0];
-    },
-    facet: Some(&POINT),
-    vtk: 3,
-};
+    /// Whether the shape is a segment, triangle or tetrahedron: the functions are then the polynomials of total degree p.
+    #[must_use]
+    pub fn is_simplex(&self) -> bool {
+        matches!(self.shape, Shape::Segment | Shape::Triangle | Shape::Tetrahedron)
+    }
 
-/// Linear triangle.
-pub static P1_TRIANGLE: Element = Element {
-    name: "P1 triangle",
-    shape: Shape::Triangle,
-    degree: 1,
-    nodes: &[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
-    facets: &[&[0, 1], &[1, 2], &[2, 0]],
-    shape_functions: |x, n| {
-        n[0] = 1.0 - x[0] - x[1];
-        n[1] = x[0];
-        n[2] = x[1];
-    },
-    gradients: |_, g| {
-        g[0] = [-1.0, -1.0, 0.0];
-        g[1] = [1.0, 0.0, 0.0];
-        g[2] = [0.0, 1.0, 0.0];
-    },
-    facet: Some(&P1_SEGMENT),
-    vtk: 5,
-};
+    /// The mean of the vertices of the reference cell.
+    #[must_use]
+    pub fn centre(&self) -> Point {
+        let n = self.shape.vertices();
+        std::array::from_fn(|d| self.nodes.iter().take(n).map(|p| p[d]).sum::<f64>() / n as f64)
+    }
+
+    /// The element of a shape that is complete to a degree, if the library has one.
+    #[must_use]
+    pub fn find(shape: Shape, degree: usize) -> Option<&'static Element> {
+        ALL.into_iter().find(|e| e.shape == shape && e.degree == degree)
+    }
+}
 
 /// Every element of the library.
-pub static ALL: [&Element; 3] = [&POINT, &P1_SEGMENT, &P1_TRIANGLE];
+pub static ALL: [&Element; 15] = [
+    &POINT_LEFT,
+    &POINT_RIGHT,
+    &P1_SEGMENT,
+    &P2_SEGMENT,
+    &P1_TRIANGLE,
+    &P2_TRIANGLE,
+    &Q1_QUADRILATERAL,
+    &Q2_QUADRILATERAL,
+    &P1_TETRAHEDRON,
+    &P2_TETRAHEDRON,
+    &Q1_HEXAHEDRON,
+    &Q2_HEXAHEDRON,
+    &P1_PRISM,
+    &P2_PRISM,
+    &P1_PYRAMID,
+];

@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
+use crate::element::Table;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::mesh::{FacetMap, Mesh};
 use crate::problem::{BoundaryCondition, Support};
-use crate::quadrature::rule;
 use crate::tensor::Point;
 
 /// ∫ κ(x, ν) N_j·N_i over the sides where there is a coefficient κ, a tensor of `components`² entries;
@@ -24,21 +24,23 @@ fn assemble<'a, K: 'a>(
     for (on, given) in sides {
         let Some(set) = mesh.facets.get(on) else { continue };
         let matrix = matrix.get_or_insert_with(|| BlockMatrix::zero(graph, components, components));
-        let rule = rule(set.element.shape, 2 * set.element.degree + 2);
-        let width = set.element.nodes.len() * components;
-        let mut form = vec![0.0; width * width];
-        for facet in set.facets() {
-            form.fill(0.0);
-            for (at, weight) in rule.iter() {
-                let map = FacetMap::new(mesh, set.element, facet, at);
-                let kappa = coefficient(given, &map);
-                for (i, entry) in form.iter_mut().enumerate() {
-                    let (row, column) = (i / width, i % width);
-                    let shapes = map.values[row / components] * map.values[column / components];
-                    *entry += weight * map.area * shapes * kappa[row % components][column % components];
+        for block in &set.blocks {
+            let table = Table::new(block.element, 2 * block.element.degree + 2);
+            let (mut map, width) = (FacetMap::new(mesh, &table), block.element.nodes.len() * components);
+            let mut form = vec![0.0; width * width];
+            for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+                form.fill(0.0);
+                for (q, weight) in table.weights.iter().enumerate() {
+                    map.at(facet, q);
+                    let (kappa, values) = (coefficient(given, &map), map.values());
+                    for (i, entry) in form.iter_mut().enumerate() {
+                        let (row, column) = (i / width, i % width);
+                        let shapes = values[row / components] * values[column / components];
+                        *entry += weight * map.area * shapes * kappa[row % components][column % components];
+                    }
                 }
+                matrix.add(facet, &form);
             }
-            matrix.add(facet, &form);
         }
     }
     matrix

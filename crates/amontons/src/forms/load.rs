@@ -1,10 +1,9 @@
 //! The load vectors (f(t), v)_V of (2.16) and (q_h(t), η)_Q of (2.17).
 
-use crate::element::{Element, MAX_NODES};
+use crate::element::{Element, Table};
 use crate::field::Field;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{BoundaryCondition, Convection};
-use crate::quadrature::{Rule, rule};
 use crate::tensor::Point;
 
 /// Degree of the rules that integrate data against shape functions: exact for cubic data on P1.
@@ -68,57 +67,47 @@ impl Varying {
     }
 }
 
-/// Points and entries of ∫ field · weight N_i over cells or facets: entry of `components` components a node the weights
-/// that `map` gives beside position, measure and shape functions.
-fn over<'a>(
-    shapes: impl Iterator<Item = (&'a Element, &'a [u32])>,
-    components: usize,
-    map: impl Fn(&Element, &[u32], &Point) -> (Point, f64, [f64; MAX_NODES], Point),
-) -> (Vec<Point>, Vec<(u32, f64)>) {
-    let (mut points, mut entries) = (Vec::new(), Vec::new());
-    let mut cached: Option<(&'static str, Rule)> = None;
-    for (element, nodes) in shapes {
-        if cached.as_ref().is_none_or(|(name, _)| *name != element.name) {
-            cached = Some((element.name, rule(element.shape, data_degree(element))));
-        }
-        let Some((_, rule)) = &cached else { continue };
-        for (at, weight) in rule.iter() {
-            let (x, measure, values, direction) = map(element, nodes, at);
-            points.push(x);
-            for (&node, value) in nodes.iter().zip(values) {
-                let first = node * components as u32;
-                entries.extend((0..components).map(|c| (first + c as u32, weight * measure * value * direction[c])));
-            }
-        }
-    }
-    (points, entries)
-}
-
 /// ∫_Ω field η, η the component `c` of `components`.
 fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c: usize) {
     if field.is_zero() {
         return;
     }
     for block in &mesh.blocks {
-        let cells = block.cells().map(|cell| (block.element, cell));
-        let (points, entries) = over(cells, components, |element, nodes, at| {
-            let map = CellMap::new(mesh, element, nodes, at);
-            (map.position, map.determinant, map.values, unit(c))
-        });
-        load.add(field, block.element.nodes.len() * components, points, entries);
+        let table = Table::new(block.element, data_degree(block.element));
+        let mut map = CellMap::new(mesh, &table);
+        let (mut points, mut entries) = (Vec::new(), Vec::new());
+        for nodes in block.cells() {
+            for q in 0..table.len() {
+                map.at(nodes, q);
+                points.push(map.position);
+                entries
+                    .extend(nodes.iter().zip(map.values()).map(|(&node, value)| (node * components as u32 + c as u32, table.weights[q] * map.measure * value)));
+            }
+        }
+        load.add(field, block.element.nodes.len(), points, entries);
     }
 }
 
 /// ∫ field direction·v over a side, v of `components` components.
 fn facet_terms(mesh: &Mesh, load: &mut Load, on: &str, field: &Field, components: usize, direction: impl Fn(&FacetMap) -> Point) {
     let Some(set) = mesh.facets.get(on).filter(|_| !field.is_zero()) else { return };
-    let facets = set.facets().map(|facet| (set.element, facet));
-    let (points, entries) = over(facets, components, |element, nodes, at| {
-        let map = FacetMap::new(mesh, element, nodes, at);
-        let direction = direction(&map);
-        (map.position, map.area, map.values, direction)
-    });
-    load.add(field, set.element.nodes.len() * components, points, entries);
+    for block in &set.blocks {
+        let table = Table::new(block.element, data_degree(block.element));
+        let mut map = FacetMap::new(mesh, &table);
+        let (mut points, mut entries) = (Vec::new(), Vec::new());
+        for nodes in block.nodes.chunks_exact(block.element.nodes.len()) {
+            for q in 0..table.len() {
+                map.at(nodes, q);
+                points.push(map.position);
+                let direction = direction(&map);
+                for (&node, value) in nodes.iter().zip(map.values()) {
+                    let first = node * components as u32;
+                    entries.extend((0..components).map(|c| (first + c as u32, table.weights[q] * map.area * value * direction[c])));
+                }
+            }
+        }
+        load.add(field, block.element.nodes.len() * components, points, entries);
+    }
 }
 
 fn unit(c: usize) -> Point {

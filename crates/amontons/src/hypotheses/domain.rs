@@ -18,12 +18,12 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
+use crate::element::Table;
 use crate::forms;
 use crate::linalg::{BlockMatrix, Eigenpair, Entry, FactorError, Graph, Pencil, Quotient, System, Unknowns, dot, largest};
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
-use crate::quadrature::rule;
 use crate::space::Space;
 use crate::tensor::Sym;
 
@@ -89,12 +89,12 @@ pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, FactorErro
     let mechanics = || {
         let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.
-        let strain = || forms::a(mesh, &graph, &Isotropic::lame(mesh.dim, 0.0, 1.0, StressState::PlaneStress));
+        let strain = || forms::a(mesh, &graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
         constants_of(mesh, &v, &mass, strain, contact, [Part::Whole, Part::Normal, Part::Tangential])
     };
     let heat = || {
         let q = problem.temperature_space();
-        let gradient = || forms::d(mesh, &graph, &Sym::from_fn(mesh.dim, |i, j| if i == j { 1.0 } else { 0.0 }));
+        let gradient = || forms::d(mesh, &graph, &[&Sym::identity(mesh.dim)]);
         constants_of(mesh, &q, &mass, gradient, contact, [Part::Whole])
     };
     let (mechanics, heat) = rayon::join(mechanics, heat);
@@ -165,28 +165,36 @@ fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: 
     for (k, &dof) in unknowns.contact().iter().enumerate() {
         position[dof as usize] = Some(k as u32);
     }
-    let element = contact.element;
-    let quadrature = rule(element.shape, 2 * element.degree);
     let mut entries = Vec::new();
-    for facet in contact.facets() {
+    let tables: Vec<Table> = contact.blocks.iter().map(|block| Table::new(block.element, 2 * block.element.degree)).collect();
+    let maps = contact.blocks.iter().zip(&tables).flat_map(|(block, table)| {
+        let mut map = FacetMap::new(mesh, table);
+        block.nodes.chunks_exact(block.element.nodes.len()).map(move |facet| {
+            let points = table.weights.iter().enumerate().map(|(q, weight)| {
+                map.at(facet, q);
+                (weight * map.area, map.normal, map.values())
+            });
+            (facet, points.collect::<Vec<_>>())
+        })
+    });
+    for (facet, points) in maps {
         let dofs: Vec<(usize, usize, u32)> = (0..facet.len())
             .flat_map(|n| (0..components).map(move |c| (n, c)))
             .filter_map(|(n, c)| Some((n, c, position[facet[n] as usize * components + c]?)))
             .collect();
         let mut block = vec![0.0; dofs.len() * dofs.len()];
-        for (at, weight) in quadrature.iter() {
-            let map = FacetMap::new(mesh, element, facet, at);
+        for (weight, normal, values) in points {
             let product = |r: usize, c: usize| {
                 let whole = if r == c { 1.0 } else { 0.0 };
                 match part {
                     Part::Whole => whole,
-                    Part::Normal => map.normal[r] * map.normal[c],
-                    Part::Tangential => whole - map.normal[r] * map.normal[c],
+                    Part::Normal => normal[r] * normal[c],
+                    Part::Tangential => whole - normal[r] * normal[c],
                 }
             };
             for (a, &(i, r, _)) in dofs.iter().enumerate() {
                 for (b, &(j, c, _)) in dofs.iter().enumerate() {
-                    block[a * dofs.len() + b] += weight * map.area * map.values[i] * map.values[j] * product(r, c);
+                    block[a * dofs.len() + b] += weight * values[i] * values[j] * product(r, c);
                 }
             }
         }

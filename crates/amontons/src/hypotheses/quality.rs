@@ -2,7 +2,7 @@
 
 use super::laws::at;
 use super::{Finding, Status};
-use crate::element::Element;
+use crate::element::{Element, Table};
 use crate::mesh::{CellMap, Mesh};
 use crate::tensor::Point;
 
@@ -22,10 +22,12 @@ pub(super) fn cells(mesh: &Mesh) -> Finding {
         let moment = moment(element, mesh.dim);
         // The map of a linear simplex is the same at every node.
         let simplex = element.degree == 1 && element.nodes.len() == mesh.dim + 1;
-        let nodes = if simplex { &element.nodes[..1] } else { element.nodes };
+        let table = Table::at(element, if simplex { &element.nodes[..1] } else { element.nodes });
+        let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
-            for reference in nodes {
-                let quality = quality(mesh, element, cell, reference, &moment);
+            for q in 0..table.len() {
+                map.at(cell, q);
+                let quality = quality(mesh, map.jacobian, table.gradients(q), cell, &moment);
                 if quality < worst.0 {
                     worst = (quality, centre(mesh, cell));
                 }
@@ -50,13 +52,10 @@ fn moment(element: &Element, dim: usize) -> [[f64; 3]; 3] {
     })
 }
 
-fn quality(mesh: &Mesh, element: &Element, cell: &[u32], reference: &Point, moment: &[[f64; 3]; 3]) -> f64 {
+fn quality(mesh: &Mesh, jacobian: f64, gradients: &[Point], cell: &[u32], moment: &[[f64; 3]; 3]) -> f64 {
     let dim = mesh.dim;
-    let map = CellMap::new(mesh, element, cell, reference);
-    let mut gradients = [[0.0; 3]; crate::element::MAX_NODES];
-    (element.gradients)(reference, &mut gradients);
     let mut j = [[0.0; 3]; 3];
-    for (&node, gradient) in cell.iter().zip(&gradients) {
+    for (&node, gradient) in cell.iter().zip(gradients) {
         let p = &mesh.points[node as usize];
         for r in 0..dim {
             for c in 0..dim {
@@ -67,7 +66,7 @@ fn quality(mesh: &Mesh, element: &Element, cell: &[u32], reference: &Point, mome
     let trace: f64 = (0..dim).map(|r| (0..dim).flat_map(|a| (0..dim).map(move |b| (a, b))).map(|(a, b)| j[r][a] * moment[a][b] * j[r][b]).sum::<f64>()).sum();
     let [m0, m1, m2] = moment;
     let cross: Point = [m1[1] * m2[2] - m1[2] * m2[1], m1[2] * m2[0] - m1[0] * m2[2], m1[0] * m2[1] - m1[1] * m2[0]];
-    let determinant = map.determinant * map.determinant * crate::tensor::dot(m0, &cross);
+    let determinant = jacobian * jacobian * crate::tensor::dot(m0, &cross);
     dim as f64 * determinant.powf(1.0 / dim as f64) / trace
 }
 

@@ -18,13 +18,12 @@ use super::laws::{at, boundary, norm};
 use super::step::heat_acts_at_once;
 use super::{Constants, Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
-use crate::element::Element;
+use crate::element::Table;
 use crate::field::Field;
 use crate::forms;
 use crate::linalg::{BlockMatrix, FactorError, Graph, System, Unknowns, dot};
 use crate::mesh::CellMap;
 use crate::problem::Problem;
-use crate::quadrature::rule;
 use crate::space::Space;
 use crate::tensor::Point;
 
@@ -170,7 +169,7 @@ impl<'a> Body<'a> {
     fn bound(&self, contact: &Contact, c_f: Option<f64>) -> Result<Result<Bound, &'static str>, FactorError> {
         let (problem, m) = (self.problem, &self.problem.material);
         let mesh = &problem.mesh;
-        let a = forms::a(mesh, &self.graph, m.elasticity.as_ref());
+        let a = forms::a(mesh, &self.graph, &[m.elasticity.as_ref()]);
         let mass = forms::inner_h(mesh, &self.graph);
         let unknowns = Unknowns::new(&a, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
         let mut system = System::new(&a, unknowns)?;
@@ -298,12 +297,12 @@ fn source(problem: &Problem, t: f64) -> f64 {
     let mesh = &problem.mesh;
     let mut sum = 0.0;
     for block in &mesh.blocks {
-        let element: &Element = block.element;
-        let rule = rule(element.shape, forms::data_degree(element));
+        let table = Table::new(block.element, forms::data_degree(block.element));
+        let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
-            for (at, weight) in rule.iter() {
-                let map = CellMap::new(mesh, element, cell, at);
-                sum += weight * map.determinant * problem.heat_source.value(&map.position, t).powi(2);
+            for (q, weight) in table.weights.iter().enumerate() {
+                map.at(cell, q);
+                sum += weight * map.measure * problem.heat_source.value(&map.position, t).powi(2);
             }
         }
     }

@@ -66,14 +66,14 @@ impl<'a> Step<'a> {
     fn new(problem: &'a Problem, boundary: ContactBoundary) -> Step<'a> {
         let mesh = &problem.mesh;
         let graph = Arc::new(Graph::of_mesh(mesh));
-        let law = |law| minorant(law, mesh.dim);
+        let law = |law| minorant(law, mesh.tensor_dim());
         Step {
             problem,
             space: problem.displacement_space(),
             boundary,
             mass: forms::inner_h(mesh, &graph),
-            a: forms::a(mesh, &graph, law(&problem.material.elasticity).as_ref()),
-            b: forms::b(mesh, &graph, law(&problem.material.viscosity).as_ref()),
+            a: forms::a(mesh, &graph, &[law(&problem.material.elasticity).as_ref()]),
+            b: forms::b(mesh, &graph, &[law(&problem.material.viscosity).as_ref()]),
         }
     }
 

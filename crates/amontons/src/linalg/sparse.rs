@@ -137,6 +137,47 @@ impl BlockMatrix {
         }
     }
 
+    /// Adds the matrices of many cells of `n` nodes each, one after the other as [`BlockMatrix::add`] does. Every thread
+    /// takes some rows: an entry is summed in the order of the cells, whatever the number of threads.
+    pub fn add_cells(&mut self, nodes: &[u32], n: usize, cells: &[f64]) {
+        let (rows, cols, graph) = (self.rows, self.cols, &*self.graph);
+        let (size, width) = (rows * cols, n * cols);
+        let add = |first: usize, last: usize, values: &mut [f64]| {
+            let from = graph.start[first];
+            for (nodes, cell) in nodes.chunks_exact(n).zip(cells.chunks_exact(n * rows * width)) {
+                for (&i, cell) in nodes.iter().zip(cell.chunks_exact(rows * width)) {
+                    if !(first..last).contains(&(i as usize)) {
+                        continue;
+                    }
+                    for (b, &j) in nodes.iter().enumerate() {
+                        let Some(slot) = graph.slot(i as usize, j) else { continue };
+                        let block = &mut values[(slot - from) * size..][..size];
+                        for (out, cell) in block.chunks_exact_mut(cols).zip(cell[b * cols..].chunks(width)) {
+                            for (out, value) in out.iter_mut().zip(cell) {
+                                *out += value;
+                            }
+                        }
+                    }
+                }
+            }
+        };
+        let (mut rest, mut first, parts) = (&mut *self.values, 0, rayon::current_num_threads());
+        rayon::scope(|scope| {
+            for part in 1..=parts {
+                // Rows such that every part has about as many entries.
+                let last = if part == parts {
+                    graph.len()
+                } else {
+                    graph.start.partition_point(|&s| s < graph.columns.len() / parts * part).clamp(first, graph.len())
+                };
+                let (own, others) = std::mem::take(&mut rest).split_at_mut((graph.start[last] - graph.start[first]) * size);
+                rest = others;
+                scope.spawn(move |_| add(first, last, own));
+                first = last;
+            }
+        });
+    }
+
     /// Adds `factor` times a matrix on the same graph: of the same block shape, or of 1 × 1 blocks,
     /// which then act on each component.
     pub fn add_scaled(&mut self, factor: f64, other: &BlockMatrix) {

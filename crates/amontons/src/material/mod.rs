@@ -122,6 +122,18 @@ pub enum StressState {
     PlaneStrain,
 }
 
+/// How the strain of a cell is taken by elasticity and viscosity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Dilatation {
+    /// ε(u) as it is.
+    #[default]
+    Full,
+    /// The trace of ε(u) is replaced by its mean over the cell, ε̄ = ε + (mean tr ε − tr ε) I/d (the B̄ method; Hughes,
+    /// *The Finite Element Method*, 1987, section 4.5). Against locking of nearly incompressible bodies; it serves
+    /// Q1 quadrilaterals and hexahedra and quadratic elements, and changes nothing for linear triangles and tetrahedra.
+    Mean,
+}
+
 /// The material of a body.
 #[derive(Clone, Debug)]
 pub struct Material {

@@ -1,11 +1,10 @@
 //! What is computed cell by cell from a state: stresses, and the norm of V.
 
-use crate::element::{Element, MAX_NODES};
+use crate::element::Table;
 use crate::mesh::{CellMap, Mesh};
 use crate::problem::Problem;
-use crate::quadrature::rule;
 use crate::scheme::State;
-use crate::tensor::{Point, Sym};
+use crate::tensor::Sym;
 
 /// The stress of one cell, at its centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,11 +23,12 @@ pub fn cell_stresses(problem: &Problem, state: &State) -> Vec<CellStress> {
     let mesh = &problem.mesh;
     let mut stresses = Vec::with_capacity(mesh.cell_count());
     for block in &mesh.blocks {
-        let centre = centre(block.element);
+        let table = Table::at(block.element, &[block.element.centre()]);
+        let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
-            let map = CellMap::new(mesh, block.element, cell, &centre);
-            let theta = cell.iter().zip(&map.values).map(|(&node, value)| value * state.theta[node as usize]).sum();
-            let stress = problem.material.stress(&map.position, &strain(mesh.dim, &map, cell, &state.u), &strain(mesh.dim, &map, cell, &state.w), theta);
+            map.at(cell, 0);
+            let theta = cell.iter().zip(map.values()).map(|(&node, value)| value * state.theta[node as usize]).sum();
+            let stress = problem.material.stress(&map.position, &strain(mesh, &map, cell, &state.u), &strain(mesh, &map, cell, &state.w), theta);
             stresses.push(CellStress { stress, von_mises: stress.von_mises(), region: block.region });
         }
     }
@@ -40,12 +40,14 @@ pub fn cell_stresses(problem: &Problem, state: &State) -> Vec<CellStress> {
 pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
     let mut sum = 0.0;
     for block in &mesh.blocks {
-        let rule = rule(block.element.shape, 2 * block.element.degree.saturating_sub(1));
+        let degree = if mesh.axisymmetric { block.element.gradient_degree.max(block.element.degree) } else { block.element.gradient_degree };
+        let table = Table::new(block.element, 2 * degree);
+        let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
-            for (at, weight) in rule.iter() {
-                let map = CellMap::new(mesh, block.element, cell, at);
-                let strain = strain(mesh.dim, &map, cell, v);
-                sum += weight * map.determinant * strain.dot(&strain);
+            for (q, weight) in table.weights.iter().enumerate() {
+                map.at(cell, q);
+                let strain = strain(mesh, &map, cell, v);
+                sum += weight * map.measure * strain.dot(&strain);
             }
         }
     }
@@ -53,20 +55,15 @@ pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
 }
 
 /// ε(v) = ½(∇v + ∇vᵀ) at the point of a map.
-fn strain(dim: usize, map: &CellMap, cell: &[u32], v: &[f64]) -> Sym {
-    let mut gradient = [[0.0; 3]; 3];
-    for (&node, g) in cell.iter().zip(&map.gradients).take(MAX_NODES) {
+fn strain(mesh: &Mesh, map: &CellMap, cell: &[u32], v: &[f64]) -> Sym {
+    let (dim, mut gradient, mut radial) = (mesh.dim, [[0.0; 3]; 3], 0.0);
+    for ((&node, g), value) in cell.iter().zip(&map.gradients).zip(map.values()) {
         for i in 0..dim {
             for j in 0..dim {
                 gradient[i][j] += v[node as usize * dim + i] * g[j];
             }
         }
+        radial += value * v[node as usize * dim];
     }
-    Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]))
-}
-
-/// The mean of the nodes of a reference cell.
-fn centre(element: &Element) -> Point {
-    let n = element.nodes.len() as f64;
-    std::array::from_fn(|d| element.nodes.iter().map(|p| p[d]).sum::<f64>() / n)
+    mesh.strain(&gradient, radial / map.position[0])
 }

@@ -56,7 +56,17 @@ fn cell_type(code: u8) -> CellType {
     match code {
         1 => CellType::Vertex,
         3 => CellType::Line,
+        9 => CellType::Quad,
         10 => CellType::Tetra,
+        12 => CellType::Hexahedron,
+        13 => CellType::Wedge,
+        14 => CellType::Pyramid,
+        21 => CellType::QuadraticEdge,
+        22 => CellType::QuadraticTriangle,
+        24 => CellType::QuadraticTetra,
+        28 => CellType::BiquadraticQuad,
+        29 => CellType::TriquadraticHexahedron,
+        32 => CellType::BiquadraticQuadraticWedge,
         _ => CellType::Triangle,
     }
 }
@@ -73,4 +83,16 @@ pub(super) fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Resu
         writeln!(out, "  </Collection>")?;
         writeln!(out, "</VTKFile>")
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_element_has_its_cell_type() {
+        for element in crate::element::ALL {
+            assert_eq!(cell_type(element.vtk) as u8, element.vtk, "{}", element.name);
+        }
+    }
 }

@@ -6,11 +6,22 @@ use super::PlotError;
 use super::axes;
 use crate::mesh::Mesh;
 
+/// Nodes around a cell of `nodes` nodes in the order of [`crate::element`], and the triangles it is drawn by.
+fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize; 3]])> {
+    match nodes {
+        3 => Some((&[0, 1, 2], &[[0, 1, 2]])),
+        4 => Some((&[0, 1, 2, 3], &[[0, 1, 2], [0, 2, 3]])),
+        6 => Some((&[0, 3, 1, 4, 2, 5], &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])),
+        9 => Some((&[0, 4, 1, 5, 2, 6, 3, 7], &[[8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0]])),
+        _ => None,
+    }
+}
+
 /// A mesh in the plane.
 #[derive(Clone, Debug)]
 pub struct Body {
     pub(super) points: Vec<[f64; 2]>,
-    /// Triangles; a cell of four nodes gives two.
+    /// Triangles; a cell of four nodes gives two, a quadratic one four or eight.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The cell of each triangle.
     pub(super) owners: Vec<u32>,
@@ -22,10 +33,10 @@ pub struct Body {
 }
 
 impl Body {
-    /// A body of cells with three or four corners each, given by their nodes in order around the cell.
+    /// A body of triangles and quadrilaterals, linear or quadratic, by their nodes in the order of VTK.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when a cell has another number of corners or a node that does not exist, or a coordinate is not finite.
+    /// [`PlotError::Data`] when a cell has another number of nodes or a node that does not exist, or a coordinate is not finite.
     pub fn new<'a>(points: Vec<[f64; 2]>, cells: impl IntoIterator<Item = &'a [u32]>) -> Result<Body, PlotError> {
         if let Some(node) = points.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
@@ -34,18 +45,20 @@ impl Body {
         let mut sides: HashMap<[u32; 2], ([u32; 2], usize)> = HashMap::new();
         let mut order = Vec::new();
         for (c, cell) in cells.into_iter().enumerate() {
-            if !(3..=4).contains(&cell.len()) {
-                return Err(PlotError::Data(format!("cell {c} has {} corners, expected 3 or 4", cell.len())));
-            }
+            let Some((outline, parts)) = pieces(cell.len()) else {
+                return Err(PlotError::Data(format!("cell {c} has {} nodes, expected 3, 4, 6 or 9", cell.len())));
+            };
             if let Some(node) = cell.iter().find(|&&n| n as usize >= body.points.len()) {
                 return Err(PlotError::Data(format!("cell {c} has node {node}, but there are only {} nodes", body.points.len())));
             }
-            let mut around = cell.to_vec();
-            if body.signed_area(&around) < 0.0 {
+            let mut around: Vec<u32> = outline.iter().map(|&i| cell[i]).collect();
+            let is_mirrored = body.signed_area(&around) < 0.0;
+            if is_mirrored {
                 around.reverse();
             }
-            for i in 2..around.len() {
-                body.triangles.push([around[0], around[i - 1], around[i]]);
+            for part in parts {
+                let [a, b, d] = part.map(|i| cell[i]);
+                body.triangles.push(if is_mirrored { [d, b, a] } else { [a, b, d] });
                 body.owners.push(c as u32);
             }
             for (i, &a) in around.iter().enumerate() {
@@ -189,7 +202,7 @@ fn selection(count: usize) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Diagonal;
+    use crate::mesh::{Diagonal, Elements};
 
     fn rectangle(n: usize, diagonal: Diagonal) -> Result<Body, Box<dyn std::error::Error>> {
         Ok(Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [2 * n, n], diagonal)?)?)
@@ -241,10 +254,24 @@ mod tests {
         Ok(())
     }
 
+    /// Quadratic cells are drawn by triangles that cover them, along their curved sides.
+    #[test]
+    fn quadratic_cells_are_covered() -> Result<(), Box<dyn std::error::Error>> {
+        for elements in [Elements::P2, Elements::Q2] {
+            let body = Body::of_mesh(&Mesh::disc(1.0, [4, 32], elements)?)?;
+            assert_eq!(body.areas().len(), body.cells());
+            // The polygon through the 64 nodes on the circle.
+            let expected = 32.0 * (std::f64::consts::TAU / 64.0).sin();
+            assert!((body.areas().iter().sum::<f64>() - expected).abs() < 1e-12);
+            assert_eq!(body.boundary.len(), 64);
+        }
+        Ok(())
+    }
+
     #[test]
     fn bad_cells_are_named() {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
-        for (cell, word) in [([0u32, 1].as_slice(), "corners"), ([0, 1, 7].as_slice(), "node 7")] {
+        for (cell, word) in [([0u32, 1].as_slice(), "2 nodes"), ([0, 1, 7].as_slice(), "node 7")] {
             let error = Body::new(points.clone(), [cell]).map(|_| ()).map_err(|e| e.to_string());
             assert!(error.clone().is_err_and(|e| e.contains(word)), "{error:?}");
         }

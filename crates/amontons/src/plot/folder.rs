@@ -8,10 +8,10 @@ use super::table::{self, Table};
 use super::{PlotError, vtu};
 use crate::contact::Status;
 
-/// Cell types of VTK that are plane: triangle and quadrilateral.
-const PLANE: [u8; 2] = [5, 9];
+/// Cell types of VTK that are plane: triangles and quadrilaterals, linear and quadratic.
+const PLANE: [u8; 4] = [5, 9, 22, 28];
 /// Cell types of VTK that are lines.
-const LINE: u8 = 3;
+const LINES: [u8; 2] = [3, 21];
 
 impl Run {
     /// Reads the run in a results folder: `case.toml`, `fields.pvd` with its latest snapshot, `contact.csv` and `history.csv`.
@@ -27,7 +27,7 @@ impl Run {
         let format = |what: String| PlotError::Format { path: path.clone(), what };
         let dimension = if grid.types.iter().all(|kind| PLANE.contains(kind)) {
             2
-        } else if grid.types.iter().all(|&kind| kind == LINE) {
+        } else if grid.types.iter().all(|kind| LINES.contains(kind)) {
             1
         } else {
             3

@@ -1,9 +1,9 @@
 //! What holds on the parts of the boundary, contact apart, and which of it excludes what.
 
 use super::{Fault, Problem};
+use crate::element::Table;
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
-use crate::quadrature::rule;
 use crate::space::{Prescription, Space};
 use crate::tensor::Point;
 
@@ -141,15 +141,21 @@ impl BoundaryCondition {
 fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> {
     const FLAT: f64 = 1e-6;
     let mut axis = None;
-    let rule = rule(set.element.shape, set.element.degree);
-    for (number, facet) in set.facets().enumerate() {
-        for (at, _) in rule.iter() {
-            let normal = FacetMap::new(mesh, set.element, facet, at).normal;
-            let along = (0..mesh.dim).find(|&c| (0..mesh.dim).all(|d| d == c || normal[d].abs() < FLAT)).map(|c| (c, normal[c].signum()));
-            match along {
-                Some(along) if axis.is_none_or(|axis| axis == along) => axis = Some(along),
-                _ => return Err((number, normal)),
+    let mut number = 0;
+    for block in &set.blocks {
+        let table = Table::at(block.element, block.element.nodes);
+        let mut map = FacetMap::new(mesh, &table);
+        for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+            for q in 0..table.len() {
+                map.at(facet, q);
+                let normal = map.normal;
+                let along = (0..mesh.dim).find(|&c| (0..mesh.dim).all(|d| d == c || normal[d].abs() < FLAT)).map(|c| (c, normal[c].signum()));
+                match along {
+                    Some(along) if axis.is_none_or(|axis| axis == along) => axis = Some(along),
+                    _ => return Err((number, normal)),
+                }
             }
+            number += 1;
         }
     }
     axis.ok_or((0, [f64::NAN; 3]))

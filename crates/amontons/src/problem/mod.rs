@@ -9,7 +9,7 @@ pub use boundary::{BoundaryCondition, Convection, Support};
 
 use crate::contact::Contact;
 use crate::field::Field;
-use crate::material::Material;
+use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 
 /// One fault of the data: where, what was found, what was expected, what to try.
@@ -113,6 +113,8 @@ pub struct Problem {
     pub initial: Initial,
     /// How mechanics and heat are coupled within a step.
     pub coupling: Coupling,
+    /// The strain that elasticity and viscosity see.
+    pub dilatation: Dilatation,
 }
 
 impl Problem {

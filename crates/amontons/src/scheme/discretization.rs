@@ -282,7 +282,7 @@ impl Discretization {
     /// ‖v‖ in H or L², and ‖ε(v)‖ where `strain` holds the form (ε(·), ε(·)).
     #[must_use]
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
-        crate::linalg::dot(v, &matrix.apply(v)).max(0.0).sqrt()
+        dot(v, &matrix.apply(v)).max(0.0).sqrt()
     }
 }
 

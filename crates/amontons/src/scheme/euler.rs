@@ -28,9 +28,10 @@ impl BackwardEuler {
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
-        let k = problem.k();
+        // Laws that are not linear have their tangent at rest here; each step makes its own.
+        let (k, rest) = (problem.k(), vec![0.0; discrete.v.free.len()]);
         let (mechanics, heat) = rayon::join(
-            || System::new(&discrete.mechanical_matrix(k), &discrete, &discrete.v, &backend),
+            || System::new(&discrete.mechanical_tangent(k, &rest, &rest), &discrete, &discrete.v, &backend),
             || System::new(&discrete.thermal_matrix(k), &discrete, &discrete.q, &backend),
         );
         let mechanics = mechanics.map_err(|source| SetupError::Factor { part: "mechanical", source })?;
@@ -135,7 +136,17 @@ impl Scheme for BackwardEuler {
             mass_theta: heat.mass_theta,
             d_theta: heat.d_theta,
         });
-        let state = State { step, t, u: mechanics.u, w: mechanics.w, theta: heat.theta, multipliers: mechanics.multipliers, branches: mechanics.branches, ledger, counts };
+        let state = State {
+            step,
+            t,
+            u: mechanics.u,
+            w: mechanics.w,
+            theta: heat.theta,
+            multipliers: mechanics.multipliers,
+            branches: mechanics.branches,
+            ledger,
+            counts,
+        };
         Ok((state, report))
     }
 

@@ -200,9 +200,7 @@ impl Iterate {
     fn right(&self, step: &Step, load: &[f64], thermal: &[f64]) -> Vec<f64> {
         let inertia = step.discrete.inertia().0 / step.problem.k();
         let relaxing = |i: usize| self.relaxing.get(i).copied().unwrap_or(0.0);
-        (0..load.len())
-            .map(|i| load[i] + thermal[i] - inertia * (self.mass_w[i] - step.products.mass_w[i]) - self.b_w[i] - self.a_u[i] - relaxing(i))
-            .collect()
+        (0..load.len()).map(|i| load[i] + thermal[i] - inertia * (self.mass_w[i] - step.products.mass_w[i]) - self.b_w[i] - self.a_u[i] - relaxing(i)).collect()
     }
 
     /// What is left of (4.1) tested with every basis function, with contact points in these states; at prescribed nodes it is the reaction.

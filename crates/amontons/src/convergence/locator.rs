@@ -1,0 +1,156 @@
+//! The cell of a point, in any mesh.
+
+use crate::element::{Element, MAX_NODES};
+use crate::mesh::{Mesh, invert};
+use crate::tensor::Point;
+
+/// How far outside the reference cell a point may lie and still belong to it, for round-off.
+pub(super) const OUTSIDE: f64 = -1e-9;
+
+/// Place of a cell in a mesh: block, and cell in the block.
+pub(super) type At = (u32, u32);
+
+/// Cells of a mesh by the boxes of a background grid, to find the cell of a point.
+pub struct Locator<'a> {
+    mesh: &'a Mesh,
+    low: Point,
+    width: Point,
+    count: [usize; 3],
+    buckets: Vec<Vec<At>>,
+}
+
+impl<'a> Locator<'a> {
+    /// Sorts the cells of a mesh.
+    #[must_use]
+    pub fn new(mesh: &'a Mesh) -> Locator<'a> {
+        let (low, high) = bounds(mesh.points.iter());
+        let side = ((mesh.cell_count() as f64).powf(1.0 / mesh.dim as f64).ceil() as usize).max(1);
+        let count = std::array::from_fn(|d| if d < mesh.dim { side } else { 1 });
+        let width = std::array::from_fn(|d| ((high[d] - low[d]) / count[d] as f64).max(f64::MIN_POSITIVE));
+        let mut locator = Locator { mesh, low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
+        for (b, block) in mesh.blocks.iter().enumerate() {
+            for (c, cell) in block.cells().enumerate() {
+                for bucket in locator.range(cell.iter().map(|&n| &mesh.points[n as usize]), if block.element.degree > 1 { 0.25 } else { 0.0 }) {
+                    locator.buckets[bucket].push((b as u32, c as u32));
+                }
+            }
+        }
+        locator
+    }
+
+    /// Buckets that the bounding box of some points touches, the box widened by a share of itself on all sides:
+    /// curved cells reach beyond their nodes, by an eighth at most of a box that a middle node spans.
+    pub(super) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
+        let (low, high) = bounds(points);
+        let index = |d: usize, x: f64| (((x - self.low[d]) / self.width[d]).floor().max(0.0) as usize).min(self.count[d] - 1);
+        let [x, y, z] = [0, 1, 2].map(|d| {
+            let more = wider * (high[d] - low[d]) + 1e-9 * self.width[d];
+            index(d, low[d] - more)..=index(d, high[d] + more)
+        });
+        let mut buckets = Vec::new();
+        for k in z {
+            for j in y.clone() {
+                buckets.extend(x.clone().map(|i| (k * self.count[1] + j) * self.count[0] + i));
+            }
+        }
+        buckets
+    }
+
+    /// The mesh.
+    pub(super) fn mesh(&self) -> &'a Mesh {
+        self.mesh
+    }
+
+    /// Cells of a bucket.
+    pub(super) fn bucket(&self, bucket: usize) -> &[At] {
+        &self.buckets[bucket]
+    }
+
+    /// Element and nodes of a cell.
+    pub(super) fn cell(&self, (block, cell): At) -> (&'static Element, &'a [u32]) {
+        let block = &self.mesh.blocks[block as usize];
+        let n = block.element.nodes.len();
+        (block.element, &block.nodes[cell as usize * n..(cell as usize + 1) * n])
+    }
+
+    /// Nodes of the cell of a point with the values of their shape functions there; none outside the mesh.
+    #[must_use]
+    pub fn locate(&self, p: &Point) -> Option<(&'a [u32], Vec<f64>)> {
+        let (at, x) = self.find(p)?;
+        let (element, nodes) = self.cell(at);
+        let mut values = vec![0.0; nodes.len()];
+        (element.shape_functions)(&x, &mut values);
+        Some((nodes, values))
+    }
+
+    /// The cell in which a point lies deepest, and its reference coordinates there.
+    pub(super) fn find(&self, p: &Point) -> Option<(At, Point)> {
+        let mut best: Option<(f64, At, Point)> = None;
+        for bucket in self.range(std::iter::once(p), 0.0) {
+            for &at in &self.buckets[bucket] {
+                let (element, nodes) = self.cell(at);
+                let Some(x) = reference_point(self.mesh, element, nodes, p) else { continue };
+                let depth = element.shape.depth(&x);
+                if best.as_ref().is_none_or(|(found, ..)| depth > *found) {
+                    best = Some((depth, at, x));
+                }
+            }
+        }
+        best.filter(|(depth, ..)| *depth > OUTSIDE).map(|(_, at, x)| (at, x))
+    }
+}
+
+fn bounds<'p>(points: impl Iterator<Item = &'p Point>) -> (Point, Point) {
+    points.fold(([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]), |(low, high), p| {
+        (std::array::from_fn(|d| low[d].min(p[d])), std::array::from_fn(|d| high[d].max(p[d])))
+    })
+}
+
+/// Reference coordinates of a point in a cell by Newton's method from the centre: one step for a linear simplex, a
+/// few for a cell that the point lies in. None where it does not converge, which means far outside.
+pub(super) fn reference_point(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<Point> {
+    match mesh.dim {
+        1 => newton::<1>(mesh, element, nodes, p),
+        2 => newton::<2>(mesh, element, nodes, p),
+        _ => newton::<3>(mesh, element, nodes, p),
+    }
+}
+
+fn newton<const D: usize>(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<Point> {
+    const MOST: usize = 30;
+    const FAR: f64 = 10.0;
+    let (mut values, mut gradients) = ([0.0; MAX_NODES], [[0.0; 3]; MAX_NODES]);
+    let mut x = element.centre();
+    for _ in 0..MOST {
+        (element.shape_functions)(&x, &mut values[..nodes.len()]);
+        (element.gradients)(&x, &mut gradients[..nodes.len()]);
+        let (mut rest, mut j) = ([0.0; D], [[0.0; D]; D]);
+        for row in 0..D {
+            // Coordinates are taken from the point, so that their round-off is that of the size of the cell.
+            for (n, &node) in nodes.iter().enumerate() {
+                let at = mesh.points[node as usize][row] - p[row];
+                rest[row] -= values[n] * at;
+                for col in 0..D {
+                    j[row][col] += at * gradients[n][col];
+                }
+            }
+        }
+        let (determinant, inverse) = invert(&j);
+        if determinant.abs() < f64::MIN_POSITIVE {
+            return None;
+        }
+        let mut step: f64 = 0.0;
+        for row in 0..D {
+            let change: f64 = (0..D).map(|col| inverse[row][col] * rest[col]).sum();
+            x[row] += change;
+            step = step.max(change.abs());
+        }
+        if step.is_nan() || x.iter().any(|c| c.abs() > FAR) {
+            return None;
+        }
+        if step < 1e-13 {
+            return Some(x);
+        }
+    }
+    None
+}

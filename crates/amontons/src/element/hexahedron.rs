@@ -1,0 +1,82 @@
+//! Hexahedra [0, 1]³.
+
+use super::basis::{product, product_gradients};
+use super::{Element, Facet, Q1_QUADRILATERAL, Q2_QUADRILATERAL};
+use crate::quadrature::Shape;
+use crate::tensor::Point;
+
+/// Vertices; middles of the edges below, above and upright; centres of the faces −x, +x, −y, +y, −z, +z; the centre.
+const NODES: [Point; 27] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.0, 0.0, 1.0],
+    [1.0, 0.0, 1.0],
+    [1.0, 1.0, 1.0],
+    [0.0, 1.0, 1.0],
+    [0.5, 0.0, 0.0],
+    [1.0, 0.5, 0.0],
+    [0.5, 1.0, 0.0],
+    [0.0, 0.5, 0.0],
+    [0.5, 0.0, 1.0],
+    [1.0, 0.5, 1.0],
+    [0.5, 1.0, 1.0],
+    [0.0, 0.5, 1.0],
+    [0.0, 0.0, 0.5],
+    [1.0, 0.0, 0.5],
+    [1.0, 1.0, 0.5],
+    [0.0, 1.0, 0.5],
+    [0.0, 0.5, 0.5],
+    [1.0, 0.5, 0.5],
+    [0.5, 0.0, 0.5],
+    [0.5, 1.0, 0.5],
+    [0.5, 0.5, 0.0],
+    [0.5, 0.5, 1.0],
+    [0.5, 0.5, 0.5],
+];
+
+/// Trilinear hexahedron.
+pub static Q1_HEXAHEDRON: Element = Element {
+    name: "Q1 hexahedron",
+    shape: Shape::Hexahedron,
+    degree: 1,
+    gradient_degree: 1,
+    nodes: &[NODES[0], NODES[1], NODES[2], NODES[3], NODES[4], NODES[5], NODES[6], NODES[7]],
+    facets: &[
+        Facet { element: &Q1_QUADRILATERAL, nodes: &[0, 3, 2, 1] },
+        Facet { element: &Q1_QUADRILATERAL, nodes: &[4, 5, 6, 7] },
+        Facet { element: &Q1_QUADRILATERAL, nodes: &[0, 1, 5, 4] },
+        Facet { element: &Q1_QUADRILATERAL, nodes: &[1, 2, 6, 5] },
+        Facet { element: &Q1_QUADRILATERAL, nodes: &[2, 3, 7, 6] },
+        Facet { element: &Q1_QUADRILATERAL, nodes: &[3, 0, 4, 7] },
+    ],
+    shape_functions: |x, n| product(3, 1, &NODES[..8], x, n),
+    gradients: |x, g| product_gradients(3, 1, &NODES[..8], x, g),
+    vtk: 12,
+    gmsh: 5,
+    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7],
+};
+
+/// Triquadratic hexahedron, of 27 nodes.
+pub static Q2_HEXAHEDRON: Element = Element {
+    name: "Q2 hexahedron",
+    shape: Shape::Hexahedron,
+    degree: 2,
+    gradient_degree: 2,
+    nodes: &NODES,
+    facets: &[
+        Facet { element: &Q2_QUADRILATERAL, nodes: &[0, 3, 2, 1, 11, 10, 9, 8, 24] },
+        Facet { element: &Q2_QUADRILATERAL, nodes: &[4, 5, 6, 7, 12, 13, 14, 15, 25] },
+        Facet { element: &Q2_QUADRILATERAL, nodes: &[0, 1, 5, 4, 8, 17, 12, 16, 22] },
+        Facet { element: &Q2_QUADRILATERAL, nodes: &[1, 2, 6, 5, 9, 18, 13, 17, 21] },
+        Facet { element: &Q2_QUADRILATERAL, nodes: &[2, 3, 7, 6, 10, 19, 14, 18, 23] },
+        Facet { element: &Q2_QUADRILATERAL, nodes: &[3, 0, 4, 7, 11, 16, 15, 19, 20] },
+    ],
+    shape_functions: |x, n| product(3, 2, &NODES, x, n),
+    gradients: |x, g| product_gradients(3, 2, &NODES, x, g),
+    vtk: 29,
+    gmsh: 12,
+    // Gmsh goes through the edges by their first vertex, and through the faces −z, −y, −x, +x, +y, +z.
+    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 16, 9, 17, 10, 18, 19, 12, 15, 13, 14, 24, 22, 20, 21, 23, 25, 26],
+};

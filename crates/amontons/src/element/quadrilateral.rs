@@ -1,0 +1,50 @@
+//! Quadrilaterals [0, 1]².
+
+use super::basis::{product, product_gradients};
+use super::{Element, Facet, P1_SEGMENT, P2_SEGMENT};
+use crate::quadrature::Shape;
+use crate::tensor::Point;
+
+/// Vertices around the cell, middles of its edges, its centre.
+const NODES: [Point; 9] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [1.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.5, 0.0], [0.5, 0.5, 0.0]];
+
+/// Bilinear quadrilateral.
+pub static Q1_QUADRILATERAL: Element = Element {
+    name: "Q1 quadrilateral",
+    shape: Shape::Quadrilateral,
+    degree: 1,
+    gradient_degree: 1,
+    nodes: &[NODES[0], NODES[1], NODES[2], NODES[3]],
+    facets: &[
+        Facet { element: &P1_SEGMENT, nodes: &[0, 1] },
+        Facet { element: &P1_SEGMENT, nodes: &[1, 2] },
+        Facet { element: &P1_SEGMENT, nodes: &[2, 3] },
+        Facet { element: &P1_SEGMENT, nodes: &[3, 0] },
+    ],
+    shape_functions: |x, n| product(2, 1, &NODES[..4], x, n),
+    gradients: |x, g| product_gradients(2, 1, &NODES[..4], x, g),
+    vtk: 9,
+    gmsh: 3,
+    gmsh_nodes: &[0, 1, 2, 3],
+};
+
+/// Biquadratic quadrilateral, of nine nodes.
+pub static Q2_QUADRILATERAL: Element = Element {
+    name: "Q2 quadrilateral",
+    shape: Shape::Quadrilateral,
+    degree: 2,
+    gradient_degree: 2,
+    nodes: &NODES,
+    facets: &[
+        Facet { element: &P2_SEGMENT, nodes: &[0, 1, 4] },
+        Facet { element: &P2_SEGMENT, nodes: &[1, 2, 5] },
+        Facet { element: &P2_SEGMENT, nodes: &[2, 3, 6] },
+        Facet { element: &P2_SEGMENT, nodes: &[3, 0, 7] },
+    ],
+    shape_functions: |x, n| product(2, 2, &NODES, x, n),
+    gradients: |x, g| product_gradients(2, 2, &NODES, x, g),
+    vtk: 28,
+    gmsh: 10,
+    gmsh_nodes: &[0, 1, 2, 3, 4, 5, 6, 7, 8],
+};

@@ -1,0 +1,73 @@
+//! Segments [0, 1], and the points that close a body of one dimension.
+
+use super::basis::{product, product_gradients};
+use super::{Element, Facet};
+use crate::quadrature::Shape;
+use crate::tensor::Point;
+
+/// The left end of a body on the line: its outward normal is −1.
+///
+/// A point has no direction of its own, so the two ends of a segment are two elements; the reference
+/// coordinate of the node is that of the end it closes.
+pub static POINT_LEFT: Element = Element {
+    name: "left end",
+    shape: Shape::Point,
+    degree: 0,
+    gradient_degree: 0,
+    nodes: &[[0.0; 3]],
+    facets: &[],
+    shape_functions: |_, n| n[0] = 1.0,
+    gradients: |_, g| g[0] = [0.0; 3],
+    vtk: 1,
+    gmsh: 15,
+    gmsh_nodes: &[0],
+};
+
+/// The right end of a body on the line: its outward normal is +1; see [`POINT_LEFT`].
+pub static POINT_RIGHT: Element = Element {
+    name: "right end",
+    shape: Shape::Point,
+    degree: 0,
+    gradient_degree: 0,
+    nodes: &[[1.0, 0.0, 0.0]],
+    facets: &[],
+    shape_functions: |_, n| n[0] = 1.0,
+    gradients: |_, g| g[0] = [0.0; 3],
+    vtk: 1,
+    gmsh: 15,
+    gmsh_nodes: &[0],
+};
+
+const NODES: [Point; 3] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 0.0, 0.0]];
+
+const ENDS: &[Facet] = &[Facet { element: &POINT_LEFT, nodes: &[0] }, Facet { element: &POINT_RIGHT, nodes: &[1] }];
+
+/// Linear segment.
+pub static P1_SEGMENT: Element = Element {
+    name: "P1 segment",
+    shape: Shape::Segment,
+    degree: 1,
+    gradient_degree: 0,
+    nodes: &[NODES[0], NODES[1]],
+    facets: ENDS,
+    shape_functions: |x, n| product(1, 1, &NODES[..2], x, n),
+    gradients: |x, g| product_gradients(1, 1, &NODES[..2], x, g),
+    vtk: 3,
+    gmsh: 1,
+    gmsh_nodes: &[0, 1],
+};
+
+/// Quadratic segment: both ends, then the middle.
+pub static P2_SEGMENT: Element = Element {
+    name: "P2 segment",
+    shape: Shape::Segment,
+    degree: 2,
+    gradient_degree: 1,
+    nodes: &NODES,
+    facets: ENDS,
+    shape_functions: |x, n| product(1, 2, &NODES, x, n),
+    gradients: |x, g| product_gradients(1, 2, &NODES, x, g),
+    vtk: 21,
+    gmsh: 8,
+    gmsh_nodes: &[0, 1, 2],
+};

@@ -1,0 +1,69 @@
+//! Shape functions at fixed reference points, evaluated once for all cells.
+
+use super::Element;
+use crate::quadrature::{Rule, rule};
+use crate::tensor::Point;
+
+/// An element at the points of a rule: values and reference gradients of its shape functions, and the weights.
+#[derive(Clone, Debug)]
+pub struct Table {
+    /// The element.
+    pub element: &'static Element,
+    /// Weights of the points, of the reference cell.
+    pub weights: Vec<f64>,
+    values: Vec<f64>,
+    gradients: Vec<Point>,
+}
+
+impl Table {
+    /// The element at the points of the rule that integrates polynomials of a degree on its shape,
+    /// see [`crate::quadrature::rule`].
+    #[must_use]
+    pub fn new(element: &'static Element, degree: usize) -> Table {
+        Table::of_rule(element, rule(element.shape, degree))
+    }
+
+    /// The element at some points, with weight 1 each.
+    #[must_use]
+    pub fn at(element: &'static Element, points: &[Point]) -> Table {
+        Table::of_rule(element, Rule { points: points.to_vec(), weights: vec![1.0; points.len()] })
+    }
+
+    /// The element at the points of a rule.
+    #[must_use]
+    pub fn of_rule(element: &'static Element, rule: Rule) -> Table {
+        let n = element.nodes.len();
+        let (mut values, mut gradients) = (vec![0.0; n * rule.points.len()], vec![[0.0; 3]; n * rule.points.len()]);
+        for (q, x) in rule.points.iter().enumerate() {
+            (element.shape_functions)(x, &mut values[q * n..(q + 1) * n]);
+            (element.gradients)(x, &mut gradients[q * n..(q + 1) * n]);
+        }
+        Table { element, weights: rule.weights, values, gradients }
+    }
+
+    /// Number of points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Whether there are no points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.weights.is_empty()
+    }
+
+    /// Values of the shape functions at point `q`, one a node.
+    #[must_use]
+    pub fn values(&self, q: usize) -> &[f64] {
+        let n = self.element.nodes.len();
+        &self.values[q * n..(q + 1) * n]
+    }
+
+    /// Reference gradients of the shape functions at point `q`, one a node.
+    #[must_use]
+    pub fn gradients(&self, q: usize) -> &[Point] {
+        let n = self.element.nodes.len();
+        &self.gradients[q * n..(q + 1) * n]
+    }
+}

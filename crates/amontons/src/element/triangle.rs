@@ -1,0 +1,46 @@
+//! Triangles (0,0), (1,0), (0,1).
+
+use super::basis::{linear, linear_gradients, quadratic, quadratic_gradients};
+use super::{Element, Facet, P1_SEGMENT, P2_SEGMENT};
+use crate::quadrature::Shape;
+use crate::tensor::Point;
+
+/// Vertices, then middles of the edges of [`EDGES`].
+pub(super) const NODES: [Point; 6] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.5, 0.0]];
+
+/// Vertices that the middle nodes lie between.
+pub(super) const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
+
+/// Linear triangle.
+pub static P1_TRIANGLE: Element = Element {
+    name: "P1 triangle",
+    shape: Shape::Triangle,
+    degree: 1,
+    gradient_degree: 0,
+    nodes: &[NODES[0], NODES[1], NODES[2]],
+    facets: &[Facet { element: &P1_SEGMENT, nodes: &[0, 1] }, Facet { element: &P1_SEGMENT, nodes: &[1, 2] }, Facet { element: &P1_SEGMENT, nodes: &[2, 0] }],
+    shape_functions: |x, n| linear(2, x, n),
+    gradients: |_, g| linear_gradients(2, g),
+    vtk: 5,
+    gmsh: 2,
+    gmsh_nodes: &[0, 1, 2],
+};
+
+/// Quadratic triangle, of six nodes.
+pub static P2_TRIANGLE: Element = Element {
+    name: "P2 triangle",
+    shape: Shape::Triangle,
+    degree: 2,
+    gradient_degree: 1,
+    nodes: &NODES,
+    facets: &[
+        Facet { element: &P2_SEGMENT, nodes: &[0, 1, 3] },
+        Facet { element: &P2_SEGMENT, nodes: &[1, 2, 4] },
+        Facet { element: &P2_SEGMENT, nodes: &[2, 0, 5] },
+    ],
+    shape_functions: |x, n| quadratic(2, &EDGES, x, n),
+    gradients: |x, g| quadratic_gradients(2, &EDGES, x, g),
+    vtk: 22,
+    gmsh: 9,
+    gmsh_nodes: &[0, 1, 2, 3, 4, 5],
+};

@@ -1,0 +1,202 @@
+//! Sums of cell matrices: what is known at a point of a cell, and the sums over points and cells.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use crate::element::{Element, Table};
+use crate::linalg::{BlockMatrix, Graph};
+use crate::material::Dilatation;
+use crate::mesh::{Block, CellMap, Mesh};
+use crate::tensor::{MANDEL, Sym, mandel_len, mandel_weight};
+
+/// The entry of a region in a list by region; the last one serves the regions beyond the list.
+pub(super) fn of_region<'a, T: ?Sized>(list: &[&'a T], region: usize) -> Option<&'a T> {
+    list.get(region).or(list.last()).copied()
+}
+
+/// A point of a cell, as a form sees it.
+pub(super) struct Cell<'a> {
+    pub mesh: &'a Mesh,
+    table: &'a Table,
+    pub map: CellMap<'a>,
+    pub nodes: &'a [u32],
+    pub region: usize,
+    /// Number of basis fields N_j e_c: nodes times d.
+    pub fields: usize,
+    /// Components 11 · 22, 12 · 33 … of the strain of each basis field N_j e_c, in order (j, c), a row a component:
+    /// `strains[m][j d + c]`. Empty for forms that do not ask for it.
+    strains: Vec<f64>,
+    /// Mean over the cell of the divergence of each basis field; empty unless asked for.
+    mean: Vec<f64>,
+    /// Room for one number a basis field.
+    room: Vec<f64>,
+}
+
+/// Number of leading Mandel components that a strain has.
+pub(super) fn strain_components(mesh: &Mesh) -> usize {
+    if mesh.axisymmetric { 4 } else { mandel_len(mesh.dim) }
+}
+
+impl<'a> Cell<'a> {
+    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a Table, strains: Option<Dilatation>) -> Cell<'a> {
+        let (components, fields) = (strain_components(mesh), block.element.nodes.len() * mesh.dim);
+        Cell {
+            mesh,
+            table,
+            map: CellMap::new(mesh, table),
+            nodes: &[],
+            region: block.region,
+            fields,
+            strains: if strains.is_some() { vec![0.0; components * fields] } else { Vec::new() },
+            mean: if strains == Some(Dilatation::Mean) { vec![0.0; fields] } else { Vec::new() },
+            room: vec![0.0; fields],
+        }
+    }
+
+    /// Calls `form` with this cell and the weight at each of its points.
+    pub fn integrate(&mut self, mut form: impl FnMut(&mut Cell<'a>, f64)) {
+        if !self.mean.is_empty() {
+            self.average();
+        }
+        for (q, weight) in self.table.weights.iter().enumerate() {
+            self.map.at(self.nodes, q);
+            if !self.strains.is_empty() {
+                self.strain();
+                if !self.mean.is_empty() {
+                    self.replace_trace();
+                }
+            }
+            let weight = weight * self.map.measure;
+            form(self, weight);
+        }
+    }
+
+    /// Component `m` of the strains of all basis fields.
+    pub fn strain_row(&self, m: usize) -> &[f64] {
+        &self.strains[m * self.fields..(m + 1) * self.fields]
+    }
+
+    /// The work 𝓣:ε(φ_a) of a tensor on the strain of each basis field.
+    pub fn work(&mut self, tensor: &Sym) -> &[f64] {
+        self.room.fill(0.0);
+        for (component, row) in tensor.0.iter().zip(self.strains.chunks_exact(self.fields)) {
+            for (work, strain) in self.room.iter_mut().zip(row) {
+                *work += component * strain;
+            }
+        }
+        &self.room
+    }
+
+    fn strain(&mut self) {
+        let (dim, fields) = (self.mesh.dim, self.fields);
+        let values = self.map.values();
+        for (m, &(i, j)) in MANDEL.iter().enumerate().take(mandel_len(dim)) {
+            let row = &mut self.strains[m * fields..(m + 1) * fields];
+            // ε_ij = (∂_j v_i + ∂_i v_j)/2, times the Mandel weight.
+            let weight = mandel_weight(i, j) * 0.5;
+            for (entries, g) in row.chunks_exact_mut(dim).zip(&self.map.gradients) {
+                if i == j {
+                    entries.fill(0.0);
+                    entries[i] = g[i];
+                } else {
+                    entries[i] = weight * g[j];
+                    entries[j] = weight * g[i];
+                }
+            }
+        }
+        if self.mesh.axisymmetric {
+            // ε_θθ = u_r / r.
+            let r = self.map.position[0];
+            for (entries, value) in self.strains[3 * fields..].chunks_exact_mut(dim).zip(values) {
+                entries.fill(0.0);
+                entries[0] = value / r;
+            }
+        }
+    }
+
+    /// Mandel components on the diagonal of a tensor, which make its trace.
+    fn trace_components(&self) -> &'static [usize] {
+        const DIAGONAL: [usize; 3] = [0, 1, 3];
+        &DIAGONAL[..self.mesh.tensor_dim()]
+    }
+
+    /// Mean divergence of each basis field.
+    fn average(&mut self) {
+        let mut volume = 0.0;
+        self.mean.fill(0.0);
+        for (q, weight) in self.table.weights.iter().enumerate() {
+            self.map.at(self.nodes, q);
+            self.strain();
+            let weight = weight * self.map.measure;
+            volume += weight;
+            for &m in self.trace_components() {
+                for (mean, strain) in self.mean.iter_mut().zip(&self.strains[m * self.fields..]) {
+                    *mean += weight * strain;
+                }
+            }
+        }
+        self.mean.iter_mut().for_each(|mean| *mean /= volume);
+    }
+
+    fn replace_trace(&mut self) {
+        let (fields, diagonal) = (self.fields, self.trace_components());
+        for field in 0..fields {
+            let trace: f64 = diagonal.iter().map(|&m| self.strains[m * fields + field]).sum();
+            let change = (self.mean[field] - trace) / diagonal.len() as f64;
+            for &m in diagonal {
+                self.strains[m * fields + field] += change;
+            }
+        }
+    }
+}
+
+/// Numbers that are kept of cells before they are added up: they stay in the cache.
+const KEPT: usize = 1 << 16;
+/// Cells that one task works on.
+const TASK: usize = 32;
+
+/// Computes `size` numbers a cell, in parallel, and hands them over in the order of the cells, many cells at once.
+pub(super) fn by_cells(
+    mesh: &Mesh,
+    degree: impl Fn(&Element) -> usize,
+    strains: Option<Dilatation>,
+    size: impl Fn(&Element) -> usize,
+    form: impl Fn(&mut Cell, &mut [f64]) + Sync,
+    mut add: impl FnMut(&[u32], usize, &[f64]),
+) {
+    for block in &mesh.blocks {
+        let table = Table::new(block.element, degree(block.element));
+        let (n, size) = (block.element.nodes.len(), size(block.element));
+        let together = (KEPT / size).max(TASK);
+        let mut kept = vec![0.0; size * together.min(block.len())];
+        for nodes in block.nodes.chunks(n * together) {
+            let kept = &mut kept[..nodes.len() / n * size];
+            kept.par_chunks_mut(TASK * size).zip(nodes.par_chunks(TASK * n)).for_each_init(
+                || Cell::new(mesh, block, &table, strains),
+                |cell, (kept, nodes)| {
+                    kept.fill(0.0);
+                    for (out, nodes) in kept.chunks_exact_mut(size).zip(nodes.chunks_exact(n)) {
+                        cell.nodes = nodes;
+                        form(cell, out);
+                    }
+                },
+            );
+            add(nodes, n, kept);
+        }
+    }
+}
+
+/// The matrix that sums `form(cell, matrix of the cell)` over all cells.
+pub(super) fn assemble(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    shape: (usize, usize),
+    degree: impl Fn(&Element) -> usize,
+    strains: Option<Dilatation>,
+    form: impl Fn(&mut Cell, &mut [f64]) + Sync,
+) -> BlockMatrix {
+    let mut matrix = BlockMatrix::zero(graph, shape.0, shape.1);
+    by_cells(mesh, degree, strains, |e| e.nodes.len() * e.nodes.len() * shape.0 * shape.1, form, |nodes, n, kept| matrix.add_cells(nodes, n, kept));
+    matrix
+}

@@ -1,0 +1,115 @@
+//! Facets of a mesh: named sets, and the boundary of the body.
+
+use std::collections::HashSet;
+
+use super::Mesh;
+use crate::element::Element;
+
+/// Facets of one element type.
+#[derive(Clone, Debug)]
+pub struct FacetBlock {
+    /// The element of every facet.
+    pub element: &'static Element,
+    /// Nodes of the facets, `element.nodes.len()` a facet, oriented outward as [`crate::element::Facet`] says.
+    pub nodes: Vec<u32>,
+}
+
+/// A part of the boundary.
+#[derive(Clone, Debug, Default)]
+pub struct FacetSet {
+    /// The facets, those of one element together.
+    pub blocks: Vec<FacetBlock>,
+}
+
+impl FacetSet {
+    /// A set of facets of one element.
+    #[must_use]
+    pub fn of(element: &'static Element, nodes: Vec<u32>) -> FacetSet {
+        FacetSet { blocks: vec![FacetBlock { element, nodes }] }
+    }
+
+    /// Adds a facet to the block of its element.
+    pub fn push(&mut self, element: &'static Element, nodes: impl IntoIterator<Item = u32>) {
+        let place = self.blocks.iter().position(|block| std::ptr::eq(block.element, element)).unwrap_or_else(|| {
+            self.blocks.push(FacetBlock { element, nodes: Vec::new() });
+            self.blocks.len() - 1
+        });
+        self.blocks[place].nodes.extend(nodes);
+    }
+
+    /// Element and nodes of each facet.
+    pub fn facets(&self) -> impl Iterator<Item = (&'static Element, &[u32])> {
+        self.blocks.iter().flat_map(|block| block.nodes.chunks_exact(block.element.nodes.len()).map(|nodes| (block.element, nodes)))
+    }
+
+    /// Number of facets.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.blocks.iter().map(|block| block.nodes.len() / block.element.nodes.len()).sum()
+    }
+
+    /// Whether there are no facets.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.blocks.iter().all(|block| block.nodes.is_empty())
+    }
+
+    /// The nodes of the set, each once, ascending.
+    #[must_use]
+    pub fn node_list(&self) -> Vec<u32> {
+        let mut list: Vec<u32> = self.blocks.iter().flat_map(|block| block.nodes.iter().copied()).collect();
+        list.sort_unstable();
+        list.dedup();
+        list
+    }
+}
+
+/// The vertices of a facet, ascending: the same for both cells that share it, whatever their orientation.
+pub(crate) type FacetKey = [u32; 4];
+
+/// Key of a facet by its nodes, of which the vertices come first.
+pub(crate) fn facet_key(element: &Element, nodes: impl IntoIterator<Item = u32>) -> FacetKey {
+    let mut key = [u32::MAX; 4];
+    for (slot, node) in key.iter_mut().zip(nodes).take(element.shape.vertices()) {
+        *slot = node;
+    }
+    key.sort_unstable();
+    key
+}
+
+impl Mesh {
+    /// The boundary of the body: the facets that belong to one cell only, oriented outward, in the order of the cells.
+    #[must_use]
+    pub fn boundary(&self) -> FacetSet {
+        let mut keys: Vec<FacetKey> = Vec::new();
+        for block in &self.blocks {
+            for cell in block.cells() {
+                keys.extend(block.element.facets.iter().map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))));
+            }
+        }
+        let mut sorted = keys.clone();
+        sorted.sort_unstable();
+        let single = |key: &FacetKey| {
+            let first = sorted.partition_point(|other| other < key);
+            sorted.get(first + 1) != Some(key)
+        };
+        let mut set = FacetSet::default();
+        let mut keys = keys.iter();
+        for block in &self.blocks {
+            for cell in block.cells() {
+                for (facet, _) in block.element.facets.iter().zip(keys.by_ref()).filter(|(_, key)| single(key)) {
+                    set.push(facet.element, facet.nodes.iter().map(|&local| cell[local]));
+                }
+            }
+        }
+        set
+    }
+
+    /// Facets of the boundary that belong to no facet set.
+    #[must_use]
+    pub fn unnamed_boundary_facets(&self) -> usize {
+        let named: HashSet<FacetKey> =
+            self.facets.values().flat_map(|set| set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied()))).collect();
+        self.boundary().facets().filter(|(element, nodes)| !named.contains(&facet_key(element, nodes.iter().copied()))).count()
+    }
+}

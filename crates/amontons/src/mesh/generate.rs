@@ -1,0 +1,153 @@
+//! Meshes of intervals, rectangles and boxes.
+
+use std::collections::BTreeMap;
+
+use super::{Block, FacetSet, Mesh, MeshError};
+use crate::element::{P1_SEGMENT, P1_TRIANGLE, POINT_LEFT, POINT_RIGHT, Q1_QUADRILATERAL};
+
+/// How the squares of a rectangle mesh are cut into triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Diagonal {
+    /// From lower left to upper right: /.
+    #[default]
+    Right,
+    /// From upper left to lower right: \.
+    Left,
+    /// Both, with a node in the middle: ×.
+    Crossed,
+}
+
+/// What a generated mesh is made of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Elements {
+    /// Linear segments, triangles, tetrahedra.
+    #[default]
+    P1,
+    /// Quadratic segments, triangles, tetrahedra.
+    P2,
+    /// Segments, quadrilaterals, hexahedra, of degree 1 in each coordinate.
+    Q1,
+    /// The same of degree 2, of 3, 9 and 27 nodes.
+    Q2,
+}
+
+impl Elements {
+    /// 1 or 2.
+    #[must_use]
+    pub fn degree(self) -> usize {
+        if matches!(self, Elements::P1 | Elements::Q1) { 1 } else { 2 }
+    }
+
+    /// Whether the cells are triangles and tetrahedra.
+    #[must_use]
+    pub fn are_simplices(self) -> bool {
+        matches!(self, Elements::P1 | Elements::P2)
+    }
+
+    /// The linear mesh with its middle nodes, placed at the means of the vertices, where the degree is 2.
+    fn complete(self, mesh: Mesh) -> Result<Mesh, MeshError> {
+        if self.degree() == 1 { Ok(mesh) } else { mesh.quadratic() }
+    }
+}
+
+impl Mesh {
+    /// The interval (0, length) in equal cells; facet sets `left`, `right`.
+    ///
+    /// # Errors
+    /// When the length is not positive and finite, the number of cells zero, or the mesh too large.
+    pub fn interval(length: f64, cells: usize, elements: Elements) -> Result<Mesh, MeshError> {
+        check(&[length], &[cells], cells as f64 * elements.degree() as f64 + 1.0)?;
+        let n = cells as u32;
+        let points = (0..=cells).map(|i| [length * (i as f64 / cells as f64), 0.0, 0.0]).collect();
+        let facets = BTreeMap::from([("left".to_owned(), FacetSet::of(&POINT_LEFT, vec![0])), ("right".to_owned(), FacetSet::of(&POINT_RIGHT, vec![n]))]);
+        let blocks = vec![Block { element: &P1_SEGMENT, region: 0, nodes: (0..n).flat_map(|i| [i, i + 1]).collect() }];
+        elements.complete(Mesh { dim: 1, axisymmetric: false, points, blocks, regions: vec!["body".to_owned()], facets })
+    }
+
+    /// The rectangle (0, size₀) × (0, size₁) cut into cells₀ × cells₁ squares, each cut into
+    /// triangles; facet sets `left`, `right`, `bottom`, `top`; nodes numbered row by row.
+    ///
+    /// # Errors
+    /// When a size is not positive and finite, a number of cells zero, or the mesh too large.
+    pub fn rectangle(size: [f64; 2], cells: [usize; 2], diagonal: Diagonal) -> Result<Mesh, MeshError> {
+        Mesh::rectangle_of(Elements::P1, size, cells, diagonal)
+    }
+
+    /// [`Mesh::rectangle`] of other elements; `diagonal` is not looked at for quadrilaterals.
+    ///
+    /// # Errors
+    /// As those of [`Mesh::rectangle`].
+    pub fn rectangle_of(elements: Elements, size: [f64; 2], cells: [usize; 2], diagonal: Diagonal) -> Result<Mesh, MeshError> {
+        let degree = elements.degree();
+        let middles = if elements.are_simplices() { rectangle_nodes(cells.map(|n| n.saturating_mul(degree)), diagonal) } else { 0.0 };
+        check(&size, &cells, middles.max(cells.iter().map(|&n| n as f64 * degree as f64 + 1.0).product()))?;
+        let [nx, ny] = cells;
+        let at = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
+        let x = |i: f64| size[0] * (i / nx as f64);
+        let y = |j: f64| size[1] * (j / ny as f64);
+        let mut points = Vec::new();
+        for j in 0..=ny {
+            for i in 0..=nx {
+                points.push([x(i as f64), y(j as f64), 0.0]);
+            }
+        }
+        let mut nodes = Vec::new();
+        for j in 0..ny {
+            for i in 0..nx {
+                let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+                match diagonal {
+                    _ if !elements.are_simplices() => nodes.extend([a, b, c, d]),
+                    Diagonal::Right => nodes.extend([a, b, c, a, c, d]),
+                    Diagonal::Left => nodes.extend([a, b, d, b, c, d]),
+                    Diagonal::Crossed => {
+                        let m = points.len() as u32;
+                        points.push([x(i as f64 + 0.5), y(j as f64 + 0.5), 0.0]);
+                        nodes.extend([a, b, m, b, c, m, c, d, m, d, a, m]);
+                    }
+                }
+            }
+        }
+        let side = |nodes: Vec<u32>| FacetSet::of(&P1_SEGMENT, nodes);
+        let facets = BTreeMap::from([
+            ("bottom".to_owned(), side((0..nx).flat_map(|i| [at(i, 0), at(i + 1, 0)]).collect())),
+            ("right".to_owned(), side((0..ny).flat_map(|j| [at(nx, j), at(nx, j + 1)]).collect())),
+            ("top".to_owned(), side((0..nx).rev().flat_map(|i| [at(i + 1, ny), at(i, ny)]).collect())),
+            ("left".to_owned(), side((0..ny).rev().flat_map(|j| [at(0, j + 1), at(0, j)]).collect())),
+        ]);
+        let blocks = vec![Block { element: if elements.are_simplices() { &P1_TRIANGLE } else { &Q1_QUADRILATERAL }, region: 0, nodes }];
+        elements.complete(Mesh { dim: 2, axisymmetric: false, points, blocks, regions: vec!["body".to_owned()], facets })
+    }
+
+    /// The box (0, size₀) × (0, size₁) × (0, size₂) cut into cells₀ × cells₁ × cells₂ cubes, each cut into six
+    /// tetrahedra for P1 and P2; facet sets `left`, `right` (x), `bottom`, `top` (y), `back`, `front` (z).
+    ///
+    /// # Errors
+    /// When a size is not positive and finite, a number of cells zero, or the mesh too large.
+    pub fn box_(size: [f64; 3], cells: [usize; 3], elements: Elements) -> Result<Mesh, MeshError> {
+        check(&size, &cells, cells.iter().map(|&n| n as f64 * elements.degree() as f64 + 1.0).product())?;
+        let base = if elements.are_simplices() { Elements::P1 } else { Elements::Q1 };
+        let section = Mesh::rectangle_of(base, [size[0], size[1]], [cells[0], cells[1]], Diagonal::Right)?;
+        let body = section.extruded(size[2], cells[2], ["back", "front"])?;
+        elements.complete(if elements.are_simplices() { body.simplices()? } else { body })
+    }
+}
+
+/// Checks lengths and numbers of cells by direction, and the number of nodes.
+pub(super) fn check(sizes: &[f64], cells: &[usize], nodes: f64) -> Result<(), MeshError> {
+    for (direction, (&size, &count)) in sizes.iter().zip(cells).enumerate() {
+        if !(size.is_finite() && size > 0.0) {
+            return Err(MeshError::Size { direction, found: size });
+        }
+        if count == 0 {
+            return Err(MeshError::Cells { direction, found: 0 });
+        }
+    }
+    if nodes > f64::from(u32::MAX) { Err(MeshError::TooLarge { found: nodes }) } else { Ok(()) }
+}
+
+/// Number of nodes of [`Mesh::rectangle`], as a real because it may not fit an integer.
+#[must_use]
+pub fn rectangle_nodes(cells: [usize; 2], diagonal: Diagonal) -> f64 {
+    let [nx, ny] = [cells[0] as f64, cells[1] as f64];
+    (nx + 1.0) * (ny + 1.0) + if diagonal == Diagonal::Crossed { nx * ny } else { 0.0 }
+}

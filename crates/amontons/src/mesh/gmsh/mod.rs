@@ -1,0 +1,55 @@
+//! Meshes of Gmsh: the formats MSH 2.x and 4.1, text and binary of either byte order, as documented in the Gmsh reference manual
+//! (section "Gmsh file formats").
+//!
+//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by their name or, without one, by
+//! the digits of their tag; groups of one name are one. Sections other than the format, names, entities, nodes and elements are skipped.
+
+mod cursor;
+mod sections;
+
+use super::Mesh;
+use super::read::{Kind, MeshFileError, Place};
+use crate::element;
+
+/// Name, dimension and number of nodes of the types 1 to 19.
+const KINDS: [(&str, usize, usize); 19] = [
+    ("2-node segment", 1, 2),
+    ("3-node triangle", 2, 3),
+    ("4-node quadrilateral", 2, 4),
+    ("4-node tetrahedron", 3, 4),
+    ("8-node hexahedron", 3, 8),
+    ("6-node prism", 3, 6),
+    ("5-node pyramid", 3, 5),
+    ("3-node segment", 1, 3),
+    ("6-node triangle", 2, 6),
+    ("9-node quadrilateral", 2, 9),
+    ("10-node tetrahedron", 3, 10),
+    ("27-node hexahedron", 3, 27),
+    ("18-node prism", 3, 18),
+    ("14-node pyramid", 3, 14),
+    ("1-node point", 0, 1),
+    ("8-node quadrilateral", 2, 8),
+    ("20-node hexahedron", 3, 20),
+    ("15-node prism", 3, 15),
+    ("13-node pyramid", 3, 13),
+];
+
+/// The type of element with a number.
+fn kind(code: i64) -> Option<Kind> {
+    let index = usize::try_from(code).ok()?.checked_sub(1)?;
+    let &(name, dim, nodes) = KINDS.get(index)?;
+    let element = element::ALL.iter().copied().find(|e| i64::from(e.gmsh) == code && e.nodes.len() == nodes);
+    Some(Kind { name, dim, nodes, element })
+}
+
+/// Reads a mesh from the bytes of an MSH file.
+///
+/// A set of cells of one entity that is mirrored as a whole – a plane surface whose normal is −z – is turned over; single inverted cells stay
+/// as they are, for [`Mesh::check`] to name.
+///
+/// # Errors
+/// When the bytes are no mesh of one body; the error names the line (text) or byte (binary).
+pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    let (loose, binary) = sections::parse(bytes)?;
+    loose.into_mesh(|at| if binary { Place::Byte(at) } else { Place::line(bytes, at) })
+}

@@ -1,0 +1,252 @@
+//! Elements as a file lists them, of all dimensions, and the mesh that they make.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use super::{MeshFileError, Place};
+use crate::element::{self, Element};
+use crate::mesh::topology::{Key, key};
+use crate::mesh::{Block, FacetSet, Mesh};
+use crate::tensor::{Point, dot};
+
+/// Name of the one region of a body without groups.
+const BODY: &str = "body";
+/// Name of the one side of a body without named sides.
+const BOUNDARY: &str = "boundary";
+/// Largest extent across a plane body, relative to its largest: what rounding in a file leaves.
+const FLAT: f64 = 1e-9;
+
+/// A type of element of a file.
+#[derive(Clone, Copy, Debug)]
+pub(in crate::mesh) struct Kind {
+    pub name: &'static str,
+    pub dim: usize,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// The element of the library, if it has it.
+    pub element: Option<&'static Element>,
+}
+
+/// Elements of one type and the same groups.
+#[derive(Clone, Debug)]
+pub(in crate::mesh) struct LooseBlock {
+    pub kind: Kind,
+    /// Tags of the groups.
+    pub groups: BTreeSet<i64>,
+    /// Where the file has them: a byte, or a cell of a grid.
+    pub at: usize,
+    /// Nodes, in the order of the library where it has the element.
+    pub nodes: Vec<u32>,
+}
+
+impl LooseBlock {
+    fn len(&self) -> usize {
+        self.nodes.len() / self.kind.nodes.max(1)
+    }
+}
+
+/// What a file holds.
+#[derive(Clone, Debug)]
+pub(in crate::mesh) struct Loose {
+    pub points: Vec<Point>,
+    pub blocks: Vec<LooseBlock>,
+    /// Names of groups by dimension and tag.
+    pub names: BTreeMap<(usize, i64), String>,
+}
+
+impl Loose {
+    fn name(&self, dim: usize, group: i64) -> String {
+        self.names.get(&(dim, group)).cloned().unwrap_or_else(|| group.to_string())
+    }
+
+    /// The mesh of the elements of the highest dimension, with the groups of the next lower one as its sides.
+    pub(in crate::mesh) fn into_mesh(mut self, place: impl Fn(usize) -> Place) -> Result<Mesh, MeshFileError> {
+        self.blocks.retain(|block| !block.nodes.is_empty());
+        let dim = self.blocks.iter().map(|block| block.kind.dim).max().unwrap_or(0);
+        if dim == 0 {
+            let points: usize = self.blocks.iter().map(LooseBlock::len).sum();
+            return Err(MeshFileError::Empty { found: format!("{} nodes and {points} points as elements", self.points.len()) });
+        }
+        let (cells, rest): (Vec<_>, Vec<_>) = std::mem::take(&mut self.blocks).into_iter().partition(|block| block.kind.dim == dim);
+        self.flatten(dim, &cells)?;
+        let (regions, blocks) = self.regions(dim, &cells, &place)?;
+        let facets = self.sides(dim, &rest, &place)?;
+        let mut mesh = Mesh { dim, points: self.points, blocks, regions, facets, axisymmetric: false };
+        orient(&mut mesh);
+        drop_unused(&mut mesh);
+        if mesh.facets.is_empty() {
+            mesh.facets.insert(BOUNDARY.to_owned(), mesh.boundary());
+        }
+        Ok(mesh)
+    }
+
+    /// Sets coordinates beyond the dimension to zero, and refuses bodies on which they are not constant.
+    fn flatten(&mut self, dim: usize, cells: &[LooseBlock]) -> Result<(), MeshFileError> {
+        if dim == 3 {
+            return Ok(());
+        }
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &node in cells.iter().flat_map(|block| &block.nodes) {
+            for d in 0..3 {
+                low[d] = low[d].min(self.points[node as usize][d]);
+                high[d] = high[d].max(self.points[node as usize][d]);
+            }
+        }
+        let largest = (0..3).map(|d| high[d] - low[d]).fold(0.0, f64::max);
+        for d in dim..3 {
+            if high[d] - low[d] > FLAT * largest {
+                let plane = if dim == 2 { "plane z = 0" } else { "line y = z = 0" };
+                return Err(MeshFileError::NotFlat { dim, axis: ['x', 'y', 'z'][d], low: low[d], high: high[d], plane });
+            }
+            for point in &mut self.points {
+                point[d] = 0.0;
+            }
+        }
+        Ok(())
+    }
+
+    /// Names of the regions in the order of their tags, and the cells by region and element.
+    fn regions(&self, dim: usize, cells: &[LooseBlock], place: &impl Fn(usize) -> Place) -> Result<(Vec<String>, Vec<Block>), MeshFileError> {
+        let mut regions: Vec<String> = Vec::new();
+        for group in cells.iter().flat_map(|block| &block.groups).collect::<BTreeSet<_>>() {
+            let name = self.name(dim, *group);
+            if !regions.contains(&name) {
+                regions.push(name);
+            }
+        }
+        let bare: Vec<&LooseBlock> = cells.iter().filter(|block| block.groups.is_empty()).collect();
+        if regions.is_empty() {
+            regions.push(BODY.to_owned());
+        } else if let Some(first) = bare.first() {
+            let (found, of) = (bare.iter().map(|b| b.len()).sum(), cells.iter().map(LooseBlock::len).sum());
+            return Err(MeshFileError::NoRegion { at: place(first.at), found, of, dim });
+        }
+        let mut blocks: Vec<Block> = Vec::new();
+        for loose in cells {
+            let element = supported(loose, place)?;
+            let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(dim, group)).collect();
+            let mut names = names.into_iter();
+            let region = match (names.next(), names.next()) {
+                (Some(first), Some(second)) => return Err(MeshFileError::TwoRegions { at: place(loose.at), first, second }),
+                (name, _) => name.and_then(|name| regions.iter().position(|r| *r == name)).unwrap_or(0),
+            };
+            let mut nodes = loose.nodes.clone();
+            if mirrored(&self.points, dim, element, &nodes) {
+                turn_over(element, &mut nodes);
+            }
+            match blocks.iter_mut().find(|b| b.region == region && std::ptr::eq(b.element, element)) {
+                Some(block) => block.nodes.append(&mut nodes),
+                None => blocks.push(Block { element, region, nodes }),
+            }
+        }
+        blocks.sort_by_key(|block| block.region);
+        Ok((regions, blocks))
+    }
+
+    /// The named sides, each facet once, as the file orders and orients them.
+    fn sides(&self, dim: usize, rest: &[LooseBlock], place: &impl Fn(usize) -> Place) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
+        let mut sides: BTreeMap<String, (FacetSet, BTreeSet<Key>)> = BTreeMap::new();
+        for loose in rest.iter().filter(|block| block.kind.dim + 1 == dim && !block.groups.is_empty()) {
+            let element = supported(loose, place)?;
+            let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(dim - 1, group)).collect();
+            for name in names {
+                let (side, seen) = sides.entry(name).or_insert_with(|| (FacetSet::default(), BTreeSet::new()));
+                for nodes in loose.nodes.chunks_exact(loose.kind.nodes) {
+                    if seen.insert(key(nodes.iter().copied())) {
+                        side.push(element, nodes.iter().copied());
+                    }
+                }
+            }
+        }
+        Ok(sides.into_iter().map(|(name, (side, _))| (name, side)).collect())
+    }
+}
+
+fn supported(block: &LooseBlock, place: &impl Fn(usize) -> Place) -> Result<&'static Element, MeshFileError> {
+    block.kind.element.ok_or_else(|| {
+        let known: Vec<&str> = element::ALL.iter().filter(|e| e.dim() == block.kind.dim).map(|e| e.name).collect();
+        MeshFileError::Element { at: place(block.at), found: block.kind.name.to_owned(), known: known.join(", ") }
+    })
+}
+
+/// Whether every cell has a negative determinant at its centre.
+fn mirrored(points: &[Point], dim: usize, element: &Element, nodes: &[u32]) -> bool {
+    let mut gradients = [[0.0; 3]; element::MAX_NODES];
+    (element.gradients)(&element.centre(), &mut gradients[..element.nodes.len()]);
+    nodes.chunks_exact(element.nodes.len()).all(|cell| {
+        let mut j = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for row in 0..dim {
+            j[row] = std::array::from_fn(|col| cell.iter().zip(&gradients).map(|(&n, g)| points[n as usize][row] * g[col]).sum());
+        }
+        let [u, v, w] = j;
+        dot(&u, &[v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]]) < 0.0
+    })
+}
+
+/// Mirrors cells by the symmetry of their reference cell: the exchange of its first two axes, on a segment that of its ends.
+fn turn_over(element: &Element, nodes: &mut [u32]) {
+    let mirror = |x: &Point| if element.dim() == 1 { [1.0 - x[0], 0.0, 0.0] } else { [x[1], x[0], x[2]] };
+    let distance = |a: &Point, b: &Point| (0..3).map(|d| (a[d] - b[d]).abs()).sum::<f64>();
+    let partner = |at: &Point| element.nodes.iter().position(|x| distance(x, at) < 1e-9);
+    let Some(partners) = element.nodes.iter().map(|x| partner(&mirror(x))).collect::<Option<Vec<usize>>>() else { return };
+    for cell in nodes.chunks_exact_mut(element.nodes.len()) {
+        let old = cell.to_vec();
+        for (node, &partner) in cell.iter_mut().zip(&partners) {
+            *node = old[partner];
+        }
+    }
+}
+
+/// Gives every facet of the sides the nodes in the order of the first cell that has it, hence outward.
+fn orient(mesh: &mut Mesh) {
+    let mut on_side = vec![false; mesh.points.len()];
+    let mut wanted: HashMap<Key, Vec<(usize, usize)>> = HashMap::new();
+    let listed = |set: &FacetSet| set.facets().map(|(element, nodes)| (element, nodes.to_vec())).collect::<Vec<_>>();
+    let mut oriented: Vec<Vec<(&'static Element, Vec<u32>)>> = mesh.facets.values().map(listed).collect();
+    for (s, side) in oriented.iter().enumerate() {
+        for (f, (_, nodes)) in side.iter().enumerate() {
+            wanted.entry(key(nodes.iter().copied())).or_default().push((s, f));
+            for &node in nodes {
+                on_side[node as usize] = true;
+            }
+        }
+    }
+    for block in &mesh.blocks {
+        for cell in block.cells() {
+            for facet in block.element.facets {
+                if facet.nodes.iter().all(|&n| on_side[cell[n] as usize]) {
+                    let nodes = facet.nodes.iter().map(|&n| cell[n]);
+                    for (s, f) in wanted.remove(&key(nodes.clone())).unwrap_or_default() {
+                        oriented[s][f] = (facet.element, nodes.clone().collect());
+                    }
+                }
+            }
+        }
+    }
+    for (set, facets) in mesh.facets.values_mut().zip(oriented) {
+        set.blocks.clear();
+        for (element, nodes) in facets {
+            set.push(element, nodes);
+        }
+    }
+}
+
+/// Leaves out nodes that neither a cell nor a side has; the order of the others stays.
+fn drop_unused(mesh: &mut Mesh) {
+    let mut index = vec![u32::MAX; mesh.points.len()];
+    let sides = mesh.facets.values().flat_map(|set| &set.blocks).flat_map(|block| &block.nodes);
+    for &node in mesh.blocks.iter().flat_map(|block| &block.nodes).chain(sides) {
+        index[node as usize] = 0;
+    }
+    let mut kept = Vec::with_capacity(mesh.points.len());
+    for (index, point) in index.iter_mut().zip(&mesh.points) {
+        if *index == 0 {
+            *index = kept.len() as u32;
+            kept.push(*point);
+        }
+    }
+    mesh.points = kept;
+    let sides = mesh.facets.values_mut().flat_map(|set| &mut set.blocks).flat_map(|block| &mut block.nodes);
+    for node in mesh.blocks.iter_mut().flat_map(|block| &mut block.nodes).chain(sides) {
+        *node = index[*node as usize];
+    }
+}

@@ -1,0 +1,82 @@
+//! Meshes of VTK: unstructured grids in XML (`.vtu`), as ParaView, meshio and this program write them.
+//!
+//! Integers of the cell data `region` become regions, named by their digits; without them the body is one region. Cells of dimension d − 1 with the
+//! cell data `facet` or `boundary` become sides, named likewise; without them they are the side `boundary`. The name `gmsh:physical`, which
+//! meshio gives to the groups of Gmsh, serves for both.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::Mesh;
+use super::read::{Kind, Loose, LooseBlock, MeshFileError, Place};
+use crate::element;
+use crate::vtu::{self, Array, Grid};
+
+/// Cell data that tell the region of a cell, the first that there is.
+const REGION: [&str; 2] = ["region", "gmsh:physical"];
+/// Cell data that tell the side of a facet, the first that there is.
+const SIDE: [&str; 3] = ["facet", "boundary", "gmsh:physical"];
+/// Cells of VTK that stand for points: vertex, vertices.
+const POINTS: [u8; 2] = [1, 2];
+
+/// Reads a mesh from the bytes of a VTU file: cells → blocks in the order of the file.
+///
+/// # Errors
+/// When the bytes are no mesh of one body; the error names the array or the cell.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    let wanted = |name: &str| REGION.contains(&name) || SIDE.contains(&name);
+    let grid = vtu::parse(bytes, wanted).map_err(|message| MeshFileError::Grid { message })?;
+    loose(grid)?.into_mesh(Place::Cell)
+}
+
+fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
+    let kinds = grid.types.iter().enumerate().map(|(cell, &code)| kind(cell, code)).collect::<Result<Vec<Kind>, _>>()?;
+    let dim = kinds.iter().map(|kind| kind.dim).max().unwrap_or(0);
+    let (regions, sides) = (ids(&grid, &REGION)?, ids(&grid, &SIDE)?);
+    let mut names = BTreeMap::new();
+    if dim > 0 && sides.is_none() {
+        names.insert((dim - 1, 0), "boundary".to_owned());
+    }
+    let mut blocks: Vec<LooseBlock> = Vec::new();
+    let mut index: BTreeMap<(u8, Option<i64>), usize> = BTreeMap::new();
+    for (cell, nodes) in grid.cells().enumerate() {
+        let kind = kinds[cell];
+        let group = match dim - kind.dim {
+            0 => regions.as_ref().map(|ids| ids[cell]),
+            1 => Some(sides.as_ref().map_or(0, |ids| ids[cell])),
+            _ => continue,
+        };
+        if nodes.len() != kind.nodes {
+            let message = format!("cell {cell} has {} nodes, expected the {} of a {}", nodes.len(), kind.nodes, kind.name);
+            return Err(MeshFileError::Grid { message });
+        }
+        let block = *index.entry((grid.types[cell], group)).or_insert_with(|| {
+            blocks.push(LooseBlock { kind, groups: BTreeSet::from_iter(group), at: cell, nodes: Vec::new() });
+            blocks.len() - 1
+        });
+        blocks[block].nodes.extend_from_slice(nodes);
+    }
+    Ok(Loose { points: grid.points, blocks, names })
+}
+
+/// The element of a cell; the library numbers nodes as VTK does.
+fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
+    if POINTS.contains(&code) {
+        return Ok(Kind { name: "vertex", dim: 0, nodes: 1, element: element::ALL.iter().copied().find(|e| e.vtk == 1) });
+    }
+    let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
+        let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
+        MeshFileError::Element { at: Place::Cell(cell), found: format!("cell of VTK's type {code}"), known: known.join(", ") }
+    })?;
+    Ok(Kind { name: element.name, dim: element.dim(), nodes: element.nodes.len(), element: Some(element) })
+}
+
+/// The first of some cell data, as integers.
+fn ids(grid: &Grid, names: &[&str]) -> Result<Option<Vec<i64>>, MeshFileError> {
+    let Some((name, Array { components, values })) = names.iter().find_map(|name| grid.cell_data.get_key_value(*name)) else { return Ok(None) };
+    let integer = |v: &f64| (v.fract() == 0.0 && v.abs() < 1e15).then_some(*v as i64);
+    let ids: Option<Vec<i64>> = values.iter().map(integer).collect();
+    match ids {
+        Some(ids) if *components == 1 => Ok(Some(ids)),
+        _ => Err(MeshFileError::Grid { message: format!("the array {name} has {components} components or fractions, expected one integer a cell") }),
+    }
+}

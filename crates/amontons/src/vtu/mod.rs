@@ -1,0 +1,193 @@
+//! The XML files of VTK with one unstructured grid.
+//!
+//! Arrays may be inline, as text or base64, or appended, raw or as base64; each with or without compression by zlib. Every fault of a file is
+//! an error that names the array.
+
+mod array;
+
+use std::collections::BTreeMap;
+
+use array::{Encoding, Open};
+use quick_xml::events::{BytesStart, Event};
+
+/// Values of an array with their number of components.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Array {
+    pub components: usize,
+    pub values: Vec<f64>,
+}
+
+/// A grid with its data.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Grid {
+    pub points: Vec<[f64; 3]>,
+    /// Nodes of the cells, one after the other.
+    pub connectivity: Vec<u32>,
+    /// Where the nodes of each cell end.
+    pub ends: Vec<usize>,
+    /// Cell types of VTK.
+    pub types: Vec<u8>,
+    pub point_data: BTreeMap<String, Array>,
+    pub cell_data: BTreeMap<String, Array>,
+}
+
+impl Grid {
+    /// Nodes of each cell.
+    pub(crate) fn cells(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(0).chain(self.ends.iter().copied());
+        starts.zip(&self.ends).map(|(start, &end)| &self.connectivity[start..end])
+    }
+}
+
+/// An attribute of an XML element.
+pub(crate) fn attribute(tag: &BytesStart, name: &str) -> Result<Option<String>, String> {
+    let found = tag.try_get_attribute(name).map_err(|e| e.to_string())?;
+    found.map(|a| a.unescape_value().map(std::borrow::Cow::into_owned).map_err(|e| e.to_string())).transpose()
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Section {
+    Points,
+    Cells,
+    PointData,
+    CellData,
+}
+
+/// The XML part of a file: its arrays as they stand, undecoded, and the appended bytes.
+struct Document<'a> {
+    encoding: Encoding,
+    arrays: Vec<(Section, Open)>,
+    appended: Appended<'a>,
+}
+
+/// Bytes behind the XML part, from behind their underscore.
+struct Appended<'a> {
+    bytes: &'a [u8],
+    base64: bool,
+}
+
+/// Reads a grid, and of its point and cell data the arrays whose names are wanted.
+pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
+    let Document { encoding, arrays, appended } = document(bytes)?;
+    let mut grid = Grid::default();
+    let mut parts: BTreeMap<String, Array> = BTreeMap::new();
+    for (section, open) in arrays {
+        let part = match section {
+            Section::Points => "points".to_owned(),
+            Section::Cells if matches!(open.name.as_str(), "connectivity" | "offsets" | "types") => open.name.clone(),
+            Section::PointData | Section::CellData if wanted(&open.name) => String::new(),
+            _ => continue,
+        };
+        let read = Array { components: open.components, values: open.values(&encoding, &appended)? };
+        drop(match section {
+            Section::PointData => grid.point_data.insert(open.name, read),
+            Section::CellData => grid.cell_data.insert(open.name, read),
+            Section::Points | Section::Cells => parts.insert(part, read),
+        });
+    }
+    let mut take = |name: &str| parts.remove(name).ok_or_else(|| format!("the array {name} is missing"));
+    let points = take("points")?;
+    if points.components != 3 || points.values.len() % 3 != 0 {
+        return Err(format!("the array points has {} values of {} components, expected 3 for each node", points.values.len(), points.components));
+    }
+    grid.points = points.values.as_chunks::<3>().0.to_vec();
+    grid.connectivity = whole("connectivity", take("connectivity")?, f64::from(u32::MAX))?.into_iter().map(|v| v as u32).collect();
+    grid.ends = whole("offsets", take("offsets")?, f64::from(u32::MAX))?.into_iter().map(|v| v as usize).collect();
+    grid.types = whole("types", take("types")?, f64::from(u8::MAX))?.into_iter().map(|v| v as u8).collect();
+    check(&grid)?;
+    Ok(grid)
+}
+
+/// The values of an array of counts or numbers of things.
+fn whole(name: &str, array: Array, largest: f64) -> Result<Vec<f64>, String> {
+    match array.values.iter().find(|v| !(0.0..=largest).contains(*v) || v.fract() != 0.0) {
+        Some(found) => Err(format!("the array {name} has the value {found}, expected integers from 0 to {largest}")),
+        None => Ok(array.values),
+    }
+}
+
+fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
+    let mut reader = quick_xml::Reader::from_reader(bytes);
+    let (mut encoding, mut section, mut pieces) = (None, None, 0);
+    // An array may hold keys with a text of their own.
+    let mut inside_key = false;
+    let mut open: Option<Open> = None;
+    let mut arrays = Vec::new();
+    let mut appended = Appended { bytes: &[], base64: false };
+    loop {
+        let event = reader.read_event().map_err(|e| format!("not well-formed at byte {}: {e}", reader.error_position()))?;
+        match event {
+            Event::Eof => break,
+            Event::Start(tag) | Event::Empty(tag) if tag.name().as_ref() == b"VTKFile" => encoding = Some(Encoding::of(&tag)?),
+            Event::Start(tag) => match tag.name().as_ref() {
+                b"Piece" => pieces += 1,
+                b"Points" => section = Some(Section::Points),
+                b"Cells" => section = Some(Section::Cells),
+                b"PointData" => section = Some(Section::PointData),
+                b"CellData" => section = Some(Section::CellData),
+                b"DataArray" => open = Some(Open::of(&tag)?),
+                b"InformationKey" => inside_key = true,
+                b"AppendedData" => {
+                    appended = behind_underscore(bytes, reader.buffer_position(), &tag)?;
+                    break;
+                }
+                _ => {}
+            },
+            // Appended arrays have nothing between their tags.
+            Event::Empty(tag) if tag.name().as_ref() == b"DataArray" => arrays.extend(section.map(|s| Open::of(&tag).map(|open| (s, open))).transpose()?),
+            Event::Text(part) => {
+                if let Some(open) = open.as_mut().filter(|_| !inside_key) {
+                    open.text.push_str(&part.unescape().map_err(|e| e.to_string())?);
+                }
+            }
+            Event::End(tag) => match tag.name().as_ref() {
+                b"Points" | b"Cells" | b"PointData" | b"CellData" => section = None,
+                b"InformationKey" => inside_key = false,
+                b"DataArray" => arrays.extend(section.zip(open.take())),
+                _ => {}
+            },
+            _ => {}
+        }
+    }
+    match encoding {
+        Some(encoding) if pieces == 1 => Ok(Document { encoding, arrays, appended }),
+        _ => Err(format!("expected a VTKFile with one Piece, found {pieces}")),
+    }
+}
+
+/// The appended data: what follows the underscore behind the opening tag. Raw bytes are no XML, so the XML ends there.
+fn behind_underscore<'a>(bytes: &'a [u8], position: u64, tag: &BytesStart) -> Result<Appended<'a>, String> {
+    let base64 = match attribute(tag, "encoding")?.as_deref() {
+        Some("raw") => false,
+        Some("base64") => true,
+        other => return Err(format!("the encoding of the appended data is {other:?}, expected raw or base64")),
+    };
+    let rest = usize::try_from(position).ok().and_then(|at| bytes.get(at..)).unwrap_or_default().trim_ascii_start();
+    let rest = rest.strip_prefix(b"_").ok_or("the appended data do not begin with an underscore")?;
+    let end = if base64 { rest.iter().position(|&b| b == b'<').unwrap_or(rest.len()) } else { rest.len() };
+    Ok(Appended { bytes: &rest[..end], base64 })
+}
+
+/// Checks that the arrays fit each other.
+fn check(grid: &Grid) -> Result<(), String> {
+    let (nodes, cells) = (grid.points.len(), grid.ends.len());
+    if grid.types.len() != cells {
+        return Err(format!("there are {} cell types for {cells} cells", grid.types.len()));
+    }
+    let ascending = grid.ends.windows(2).all(|e| e[0] <= e[1]);
+    if !ascending || grid.ends.last().copied().unwrap_or(0) != grid.connectivity.len() {
+        return Err("the array offsets does not fit the array connectivity".to_owned());
+    }
+    if let Some(node) = grid.connectivity.iter().find(|&&n| n as usize >= nodes) {
+        return Err(format!("a cell has node {node}, but there are {nodes} nodes"));
+    }
+    for (what, count, data) in [("points", nodes, &grid.point_data), ("cells", cells, &grid.cell_data)] {
+        for (name, array) in data {
+            if array.values.len() != count * array.components {
+                let found = array.values.len();
+                return Err(format!("the array {name} has {found} values, expected {} for each of {count} {what}", array.components));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,98 @@
+//! Damaged and hostile files: never a panic, no absurd allocation, always an error or a mesh whose nodes exist.
+
+use amontons::mesh::{Elements, Mesh, defects, gmsh, vtu};
+use proptest::prelude::*;
+
+use super::writer::{Format, write};
+
+fn sound() -> Vec<Vec<u8>> {
+    let mesh = Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [2, 1], amontons::mesh::Diagonal::Right).expect("a mesh");
+    Format::all().into_iter().map(|format| write(&mesh, format)).collect()
+}
+
+fn vtu_files() -> Vec<Vec<u8>> {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes");
+    ["ascii", "base64_zlib", "raw_zlib", "raw_big", "append64"]
+        .iter()
+        .map(|e| std::fs::read(folder.join(format!("quarter_ring_{e}.vtu"))).expect("a file"))
+        .collect()
+}
+
+/// What is read has nodes and cells that exist, and its defects can be looked for.
+fn look(read: Result<Mesh, amontons::mesh::MeshFileError>) {
+    match read {
+        Ok(mesh) => {
+            assert!(mesh.cell_count() > 0);
+            assert!(
+                defects::defects(&mesh)
+                    .iter()
+                    .flat_map(|d| &d.first)
+                    .all(|d| !matches!(d, defects::Defect::UnknownNode { .. } | defects::Defect::Coordinate { .. }))
+            );
+            assert!(!defects::components(&mesh).is_empty());
+        }
+        Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+#[derive(Debug, Clone)]
+enum Damage {
+    Truncate(usize),
+    Replace(usize, u8),
+    Delete(usize, usize),
+    Insert(usize, &'static str),
+}
+
+fn damage() -> impl Strategy<Value = Damage> {
+    let texts = prop_oneof![Just("nan"), Just("-1"), Just("18446744073709551615"), Just("1e999"), Just("4294967296"), Just("$EndNodes\n"), Just("\"")];
+    prop_oneof![
+        any::<usize>().prop_map(Damage::Truncate),
+        (any::<usize>(), any::<u8>()).prop_map(|(at, byte)| Damage::Replace(at, byte)),
+        (any::<usize>(), 1..40_usize).prop_map(|(at, n)| Damage::Delete(at, n)),
+        (any::<usize>(), texts).prop_map(|(at, text)| Damage::Insert(at, text)),
+    ]
+}
+
+fn apply(mut bytes: Vec<u8>, damages: &[Damage]) -> Vec<u8> {
+    for damage in damages {
+        let length = bytes.len().max(1);
+        match damage {
+            Damage::Truncate(at) => bytes.truncate(at % length),
+            Damage::Replace(at, byte) => bytes.iter_mut().skip(at % length).take(1).for_each(|b| *b = *byte),
+            Damage::Delete(at, n) => drop(bytes.drain((at % length).min(bytes.len())..(at % length + n).min(bytes.len()))),
+            Damage::Insert(at, text) => drop(bytes.splice((at % length).min(bytes.len())..(at % length).min(bytes.len()), text.bytes())),
+        }
+    }
+    bytes
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn damaged_gmsh_files_are_faults_or_meshes(which in any::<prop::sample::Index>(), damages in prop::collection::vec(damage(), 1..4)) {
+        look(gmsh::parse(&apply(which.get(&sound()).clone(), &damages)));
+    }
+
+    #[test]
+    fn damaged_vtu_files_are_faults_or_meshes(which in any::<prop::sample::Index>(), damages in prop::collection::vec(damage(), 1..4)) {
+        look(vtu::parse(&apply(which.get(&vtu_files()).clone(), &damages)));
+    }
+
+    #[test]
+    fn any_bytes_are_faults(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
+        prop_assert!(gmsh::parse(&bytes).is_err());
+        prop_assert!(vtu::parse(&bytes).is_err());
+        let headed = [b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".as_slice(), &bytes].concat();
+        prop_assert!(gmsh::parse(&headed).is_err());
+    }
+}
+
+#[test]
+fn every_truncation_of_a_file_is_a_fault() {
+    for bytes in sound() {
+        for length in 0..bytes.len() - 2 {
+            assert!(gmsh::parse(&bytes[..length]).is_err(), "{length} of {}", bytes.len());
+        }
+    }
+}
