@@ -1,0 +1,142 @@
+//! One problem in one, two and three dimensions: between planes of symmetry the larger body does what the smaller one does.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::sync::Arc;
+
+use amontons::contact::Coulomb;
+use amontons::field::Field;
+use amontons::material::{Isotropic, StressState};
+use amontons::mesh::{Diagonal, Elements, Mesh};
+use amontons::output::Memory;
+use amontons::problem::{BoundaryCondition, Problem};
+use amontons::run::{self, Settings};
+use amontons::scheme::State;
+use amontons::tensor::Sym;
+use common::{largest, paper};
+
+fn solve(problem: &Problem) -> Memory {
+    let mut memory = Memory::new().states_every(1).reports();
+    let problem = problem.clone().checked().unwrap_or_else(|faults| panic!("{faults}"));
+    let settings = Settings { certificate: false, ..Settings::default() };
+    run::run(&problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
+    memory
+}
+
+/// The laws of the paper's material in `dim` dimensions, all strains across zero.
+fn in_strain(problem: &mut Problem, dim: usize, direct: f64) {
+    problem.material.elasticity = Arc::new(Isotropic::elastic(dim, 2.0, 0.1, StressState::PlaneStrain));
+    problem.material.viscosity = Arc::new(Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain));
+    // 𝓜 and 𝓡 are all ones in the plane, and couple what is across to nothing.
+    let ones = Sym::from_fn(dim, |i, j| if i.max(j) < 2 { direct } else { 0.0 });
+    (problem.material.expansion, problem.material.coupling) = (ones, ones);
+    problem.material.conductivity = Sym::identity(dim);
+}
+
+fn symmetry(on: &str) -> BoundaryCondition {
+    BoundaryCondition { on: on.to_owned(), normal_displacement: Some(Field::ZERO), ..BoundaryCondition::default() }
+}
+
+/// The body swept along z, between planes of symmetry.
+fn swept(plane: &Problem, height: f64, layers: usize) -> Problem {
+    let mut body = plane.clone();
+    body.mesh = Arc::new(plane.mesh.extruded(height, layers, ["back", "front"]).expect("a mesh"));
+    in_strain(&mut body, 3, 1.0);
+    let deeper = |fields: &mut Vec<Field>| {
+        if !fields.is_empty() {
+            fields.push(Field::ZERO);
+        }
+    };
+    deeper(&mut body.body_force);
+    deeper(&mut body.initial.displacement);
+    deeper(&mut body.initial.velocity);
+    for condition in &mut body.boundary {
+        condition.traction.iter_mut().for_each(deeper);
+        if let Some(displacement) = &mut condition.displacement {
+            displacement.push(Some(Field::ZERO));
+        }
+    }
+    body.boundary.extend([symmetry("back"), symmetry("front")]);
+    body
+}
+
+/// Largest difference of the fields at the nodes of one layer and those of the smaller body, relative.
+fn difference(small: &State, large: &State, [d, e]: [usize; 2], nodes: &[usize]) -> f64 {
+    let vector = |small: &[f64], large: &[f64]| {
+        let of = |node: usize, c: usize| large[nodes[node] * e + c] - if c < d { small[node * d + c] } else { 0.0 };
+        let all: Vec<f64> = (0..nodes.len()).flat_map(|node| (0..e).map(move |c| (node, c))).map(|(node, c)| of(node, c)).collect();
+        largest(&all) / largest(small)
+    };
+    let heat: Vec<f64> = nodes.iter().zip(&small.theta).map(|(&node, theta)| large.theta[node] - theta).collect();
+    vector(&small.u, &large.u).max(vector(&small.w, &large.w)).max(largest(&heat) / largest(&small.theta))
+}
+
+/// The paper's problem in plane strain, contact, friction and heat included, swept into prisms and into hexahedra.
+#[test]
+fn the_paper_s_problem_between_planes_of_symmetry() {
+    let height = 0.3;
+    for elements in [Elements::P1, Elements::Q1] {
+        let mut plane = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem;
+        plane.mesh = Arc::new(Mesh::rectangle_of(elements, [1.0, 1.0], [8, 8], Diagonal::Right).expect("a mesh"));
+        in_strain(&mut plane, 2, 1.0);
+        let body = swept(&plane, height, 2);
+        let (small, large) = (solve(&plane), solve(&body));
+        let size = plane.mesh.points.len();
+        for (a, b) in small.states.iter().zip(&large.states).skip(1) {
+            for layer in 0..3 {
+                let nodes: Vec<usize> = (layer * size..(layer + 1) * size).collect();
+                let found = difference(a, b, [2, 3], &nodes);
+                assert!(found < 1e-10, "{elements:?}, step {}, layer {layer}: {found:e}", a.step);
+            }
+            assert!((b.ledger.kinetic / (height * a.ledger.kinetic) - 1.0).abs() < 1e-10);
+            assert!((b.ledger.friction_dissipation - height * a.ledger.friction_dissipation).abs() < 1e-10 * b.ledger.turned_over);
+            assert!(b.ledger.relative_closing_error().abs() < 1e-12 && b.ledger.relative_heat_closing_error().abs() < 1e-12);
+        }
+        let (a, b) = (small.reports.last().unwrap(), large.reports.last().unwrap());
+        for c in 0..2 {
+            assert!((b.contact.force[c] - height * a.contact.force[c]).abs() < 1e-10 * largest(&b.contact.force));
+        }
+        assert!(b.contact.states.iter().any(|s| s.bound > 0.0), "there is friction to compare");
+    }
+}
+
+/// A strip between planes of symmetry is a rod of uniaxial strain: pressed against a warm foundation, at any angle of the friction.
+#[test]
+fn a_rod_is_a_strip_between_planes_of_symmetry() {
+    let height = 0.5;
+    let condition = |on: &str| BoundaryCondition { on: on.to_owned(), ..BoundaryCondition::default() };
+    let mut strip = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem;
+    strip.mesh = Arc::new(Mesh::rectangle_of(Elements::Q1, [1.0, height], [16, 1], Diagonal::Right).expect("a mesh"));
+    in_strain(&mut strip, 2, 1.0);
+    // Shear of 𝓜 and 𝓡 would couple to nothing in the rod.
+    let diagonal = Sym::from_fn(2, |i, j| if i == j { 1.0 } else { 0.0 });
+    (strip.material.expansion, strip.material.coupling) = (diagonal, diagonal);
+    strip.body_force = vec![1.0.into(), Field::ZERO];
+    let held = BoundaryCondition { displacement: Some(vec![Some(Field::ZERO); 2]), temperature: Some(Field::ZERO), ..condition("left") };
+    strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];
+    let contact = strip.contact.as_mut().expect("contact");
+    contact.on = "right".to_owned();
+    contact.friction = Arc::new(Coulomb { coefficient: 0.2 });
+
+    let mut rod = strip.clone();
+    rod.mesh = Arc::new(Mesh::interval(1.0, 16, Elements::P1).expect("a mesh"));
+    in_strain(&mut rod, 1, 1.0);
+    rod.body_force.truncate(1);
+    rod.initial.displacement.truncate(1);
+    rod.initial.velocity.truncate(1);
+    rod.boundary = vec![BoundaryCondition { displacement: Some(vec![Some(Field::ZERO)]), temperature: Some(Field::ZERO), ..condition("left") }];
+
+    let (small, large) = (solve(&rod), solve(&strip));
+    let at = |x: f64, y: f64| strip.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node");
+    for (a, b) in small.states.iter().zip(&large.states).skip(1) {
+        for y in [0.0, height] {
+            let nodes: Vec<usize> = rod.mesh.points.iter().map(|p| at(p[0], y)).collect();
+            let found = difference(a, b, [1, 2], &nodes);
+            assert!(found < 1e-10, "step {}, y = {y}: {found:e}", a.step);
+        }
+        assert!((b.ledger.kinetic / (height * a.ledger.kinetic) - 1.0).abs() < 1e-10);
+        assert!(a.ledger.relative_closing_error().abs() < 1e-12);
+    }
+    assert!(small.reports.last().unwrap().contact.states[0].pressure > 0.1, "the rod is pressed on the foundation");
+}
