@@ -147,7 +147,7 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
 #[must_use]
 pub fn rule(shape: Shape, degree: usize) -> Rule {
     // n Gauss points meet degree 2n − 1; each collapse of a direction multiplies by a distance to the vertex.
-    let line = |extra: usize| gauss_legendre((degree + extra) / 2 + 1);
+    let line = |extra: usize| gauss_legendre(usize::midpoint(degree, extra) + 1);
     let mut rule = Rule { points: Vec::new(), weights: Vec::new() };
     let mut push = |x: Point, w: f64| {
         rule.points.push(x);
@@ -162,7 +162,9 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
         Shape::Prism => {
             let plane = triangle(degree);
             for &(z, wz) in &line(0) {
-                plane.iter().for_each(|&(x, y, w)| push([x, y, z], w * wz));
+                for &(x, y, w) in &plane {
+                    push([x, y, z], w * wz);
+                }
             }
         }
         Shape::Pyramid => products(&line(0), &line(0), &line(2), |[s, t, z], w| push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z))),
@@ -170,7 +172,9 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
         Shape::Tetrahedron if degree == 2 => {
             // Four points on the lines from the centre to the vertices (Keast, 1986).
             let (a, b) = ((5.0 - 5f64.sqrt()) / 20.0, (5.0 + 3.0 * 5f64.sqrt()) / 20.0);
-            [[a, a, a], [b, a, a], [a, b, a], [a, a, b]].into_iter().for_each(|x| push(x, 1.0 / 24.0));
+            for x in [[a, a, a], [b, a, a], [a, b, a], [a, a, b]] {
+                push(x, 1.0 / 24.0);
+            }
         }
         Shape::Tetrahedron => products(&line(0), &line(1), &line(2), |[s, t, z], w| {
             let (rest, size) = (1.0 - z, (1.0 - t) * (1.0 - z));

@@ -12,6 +12,7 @@ use crate::output::{OutputError, RunStart, Sink, Snapshot, Summary, history_colu
 use crate::plot::{PlotError, Run};
 use crate::run::{RunError, Settings, run};
 use crate::scheme::State;
+use crate::tensor::Point;
 
 /// Names and texts of the shipped benchmarks, by name.
 pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
@@ -77,9 +78,8 @@ pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict
     for (index, check) in block.checks.iter().enumerate() {
         let (what, computed, is) = match check {
             Check::Probe { field, at, time, is } => {
-                let value =
-                    recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no value at ({}, {}), t = {time}", at[0], at[1])))?;
-                (format!("{} at ({}, {}), t = {time}", field.name(), at[0], at[1]), value, is)
+                let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no value at {}, t = {time}", place(&case, at))))?;
+                (format!("{} at {}, t = {time}", field.name(), place(&case, at)), value, is)
             }
             Check::History { column, time, take, is } => {
                 let value = recorder.column(column, *time, *take).ok_or_else(|| VerifyError::Check(format!("{name}: history.csv has no column {column}")))?;
@@ -191,10 +191,16 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
     Verdict { benchmark: name.to_owned(), what, computed, reference: is.reference, error, tolerance: is.tolerance, holds }
 }
 
+/// The coordinates of a point: `(0.5, 1)`.
+fn place(case: &Case, at: &Point) -> String {
+    let coordinates: Vec<String> = at.iter().take(case.problem.mesh.dim).map(ToString::to_string).collect();
+    format!("({})", coordinates.join(", "))
+}
+
 /// Errors against the exact solution with the mesh and the steps of the case.
 fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
-    let level = Level { level: case.cells[0], problem: case.problem.clone(), text: case.fingerprint() };
+    let level = Level { level: case.cells.first().copied().unwrap_or_default(), problem: case.problem.clone(), text: case.fingerprint() };
     let study = Study { vary: Vary::Both, levels: vec![level], reference: Reference::Exact(exact.clone()) };
     let mut table = study.run(&StudySettings::default())?;
     table.rows.pop().ok_or_else(|| VerifyError::Check(format!("{name}: an empty study")))
@@ -231,7 +237,7 @@ impl<'a> Recorder<'a> {
         self.times.push(state.t);
         for (index, values) in &mut self.probes {
             let Some(Check::Probe { field, at, .. }) = self.case.verify.as_ref().and_then(|v| v.checks.get(*index)) else { continue };
-            let value = self.locator.locate(&[at[0], at[1], 0.0]).map(|(cell, shape)| {
+            let value = self.locator.locate(at).map(|(cell, shape)| {
                 cell.iter()
                     .zip(shape)
                     .map(|(&node, value)| {

@@ -52,9 +52,9 @@ fn newton_over_the_body_agrees_with_the_linear_path() {
     let (bulk, shear) = (young / (3.0 * (1.0 - 2.0 * nu)), young / (2.0 * (1.0 + nu)));
     let newtonian = |c: f64| Carreau::new(c, c, 1.0, 1.0).expect("constants");
     let mut nonlinear = linear.clone();
-    nonlinear.material.elasticity = hencky(bulk, newtonian(shear), StressState::PlaneStress);
-    nonlinear.material.viscosity = hencky(10.0 + 10.0 / 3.0, newtonian(5.0), StressState::PlaneStrain);
-    assert!(!nonlinear.material.elasticity.is_linear() && !nonlinear.material.viscosity.is_linear());
+    nonlinear.materials[0].elasticity = hencky(bulk, newtonian(shear), StressState::PlaneStress);
+    nonlinear.materials[0].viscosity = hencky(10.0 + 10.0 / 3.0, newtonian(5.0), StressState::PlaneStrain);
+    assert!(!nonlinear.materials[0].elasticity.is_linear() && !nonlinear.materials[0].viscosity.is_linear());
     let (a, b) = (solve(&linear), solve(&nonlinear));
     for (a, b) in a.states.iter().zip(&b.states).skip(1) {
         assert!(distance(b, a) < 1e-9, "step {}: {:e}", a.step, distance(b, a));
@@ -72,8 +72,8 @@ fn a_rod_beyond_the_von_mises_convex_obeys_the_scalar_equation() {
         let sigma = 1.5f64.sqrt() * law.secant(s) * s;
         let strain = sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s;
         let mut problem = rod(1, sigma);
-        problem.material.elasticity = hencky(bulk, law, StressState::PlaneStress);
-        problem.material.viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
+        problem.materials[0].elasticity = hencky(bulk, law, StressState::PlaneStress);
+        problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
         let memory = solve(&problem);
         let last = memory.states.last().expect("a state");
         let end = problem.mesh.points.iter().zip(last.u.chunks_exact(2)).filter(|(x, _)| x[0] > 1.0 - 1e-12).map(|(_, u)| u[0]);
@@ -97,8 +97,8 @@ fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
     let sigma = 1.5f64.sqrt() * law.secant(s) * s;
     let rate = sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s;
     let mut problem = rod(4, sigma);
-    problem.material.elasticity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
-    problem.material.viscosity = hencky(bulk, law, StressState::PlaneStress);
+    problem.materials[0].elasticity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
+    problem.materials[0].viscosity = hencky(bulk, law, StressState::PlaneStress);
     for state in &solve(&problem).states[1..] {
         for (x, w) in problem.mesh.points.iter().zip(state.w.chunks_exact(2)) {
             assert!((w[0] - rate * x[0]).abs() < 1e-10 * rate, "step {}: {:e} at x = {}", state.step, w[0], x[0]);
@@ -111,8 +111,8 @@ fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
 #[test]
 fn contact_is_solved_inside_newton_over_the_body() {
     let mut problem = paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem;
-    problem.material.elasticity = hencky(0.9, VonMisesProjection::new(0.9, 6.0, 0.01).expect("constants"), StressState::PlaneStress);
-    problem.material.viscosity = hencky(12.0, Carreau::new(5.0, 1.0, 20.0, 0.3).expect("constants"), StressState::PlaneStrain);
+    problem.materials[0].elasticity = hencky(0.9, VonMisesProjection::new(0.9, 6.0, 0.01).expect("constants"), StressState::PlaneStress);
+    problem.materials[0].viscosity = hencky(12.0, Carreau::new(5.0, 1.0, 20.0, 0.3).expect("constants"), StressState::PlaneStrain);
     let memory = solve(&problem);
     let linear = solve(&paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem);
     assert!(distance(memory.states.last().unwrap(), linear.states.last().unwrap()) > 1e-2, "the laws are active");
@@ -138,8 +138,8 @@ fn stress_relaxes_by_the_prony_series() {
         let mut problem = rod(steps, 0.0);
         problem.boundary[2].traction = None;
         problem.boundary[2].displacement = Some(vec![Some(strain.into()), None]);
-        problem.material.viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
-        problem.material.prony = Some(Prony::ratios(problem.material.elasticity.as_ref(), &pairs).expect("branches"));
+        problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
+        problem.materials[0].prony = Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
         let memory = solve(&problem);
         let k = problem.k();
         for states in memory.states.windows(2) {
@@ -170,7 +170,7 @@ fn stress_relaxes_by_the_prony_series() {
 #[test]
 fn branches_and_contact_keep_the_identities() {
     let mut problem = paper(&["mesh.n=8", "time.steps=32"]).problem;
-    problem.material.prony = Some(Prony::ratios(problem.material.elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
+    problem.materials[0].prony = Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
     let memory = solve(&problem);
     for state in &memory.states {
         assert!(state.ledger.relative_closing_error().abs() < 1e-12 && state.ledger.relative_heat_closing_error().abs() < 1e-12);

@@ -49,19 +49,19 @@ spoiled! {
 // Keys.
 spoiled! {
     unknown_key_misspelled: "density = 1.0 " => "densty = 1.0 "
-        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, elasticity, expansion, heat_capacity, viscosity; did you mean `density`?";
+        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, heat_capacity, prony, viscosity; did you mean `density`?";
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
-        "paper.toml:20:1: time.young: found an unknown key, expected one of end, steps; `young` belongs to [material.elasticity]";
+        "paper.toml:20:1: time.young: found an unknown key, expected one of end, steps; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
         "paper.toml:70:1: output.foobar: found an unknown key, expected `every` alone";
     coupling_unknown: "[output]" => "[scheme]\ncoupling = \"monolitic\"\n[output]"
         "paper.toml:70:12: scheme.coupling: found \"monolitic\", expected \"staggered\", \"fixed-point\" or \"monolithic\" (how mechanics and heat are coupled within a step); did you mean \"monolithic\"?";
     unknown_table: "[output]" => "[outputs]"
-        "paper.toml:69:2: outputs: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; did you mean `output`?";
+        "paper.toml:69:2: outputs: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, region, scheme, time, verify; did you mean `output`?";
     unknown_key_at_the_root: "name = \"paper\"" => "name = \"paper\"\nsteps = 4"
-        "paper.toml:12:1: steps: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; `steps` belongs to [time]";
+        "paper.toml:12:1: steps: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, region, scheme, time, verify; `steps` belongs to [time]";
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
         "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [boundary.convection] or [contact.friction] with law = \"coulomb\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
@@ -76,11 +76,11 @@ spoiled! {
         "paper.toml: time: found no such key, expected a table (the time interval (0, end) and its steps)"
         "paper.toml:19:10: initial.x: found an unknown key, expected one of displacement, temperature, velocity";
     missing_law: "law = \"lame\"" => ""
-        "paper.toml:34:1: material.viscosity.law: found no such key, expected \"lame\"";
+        "paper.toml:34:1: material.viscosity.law: found no such key, expected \"lame\", \"anisotropic\", \"carreau\" or \"power-law\"";
     missing_side: "on = \"left\"\n" => ""
         "paper.toml:47:1: boundary[1].on: found no such key, expected a string (name of the side)";
     missing_mesh_kind: "kind = \"rectangle\"" => ""
-        "paper.toml:13:1: mesh.kind: found no such key, expected \"rectangle\"";
+        "paper.toml:13:1: mesh.kind: found no such key, expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\" or \"cylinder\", or the key `file`";
 }
 
 // Types.
@@ -99,7 +99,7 @@ spoiled! {
         "paper.toml:20:7: time.end: found the date 2025-01-01, expected a number > 0 (end of the time interval in s)";
     number_for_table: "[output]\nevery = 16" => "output = 16\n[load2]"
         "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
-        "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; did you mean `load`?";
+        "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, region, scheme, time, verify; did you mean `load`?";
     number_for_vector: "traction = [1.4, 0.4]" => "traction = 1.4"
         "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry a component)";
     table_for_boundary: "[[boundary]]                         # Γ_D: (2.5), (2.7)\non = \"top\"\ndisplacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹: (2.6), (2.7)\non = \"left\"\ntraction = [1.4, 0.4]\ntemperature = 0\n[[boundary]]                         # Γ_N²: (2.6), (2.7)\non = \"right\"" => "[boundary]\non = \"right\""
@@ -171,15 +171,15 @@ spoiled! {
 // Laws and words.
 spoiled! {
     unknown_law: "law = \"isotropic\"" => "law = \"neo-hooke\""
-        "paper.toml:30:7: material.elasticity.law: found \"neo-hooke\", expected \"isotropic\"";
+        "paper.toml:30:7: material.elasticity.law: found \"neo-hooke\", expected \"isotropic\", \"orthotropic\", \"anisotropic\", \"von-mises-projection\" or \"hencky\"";
     misspelled_law: "law = \"coulomb\"" => "law = \"coulom\""
         "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\" or \"coulomb\"; did you mean \"coulomb\"?";
     law_with_capitals: "law = \"compliance\"" => "law = \"Compliance\""
         "paper.toml:60:18: contact.normal.law: found \"Compliance\", expected \"compliance\"; did you mean \"compliance\"?";
     law_that_is_a_number: "law = \"ramp\"" => "law = 3"
         "paper.toml:62:16: contact.heat.law: found 3, expected \"none\" or \"ramp\"";
-    unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"box\""
-        "paper.toml:14:8: mesh.kind: found \"box\", expected \"rectangle\"";
+    unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"rectangl\""
+        "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\" or \"cylinder\", or the key `file`; did you mean \"rectangle\"?";
     misspelled_word: "stress_state = \"plane-stress\"" => "stress_state = \"plane stress\""
         "paper.toml:33:16: material.elasticity.stress_state: found \"plane stress\", expected \"plane-stress\" or \"plane-strain\" (how the third direction of a plane body is held); did you mean \"plane-stress\"?";
     unknown_word: "quadrature = \"nodal\"" => "quadrature = \"simpson\""
@@ -293,9 +293,9 @@ spoiled! {
     set_through_value: "" => "" set "mesh.n.x=1"
         "--set mesh.n.x=1: mesh.n.x: found a value at mesh.n, expected a table or an array that the key leads through";
     set_unknown_key: "" => "" set "mesh.m=4"
-        "--set mesh.m=4: mesh.m: found an unknown key, expected one of diagonal, kind, n, size";
+        "--set mesh.m=4: mesh.m: found an unknown key, expected one of axisymmetric, diagonal, elements, kind, n, origin, size";
     set_unknown_table: "" => "" set "contcat.gap=4"
-        "--set contcat.gap=4: contcat: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; did you mean `contact`?";
+        "--set contcat.gap=4: contcat: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, region, scheme, time, verify; did you mean `contact`?";
     set_wrong_value: "" => "" set "mesh.n=0"
         "--set mesh.n=0: mesh.n: found 0, expected an integer ≥ 1 (cells per side)";
     set_wrong_in_vector: "" => "" set "boundary.1.traction[0]=\"x+\""
@@ -303,7 +303,7 @@ spoiled! {
     set_bad_law: "" => "" set "contact.friction.law=tresca"
         "--set contact.friction.law=tresca: contact.friction.law: found \"tresca\", expected \"none\" or \"coulomb\"";
     set_missing: "initial]" => "initia]" set "initial.temprature=5"
-        "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, scheme, time, verify; did you mean `initial`?"
+        "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, region, scheme, time, verify; did you mean `initial`?"
         "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, temperature, velocity; did you mean `temperature`?";
     set_bracket: "" => "" set "boundary[0.on=4"
         "--set boundary[0.on=4: found `[` without `]`, expected a dotted key, such as mesh.n or boundary[1].traction";
@@ -338,7 +338,7 @@ fn faults_of_all_gates_are_reported_together() {
     }
     let expected = [
         "paper.toml:24:11: material.density: found -1.0, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)",
-        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, elasticity, expansion, heat_capacity, viscosity; did you mean `heat_capacity`?",
+        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, heat_capacity, prony, viscosity; did you mean `heat_capacity`?",
         "paper.toml:26:13: material.expansion: found 2.0 in row 1, column 2 but 3.0 in row 2, column 1, expected a number or a symmetric 2 × 2 matrix",
         "paper.toml:41:19: load.heat_source: found the end of the expression, expected a number, a variable, a function or `(`",
         "paper.toml:48:6: boundary[1].on: found \"lefft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?",

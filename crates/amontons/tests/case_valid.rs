@@ -26,11 +26,11 @@ fn the_paper_has_its_numbers() -> Outcome {
     let case = parse(PAPER, &[])?;
     let p = &case.problem;
     assert_eq!((p.name.as_str(), p.mesh.points.len(), p.steps, p.end, case.every), ("paper", 65 * 65, 64, 1.0, 16));
-    let Material { density, heat_capacity, expansion, coupling, conductivity, .. } = p.material;
-    assert_eq!((density, heat_capacity), (1.0, 1.0));
-    assert_eq!((expansion, coupling, conductivity), (ones(), ones(), Sym::identity(2)));
-    assert!((p.material.elasticity.constants().monotonicity - 2.0 / 1.1).abs() < 1e-14);
-    assert!((p.material.viscosity.constants().lipschitz - 30.0).abs() < 1e-13);
+    let Material { density, heat_capacity, expansion, coupling, conductivity, .. } = &p.materials[0];
+    assert_eq!((*density, *heat_capacity), (1.0, 1.0));
+    assert_eq!((expansion, coupling, conductivity), (&ones(), &ones(), &Sym::identity(2)));
+    assert!((p.materials[0].elasticity.constants().monotonicity - 2.0 / 1.1).abs() < 1e-14);
+    assert!((p.materials[0].viscosity.constants().lipschitz - 30.0).abs() < 1e-13);
     assert_eq!(p.body_force, [Field::ZERO, Field::Constant(-1.0)]);
     assert_eq!(p.boundary.iter().map(|b| b.on.as_str()).collect::<Vec<_>>(), ["top", "left", "right"]);
     assert_eq!(p.boundary[2].traction, Some(vec![Field::Constant(-0.8), Field::Constant(0.4)]));
@@ -45,11 +45,12 @@ fn the_paper_has_its_numbers() -> Outcome {
 
 #[test]
 fn the_readings_of_the_paper_need_overrides_only() -> Outcome {
-    let identity = parse(PAPER, &["material.expansion=1", "material.coupling=1", "material.conductivity=1"])?.problem.material;
+    let problem = parse(PAPER, &["material.expansion=1", "material.coupling=1", "material.conductivity=1"])?.problem;
+    let identity = &problem.materials[0];
     for tensor in [identity.expansion, identity.coupling, identity.conductivity] {
         assert_eq!(tensor, Sym::identity(2));
     }
-    assert_eq!(parse(PAPER, &["material.conductivity=[[1,1],[1,1]]"])?.problem.material.conductivity, ones());
+    assert_eq!(parse(PAPER, &["material.conductivity=[[1,1],[1,1]]"])?.problem.materials[0].conductivity, ones());
     let hot = parse(PAPER, &["contact.heat.foundation_temperature=10"])?.problem.contact.expect("contact");
     assert_eq!(hot.foundation_temperature, Field::Constant(10.0));
     assert_eq!(parse(PAPER, &["contact.quadrature=gauss"])?.problem.contact.expect("contact").quadrature, Quadrature::Gauss);
@@ -61,7 +62,7 @@ fn the_starter_holds() -> Outcome {
     let case = parse(case::STARTER, &[])?;
     assert_eq!((case.problem.mesh.points.len(), case.every, case.expected), (33 * 17, 10, None));
     // In plane strain a number for 𝓜 acts in the third direction too.
-    assert_eq!(case.problem.material.expansion.get(2, 2), 3000.0);
+    assert_eq!(case.problem.materials[0].expansion.get(2, 2), 3000.0);
     Ok(())
 }
 

@@ -122,9 +122,9 @@ impl TensorLaw for Stiff {
 #[test]
 fn declared_constants_of_nonlinear_operators_are_put_to_the_test() {
     let mut problem = small(&[]);
-    problem.material.elasticity = Arc::new(Stiff);
+    problem.materials[0].elasticity = Arc::new(Stiff);
     cheap(&problem, "H2", "holds");
-    problem.material.elasticity = Arc::new(Softening);
+    problem.materials[0].elasticity = Arc::new(Softening);
     let h2 = cheap(&problem, "H2", "fails");
     assert!(h2.message.contains("m_a = 1.0") && h2.message.contains("two arguments"), "{}", h2.message);
 }
@@ -299,9 +299,9 @@ fn a_step_is_unique_with_32_steps_and_not_ensured_with_16() {
 fn dense_least(problem: &Problem) -> f64 {
     let (mesh, k) = (&problem.mesh, problem.k());
     let graph = Arc::new(Graph::of_mesh(mesh));
-    let mut matrix = forms::b(mesh, &graph, &[problem.material.viscosity.as_ref()]);
-    matrix.add_scaled(k, &forms::a(mesh, &graph, &[problem.material.elasticity.as_ref()]));
-    matrix.add_scaled(problem.material.density / k, &forms::inner_h(mesh, &graph));
+    let mut matrix = forms::b(mesh, &graph, &[problem.materials[0].viscosity.as_ref()]);
+    matrix.add_scaled(k, &forms::a(mesh, &graph, &[problem.materials[0].elasticity.as_ref()]));
+    matrix.add_scaled(problem.materials[0].density / k, &forms::inner_h(mesh, &graph));
     let held = mesh.facets["top"].node_list();
     let free: Vec<bool> = (0..2 * graph.len()).map(|dof| !held.contains(&(dof as u32 / 2))).collect();
     let unknowns = Unknowns::new(&matrix, &mesh.points, 2, &free, &mesh.facets["bottom"].node_list());
@@ -479,7 +479,7 @@ fn a_nonlinear_law_is_judged_by_its_least_stiffness() {
     let linear = |m: f64| -> Arc<dyn TensorLaw> { Arc::new(Isotropic::lame(2, 0.0, m, StressState::PlaneStress)) };
     let least = |law: Arc<dyn TensorLaw>| {
         let mut problem = small(&[]);
-        problem.material.elasticity = law;
+        problem.materials[0].elasticity = law;
         find(&judged(&problem).findings, "step-unique").value.expect("a value")
     };
     let (stiff, below, above) = (least(Arc::new(Stiff)), least(linear(1.0)), least(linear(2.0)));

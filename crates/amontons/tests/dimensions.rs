@@ -26,12 +26,12 @@ fn solve(problem: &Problem) -> Memory {
 
 /// The laws of the paper's material in `dim` dimensions, all strains across zero.
 fn in_strain(problem: &mut Problem, dim: usize, direct: f64) {
-    problem.material.elasticity = Arc::new(Isotropic::elastic(dim, 2.0, 0.1, StressState::PlaneStrain));
-    problem.material.viscosity = Arc::new(Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain));
+    problem.materials[0].elasticity = Arc::new(Isotropic::elastic(dim, 2.0, 0.1, StressState::PlaneStrain));
+    problem.materials[0].viscosity = Arc::new(Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain));
     // 𝓜 and 𝓡 are all ones in the plane, and couple what is across to nothing.
     let ones = Sym::from_fn(dim, |i, j| if i.max(j) < 2 { direct } else { 0.0 });
-    (problem.material.expansion, problem.material.coupling) = (ones, ones);
-    problem.material.conductivity = Sym::identity(dim);
+    (problem.materials[0].expansion, problem.materials[0].coupling) = (ones, ones);
+    problem.materials[0].conductivity = Sym::identity(dim);
 }
 
 fn symmetry(on: &str) -> BoundaryCondition {
@@ -111,7 +111,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     in_strain(&mut strip, 2, 1.0);
     // Shear of 𝓜 and 𝓡 would couple to nothing in the rod.
     let diagonal = Sym::from_fn(2, |i, j| if i == j { 1.0 } else { 0.0 });
-    (strip.material.expansion, strip.material.coupling) = (diagonal, diagonal);
+    (strip.materials[0].expansion, strip.materials[0].coupling) = (diagonal, diagonal);
     strip.body_force = vec![1.0.into(), Field::ZERO];
     let held = BoundaryCondition { displacement: Some(vec![Some(Field::ZERO); 2]), temperature: Some(Field::ZERO), ..condition("left") };
     strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];

@@ -3,10 +3,11 @@
 
 use std::sync::Arc;
 
-use amontons::forms;
+use amontons::element::P1_TRIANGLE;
+use amontons::forms::{self, Dilatation};
 use amontons::linalg::{BlockMatrix, Graph};
-use amontons::material::{Isotropic, StressState, TensorLaw};
-use amontons::mesh::{Diagonal, Mesh};
+use amontons::material::{Carreau, Hencky, Isotropic, StressState, TensorLaw};
+use amontons::mesh::{Block, Diagonal, Elements, Mesh};
 use amontons::tensor::Sym;
 
 /// A rectangle whose inner nodes are moved off the grid.
@@ -124,4 +125,70 @@ fn inner_product_integrates() {
         assert!((form(&x, &y) - 1.0).abs() < 1e-14);
         assert!((form(&x, &x) - 8.0 / 3.0).abs() < 1e-13);
     }
+}
+
+/// A wavy displacement of a body in three dimensions, small against the strain at which the law softens and beyond it.
+fn wavy(mesh: &Mesh, size: f64, phase: f64) -> Vec<f64> {
+    mesh.points.iter().flat_map(|p| [0.0, 1.0, 2.0].map(|c| size * (2.0 * p[0] - p[1] + 0.7 * p[2] * (c + 1.0) + phase + c).sin())).collect()
+}
+
+/// Of a linear law the residual is the form, and the tangent too, in every choice of the strain.
+#[test]
+fn the_tangent_of_a_linear_law_is_its_form() {
+    let mesh = Mesh::box_([1.0, 0.8, 1.2], [3, 2, 3], Elements::Q1).expect("a box");
+    let graph = Arc::new(Graph::of_mesh(&mesh));
+    let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
+    let u = wavy(&mesh, 0.1, 0.3);
+    for dilatation in [Dilatation::Full, Dilatation::Mean] {
+        let form = forms::tensor_form(&mesh, &graph, &[&law], dilatation);
+        let residual = forms::residual(&mesh, &[&law], dilatation, &u);
+        assert!(largest(form.apply(&u).iter().zip(&residual).map(|(a, b)| a - b)) < 1e-14);
+        assert!(forms::tangent(&mesh, &graph, &[&law], dilatation, &u).asymmetry(&form) < 1e-14);
+    }
+}
+
+/// The tangent is the derivative of the residual: the error of its central difference falls with the square of the step.
+#[test]
+fn the_tangent_is_the_derivative_of_the_residual() {
+    let law = Hencky::new(3.0, Carreau::new(1.0, 0.2, 5.0, 0.3).expect("a law")).expect("a law");
+    for elements in [Elements::P1, Elements::P2, Elements::Q1] {
+        let mesh = Mesh::box_([1.0, 0.8, 1.2], [2, 2, 2], elements).expect("a box");
+        let graph = Arc::new(Graph::of_mesh(&mesh));
+        let (u, w) = (wavy(&mesh, 0.2, 0.3), wavy(&mesh, 0.2, 1.9));
+        for dilatation in [Dilatation::Full, Dilatation::Mean] {
+            let exact = forms::tangent(&mesh, &graph, &[&law], dilatation, &u).apply(&w);
+            let error = |h: f64| {
+                let at = |s: f64| forms::residual(&mesh, &[&law], dilatation, &u.iter().zip(&w).map(|(u, w)| u + s * w).collect::<Vec<_>>());
+                let (plus, minus) = (at(h), at(-h));
+                largest(exact.iter().enumerate().map(|(i, e)| (plus[i] - minus[i]) / (2.0 * h) - e))
+            };
+            let (coarse, fine) = (error(4e-2), error(2e-2));
+            assert!(((coarse / fine).log2() - 2.0).abs() < 0.1, "{elements:?} {dilatation:?}: errors {coarse:e}, {fine:e}");
+        }
+    }
+}
+
+/// Laws, tensors and factors by region: each region has its own, and the last one serves the rest.
+#[test]
+fn regions_have_their_own_laws() {
+    let mut mesh = Mesh::rectangle([2.0, 1.0], [4, 4], Diagonal::Right).expect("a rectangle");
+    let cells: Vec<Vec<u32>> = mesh.blocks[0].cells().map(<[u32]>::to_vec).collect();
+    let right = |cell: &[u32]| cell.iter().map(|&n| mesh.points[n as usize][0]).sum::<f64>() > 3.0;
+    let part = |side: bool| cells.iter().filter(|c| right(c) == side).flatten().copied().collect::<Vec<u32>>();
+    let (left, right) = (part(false), part(true));
+    mesh.blocks = [(0, left), (1, right)].map(|(region, nodes)| Block { element: &P1_TRIANGLE, region, nodes }).to_vec();
+    mesh.regions = vec!["soft".into(), "hard".into()];
+    let graph = Arc::new(Graph::of_mesh(&mesh));
+    let [soft, hard] = [1.0, 10.0].map(|e| Isotropic::elastic(2, e, 0.25, StressState::PlaneStress));
+    let u = vector(&mesh, |x, y| [0.1 * x, -0.025 * y]);
+    let work = |laws: &[&dyn TensorLaw]| -> f64 { u.iter().zip(forms::a(&mesh, &graph, laws).apply(&u)).map(|(u, f)| u * f).sum() };
+    // Uniaxial stress E ε on unit areas: E ε² a region.
+    assert!((work(&[&soft, &hard]) - 0.01 * 11.0).abs() < 1e-14 && (work(&[&soft]) - 0.01 * 2.0).abs() < 1e-14);
+    let ones = vec![1.0; mesh.points.len()];
+    let mass: f64 = forms::weighted_inner_h(&mesh, &graph, &[3.0, 5.0]).apply(&ones).iter().sum();
+    assert!((mass - 8.0).abs() < 1e-13);
+    let theta: Vec<f64> = mesh.points.iter().map(|p| p[0]).collect();
+    let [one, seven] = [1.0, 7.0].map(|k| Sym::from_fn(2, |i, j| if i == j { k } else { 0.0 }));
+    let heat: f64 = theta.iter().zip(forms::d(&mesh, &graph, &[&one, &seven]).apply(&theta)).map(|(t, q)| t * q).sum();
+    assert!((heat - 8.0).abs() < 1e-13);
 }

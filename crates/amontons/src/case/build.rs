@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
+use super::check::nearest;
 use super::files::{Files, Loader};
 use super::material;
-use super::memory::{self, Demand};
 use super::path::{Path, Segment};
 use super::place::{At, Finding};
-use super::raw::{self, Cells};
+use super::raw;
 use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
 use crate::convergence::Exact;
 use crate::field::Field;
-use crate::material::Dilatation;
-use crate::mesh::{Diagonal, Mesh};
+use crate::material::{Dilatation, Material};
+use crate::mesh::Mesh;
 use crate::output::Input;
 use crate::problem::{Coupling, Initial, Problem};
 use crate::tensor::Point;
@@ -22,19 +22,24 @@ use crate::tensor::Point;
 /// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
 /// found there, below, or in the tables around.
 pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, doubtful: &[Path]) -> (Option<Built>, Vec<Finding>) {
-    let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), dim: 2, end: raw.time.end };
+    let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), no_mesh: false, dim: 2, end: raw.time.end };
     build.name(&raw.name);
     build.step(&raw.time);
     let contact_on = raw.contact.as_ref().map(|c| c.on.clone());
-    let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), available);
+    let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.as_deref()).collect();
+    let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), &sides, available);
     build.dim = mesh.dim;
-    let material = material::material(&raw.material, mesh.dim, &mut build.findings);
+    let materials = build.materials(&raw, &mesh);
     let exact = raw.exact.map(|exact| build.exact(&exact, &mesh.points));
     let problem = Problem {
         name: raw.name,
         end: raw.time.end,
         steps: raw.time.steps,
-        material,
+        materials,
+        dilatation: match raw.material.dilatation {
+            raw::Dilatation::Full => Dilatation::Full,
+            raw::Dilatation::Mean => Dilatation::Mean,
+        },
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
@@ -45,7 +50,6 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
             raw::Coupling::FixedPoint => Coupling::FixedPoint,
             raw::Coupling::Monolithic => Coupling::Monolithic,
         },
-        dilatation: Dilatation::Full,
         mesh: Arc::new(mesh),
     };
     let problem = match problem.checked() {
@@ -71,15 +75,6 @@ pub(super) struct Built {
     pub references: Vec<(Path, String)>,
 }
 
-/// Cells per side.
-pub(super) fn cells(raw: &raw::Mesh) -> [usize; 2] {
-    let raw::Mesh::Rectangle { n, .. } = raw;
-    match *n {
-        Cells::Same(n) => [n, n],
-        Cells::Each(n) => n,
-    }
-}
-
 /// The expected values of a case.
 pub(super) fn expected(raw: &raw::Expected) -> super::Expected {
     let list = |values: &raw::Values| match values {
@@ -96,6 +91,8 @@ pub(super) struct Build<'d> {
     pub doubtful: &'d [Path],
     /// The files beside the case.
     pub loader: Loader<'d>,
+    /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
+    pub no_mesh: bool,
     /// d.
     pub dim: usize,
     /// T in s.
@@ -109,6 +106,10 @@ impl Build<'_> {
     }
 
     fn is_doubtful(&self, path: &Path) -> bool {
+        let root = path.0.first();
+        if self.no_mesh && !["mesh", "name", "time"].iter().any(|key| root == Some(&Segment::Key((*key).to_owned()))) {
+            return true;
+        }
         // A side cannot be looked up while the mesh that has the sides is unknown.
         let names_side = path.0.last() == Some(&Segment::Key("on".to_owned()));
         let mesh_unknown = self.doubtful.iter().any(|p| p.to_string() == "mesh");
@@ -146,45 +147,35 @@ impl Build<'_> {
         }
     }
 
-    /// The mesh, or one cell of it if it cannot be had.
-    fn mesh(&mut self, raw: &raw::Mesh, contact_on: Option<&str>, available: Option<f64>) -> Mesh {
-        let raw::Mesh::Rectangle { size, diagonal, .. } = raw;
-        let cells = cells(raw);
-        let diagonal = match diagonal {
-            raw::Diagonal::Right => Diagonal::Right,
-            raw::Diagonal::Left => Diagonal::Left,
-            raw::Diagonal::Crossed => Diagonal::Crossed,
-        };
-        let contact_cells = match contact_on {
-            Some("left" | "right") => cells[1],
-            Some(_) => cells[0],
-            None => 0,
-        };
-        let affordable = self.affordable(cells, diagonal, contact_cells, available);
-        let built = if affordable { Mesh::rectangle(*size, cells, diagonal) } else { Mesh::rectangle(*size, [1, 1], diagonal) };
-        built.unwrap_or_else(|error| {
-            self.note("mesh", At::Value, error.to_string(), "a mesh that can be built", None);
-            Mesh { dim: 2, axisymmetric: false, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: std::collections::BTreeMap::new() }
-        })
-    }
-
-    /// Whether a run on the mesh fits into memory and its nodes can be numbered.
-    fn affordable(&mut self, cells: [usize; 2], diagonal: Diagonal, contact_cells: usize, available: Option<f64>) -> bool {
-        let demand = Demand::of_rectangle(cells, diagonal, contact_cells);
-        let count = if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
-        let found = format!("{} × {} cells: {count} unknowns", cells[0], cells[1]);
-        let hint = Some("take fewer cells");
-        if let Some(available) = available.filter(|available| demand.bytes > *available) {
-            let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
-            let expected = format!("a mesh for the {} of memory that are free", memory::bytes(available));
-            self.note("mesh.n", At::Value, found, expected, hint);
-            return false;
+    /// The materials by region: that of `[material]`, but for regions with their own.
+    fn materials(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<Material> {
+        let common = material::material(&raw.material, "material", mesh, &mut self.findings);
+        let mut own: Vec<Option<Material>> = vec![None; mesh.regions.len().max(1)];
+        for (i, region) in raw.region.iter().enumerate() {
+            let prefix = format!("region[{i}].material");
+            let material = material::material(&region.material, &prefix, mesh, &mut self.findings);
+            if region.material.dilatation != raw.material.dilatation {
+                let expected = "that of [material]: there is one for the body";
+                self.note(&format!("{prefix}.dilatation"), At::Value, "another dilatation", expected, None);
+            }
+            let on = format!("region[{i}].on");
+            match mesh.regions.iter().position(|name| *name == region.on) {
+                None => {
+                    let known: Vec<&str> = mesh.regions.iter().map(String::as_str).collect();
+                    let hint = nearest(&region.on, &known).map(|near| format!("did you mean \"{near}\"?"));
+                    self.note(&on, At::Value, format!("\"{}\"", region.on), format!("one of the regions {}", known.join(", ")), hint.as_deref());
+                }
+                Some(number) if own[number].is_some() => {
+                    self.note(&on, At::Value, format!("\"{}\" again", region.on), "each region in one [[region]] entry", None);
+                }
+                Some(number) => own[number] = Some(material),
+            }
         }
-        if demand.nodes > f64::from(u32::MAX) {
-            self.note("mesh.n", At::Value, found, format!("at most {} nodes", u32::MAX), hint);
-            return false;
+        // One for all where no region has its own.
+        if own.iter().all(Option::is_none) {
+            return vec![common];
         }
-        true
+        own.into_iter().map(|own| own.unwrap_or_else(|| common.clone())).collect()
     }
 
     fn contact(&mut self, raw: raw::Contact, mesh: &Mesh) -> Contact {
@@ -215,9 +206,9 @@ impl Build<'_> {
     }
 
     fn exact(&mut self, raw: &raw::Exact, points: &[Point]) -> Exact {
-        if raw.displacement.len() != 2 {
+        if raw.displacement.len() != self.dim {
             let found = format!("{} components", raw.displacement.len());
-            self.note("exact.displacement", At::Value, found, "2 components", None);
+            self.note("exact.displacement", At::Value, found, format!("{} components", self.dim), None);
         }
         Exact {
             displacement: self.scalars("exact.displacement", &raw.displacement, points),

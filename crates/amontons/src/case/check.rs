@@ -105,16 +105,25 @@ impl<'s> Walk<'s> {
         let Some((tag, variants)) = schema.variants() else {
             return Value::Object(self.entries(schema, path, table));
         };
-        let names: Vec<&str> = variants.iter().map(|(name, _)| *name).collect();
+        let names: Vec<&str> = variants.iter().filter(|(_, variant)| variant.implied_by().is_none()).map(|(name, _)| *name).collect();
+        let implied = variants.iter().filter_map(|(name, variant)| Some((*name, *variant, variant.implied_by()?)));
+        let expected = implied.clone().fold(one_of(&names), |text, (_, _, key)| format!("{text}, or the key `{key}`"));
+        if table.get(tag).is_none()
+            && let Some((name, variant, _)) = implied.clone().find(|(_, _, key)| table.get(*key).is_some())
+        {
+            let mut entries = self.entries(variant, path, table);
+            entries.insert(tag.to_owned(), Value::from(name));
+            return Value::Object(entries);
+        }
         let found = table.iter().find(|(key, _)| key.get_ref() == tag).map(|(_, value)| value.get_ref());
         let chosen = found.and_then(DeValue::as_str).and_then(|word| variants.iter().find(|(name, _)| *name == word));
         if let Some((_, variant)) = chosen {
             return Value::Object(self.entries(*variant, path, table));
         }
         let finding = match found {
-            Some(value) => Finding::new(path.key(tag), At::Value, describe(value), one_of(&names))
+            Some(value) => Finding::new(path.key(tag), At::Value, describe(value), expected)
                 .hint(value.as_str().and_then(|word| nearest(word, &names)).map(|near| format!("did you mean \"{near}\"?"))),
-            None => Finding::new(path.key(tag), At::Missing, "no such key", one_of(&names)),
+            None => Finding::new(path.key(tag), At::Missing, "no such key", expected),
         };
         self.findings.push(finding);
         self.doubtful.push(path.clone());

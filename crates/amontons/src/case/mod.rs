@@ -22,6 +22,7 @@ mod fault;
 mod files;
 mod material;
 mod memory;
+mod mesh;
 mod overrides;
 mod path;
 mod place;
@@ -66,8 +67,8 @@ pub struct Case {
     pub exact: Option<Exact>,
     /// What makes the case a benchmark.
     pub verify: Option<Verify>,
-    /// Cells per side of a structured mesh.
-    pub cells: [usize; 2],
+    /// Cells a direction of a generated mesh; none of a mesh from a file.
+    pub cells: Vec<usize>,
     /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
     pub text: String,
     /// The files that it refers to.
@@ -163,7 +164,7 @@ fn build_case(document: &DeTable<'_>, files: &Files) -> (Option<(Case, Reference
         }
     };
     let (every, expected) = (raw.output.every, raw.expected.as_ref().map(build::expected));
-    let (cells, verify) = (build::cells(&raw.mesh), raw.verify.as_ref().map(verify::verify));
+    let (cells, verify) = (mesh::cells(&raw.mesh), raw.verify.as_ref().map(verify::verify));
     let (built, later) = build::problem(raw, files, memory::available(), &doubtful);
     findings.extend(later);
     let case = built.map(|build::Built { problem, exact, inputs, references }| {

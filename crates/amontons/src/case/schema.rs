@@ -10,7 +10,32 @@ use super::raw;
 pub fn schema() -> Value {
     let mut schema = schemars::schema_for!(raw::Case);
     NoNull.transform(&mut schema);
+    Implied.transform(&mut schema);
     schema.to_value()
+}
+
+/// Keyword of a table that a key of its own tells from others where the tag is left out.
+const IMPLIED_BY: &str = "x-implied-by";
+
+/// Lets the tag of such a table be left out.
+struct Implied;
+
+impl Transform for Implied {
+    fn transform(&mut self, schema: &mut schemars::Schema) {
+        transform_subschemas(self, schema);
+        let Some(object) = schema.as_object_mut().filter(|object| object.contains_key(IMPLIED_BY)) else { return };
+        let tags: Vec<String> = object
+            .get("properties")
+            .and_then(Value::as_object)
+            .into_iter()
+            .flatten()
+            .filter(|(_, property)| property.get("const").is_some())
+            .map(|(key, _)| key.clone())
+            .collect();
+        if let Some(Value::Array(required)) = object.get_mut("required") {
+            required.retain(|key| key.as_str().is_none_or(|key| !tags.iter().any(|tag| tag == key)));
+        }
+    }
 }
 
 /// TOML has no null: a key that may be left out is left out.
@@ -129,6 +154,11 @@ impl<'s> View<'s> {
         tag.map(|tag| (tag, variants))
     }
 
+    /// The key whose presence stands for the tag of this table.
+    pub fn implied_by(&self) -> Option<&'s str> {
+        self.node.get(IMPLIED_BY).and_then(Value::as_str)
+    }
+
     /// The type: `object`, `array`, `string`, `number`, `integer` or `boolean`.
     pub fn kind(&self) -> &'s str {
         match self.node.get("type").and_then(Value::as_str) {
@@ -226,6 +256,8 @@ impl<'s> View<'s> {
     pub fn homes(&self, key: &str) -> Vec<String> {
         let mut homes = Vec::new();
         self.collect_homes(key, "", "the beginning of the file, above all tables", &mut homes);
+        // A region repeats [material].
+        homes.retain(|home| !home.starts_with("[region.material"));
         homes
     }
 

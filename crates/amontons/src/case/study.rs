@@ -108,16 +108,32 @@ fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {
 
 /// The overrides that make a level of a case.
 fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<String>, StudyRequestError> {
-    let ([nx, ny], steps) = (case.cells, case.problem.steps);
+    let steps = case.problem.steps;
+    let Some((&first, across)) = case.cells.split_first() else {
+        return if vary == Vary::Time {
+            Ok(vec![format!("time.steps={level}")])
+        } else {
+            refuse("a mesh from a file", "a mesh by its kind, which can be refined")
+        };
+    };
     let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
-        let (times, over) = (level.pow(power), nx.pow(power));
+        let (times, over) = (level.pow(power), first.pow(power));
         if (value * times).is_multiple_of(over) {
             Ok(value * times / over)
         } else {
-            refuse(format!("level {level} of a case with {nx} cells and {value} {what}"), format!("{value} · (level / {nx}) to be a whole number of {what}"))
+            refuse(
+                format!("level {level} of a case with {first} cells and {value} {what}"),
+                format!("{value} · (level / {first}) to be a whole number of {what}"),
+            )
         }
     };
-    let mesh = || -> Result<String, StudyRequestError> { Ok(format!("mesh.n=[{level}, {}]", scaled("cells across", ny, 1)?)) };
+    let mesh = || -> Result<String, StudyRequestError> {
+        let mut cells = vec![level.to_string()];
+        for &n in across {
+            cells.push(scaled("cells across", n, 1)?.to_string());
+        }
+        Ok(if across.is_empty() { format!("mesh.n={level}") } else { format!("mesh.n=[{}]", cells.join(", ")) })
+    };
     Ok(match vary {
         Vary::Both => vec![mesh()?, format!("time.steps={}", scaled("steps", steps, power)?)],
         Vary::Space => vec![mesh()?],

@@ -3,6 +3,7 @@
 use super::raw;
 use super::study::{ReferenceRequest, StudyRequest};
 use crate::convergence::{Row, Vary};
+use crate::tensor::Point;
 
 /// What makes a case a benchmark.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +35,7 @@ pub enum Check {
         /// The field.
         field: ProbeField,
         /// The point in m.
-        at: [f64; 2],
+        at: Point,
         /// The time in s.
         time: f64,
         /// What it must be.
@@ -86,9 +87,11 @@ impl ProbeField {
     pub fn name(self) -> &'static str {
         match self {
             ProbeField::Displacement(0) => "displacement_x",
-            ProbeField::Displacement(_) => "displacement_y",
+            ProbeField::Displacement(1) => "displacement_y",
+            ProbeField::Displacement(_) => "displacement_z",
             ProbeField::Velocity(0) => "velocity_x",
-            ProbeField::Velocity(_) => "velocity_y",
+            ProbeField::Velocity(1) => "velocity_y",
+            ProbeField::Velocity(_) => "velocity_z",
             ProbeField::Temperature => "temperature",
         }
     }
@@ -174,9 +177,11 @@ fn check(raw: &raw::Check) -> Check {
                 raw::ProbeField::DisplacementY => ProbeField::Displacement(1),
                 raw::ProbeField::VelocityX => ProbeField::Velocity(0),
                 raw::ProbeField::VelocityY => ProbeField::Velocity(1),
+                raw::ProbeField::DisplacementZ => ProbeField::Displacement(2),
+                raw::ProbeField::VelocityZ => ProbeField::Velocity(2),
                 raw::ProbeField::Temperature => ProbeField::Temperature,
             },
-            at: *at,
+            at: std::array::from_fn(|c| at.get(c).copied().unwrap_or_default()),
             time: *time,
             is: comparison(*reference, *tolerance, *scale),
         },

@@ -109,12 +109,13 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, nodes: &[u32], local: impl Fn(u32) 
     points
 }
 
-/// Functions φ_i ≥ 0 in the mean that share a facet out among its nodes: Σ φ_i = 1 and Σ φ_i ξ_i = ξ, so that nodal
-/// quadrature is exact for linear functions on a facet that is not curved.
+/// Functions φ_i that share a facet out among its nodes: Σ φ_i = 1 and Σ φ_i ξ_i = ξ, so that nodal quadrature is
+/// exact for linear functions on a facet that is not curved.
 ///
-/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for the
-/// quadratic triangle: there ∫ N_i is zero at the vertices, and φ_i are the hat functions of its four sub-triangles,
-/// with weights of 1/12 of the area at a vertex and 1/4 at a middle node.
+/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for two
+/// facets whose weights ∫ N_i are not all positive: the quadratic triangle, where they are zero at the vertices, and the
+/// quadratic segment swept around an axis, where that of an end on the axis is zero. There φ_i are the hat functions of
+/// the linear parts of the facet: 1/12 of the area of a triangle at a vertex and 1/4 at a middle node.
 struct Lumping {
     table: Table,
     /// φ at the points of the table, one a node.
@@ -123,24 +124,28 @@ struct Lumping {
 
 impl Lumping {
     fn new(mesh: &Mesh, element: &'static Element) -> Lumping {
-        const PARTS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
         // The area factor is constant on a flat linear facet; r raises the degree in a body of revolution.
         let degree = if element.gradient_degree == 0 { element.degree } else { 2 * element.degree + 1 } + usize::from(mesh.axisymmetric);
-        if !(element.shape == Shape::Triangle && element.degree == 2) {
-            let table = Table::new(element, degree);
-            let shares = (0..table.len()).flat_map(|q| table.values(q)).copied().collect();
-            return Lumping { table, shares };
-        }
-        let (base, mut parts, mut shares) = (rule(element.shape, degree), Rule { points: Vec::new(), weights: Vec::new() }, Vec::new());
-        for part in PARTS {
+        let parts: &[&[usize]] = match (element.shape, element.degree) {
+            (Shape::Triangle, 2) => &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
+            (Shape::Segment, 2) if mesh.axisymmetric => &[&[0, 2], &[2, 1]],
+            _ => {
+                let table = Table::new(element, degree);
+                let shares = (0..table.len()).flat_map(|q| table.values(q)).copied().collect();
+                return Lumping { table, shares };
+            }
+        };
+        let (base, mut points, mut shares) = (rule(element.shape, degree), Rule { points: Vec::new(), weights: Vec::new() }, Vec::new());
+        for part in parts {
             for (x, weight) in base.iter() {
+                // Barycentric coordinates of a segment or triangle; the unused ones are zero.
                 let hats = [1.0 - x[0] - x[1], x[0], x[1]];
-                parts.points.push(std::array::from_fn(|d| part.iter().zip(hats).map(|(&i, hat)| hat * element.nodes[i][d]).sum()));
-                parts.weights.push(0.25 * weight);
+                points.points.push(std::array::from_fn(|d| part.iter().zip(hats).map(|(&i, hat)| hat * element.nodes[i][d]).sum()));
+                points.weights.push(weight / parts.len() as f64);
                 shares.extend((0..element.nodes.len()).map(|i| part.iter().position(|&j| j == i).map_or(0.0, |at| hats[at])));
             }
         }
-        Lumping { table: Table::of_rule(element, parts), shares }
+        Lumping { table: Table::of_rule(element, points), shares }
     }
 }
 

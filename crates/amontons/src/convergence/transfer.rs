@@ -71,7 +71,7 @@ impl<'a> Transfer<'a> {
             Way::Interpolate(located.iter().map(&mut entry).collect())
         } else {
             for mesh in [&**fine, coarse] {
-                if let Some(block) = mesh.blocks.iter().find(|b| !std::ptr::eq(b.element, &P1_TRIANGLE) || mesh.axisymmetric) {
+                if let Some(block) = mesh.blocks.iter().find(|b| b.element.vtk != P1_TRIANGLE.vtk || mesh.axisymmetric) {
                     return Err(TransferError::Cells(block.element.name));
                 }
             }

@@ -35,9 +35,9 @@ const FOOT: [usize; 18] = [0, 1, 2, 0, 1, 2, 3, 4, 5, 3, 4, 5, 0, 1, 2, 3, 4, 5]
 fn values(degree: usize, x: &Point, out: &mut [f64]) {
     let mut plane = [0.0; 6];
     if degree == 1 {
-        linear(2, x, &mut plane)
+        linear(2, x, &mut plane);
     } else {
-        quadratic(2, &EDGES, x, &mut plane)
+        quadratic(2, &EDGES, x, &mut plane);
     }
     for (n, value) in out.iter_mut().enumerate() {
         *value = plane[FOOT[n]] * line(degree, NODES[n][2], x[2]).0;

@@ -187,7 +187,7 @@ pub(super) fn by_cells(
     }
 }
 
-/// The matrix that sums `form(cell, matrix of the cell)` over all cells.
+/// The matrix that sums `form(cell, blocks of the cell)` over all cells; block (i, j) of a cell of n nodes is number i n + j.
 pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,

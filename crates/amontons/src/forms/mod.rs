@@ -22,6 +22,7 @@ mod assembly;
 mod boundary;
 mod load;
 mod state;
+mod stiffness;
 
 use std::sync::Arc;
 
@@ -35,8 +36,8 @@ use crate::element::Element;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::TensorLaw;
 use crate::mesh::Mesh;
-use crate::tensor::{Sym, SymMap, dot};
-use assembly::{Cell, assemble, of_region, strain_components};
+use crate::tensor::{Sym, dot};
+use assembly::{assemble, of_region};
 
 /// Degree of the rule for products of gradients; of values too where a hoop strain enters.
 fn gradient_products(mesh: &Mesh, element: &Element) -> usize {
@@ -92,57 +93,7 @@ pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> Block
 /// [`a`] or [`b`] with a choice of the strain.
 #[must_use]
 pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation) -> BlockMatrix {
-    // A linear law is the same at every point: its map is asked for once.
-    let zero = [0.0; 3];
-    let maps: Vec<Option<SymMap>> = laws.iter().map(|law| law.is_linear().then(|| law.tangent(&zero, &Sym::ZERO))).collect();
-    let is_symmetric = maps.iter().all(|map| map.is_some_and(|map| (0..6).all(|i| (0..i).all(|j| map.0[i][j].to_bits() == map.0[j][i].to_bits()))));
-    with_map(mesh, graph, dilatation, is_symmetric, |cell| match maps.get(cell.region).or(maps.last()) {
-        Some(Some(map)) => *map,
-        _ => of_region(laws, cell.region).map_or(SymMap::default(), |law| law.tangent(&cell.map.position, &Sym::ZERO)),
-    })
-}
-
-/// ∫ 𝓒ε(u):ε(v) with a map 𝓒 a point; half of the work is saved where every map is known to be symmetric.
-fn with_map(mesh: &Mesh, graph: &Arc<Graph>, dilatation: Dilatation, is_symmetric: bool, map: impl Fn(&Cell) -> SymMap + Sync) -> BlockMatrix {
-    let matrix = assemble(
-        mesh,
-        graph,
-        (mesh.dim, mesh.dim),
-        |e| gradient_products(mesh, e),
-        Some(dilatation),
-        |cell, out| {
-            cell.integrate(|cell, weight| {
-                let map = map(cell);
-                match strain_components(mesh) {
-                    1 => add_map::<1>(cell, weight, &map, is_symmetric, out),
-                    3 => add_map::<3>(cell, weight, &map, is_symmetric, out),
-                    4 => add_map::<4>(cell, weight, &map, is_symmetric, out),
-                    _ => add_map::<6>(cell, weight, &map, is_symmetric, out),
-                }
-            });
-            for i in 0..if is_symmetric { cell.fields } else { 0 } {
-                for j in 0..i {
-                    out[i * cell.fields + j] = out[j * cell.fields + i];
-                }
-            }
-        },
-    );
-    if mesh.axisymmetric { matrix } else { matrix.of_differences() }
-}
-
-/// Adds weight ε(φ_b)·𝓒ε(φ_a) in row b and column a, from the diagonal on where half is enough. Only the leading M
-/// components of a strain are not zero: component 33 of the value of a plane law does no work.
-fn add_map<const M: usize>(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
-    let fields = cell.fields;
-    let rows: [&[f64]; M] = std::array::from_fn(|m| cell.strain_row(m));
-    for b in 0..fields {
-        let stress: [f64; M] = std::array::from_fn(|k| weight * (0..M).map(|m| map.0[m][k] * rows[m][b]).sum::<f64>());
-        let from = if is_symmetric { b } else { 0 };
-        let columns: [&[f64]; M] = std::array::from_fn(|m| &rows[m][from..fields]);
-        for (a, out) in out[b * fields + from..(b + 1) * fields].iter_mut().enumerate() {
-            *out += (0..M).map(|m| stress[m] * columns[m][a]).sum::<f64>();
-        }
-    }
+    stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| law.tangent(&cell.map.position, &Sym::ZERO))
 }
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.
@@ -183,9 +134,11 @@ pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&Sym]) -> BlockMatrix {
             let Some(expansion) = of_region(expansion, cell.region) else { return };
             cell.integrate(|cell, weight| {
                 let values = cell.map.values();
-                for (row, work) in out.chunks_exact_mut(values.len()).zip(cell.work(expansion)) {
-                    for (out, value) in row.iter_mut().zip(values) {
-                        *out += weight * work * value;
+                for (row, work) in out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(expansion).chunks_exact(mesh.dim)) {
+                    for (block, value) in row.chunks_exact_mut(mesh.dim).zip(values) {
+                        for (out, work) in block.iter_mut().zip(work) {
+                            *out += weight * work * value;
+                        }
                     }
                 }
             });
@@ -216,4 +169,34 @@ pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &[&Sym]) -> BlockMatrix {
         },
     );
     if mesh.axisymmetric { matrix } else { matrix.of_differences() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::{Isotropic, StressState};
+    use crate::mesh::{Elements, MeshError};
+
+    /// Every entry is summed in the order of the cells, whatever the number of threads.
+    #[test]
+    fn the_number_of_threads_changes_no_bit() -> Result<(), Box<dyn std::error::Error>> {
+        let matrices = |threads: usize| -> Result<Vec<f64>, Box<dyn std::error::Error>> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
+            pool.install(|| -> Result<Vec<f64>, MeshError> {
+                let mesh = Mesh::box_([1.0, 0.7, 1.3], [9, 10, 11], Elements::P1)?;
+                let graph = Arc::new(Graph::of_mesh(&mesh));
+                let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
+                let [a, h] = [a(&mesh, &graph, &[&law]), inner_h(&mesh, &graph)];
+                let blocks = |m: &BlockMatrix| (0..graph.len()).flat_map(|i| m.row(i).flat_map(|(_, b)| b.to_vec()).collect::<Vec<_>>()).collect::<Vec<f64>>();
+                let u: Vec<f64> = (0..3 * graph.len()).map(|i| (i as f64).sin()).collect();
+                Ok([blocks(&a), blocks(&h), residual(&mesh, &[&law], Dilatation::Full, &u)].concat())
+            })
+            .map_err(Into::into)
+        };
+        let one = matrices(1)?;
+        for threads in [2, 3, 7] {
+            assert!(matrices(threads)?.iter().zip(&one).all(|(a, b)| a.to_bits() == b.to_bits()), "{threads} threads");
+        }
+        Ok(())
+    }
 }

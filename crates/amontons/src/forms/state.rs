@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use super::assembly::{Cell, by_cells, of_region, strain_components};
-use super::{gradient_products, with_map};
+use super::{gradient_products, stiffness};
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
-use crate::tensor::{Sym, SymMap};
+use crate::tensor::Sym;
 
 /// The strain of the field `u`, node-major, at the point of a cell.
 fn strain(cell: &Cell, u: &[f64]) -> Sym {
@@ -80,7 +80,5 @@ pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &
 /// The derivative of [`residual`]: the form ∫ D𝓔(ε(u)) ε(w):ε(v), rows v and columns w.
 #[must_use]
 pub fn tangent(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64]) -> BlockMatrix {
-    with_map(mesh, graph, dilatation, false, |cell| {
-        of_region(laws, cell.region).map_or(SymMap::default(), |law| law.tangent(&cell.map.position, &strain(cell, u)))
-    })
+    stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| law.tangent(&cell.map.position, &strain(cell, u)))
 }

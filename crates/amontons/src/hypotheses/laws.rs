@@ -6,7 +6,7 @@
 use super::sample::{Samples, diameter, some};
 use super::{Constants, Finding, Status};
 use crate::contact::{Contact, ContactBoundary, ContactPoint};
-use crate::material::TensorLaw;
+use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
 
@@ -21,11 +21,37 @@ const SLACK: f64 = 1e-9;
 
 /// (H1)–(H5).
 pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding> {
-    let material = &problem.material;
+    let names = &problem.mesh.regions;
+    let each = problem.materials.iter().enumerate().map(|(region, material)| {
+        let mut findings = of_material(problem, material, constants);
+        if problem.materials.len() > 1 {
+            for finding in &mut findings {
+                finding.place = format!("{} of region {}", finding.place, names.get(region).map_or("", String::as_str));
+            }
+        }
+        findings
+    });
+    let worst = |worst: Vec<Finding>, found: Vec<Finding>| {
+        worst.into_iter().zip(found).map(|(worst, found)| if is_worse(&found, &worst) { found } else { worst }).collect()
+    };
+    each.reduce(worst).unwrap_or_default()
+}
+
+/// Whether a finding on a material stands for the body rather than another: by its status, then by its constant, which is a lower
+/// bound in (H1)–(H3) and an upper one in (H4), (H5).
+fn is_worse(found: &Finding, other: &Finding) -> bool {
+    let upper = ["H4", "H5"].contains(&found.id.as_str());
+    let by_value = if upper { found.value > other.value } else { found.value < other.value };
+    let gravity = |finding: &Finding| ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status);
+    gravity(found) > gravity(other) || (gravity(found) == gravity(other) && by_value)
+}
+
+/// (H1)–(H5) of one material.
+fn of_material(problem: &Problem, material: &Material, constants: &Constants) -> Vec<Finding> {
     vec![
         operator(problem, material.viscosity.as_ref(), ["H1", "𝓥", "m_b", "M_b", "material.viscosity"]),
         operator(problem, material.elasticity.as_ref(), ["H2", "𝓔", "m_a", "M_a", "material.elasticity"]),
-        conductivity(problem),
+        conductivity(problem, &material.conductivity),
         coupling(problem, &material.expansion, constants.bound_m, ["H4", "𝓜", "M_m", "material.expansion"]),
         coupling(problem, &material.coupling, constants.bound_e, ["H5", "𝓡", "M_e", "material.coupling"]),
     ]
@@ -55,7 +81,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]:
 
 /// Two arguments that contradict the constants of a law, or a value at zero that is not zero.
 fn refuted(problem: &Problem, law: &dyn TensorLaw, [m, upper]: [&str; 2]) -> Option<String> {
-    let dim = problem.mesh.dim;
+    let dim = problem.mesh.tensor_dim();
     let constants = law.constants();
     let mut random = Samples::default();
     // Only the d-dimensional part does work and is what the constants speak of.
@@ -90,8 +116,8 @@ fn refuted(problem: &Problem, law: &dyn TensorLaw, [m, upper]: [&str; 2]) -> Opt
 }
 
 /// (H3): 𝓚 is positive definite.
-fn conductivity(problem: &Problem) -> Finding {
-    let eigenvalues = problem.material.conductivity.eigenvalues(problem.mesh.dim);
+fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
+    let eigenvalues = tensor.eigenvalues(problem.mesh.dim);
     let (least, largest) = (eigenvalues.first().copied().unwrap_or(0.0), eigenvalues.last().copied().unwrap_or(0.0));
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > 1e-14 * largest.abs();
@@ -109,7 +135,7 @@ fn conductivity(problem: &Problem) -> Finding {
 
 /// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
 fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, [id, name, upper, place]: [&str; 4]) -> Finding {
-    let norm = norm(tensor, problem.mesh.dim);
+    let norm = norm(tensor, problem.mesh.tensor_dim());
     let message = match bound {
         _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}"),
         Some(bound) => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so {upper} = {bound:.6e} by (2.13)"),

@@ -26,7 +26,9 @@ mod theorem;
 use serde::{Deserialize, Serialize};
 
 use crate::linalg::FactorError;
+use crate::material::Material;
 use crate::problem::Problem;
+use crate::tensor::Sym;
 
 pub use domain::{Constant, DomainConstants, domain_constants};
 pub(crate) use sample::Samples;
@@ -160,17 +162,22 @@ pub struct Constants {
 impl Constants {
     /// Those of the material and the laws of contact.
     fn of_laws(problem: &Problem) -> Constants {
-        let material = &problem.material;
-        let (a, b) = (material.elasticity.constants(), material.viscosity.constants());
-        let d = material.conductivity.eigenvalues(problem.mesh.dim);
+        // Those of a body of several materials are the least m and the largest M.
+        let materials = &problem.materials;
+        let extremes = |law: fn(&Material) -> crate::material::Constants| {
+            let all = || materials.iter().map(law);
+            (all().fold(f64::INFINITY, |least, c| least.min(c.monotonicity)), all().fold(0.0, |most: f64, c| most.max(c.lipschitz)))
+        };
+        let (a, b) = (extremes(|m| m.elasticity.constants()), extremes(|m| m.viscosity.constants()));
+        let d: Vec<f64> = materials.iter().flat_map(|m| m.conductivity.eigenvalues(problem.mesh.dim)).collect();
         let contact = problem.contact.as_ref();
         let lipschitz_nu = contact.and_then(|c| c.normal.lipschitz());
         Constants {
-            m_a: a.monotonicity,
-            lipschitz_a: a.lipschitz,
-            m_b: b.monotonicity,
-            lipschitz_b: b.lipschitz,
-            m_d: d.first().copied().unwrap_or(0.0),
+            m_a: a.0,
+            lipschitz_a: a.1,
+            m_b: b.0,
+            lipschitz_b: b.1,
+            m_d: d.iter().copied().reduce(f64::min).unwrap_or(0.0),
             bound_d: d.iter().fold(0.0, |max, e| e.abs().max(max)),
             lipschitz_nu,
             lipschitz_tau: contact.and_then(|c| c.friction.lipschitz(lipschitz_nu)),
@@ -186,10 +193,10 @@ impl Constants {
         let value = |constant: Option<Constant>| constant.map(|c| c.value);
         // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
         let poincare = value(domain.c_f).map(|c| (1.0 - c * c).max(0.0).sqrt() / c);
-        let norm = |tensor| laws::norm(tensor, problem.mesh.dim);
+        let norm = |tensor: fn(&Material) -> &Sym| problem.materials.iter().map(|m| laws::norm(tensor(m), problem.mesh.tensor_dim())).fold(0.0, f64::max);
         Constants {
-            bound_m: poincare.map(|p| p * norm(&problem.material.expansion)),
-            bound_e: poincare.map(|p| p * norm(&problem.material.coupling)),
+            bound_m: poincare.map(|p| p * norm(|m| &m.expansion)),
+            bound_e: poincare.map(|p| p * norm(|m| &m.coupling)),
             c_k: value(domain.c_k),
             c_f: value(domain.c_f),
             s1: value(domain.s1),

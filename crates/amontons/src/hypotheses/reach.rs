@@ -22,6 +22,7 @@ use crate::element::Table;
 use crate::field::Field;
 use crate::forms;
 use crate::linalg::{BlockMatrix, FactorError, Graph, System, Unknowns, dot};
+use crate::material::Material;
 use crate::mesh::CellMap;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -44,7 +45,10 @@ pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
         let message = "the stiffness of the foundation is zero: there is no contact force";
         return Finding::new(ID, Status::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
     }
-    let body = Body::new(problem, boundary);
+    let Some(material) = problem.materials.first() else {
+        return Finding::new(ID, Status::NotCovered, "whether contact can occur is not judged: the body has no material", "material");
+    };
+    let body = Body::new(problem, material, boundary);
     if let Some((x, penetration)) = body.touching(contact) {
         let message = format!("the body touches the foundation at t = 0, at {}", at(&x));
         return Finding::new(ID, Status::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
@@ -92,6 +96,8 @@ impl Bound {
 /// The body without contact.
 struct Body<'a> {
     problem: &'a Problem,
+    /// The one material of the body.
+    material: &'a Material,
     boundary: ContactBoundary,
     graph: Arc<Graph>,
     space: Space,
@@ -101,12 +107,13 @@ struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    fn new(problem: &'a Problem, boundary: ContactBoundary) -> Body<'a> {
+    fn new(problem: &'a Problem, material: &'a Material, boundary: ContactBoundary) -> Body<'a> {
         let mesh = &problem.mesh;
         let space = problem.displacement_space();
         let scalar = Space::new(mesh, 1, std::iter::empty());
         Body {
             problem,
+            material,
             boundary,
             graph: Arc::new(Graph::of_mesh(mesh)),
             u: space.interpolate(mesh, &problem.initial.displacement, 0.0),
@@ -134,13 +141,16 @@ impl<'a> Body<'a> {
 
     /// What the estimate does not cover, and its place.
     fn not_covered(&self) -> Option<(&'static str, String)> {
-        let (problem, m) = (self.problem, &self.problem.material);
+        let (problem, m) = (self.problem, self.material);
         if !self.space.is_homogeneous() {
             return Some(("prescribed displacements move the body", "boundary".to_owned()));
         }
         let clash = |v: &[f64]| v.iter().zip(&self.space.free).any(|(v, free)| !free && *v != 0.0);
         if clash(&self.u) || clash(&self.w) {
             return Some(("initial data do not have the prescribed values", "initial".to_owned()));
+        }
+        if problem.materials.len() > 1 {
+            return Some(("the body has several materials", "region".to_owned()));
         }
         if heat_acts_at_once(problem) {
             return Some(("θ_n acts on u_n in the same step", "material.expansion".to_owned()));
@@ -167,7 +177,7 @@ impl<'a> Body<'a> {
 
     /// The bound over all steps, or what stands in its way.
     fn bound(&self, contact: &Contact, c_f: Option<f64>) -> Result<Result<Bound, &'static str>, FactorError> {
-        let (problem, m) = (self.problem, &self.problem.material);
+        let (problem, m) = (self.problem, self.material);
         let mesh = &problem.mesh;
         let a = forms::a(mesh, &self.graph, &[m.elasticity.as_ref()]);
         let mass = forms::inner_h(mesh, &self.graph);
@@ -178,7 +188,7 @@ impl<'a> Body<'a> {
         let load = forms::f(mesh, &problem.body_force, &problem.boundary);
         let gaps = |t: f64| contact.gap.values(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
-        let heat = Heat::new(problem, &mass, &self.theta, c_f);
+        let heat = Heat::new(problem, m, &mass, &self.theta, c_f);
         let thermal = norm(&m.expansion, mesh.dim);
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
         let k = problem.k();
@@ -268,8 +278,7 @@ struct Heat<'a> {
 }
 
 impl<'a> Heat<'a> {
-    fn new(problem: &'a Problem, mass: &BlockMatrix, theta: &[f64], c_f: Option<f64>) -> Heat<'a> {
-        let m = &problem.material;
+    fn new(problem: &'a Problem, m: &Material, mass: &BlockMatrix, theta: &[f64], c_f: Option<f64>) -> Heat<'a> {
         let lambda = c_f.filter(|c| *c < 1.0).map_or(0.0, |c| c * c / (1.0 - c * c));
         let m_d = m.conductivity.eigenvalues(problem.mesh.dim).first().map_or(0.0, |e| e.max(0.0));
         let varies = problem.heat_source.depends_on_time();

@@ -19,7 +19,7 @@ use super::{Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
 use crate::forms;
 use crate::linalg::{BlockMatrix, Entry, FactorError, Graph, Pencil, System, Unknowns, largest};
-use crate::material::{Isotropic, StressState, TensorLaw};
+use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
 
@@ -49,7 +49,7 @@ struct Step<'a> {
     problem: &'a Problem,
     space: Space,
     boundary: ContactBoundary,
-    mass: BlockMatrix,
+    inertia: BlockMatrix,
     a: BlockMatrix,
     b: BlockMatrix,
 }
@@ -66,14 +66,16 @@ impl<'a> Step<'a> {
     fn new(problem: &'a Problem, boundary: ContactBoundary) -> Step<'a> {
         let mesh = &problem.mesh;
         let graph = Arc::new(Graph::of_mesh(mesh));
-        let law = |law| minorant(law, mesh.tensor_dim());
+        let materials = &problem.materials;
+        let laws = |law: fn(&Material) -> &Arc<dyn TensorLaw>| materials.iter().map(|m| minorant(law(m), mesh.tensor_dim())).collect::<Vec<_>>();
+        let (a, b) = (laws(|m| &m.elasticity), laws(|m| &m.viscosity));
         Step {
             problem,
             space: problem.displacement_space(),
             boundary,
-            mass: forms::inner_h(mesh, &graph),
-            a: forms::a(mesh, &graph, &[law(&problem.material.elasticity).as_ref()]),
-            b: forms::b(mesh, &graph, &[law(&problem.material.viscosity).as_ref()]),
+            inertia: forms::weighted_inner_h(mesh, &graph, &materials.iter().map(|m| m.density).collect::<Vec<_>>()),
+            a: forms::tensor_form(mesh, &graph, &a.iter().map(AsRef::as_ref).collect::<Vec<_>>(), problem.dilatation),
+            b: forms::tensor_form(mesh, &graph, &b.iter().map(AsRef::as_ref).collect::<Vec<_>>(), problem.dilatation),
         }
     }
 
@@ -82,7 +84,7 @@ impl<'a> Step<'a> {
         let mesh = &self.problem.mesh;
         let mut matrix = self.b.clone();
         matrix.add_scaled(k, &self.a);
-        matrix.add_scaled(self.problem.material.density / k, &self.mass);
+        matrix.add_scaled(1.0 / k, &self.inertia);
         let unknowns = Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
         let system = System::new(&matrix, unknowns)?;
         let entries = self.weights(system.unknowns());
@@ -136,7 +138,7 @@ impl Pencil for WeightQuotient {
 
 /// Whether θ_n acts on w_n in the same step, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
-    problem.coupling != Coupling::Staggered && norm(&problem.material.expansion, problem.mesh.dim) > 0.0
+    problem.coupling != Coupling::Staggered && problem.materials.iter().any(|m| norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0)
 }
 
 /// What there is to compare, or the finding that says why there is nothing.

@@ -63,7 +63,7 @@ pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Findi
         let message = "a friction bound that depends on the slip speed is not one of (2.9), and the proof says nothing about it";
         return numbers(Finding::new(id, Status::NotCovered, message, "contact.friction"));
     }
-    if problem.material.prony.is_some() {
+    if problem.materials.iter().any(|m| m.prony.is_some()) {
         let message = "(2.1) has no stress that relaxes besides 𝓔 and 𝓥, and the proof says nothing about it";
         return numbers(Finding::new(id, Status::NotCovered, message, "material"));
     }

@@ -137,25 +137,21 @@ impl BlockMatrix {
         }
     }
 
-    /// Adds the matrices of many cells of `n` nodes each, one after the other as [`BlockMatrix::add`] does. Every thread
-    /// takes some rows: an entry is summed in the order of the cells, whatever the number of threads.
+    /// Adds the matrices of many cells of `n` nodes each, one after the other, by blocks: block (i, j) of a cell is its
+    /// number i n + j. Every thread takes some rows: an entry is summed in the order of the cells, whatever the number of threads.
     pub fn add_cells(&mut self, nodes: &[u32], n: usize, cells: &[f64]) {
-        let (rows, cols, graph) = (self.rows, self.cols, &*self.graph);
-        let (size, width) = (rows * cols, n * cols);
+        let (size, graph) = (self.rows * self.cols, &*self.graph);
         let add = |first: usize, last: usize, values: &mut [f64]| {
             let from = graph.start[first];
-            for (nodes, cell) in nodes.chunks_exact(n).zip(cells.chunks_exact(n * rows * width)) {
-                for (&i, cell) in nodes.iter().zip(cell.chunks_exact(rows * width)) {
+            for (nodes, cell) in nodes.chunks_exact(n).zip(cells.chunks_exact(n * n * size)) {
+                for (&i, row) in nodes.iter().zip(cell.chunks_exact(n * size)) {
                     if !(first..last).contains(&(i as usize)) {
                         continue;
                     }
-                    for (b, &j) in nodes.iter().enumerate() {
+                    for (&j, block) in nodes.iter().zip(row.chunks_exact(size)) {
                         let Some(slot) = graph.slot(i as usize, j) else { continue };
-                        let block = &mut values[(slot - from) * size..][..size];
-                        for (out, cell) in block.chunks_exact_mut(cols).zip(cell[b * cols..].chunks(width)) {
-                            for (out, value) in out.iter_mut().zip(cell) {
-                                *out += value;
-                            }
+                        for (out, value) in values[(slot - from) * size..][..size].iter_mut().zip(block) {
+                            *out += value;
                         }
                     }
                 }

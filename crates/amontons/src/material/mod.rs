@@ -129,8 +129,8 @@ pub enum Dilatation {
     #[default]
     Full,
     /// The trace of ε(u) is replaced by its mean over the cell, ε̄ = ε + (mean tr ε − tr ε) I/d (the B̄ method; Hughes,
-    /// *The Finite Element Method*, 1987, section 4.5). Against locking of nearly incompressible bodies; it serves
-    /// Q1 quadrilaterals and hexahedra and quadratic elements, and changes nothing for linear triangles and tetrahedra.
+    /// *The Finite Element Method*, 1987, section 4.5). Against locking of nearly incompressible bodies by Q1
+    /// quadrilaterals and hexahedra. It costs quadratic elements an order, and changes nothing for linear simplices.
     Mean,
 }
 

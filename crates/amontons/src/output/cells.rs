@@ -23,12 +23,13 @@ pub fn cell_stresses(problem: &Problem, state: &State) -> Vec<CellStress> {
     let mesh = &problem.mesh;
     let mut stresses = Vec::with_capacity(mesh.cell_count());
     for block in &mesh.blocks {
+        let Some(material) = problem.material_of(block.region) else { continue };
         let table = Table::at(block.element, &[block.element.centre()]);
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             map.at(cell, 0);
             let theta = cell.iter().zip(map.values()).map(|(&node, value)| value * state.theta[node as usize]).sum();
-            let stress = problem.material.stress(&map.position, &strain(mesh, &map, cell, &state.u), &strain(mesh, &map, cell, &state.w), theta);
+            let stress = material.stress(&map.position, &strain(mesh, &map, cell, &state.u), &strain(mesh, &map, cell, &state.w), theta);
             stresses.push(CellStress { stress, von_mises: stress.von_mises(), region: block.region });
         }
     }

@@ -175,6 +175,13 @@ pub struct Panel<'a> {
 /// [`PlotError::Data`] when a run lacks what the picture shows or its data do not fit each other.
 pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
     for Panel { run, .. } in panels {
+        if run.dimension != 2 && kind != Kind::History {
+            let what = kind.file_name();
+            return Err(PlotError::Data(format!(
+                "the run {} is of a body in d = {}: the picture `{what}` is drawn of plane bodies only",
+                run.name, run.dimension
+            )));
+        }
         if !kind.is_in(run) {
             return Err(PlotError::Data(format!("the run {} has no data for the picture `{}`", run.name, kind.file_name())));
         }

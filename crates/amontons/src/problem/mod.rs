@@ -11,6 +11,7 @@ use crate::contact::Contact;
 use crate::field::Field;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
+use crate::mesh::defects::{Component, components};
 
 /// One fault of the data: where, what was found, what was expected, what to try.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,8 +100,8 @@ pub struct Problem {
     pub end: f64,
     /// N, the number of steps; k = T/N.
     pub steps: usize,
-    /// The material.
-    pub material: Material,
+    /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
+    pub materials: Vec<Material>,
     /// f₀ in N/m³, one field a component; empty for zero.
     pub body_force: Vec<Field>,
     /// q₀ in W/m³.
@@ -118,12 +119,6 @@ pub struct Problem {
 }
 
 impl Problem {
-    /// The materials by region.
-    #[must_use]
-    pub fn materials(&self) -> &[Material] {
-        std::slice::from_ref(&self.material)
-    }
-
     /// Length of a time step, s.
     #[must_use]
     pub fn k(&self) -> f64 {
@@ -136,6 +131,12 @@ impl Problem {
         self.end * (n as f64 / self.steps as f64)
     }
 
+    /// The material of a region of the mesh; none where there are no materials.
+    #[must_use]
+    pub fn material_of(&self, region: usize) -> Option<&Material> {
+        self.materials.get(region).or(self.materials.last())
+    }
+
     /// Checks the data and returns the problem.
     ///
     /// # Errors
@@ -144,6 +145,7 @@ impl Problem {
         let mut faults = Vec::new();
         self.check_time(&mut faults);
         self.check_material(&mut faults);
+        self.check_parts(&mut faults);
         self.check_shapes(&mut faults);
         self.check_boundary(&mut faults);
         self.check_times(&mut faults);
@@ -163,26 +165,65 @@ impl Problem {
     }
 
     fn check_material(&self, faults: &mut Vec<Fault>) {
-        let m = &self.material;
-        for (path, value) in [("material.density", m.density), ("material.heat_capacity", m.heat_capacity)] {
-            if !(value.is_finite() && value >= 0.0) {
-                faults.push(Fault::new(path, value.to_string(), "a number that is not negative"));
+        let (found, regions) = (self.materials.len(), self.mesh.regions.len());
+        if found != 1 && found != regions {
+            faults.push(Fault::new("material", format!("{found} materials"), format!("one for all, or one for each of the {regions} regions")));
+        }
+        for m in &self.materials {
+            for (path, value) in [("material.density", m.density), ("material.heat_capacity", m.heat_capacity)] {
+                if !(value.is_finite() && value >= 0.0) {
+                    faults.push(Fault::new(path, value.to_string(), "a number that is not negative"));
+                }
             }
         }
-        if m.density == 0.0 && !self.boundary.iter().any(BoundaryCondition::holds_body) {
-            faults.push(
-                Fault::new("boundary", "no displacement prescribed and density 0", "a part Γ_D that holds the body")
-                    .hint("give `displacement` on a side, or a positive material.density"),
-            );
+    }
+
+    /// Each part of the body that is not held somewhere has inertia, and heat capacity if its temperature is not.
+    ///
+    /// A part without inertia or without heat capacity anywhere in it needs the hold.
+    fn check_parts(&self, faults: &mut Vec<Fault>) {
+        let parts = components(&self.mesh);
+        let mut part_of = vec![0; self.mesh.points.len()];
+        for (number, part) in parts.iter().enumerate() {
+            for &node in &part.nodes {
+                part_of[node as usize] = number;
+            }
         }
-        if m.heat_capacity == 0.0
-            && !self.boundary.iter().any(BoundaryCondition::holds_temperature)
-            && self.contact.as_ref().is_none_or(|c| c.heat.conductance_bound() <= 0.0)
-        {
-            faults.push(
-                Fault::new("boundary", "no temperature prescribed and heat_capacity 0", "a side whose temperature is known")
-                    .hint("give `temperature` on a side, or a positive material.heat_capacity"),
-            );
+        // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
+        let mut held = vec![[false; 2]; parts.len()];
+        let mut lacks = vec![[false; 2]; parts.len()];
+        let exchange = self.contact.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
+        let sides = self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
+        for (on, holds) in sides {
+            // Of a side that is not there it is not known what it holds: that it is not there is told.
+            let nodes = self.mesh.facets.get(on).map(crate::mesh::FacetSet::node_list);
+            let touched = nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
+            for part in touched.unwrap_or_else(|| (0..parts.len()).collect::<Vec<usize>>()) {
+                if let Some(part) = held.get_mut(part) {
+                    *part = [part[0] || holds[0], part[1] || holds[1]];
+                }
+            }
+        }
+        for block in &self.mesh.blocks {
+            let Some(m) = self.material_of(block.region) else { continue };
+            for cell in block.cells() {
+                let part = &mut lacks[part_of[cell[0] as usize]];
+                *part = [part[0] || m.density == 0.0, part[1] || m.heat_capacity == 0.0];
+            }
+        }
+        for (what, found, expected, hint) in [
+            (0, "no displacement prescribed and density 0", "a part Γ_D that holds the body", "give `displacement` on a side, or a positive material.density"),
+            (
+                1,
+                "no temperature prescribed and heat_capacity 0",
+                "a side whose temperature is known",
+                "give `temperature` on a side, or a positive material.heat_capacity",
+            ),
+        ] {
+            let Some(number) = (0..parts.len()).find(|&part| lacks[part][what] && !held[part][what]) else { continue };
+            let found =
+                if parts.len() == 1 { found.to_owned() } else { format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh)) };
+            faults.push(Fault::new("boundary", found, expected).hint(hint));
         }
     }
 
@@ -236,4 +277,11 @@ impl Problem {
             check(format!("boundary[{i}].dashpot"), b.dashpot.as_ref().and_then(Support::components));
         }
     }
+}
+
+/// Where a part of the body is: `x from 0.0 to 1.0, y from 2.0 to 3.0`.
+fn extent(part: &Component, mesh: &Mesh) -> String {
+    let [low, high] = part.bounds(mesh);
+    let along = |(c, axis): (usize, &str)| format!("{axis} from {:?} to {:?}", low[c], high[c]);
+    ["x", "y", "z"].into_iter().take(mesh.dim).enumerate().map(along).collect::<Vec<_>>().join(", ")
 }

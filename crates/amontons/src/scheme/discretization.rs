@@ -113,7 +113,7 @@ impl Discretization {
         let mesh = Arc::clone(&problem.mesh);
         let graph = Arc::new(Graph::of_mesh(&mesh));
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
-        let materials = problem.materials();
+        let materials = &problem.materials;
         let each = |f: fn(&Material) -> f64| materials.iter().map(f).collect::<Vec<f64>>();
         let tensors = |f: fn(&Material) -> &Sym| materials.iter().map(f).collect::<Vec<&Sym>>();
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {

@@ -1,17 +1,16 @@
-//! `[material]`.
+//! `[material]` and `[[region]]`.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A symmetric tensor.
+/// A region of the body with a material of its own.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(untagged)]
-#[schemars(title = "a number or a symmetric matrix [[…], […]]")]
-pub(in crate::case) enum Tensor {
-    /// That multiple of the identity.
-    Multiple(f64),
-    /// The components, row by row.
-    Matrix(Vec<Vec<f64>>),
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Region {
+    /// Name of the region in the mesh.
+    pub on: String,
+    /// Material of the region, with all its keys.
+    pub material: Material,
 }
 
 /// Material: σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜 (2.1), q = −𝓚∇θ (2.2).
@@ -34,6 +33,23 @@ pub(in crate::case) struct Material {
     pub elasticity: Elasticity,
     /// Viscosity 𝓥.
     pub viscosity: Viscosity,
+    /// Branches of a generalized Maxwell body: stress that relaxes, besides 𝓔 and 𝓥.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub prony: Vec<Branch>,
+    /// How the change of volume of a cell is taken, for the body as a whole.
+    #[serde(default)]
+    pub dilatation: Dilatation,
+}
+
+/// A symmetric tensor.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number or a symmetric matrix [[…], […]]")]
+pub(in crate::case) enum Tensor {
+    /// That multiple of the identity.
+    Multiple(f64),
+    /// The components, row by row.
+    Matrix(Vec<Vec<f64>>),
 }
 
 /// Elasticity by its law.
@@ -51,9 +67,90 @@ pub(in crate::case) enum Elasticity {
         #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
         poisson: f64,
         /// How the third direction of a plane body is held.
-        #[serde(default)]
-        stress_state: StressState,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stress_state: Option<StressState>,
     },
+    /// A material with three planes of symmetry, in its own axes 1, 2, 3.
+    Orthotropic {
+        /// Young's moduli E₁, E₂, E₃ in Pa.
+        young: [f64; 3],
+        /// Poisson's ratios ν₁₂, ν₁₃, ν₂₃.
+        poisson: [f64; 3],
+        /// Shear moduli G₁₂, G₁₃, G₂₃ in Pa.
+        shear: [f64; 3],
+        /// Orientation of the axes of the material.
+        #[serde(default)]
+        orientation: Orientation,
+        /// How the third direction of a plane body is held.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stress_state: Option<StressState>,
+    },
+    /// A material of any symmetry, by its stiffness.
+    Anisotropic {
+        /// Stiffness in Pa in the order 11 22 33 23 13 12; shear entries act on engineering strains.
+        voigt: Box<[[f64; 6]; 6]>,
+        /// Orientation of the axes of the material.
+        #[serde(default)]
+        orientation: Orientation,
+        /// How the third direction of a plane body is held.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stress_state: Option<StressState>,
+    },
+    /// 𝓒ξ + β (ξ − P_K ξ) with 𝓒 isotropic, P_K the projection on {ξ: ‖ξ^D‖ ≤ κ}; with β < 0 Hencky's deformation theory.
+    VonMisesProjection {
+        /// Young's modulus E of 𝓒 in Pa.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        young: f64,
+        /// Poisson's ratio ν of 𝓒, below 0.5.
+        #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
+        poisson: f64,
+        /// Factor β in Pa, above −E/(1+ν).
+        excess: f64,
+        /// Radius κ of the convex, a strain.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        radius: f64,
+        /// How the third direction of a plane body is held.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stress_state: Option<StressState>,
+    },
+    /// κ tr(ξ) I + 2μ(‖ξ^D‖) ξ^D, whose shear modulus falls from μ₀ to μ_∞ as Carreau's viscosity does.
+    Hencky {
+        /// Bulk modulus κ in Pa.
+        #[schemars(range(min = 0.0))]
+        bulk: f64,
+        /// Shear modulus μ₀ at rest in Pa.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        shear: f64,
+        /// Shear modulus μ_∞ at large strain in Pa, from 0 to μ₀.
+        #[schemars(range(min = 0.0))]
+        shear_infinite: f64,
+        /// Norm of the deviatoric strain at which it softens.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        strain: f64,
+        /// Exponent n of the stress in between.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        exponent: f64,
+        /// How the third direction of a plane body is held.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        stress_state: Option<StressState>,
+    },
+}
+
+/// Orientation of the axes of a material.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "an angle in rad or three Euler angles")]
+pub(in crate::case) enum Orientation {
+    /// Axis 1 is turned from x towards y by this angle in rad.
+    Angle(f64),
+    /// Bunge's Euler angles in rad: about z, the turned x, the turned z.
+    Euler([f64; 3]),
+}
+
+impl Default for Orientation {
+    fn default() -> Orientation {
+        Orientation::Angle(0.0)
+    }
 }
 
 /// How the third direction of a plane body is held.
@@ -79,4 +176,72 @@ pub(in crate::case) enum Viscosity {
         #[schemars(range(min = 0.0))]
         second: f64,
     },
+    /// A viscosity of any symmetry.
+    Anisotropic {
+        /// Viscosity in Pa s in the order 11 22 33 23 13 12; shear entries act on engineering strain rates.
+        voigt: Box<[[f64; 6]; 6]>,
+        /// Orientation of the axes of the material.
+        #[serde(default)]
+        orientation: Orientation,
+    },
+    /// bulk tr(ξ) I + 2η(‖ξ^D‖) ξ^D, η falling from η₀ to η_∞ (Carreau, 1972).
+    Carreau {
+        /// Bulk viscosity in Pa s.
+        #[schemars(range(min = 0.0))]
+        bulk: f64,
+        /// Viscosity η₀ at rest in Pa s.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        zero: f64,
+        /// Viscosity η_∞ at high rates in Pa s, from 0 to η₀.
+        #[schemars(range(min = 0.0))]
+        infinite: f64,
+        /// Time λ in s, the inverse of the rate at which it falls.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        time: f64,
+        /// Exponent n of the stress in between.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        exponent: f64,
+    },
+    /// bulk tr(ξ) I + 2 (floor + K (δ² + ‖ξ^D‖²)^((n−1)/2)) ξ^D, a regularised power law.
+    PowerLaw {
+        /// Bulk viscosity in Pa s.
+        #[schemars(range(min = 0.0))]
+        bulk: f64,
+        /// Consistency K in Pa sⁿ.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        consistency: f64,
+        /// Exponent n of the stress.
+        #[schemars(range(min = 0.0, max = 1.0))]
+        exponent: f64,
+        /// Rate δ below which the viscosity stays finite, in 1/s.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        threshold: f64,
+        /// Viscosity at high rates in Pa s.
+        #[serde(default)]
+        #[schemars(range(min = 0.0))]
+        floor: f64,
+    },
+}
+
+/// A branch of a generalized Maxwell body.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Branch {
+    /// Modulus of the branch over that of 𝓔, the long-term one.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub ratio: f64,
+    /// Relaxation time in s.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub time: f64,
+}
+
+/// How the change of volume of a cell is taken.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Dilatation {
+    /// Point by point.
+    #[default]
+    Full,
+    /// By its mean over the cell, against locking of nearly incompressible bodies; for Q1, Q2 and P2.
+    Mean,
 }

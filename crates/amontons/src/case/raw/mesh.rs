@@ -3,33 +3,161 @@
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-/// The mesh by its kind.
+/// The mesh by its kind, or from a file.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Mesh {
-    /// The rectangle (0, size₀) × (0, size₁) of squares cut into triangles; its sides are named
-    /// left, right, bottom and top.
+    /// The rectangle of the lower left corner `origin`; its sides are named left, right, bottom and top.
     Rectangle {
         /// Lengths of the sides in m.
         #[schemars(transform = positive_items)]
         size: [f64; 2],
         /// Cells per side.
-        n: Cells,
-        /// How the squares are cut.
+        n: Cells2,
+        /// What the cells are.
         #[serde(default)]
-        diagonal: Diagonal,
+        elements: Elements,
+        /// How the squares are cut.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        diagonal: Option<Diagonal>,
+        /// Lower left corner in m, (0, 0) where left out.
+        #[serde(default)]
+        origin: [f64; 2],
+        /// Whether it is the half section of a body of revolution, x the distance from the axis.
+        #[serde(default)]
+        axisymmetric: bool,
+    },
+    /// The interval (0, size); its ends are named left and right.
+    Interval {
+        /// Length in m.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        size: f64,
+        /// Number of cells.
+        #[schemars(range(min = 1))]
+        n: usize,
+        /// What the cells are.
+        #[serde(default)]
+        elements: Elements,
+    },
+    /// The box (0, size₀) × (0, size₁) × (0, size₂); its sides are named left, right (x), bottom, top (y), back and front (z).
+    Box {
+        /// Lengths of the sides in m.
+        #[schemars(transform = positive_items)]
+        size: [f64; 3],
+        /// Cells per side.
+        n: Cells3,
+        /// What the cells are.
+        #[serde(default)]
+        elements: Elements,
+    },
+    /// The disc around the origin; its side is named outer.
+    Disc {
+        /// Radius in m.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        radius: f64,
+        /// Layers of cells around a square in the middle, and cells around, a multiple of 4.
+        n: Cells2,
+        /// What the cells are.
+        #[serde(default)]
+        elements: Elements,
+    },
+    /// The ring around the origin or a sector of it, from the x-axis on; its sides are named inner, outer, start and end.
+    Ring {
+        /// Inner and outer radius in m.
+        #[schemars(transform = positive_items)]
+        radii: [f64; 2],
+        /// Angle of the sector in rad; a whole ring where left out.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        angle: Option<f64>,
+        /// Layers of cells and cells around.
+        n: Cells2,
+        /// What the cells are.
+        #[serde(default)]
+        elements: Elements,
+    },
+    /// The cylinder around the z-axis, 0 < z < height; its sides are named inner, outer, bottom and top.
+    Cylinder {
+        /// Inner radius, 0 for a solid cylinder, and outer radius in m.
+        radii: [f64; 2],
+        /// Height in m.
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        height: f64,
+        /// Layers of cells, cells around, and cells over the height.
+        n: Cells3,
+        /// What the cells are.
+        #[serde(default)]
+        elements: Elements,
+    },
+    /// The mesh of a file, Gmsh (.msh) or VTK (.vtu); its sides and regions are those of the file.
+    #[schemars(extend("x-implied-by" = "file"))]
+    File {
+        /// Name of a mesh file, seen from the case file.
+        file: String,
+        /// Factor of the coordinates: 0.001 where they are in mm.
+        #[serde(default = "one")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        scale: f64,
+        /// Whether it is the half section of a body of revolution, x the distance from the axis.
+        #[serde(default)]
+        axisymmetric: bool,
     },
 }
 
-/// Numbers of cells.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+/// Numbers of cells in two directions.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(title = "an integer ≥ 1 or two of them, [nx, ny]")]
-pub(in crate::case) enum Cells {
+pub(in crate::case) enum Cells2 {
     /// The same number in both directions.
     Same(#[schemars(range(min = 1))] usize),
     /// A number a direction.
     Each(#[schemars(inner(range(min = 1)))] [usize; 2]),
+}
+
+/// Numbers of cells in three directions.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "an integer ≥ 1 or three of them, [nx, ny, nz]")]
+pub(in crate::case) enum Cells3 {
+    /// The same number in all directions.
+    Same(#[schemars(range(min = 1))] usize),
+    /// A number a direction.
+    Each(#[schemars(inner(range(min = 1)))] [usize; 3]),
+}
+
+impl Cells2 {
+    /// A number a direction.
+    pub fn each(self) -> [usize; 2] {
+        match self {
+            Cells2::Same(n) => [n; 2],
+            Cells2::Each(n) => n,
+        }
+    }
+}
+
+impl Cells3 {
+    /// A number a direction.
+    pub fn each(self) -> [usize; 3] {
+        match self {
+            Cells3::Same(n) => [n; 3],
+            Cells3::Each(n) => n,
+        }
+    }
+}
+
+/// What the cells of a mesh are.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+pub(in crate::case) enum Elements {
+    /// Linear segments, triangles, tetrahedra.
+    #[default]
+    P1,
+    /// Quadratic segments, triangles, tetrahedra.
+    P2,
+    /// Bilinear quadrilaterals, trilinear hexahedra.
+    Q1,
+    /// Quadrilaterals of 9 and hexahedra of 27 nodes.
+    Q2,
 }
 
 /// How the squares of a mesh are cut into triangles.
@@ -43,6 +171,10 @@ pub(in crate::case) enum Diagonal {
     Left,
     /// Both: ×.
     Crossed,
+}
+
+fn one() -> f64 {
+    1.0
 }
 
 /// Asks for positive entries of an array.

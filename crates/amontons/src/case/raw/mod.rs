@@ -19,8 +19,8 @@ use serde::{Deserialize, Serialize};
 pub(in crate::case) use boundary::{Boundary, Support};
 pub(in crate::case) use contact::{Contact, Friction, Heat, Normal, Quadrature};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
-pub(in crate::case) use material::{Elasticity, Material, StressState, Tensor, Viscosity};
-pub(in crate::case) use mesh::{Cells, Diagonal, Mesh};
+pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Material, Orientation, Region, StressState, Tensor, Viscosity};
+pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
 pub(in crate::case) use verify::{Check, ErrorName, ProbeField, Take, Vary, Verify};
 
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
@@ -36,8 +36,11 @@ pub(in crate::case) struct Case {
     pub mesh: Mesh,
     /// The time interval (0, end) and its steps.
     pub time: Time,
-    /// The material of the body.
+    /// The material of the body, but for regions with their own.
     pub material: Material,
+    /// Regions of the mesh with materials of their own, one entry a region.
+    #[serde(default)]
+    pub region: Vec<Region>,
     /// Loads in the body.
     #[serde(default)]
     pub load: Load,

@@ -23,8 +23,9 @@ pub(in crate::case) enum Check {
     Probe {
         /// The field.
         field: ProbeField,
-        /// The point in m.
-        at: [f64; 2],
+        /// The point in m, one entry a coordinate.
+        #[schemars(length(min = 1, max = 3))]
+        at: Vec<f64>,
         /// The time in s.
         time: f64,
         /// Reference value.
@@ -101,10 +102,14 @@ pub(in crate::case) enum ProbeField {
     DisplacementX,
     /// u_y in m.
     DisplacementY,
+    /// u_z in m.
+    DisplacementZ,
     /// u̇_x in m/s.
     VelocityX,
     /// u̇_y in m/s.
     VelocityY,
+    /// u̇_z in m/s.
+    VelocityZ,
     /// θ in K.
     Temperature,
 }

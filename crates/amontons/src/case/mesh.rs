@@ -1,0 +1,204 @@
+//! The mesh of a case.
+
+use std::collections::BTreeMap;
+
+use super::build::Build;
+use super::memory::{self, Demand};
+use super::path::Path;
+use super::place::At;
+use super::raw;
+use crate::mesh::defects::{Defects, defects};
+use crate::mesh::{Diagonal, Elements, Mesh, MeshError, gmsh, vtu};
+
+/// The key of a mesh file.
+const FILE: &str = "mesh.file";
+
+/// Cells a direction of a generated mesh, none of a mesh from a file.
+pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
+    match *raw {
+        raw::Mesh::Interval { n, .. } => vec![n],
+        raw::Mesh::Rectangle { n, .. } | raw::Mesh::Disc { n, .. } | raw::Mesh::Ring { n, .. } => n.each().to_vec(),
+        raw::Mesh::Box { n, .. } | raw::Mesh::Cylinder { n, .. } => n.each().to_vec(),
+        raw::Mesh::File { .. } => Vec::new(),
+    }
+}
+
+fn elements(raw: raw::Elements) -> Elements {
+    match raw {
+        raw::Elements::P1 => Elements::P1,
+        raw::Elements::P2 => Elements::P2,
+        raw::Elements::Q1 => Elements::Q1,
+        raw::Elements::Q2 => Elements::Q2,
+    }
+}
+
+fn diagonal(raw: Option<raw::Diagonal>) -> Diagonal {
+    match raw.unwrap_or_default() {
+        raw::Diagonal::Right => Diagonal::Right,
+        raw::Diagonal::Left => Diagonal::Left,
+        raw::Diagonal::Crossed => Diagonal::Crossed,
+    }
+}
+
+/// What was found and what was expected, as an error says it, or `otherwise`.
+fn parts(error: &str, otherwise: &str) -> (String, String) {
+    let (found, expected) = error.rsplit_once(", expected ").unwrap_or((error, otherwise));
+    (found.to_owned(), expected.to_owned())
+}
+
+/// A body without cells.
+fn empty() -> Mesh {
+    Mesh { dim: 2, axisymmetric: false, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: BTreeMap::new() }
+}
+
+/// The generated mesh with these cells a direction.
+fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
+    match (raw, cells) {
+        (raw::Mesh::Interval { size, elements: e, .. }, &[n]) => Mesh::interval(*size, n, elements(*e)),
+        (raw::Mesh::Rectangle { size, elements: e, diagonal: cut, origin, axisymmetric, .. }, &[nx, ny]) => {
+            let mut mesh = Mesh::rectangle_of(elements(*e), *size, [nx, ny], diagonal(*cut))?;
+            mesh.axisymmetric = *axisymmetric;
+            for point in &mut mesh.points {
+                *point = [point[0] + origin[0], point[1] + origin[1], 0.0];
+            }
+            Ok(mesh)
+        }
+        (raw::Mesh::Box { size, elements: e, .. }, &[nx, ny, nz]) => Mesh::box_(*size, [nx, ny, nz], elements(*e)),
+        (raw::Mesh::Disc { radius, elements: e, .. }, &[radial, around]) => Mesh::disc(*radius, [radial, around], elements(*e)),
+        (raw::Mesh::Ring { radii, angle, elements: e, .. }, &[radial, around]) => Mesh::ring(*radii, *angle, [radial, around], elements(*e)),
+        (raw::Mesh::Cylinder { radii, height, elements: e, .. }, &[radial, around, axial]) => {
+            Mesh::cylinder(*radii, *height, [radial, around, axial], elements(*e))
+        }
+        _ => Ok(empty()),
+    }
+}
+
+impl Build<'_> {
+    /// The mesh, or a stand-in of few cells if it cannot be had.
+    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: Option<&str>, sides: &[&str], available: Option<f64>) -> Mesh {
+        let cells = cells(raw);
+        if let raw::Mesh::File { file, scale, axisymmetric } = raw {
+            let mesh = self.file(file, *scale, *axisymmetric, sides);
+            let mesh = mesh.filter(|mesh| {
+                let contact_nodes = contact_on.and_then(|on| mesh.facets.get(on)).map_or(0, |set| set.node_list().len());
+                let demand = Demand::of(mesh.dim, mesh.points.len() as f64, contact_nodes as f64);
+                self.affordable(FILE, &format!("{} cells", mesh.cell_count()), "take a coarser mesh", &demand, available)
+            });
+            self.no_mesh = mesh.is_none();
+            return mesh.unwrap_or_else(empty);
+        }
+        if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
+            self.note("mesh.diagonal", At::Value, "a diagonal besides quadrilaterals", "a diagonal of triangles, P1 or P2", Some("drop one of them"));
+        }
+        let demand = demand(raw, &cells, contact_on);
+        let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
+        let built = if self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available) {
+            generate(raw, &cells)
+        } else {
+            // As few cells as every kind of mesh can have.
+            generate(raw, &cells.iter().map(|n| (*n).min(4)).collect::<Vec<_>>())
+        };
+        built.unwrap_or_else(|error| {
+            let (found, expected) = parts(&error.to_string(), "a mesh that can be built");
+            self.note("mesh", At::Value, found, expected, None);
+            self.no_mesh = true;
+            empty()
+        })
+    }
+
+    /// The mesh of a file of which these sides are used, if it is sound.
+    fn file(&mut self, name: &str, scale: f64, axisymmetric: bool, sides: &[&str]) -> Option<Mesh> {
+        let bytes = match self.loader.get(&Path::parse(FILE).unwrap_or_default(), name) {
+            Ok(bytes) => bytes,
+            Err(missing) => {
+                self.note(FILE, At::Value, missing.found, missing.expected, missing.hint.as_deref());
+                return None;
+            }
+        };
+        let ending = name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
+        let read = match ending.as_str() {
+            "msh" => gmsh::parse(&bytes),
+            "vtu" => vtu::parse(&bytes),
+            _ => {
+                self.note(FILE, At::Value, format!("\"{name}\""), "the name of a .msh (Gmsh) or .vtu (VTK) file", None);
+                return None;
+            }
+        };
+        let mut mesh = match read {
+            Ok(mesh) => mesh.scaled(scale),
+            Err(error) => {
+                let (found, expected) = parts(&error.to_string(), "a mesh of one body");
+                self.note(FILE, At::Value, format!("{name}: {}", found.replacen(": found ", ": ", 1)), expected, None);
+                return None;
+            }
+        };
+        if axisymmetric && mesh.dim != 2 {
+            self.note("mesh.axisymmetric", At::Value, format!("a mesh of {} dimensions", mesh.dim), "a plane mesh, the half section", None);
+        }
+        mesh.axisymmetric = axisymmetric && mesh.dim == 2;
+        let harmful = |defects: &&Defects| defects.first.iter().all(|defect| defect.side().is_none_or(|side| sides.contains(&side)));
+        let defects: Vec<String> = defects(&mesh).iter().filter(harmful).map(|defects| format!("{name}: {defects}")).collect();
+        for defect in &defects {
+            self.note(FILE, At::Value, defect.replace('\n', "; "), "a sound mesh", None);
+        }
+        defects.is_empty().then_some(mesh)
+    }
+
+    /// Whether a run on the mesh fits into memory and its nodes can be numbered.
+    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<f64>) -> bool {
+        let count = if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
+        let found = format!("{what}: {count} unknowns");
+        if let Some(available) = available.filter(|available| demand.bytes > *available) {
+            let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
+            let expected = format!("a mesh for the {} of memory that are free", memory::bytes(available));
+            self.note(path, At::Value, found, expected, Some(hint));
+            return false;
+        }
+        if demand.nodes > f64::from(u32::MAX) {
+            self.note(path, At::Value, found, format!("at most {} nodes", u32::MAX), Some(hint));
+            return false;
+        }
+        true
+    }
+}
+
+/// What a run on a generated mesh needs.
+fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: Option<&str>) -> Demand {
+    let degree = |e: raw::Elements| elements(e).degree() as f64;
+    let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
+    let (dim, nodes, contact_nodes) = match (raw, cells) {
+        (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), 1.0),
+        (raw::Mesh::Rectangle { elements: e, diagonal: cut, .. }, &[nx, ny]) => {
+            // Each crossed square has a node in the middle, and of degree 2 four more around it.
+            let in_squares = match (cut, e) {
+                (Some(raw::Diagonal::Crossed), raw::Elements::P1) => 1.0,
+                (Some(raw::Diagonal::Crossed), raw::Elements::P2) => 4.0,
+                _ => 0.0,
+            };
+            let degree = degree(*e);
+            let on_contact = if matches!(contact_on, Some("left" | "right")) { ny } else { nx };
+            (2, along(degree, nx) * along(degree, ny) + in_squares * nx as f64 * ny as f64, along(degree, on_contact))
+        }
+        (raw::Mesh::Box { elements: e, .. }, &[nx, ny, nz]) => {
+            let [x, y, z] = [nx, ny, nz].map(|n| along(degree(*e), n));
+            let on_contact = match contact_on {
+                Some("left" | "right") => y * z,
+                Some("back" | "front") => x * y,
+                _ => x * z,
+            };
+            (3, x * y * z, on_contact)
+        }
+        (raw::Mesh::Disc { elements: e, .. } | raw::Mesh::Ring { elements: e, .. }, &[radial, around]) => {
+            let [radial, around] = [radial, around].map(|n| along(degree(*e), n));
+            (2, radial * around + (0.25 * around).powi(2), radial.max(around))
+        }
+        (raw::Mesh::Cylinder { elements: e, .. }, &[radial, around, axial]) => {
+            let [radial, around, axial] = [radial, around, axial].map(|n| along(degree(*e), n));
+            let section = radial * around + (0.25 * around).powi(2);
+            let on_contact = if matches!(contact_on, Some("bottom" | "top")) { section } else { around * axial };
+            (3, section * axial, on_contact)
+        }
+        _ => (2, 0.0, 0.0),
+    };
+    Demand::of(dim, nodes, if contact_on.is_some() { contact_nodes } else { 0.0 })
+}

@@ -1,0 +1,137 @@
+//! ∫ 𝓒ε(u):ε(v) with a map 𝓒 a point: the forms of laws.
+
+use std::sync::Arc;
+
+use super::assembly::{Cell, assemble as sum, of_region, strain_components};
+use super::gradient_products;
+use crate::linalg::{BlockMatrix, Graph};
+use crate::material::{Dilatation, TensorLaw};
+use crate::mesh::Mesh;
+use crate::tensor::{Point, Sym, SymMap, mandel_index, mandel_weight};
+
+/// A map on 𝕊^d also by its components: `full[q][s][r][c]` = 𝓒_rscq, ordered for the sums over q and s.
+struct Stiffness {
+    map: SymMap,
+    full: [[[[f64; 3]; 3]; 3]; 3],
+}
+
+impl Stiffness {
+    fn new(map: &SymMap) -> Stiffness {
+        let entry = |q, s, r, c| map.0[mandel_index(r, s)][mandel_index(c, q)] / (mandel_weight(r, s) * mandel_weight(c, q));
+        let full = std::array::from_fn(|q| std::array::from_fn(|s| std::array::from_fn(|r| std::array::from_fn(|c| entry(q, s, r, c)))));
+        Stiffness { map: *map, full }
+    }
+
+    fn is_symmetric(&self) -> bool {
+        (0..6).all(|i| (0..i).all(|j| self.map.0[i][j].to_bits() == self.map.0[j][i].to_bits()))
+    }
+}
+
+/// The matrix of laws with `tangent` at each point; laws that are linear, hence the same everywhere, are asked once.
+pub(super) fn assemble(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    dilatation: Dilatation,
+    laws: &[&dyn TensorLaw],
+    tangent: impl Fn(&dyn TensorLaw, &Cell) -> SymMap + Sync,
+) -> BlockMatrix {
+    let known: Vec<Option<Stiffness>> = laws.iter().map(|law| law.is_linear().then(|| Stiffness::new(&law.tangent(&[0.0; 3], &Sym::ZERO)))).collect();
+    // Half of a symmetric matrix is enough; a law that is not linear may have any tangent.
+    let is_symmetric = known.iter().all(|map| map.as_ref().is_some_and(Stiffness::is_symmetric));
+    // Without a mean and without a hoop strain the strain of N e_c is that of the gradient alone; a tangent that
+    // depends on the strain needs it all the same.
+    let by_gradients = dilatation == Dilatation::Full && !mesh.axisymmetric;
+    let strains = if by_gradients && known.iter().all(Option::is_some) { None } else { Some(dilatation) };
+    let matrix = sum(
+        mesh,
+        graph,
+        (mesh.dim, mesh.dim),
+        |e| gradient_products(mesh, e),
+        strains,
+        |cell, out| {
+            let Some(law) = of_region(laws, cell.region) else { return };
+            let known = known.get(cell.region).or(known.last()).and_then(Option::as_ref);
+            cell.integrate(|cell, weight| {
+                let here = if known.is_none() { Some(Stiffness::new(&tangent(law, cell))) } else { None };
+                let Some(map) = known.or(here.as_ref()) else { return };
+                match (by_gradients, mesh.dim) {
+                    (true, 1) => by_pairs::<1>(&cell.map.gradients, weight, map, is_symmetric, out),
+                    (true, 2) => by_pairs::<2>(&cell.map.gradients, weight, map, is_symmetric, out),
+                    (true, _) => by_pairs::<3>(&cell.map.gradients, weight, map, is_symmetric, out),
+                    (false, _) => by_strains(cell, weight, &map.map, is_symmetric, out),
+                }
+            });
+            if is_symmetric {
+                mirror(cell.nodes.len(), mesh.dim, out);
+            }
+        },
+    );
+    if mesh.axisymmetric { matrix } else { matrix.of_differences() }
+}
+
+/// Adds the blocks K_ij[r][c] = Σ 𝓒_rscq ∂_s N_i ∂_q N_j of the pairs of nodes, of i ≤ j where that is enough.
+fn by_pairs<const D: usize>(gradients: &[Point], weight: f64, map: &Stiffness, is_symmetric: bool, out: &mut [f64]) {
+    let n = gradients.len();
+    for (j, g) in gradients.iter().enumerate() {
+        // Stress of N_j e_c: rows s, then r and c.
+        let mut stress = [[[0.0; D]; D]; D];
+        for q in 0..D {
+            let g = weight * g[q];
+            for s in 0..D {
+                for r in 0..D {
+                    for c in 0..D {
+                        stress[s][r][c] += g * map.full[q][s][r][c];
+                    }
+                }
+            }
+        }
+        let rows = if is_symmetric { j + 1 } else { n };
+        for (i, g) in gradients.iter().enumerate().take(rows) {
+            let block = out[(i * n + j) * D * D..][..D * D].as_chunks_mut::<D>().0;
+            for (r, row) in block.iter_mut().enumerate() {
+                for (c, entry) in row.iter_mut().enumerate() {
+                    *entry += (0..D).map(|s| g[s] * stress[s][r][c]).sum::<f64>();
+                }
+            }
+        }
+    }
+}
+
+/// Adds ε(φ_i)·𝓒ε(φ_j) for all basis fields of a cell by the rows of their strains.
+fn by_strains(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
+    match strain_components(cell.mesh) {
+        1 => strain_products::<1>(cell, weight, map, is_symmetric, out),
+        3 => strain_products::<3>(cell, weight, map, is_symmetric, out),
+        4 => strain_products::<4>(cell, weight, map, is_symmetric, out),
+        _ => strain_products::<6>(cell, weight, map, is_symmetric, out),
+    }
+}
+
+/// Only the leading M components of a strain are not zero: component 33 of the value of a plane law does no work.
+fn strain_products<const M: usize>(cell: &Cell, weight: f64, map: &SymMap, is_symmetric: bool, out: &mut [f64]) {
+    let (n, d) = (cell.nodes.len(), cell.mesh.dim);
+    let rows: [&[f64]; M] = std::array::from_fn(|m| cell.strain_row(m));
+    for j in 0..n {
+        for c in 0..d {
+            let stress: [f64; M] = std::array::from_fn(|k| weight * (0..M).map(|m| map.0[k][m] * rows[m][j * d + c]).sum::<f64>());
+            for i in 0..if is_symmetric { j + 1 } else { n } {
+                for r in 0..d {
+                    out[((i * n + j) * d + r) * d + c] += (0..M).map(|m| stress[m] * rows[m][i * d + r]).sum::<f64>();
+                }
+            }
+        }
+    }
+}
+
+/// K_ji = K_ijᵀ from the blocks i ≤ j.
+fn mirror(n: usize, d: usize, out: &mut [f64]) {
+    for j in 0..n {
+        for i in 0..j {
+            for r in 0..d {
+                for c in 0..d {
+                    out[((j * n + i) * d + c) * d + r] = out[((i * n + j) * d + r) * d + c];
+                }
+            }
+        }
+    }
+}
