@@ -7,14 +7,15 @@ use std::sync::Arc;
 
 use amontons::contact::Coulomb;
 use amontons::field::Field;
+use amontons::linalg::Supernodal;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Problem};
 use amontons::run::{self, Settings};
-use amontons::scheme::State;
-use amontons::tensor::Sym;
-use common::{largest, paper};
+use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::tensor::{Sym, length};
+use common::{Random, largest, paper};
 
 fn solve(problem: &Problem) -> Memory {
     let mut memory = Memory::new().states_every(1).reports();
@@ -139,4 +140,58 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
         assert!(a.ledger.relative_closing_error().abs() < 1e-12);
     }
     assert!(small.reports.last().unwrap().contact.states[0].pressure > 0.1, "the rod is pressed on the foundation");
+}
+
+/// A block on its foundation in space, pushed along both tangents while it is pressed and turned: at every point the laws hold, the friction
+/// traction is against the slip in the tangent plane, and the directions of slip differ from point to point. From random velocities, too.
+#[test]
+fn friction_in_the_tangent_plane() {
+    let mu = 0.4;
+    for (elements, quadrature) in [("Q1", "nodal"), ("P1", "nodal"), ("P1", "gauss"), ("P2", "nodal")] {
+        let overrides = [
+            format!("mesh={{kind=\"box\", size=[1.0, 0.5, 1.0], n=[4, 2, 4], elements=\"{elements}\"}}"),
+            "material.elasticity={law=\"isotropic\", young=2.0, poisson=0.1}".to_owned(),
+            "material.expansion=0.1".to_owned(),
+            "material.coupling=0".to_owned(),
+            "material.conductivity=1".to_owned(),
+            "load.body_force=[0, -1, 0]".to_owned(),
+            "boundary=[{on=\"top\", traction=[\"3*sin(6*t) + 4*(z - 0.5)\", -6, \"2*cos(9*t) - 4*(x - 0.5)\"], temperature=0}]".to_owned(),
+            "initial={}".to_owned(),
+            "time.steps=24".to_owned(),
+            format!("contact.quadrature=\"{quadrature}\""),
+            format!("contact.friction={{law=\"coulomb\", coefficient={mu}}}"),
+        ];
+        let problem = paper(&overrides.each_ref().map(String::as_str)).problem;
+        let memory = solve(&problem);
+        let (mut slipping, mut sticking) = (Vec::new(), 0);
+        for report in &memory.reports {
+            assert!(report.residual <= 1e-10, "{elements}: {:e}", report.residual);
+            for state in &report.contact.states {
+                let (q, slip) = (length(&state.q), length(&state.slip));
+                assert!((state.pressure - 1e4 * state.penetration.max(0.0)).abs() <= 1e-9 * (1.0 + state.pressure));
+                assert!((state.bound - mu * state.pressure).abs() <= 1e-12 * (1.0 + state.bound) && q <= state.bound * (1.0 + 1e-9) + 1e-12);
+                assert!(state.q[1].abs() <= 1e-12 * (1.0 + q) && state.slip[1].abs() <= 1e-12 * (1.0 + slip), "both lie in the tangent plane");
+                if state.bound > 1e-6 && slip > 1e-6 {
+                    // q = s w_τ/‖w_τ‖.
+                    assert!((0..3).all(|c| (state.q[c] - state.bound * state.slip[c] / slip).abs() <= 1e-7 * state.bound), "{elements}: {state:?}");
+                    slipping.push(state.slip[2].atan2(state.slip[0]));
+                } else if state.bound > 1e-6 {
+                    sticking += 1;
+                }
+            }
+        }
+        let spread = slipping.iter().fold(f64::NEG_INFINITY, |m, a| m.max(*a)) - slipping.iter().fold(f64::INFINITY, |m, a| m.min(*a));
+        assert!(spread > 2.0 && sticking > 0, "{elements}: {} slipping with directions {spread} apart, {sticking} sticking", slipping.len());
+        assert!(memory.states.last().unwrap().ledger.relative_closing_error().abs() < 1e-12);
+
+        let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+        let mut random = Random(7);
+        for round in 0..20 {
+            let mut state = memory.states[round].clone();
+            let size = 10f64.powi(round as i32 % 5 - 2);
+            state.w.iter_mut().for_each(|w| *w += size * random.number());
+            let (_, report) = scheme.step(&state).unwrap_or_else(|error| panic!("{elements}, round {round}: {error}"));
+            assert!(report.residual <= 1e-10);
+        }
+    }
 }

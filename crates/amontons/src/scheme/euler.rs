@@ -30,9 +30,10 @@ impl BackwardEuler {
         let discrete = Discretization::new(problem);
         // Laws that are not linear have their tangent at rest here; each step makes its own.
         let (k, rest) = (problem.k(), vec![0.0; discrete.v.free.len()]);
+        let backends = [Arc::clone(&backend), backend];
         let (mechanics, heat) = rayon::join(
-            || System::new(&discrete.mechanical_tangent(k, &rest, &rest), &discrete, &discrete.v, &backend),
-            || System::new(&discrete.thermal_matrix(k), &discrete, &discrete.q, &backend),
+            || System::new(&discrete.mechanical_tangent(k, &rest, &rest), &discrete, &discrete.v, &backends[0]),
+            || System::new(&discrete.thermal_matrix(k), &discrete, &discrete.q, &backends[1]),
         );
         let mechanics = mechanics.map_err(|source| SetupError::Factor { part: "mechanical", source })?;
         let heat = heat.map_err(|source| SetupError::Factor { part: "heat", source })?;
