@@ -1,12 +1,24 @@
-//! Systems (S + J) x = b on Γ_C with the factors of the last few J kept.
+//! Systems (S + J) x = b on Γ_C: with the factors of the last few J kept, or for a large Γ_C without a factor.
 
 use std::collections::VecDeque;
 
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::prelude::*;
+use rayon::prelude::*;
+
+use super::krylov::gmres;
+use super::sparse::max_abs;
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
 const KEPT: usize = 8;
+
+/// Unknowns on Γ_C from which on a factor of S + J, whose work is of their third power, costs more than an iteration.
+const LARGE: usize = 2000;
+/// Residual of the iteration, and most products with S that it makes. Newton's method meets what is left.
+const TOLERANCE: f64 = 1e-13;
+const PRODUCTS: usize = 400;
+/// Passes of the iteration over what the one before has left.
+const PASSES: usize = 3;
 
 /// An entry that the boundary term adds to S: row, column, value.
 pub type Entry = (u32, u32, f64);
@@ -16,18 +28,25 @@ pub type Entry = (u32, u32, f64);
 /// With piecewise linear laws J has the same bits whenever the same points are open, stuck and
 /// slipping, so a step with an unchanged contact pattern costs no factorization. The key is J
 /// itself: no law has to say that it is piecewise linear.
+///
+/// On a large Γ_C the systems are solved by GMRES with the blocks of the nodes on the diagonal of S + J as preconditioner. S acts like a
+/// derivative of first order along Γ_C, so its condition is that of 1/h, and J couples the unknowns of a node (with Gauss quadrature, of
+/// a facet): a few dozen products, whatever the contact pattern.
 #[derive(Debug)]
 pub struct Condensed {
     s: Mat<f64>,
+    /// First unknown of each node, and their number.
+    nodes: Vec<usize>,
+    is_large: bool,
     kept: VecDeque<(Vec<Entry>, PartialPivLu<f64>)>,
     factorizations: usize,
 }
 
 impl Condensed {
-    /// For the condensed operator `s`.
+    /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
     #[must_use]
-    pub fn new(s: Mat<f64>) -> Condensed {
-        Condensed { s, kept: VecDeque::new(), factorizations: 0 }
+    pub fn new(s: Mat<f64>, nodes: Vec<usize>) -> Condensed {
+        Condensed { is_large: s.nrows() >= LARGE, s, nodes, kept: VecDeque::new(), factorizations: 0 }
     }
 
     /// Goes over to another operator; factors of the one before are of no use.
@@ -63,30 +82,37 @@ impl Condensed {
     /// S x.
     #[must_use]
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for (j, &x) in x.iter().enumerate() {
-            // S is symmetric and stored by columns.
-            for (y, s) in y.iter_mut().zip(self.s.col(j).iter()) {
-                *y += s * x;
-            }
-        }
-        y
+        self.product(x, |s, x| s * x)
     }
 
     /// Largest entry of |S| |x|: the size of the numbers whose sum S x is, for judging round-off.
     #[must_use]
     pub fn magnitude(&self, x: &[f64]) -> f64 {
+        max_abs(&self.product(x, |s, x| (s * x).abs()))
+    }
+
+    /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
+    fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
-        for (j, &x) in x.iter().enumerate() {
-            for (y, s) in y.iter_mut().zip(self.s.col(j).iter()) {
-                *y += (s * x).abs();
+        // S is symmetric and stored by columns: some rows at once, all columns in turn.
+        let rows = if self.is_large { 512 } else { x.len().max(1) };
+        y.par_chunks_mut(rows).enumerate().for_each(|(part, y)| {
+            for (j, &x) in x.iter().enumerate() {
+                let column = self.s.col(j).subrows(part * rows, y.len());
+                for (y, s) in y.iter_mut().zip(column.iter()) {
+                    *y += term(*s, x);
+                }
             }
-        }
-        super::sparse::max_abs(&y)
+        });
+        y
     }
 
     /// Solves (S + J) x = b in place, J the sum of the entries.
     pub fn solve(&mut self, entries: &[Entry], b: &mut [f64]) {
+        if self.is_large {
+            b.copy_from_slice(&self.iterate(entries, b));
+            return;
+        }
         let same =
             |kept: &[Entry]| kept.len() == entries.len() && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits());
         let lu = match self.kept.iter().position(|(key, _)| same(key)) {
@@ -110,5 +136,97 @@ impl Condensed {
         };
         let n = b.len();
         lu.solve_in_place(MatMut::from_column_major_slice_mut(b, n, 1));
+    }
+
+    /// The same by GMRES, preconditioned from the right.
+    fn iterate(&self, entries: &[Entry], b: &[f64]) -> Vec<f64> {
+        let blocks = self.blocks(entries);
+        let mut x = vec![0.0; b.len()];
+        let mut rest = b.to_vec();
+        for _ in 0..PASSES {
+            let before = max_abs(&rest);
+            let solved = gmres(|y| self.sum(entries, &precondition(&blocks, y)), &rest, TOLERANCE, PRODUCTS);
+            x.iter_mut().zip(precondition(&blocks, &solved.x)).for_each(|(x, change)| *x += change);
+            rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
+            if max_abs(&rest) <= TOLERANCE * max_abs(b) || max_abs(&rest) > 0.1 * before {
+                break;
+            }
+        }
+        x
+    }
+
+    /// (S + J) x.
+    fn sum(&self, entries: &[Entry], x: &[f64]) -> Vec<f64> {
+        let mut y = self.apply(x);
+        for &(i, j, value) in entries {
+            y[i as usize] += value * x[j as usize];
+        }
+        y
+    }
+
+    /// The blocks of S + J on the diagonal, a node each, factorized.
+    fn blocks(&self, entries: &[Entry]) -> Vec<(usize, PartialPivLu<f64>)> {
+        let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.len());
+        let mut blocks: Vec<(usize, Mat<f64>)> = self
+            .nodes
+            .iter()
+            .enumerate()
+            .map(|(node, &first)| (first, self.s.submatrix(first, first, end(node) - first, end(node) - first).to_owned()))
+            .collect();
+        for &(i, j, value) in entries {
+            let (i, j) = (i as usize, j as usize);
+            let node = self.nodes.partition_point(|&first| first <= i).saturating_sub(1);
+            if let Some((first, block)) = blocks.get_mut(node).filter(|(first, block)| j >= *first && j < *first + block.ncols()) {
+                block[(i - *first, j - *first)] += value;
+            }
+        }
+        blocks.into_iter().map(|(first, block)| (first, block.partial_piv_lu())).collect()
+    }
+}
+
+/// The solution of the systems on the diagonal.
+fn precondition(blocks: &[(usize, PartialPivLu<f64>)], y: &[f64]) -> Vec<f64> {
+    let mut x = y.to_vec();
+    for (first, lu) in blocks {
+        let n = lu.U().ncols();
+        lu.solve_in_place(MatMut::from_column_major_slice_mut(&mut x[*first..first + n], n, 1));
+    }
+    x
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A matrix like S, of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a nonsymmetric coupling, as
+    /// pressed and sliding points make them, the iteration agrees with the factor.
+    #[test]
+    fn the_iteration_agrees_with_the_factor() {
+        let (nodes, dim) = (60, 3);
+        let n = nodes * dim;
+        let mode = |k: usize, i: usize| (std::f64::consts::PI * (k as f64 + 0.5) * (i as f64 + 0.5) / nodes as f64).cos();
+        let s = Mat::from_fn(n, n, |i, j| {
+            let scalar: f64 = (0..nodes).map(|k| (k as f64 + 1.0) * mode(k, i / dim) * mode(k, j / dim)).sum();
+            scalar * if i % dim == j % dim { 2.0 } else { 0.3 }
+        });
+        let mut entries = Vec::new();
+        for node in (0..nodes as u32).filter(|node| node % 3 > 0) {
+            let at = |c: u32| node * dim as u32 + c;
+            let stiff = if node % 3 == 1 { 1e12 } else { 0.0 };
+            entries.extend([(at(1), at(1), 1e5), (at(0), at(1), 4e4), (at(0), at(0), stiff), (at(2), at(2), stiff)]);
+        }
+        let first: Vec<usize> = (0..nodes).map(|node| node * dim).collect();
+        let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
+        let (mut factor, mut iteration) = (Condensed::new(s.clone(), first.clone()), Condensed::new(s, first));
+        iteration.is_large = true;
+        let (mut x, mut y) = (b.clone(), b.clone());
+        factor.solve(&entries, &mut x);
+        iteration.solve(&entries, &mut y);
+        let rest: Vec<f64> = iteration.sum(&entries, &y).iter().zip(&b).map(|(s, b)| s - b).collect();
+        assert!(max_abs(&rest) < 1e-11, "{:e}", max_abs(&rest));
+        let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
+        assert!(max_abs(&difference) < 1e-10 * max_abs(&x), "{:e}", max_abs(&difference));
+        let (small, large) = (factor.apply(&b), iteration.apply(&b));
+        assert_eq!(small, large, "products in parts have the bits of those in one");
     }
 }

@@ -199,7 +199,7 @@ impl System {
     /// When the matrix is not positive definite or does not fit into memory.
     pub fn new(matrix: &BlockMatrix, unknowns: Unknowns) -> Result<System, FactorError> {
         let factor = Supernodal.factorize(matrix, &unknowns)?;
-        let condensed = Condensed::new(factor.condensed());
+        let condensed = Condensed::new(factor.condensed(), unknowns.contact_nodes(matrix.block_shape().0));
         Ok(System { unknowns, factor, condensed })
     }
 

@@ -86,6 +86,14 @@ impl Unknowns {
         &self.dofs[self.interior..]
     }
 
+    /// The first contact unknown of each contact node, counted from the first of all, with `components` degrees of freedom a node.
+    #[must_use]
+    pub fn contact_nodes(&self, components: usize) -> Vec<usize> {
+        let node = |dof: u32| dof as usize / components.max(1);
+        let contact = self.contact();
+        (0..contact.len()).filter(|&i| i == 0 || node(contact[i]) != node(contact[i - 1])).collect()
+    }
+
     /// The entries of a vector over all degrees of freedom, in elimination order.
     #[must_use]
     pub fn gather(&self, full: &[f64]) -> Vec<f64> {

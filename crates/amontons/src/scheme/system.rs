@@ -124,7 +124,7 @@ impl System {
         let contact = &discrete.boundary.nodes;
         let unknowns = Unknowns::new(matrix, &discrete.mesh.points, space.components, &space.free, contact);
         let factor = backend.factorize(matrix, &unknowns)?;
-        let condensed = Condensed::new(factor.condensed());
+        let condensed = Condensed::new(factor.condensed(), unknowns.contact_nodes(space.components));
         let mut next = 0;
         let on_contact = contact
             .iter()
