@@ -9,6 +9,7 @@ import json
 import math
 import pathlib
 import sys
+import tomllib
 import xml.etree.ElementTree as xml
 
 import meshio
@@ -26,8 +27,8 @@ def with_meshio(path):
     mesh = meshio.read(path)
     cells = {name: np.concatenate(blocks) for name, blocks in mesh.cell_data.items()}
     # meshio makes reals of unsigned numbers.
-    connectivity = np.concatenate([block.data for block in mesh.cells]).astype(int)
-    return mesh.points, connectivity, mesh.point_data, cells
+    connectivity = [block.data.astype(int) for block in mesh.cells]
+    return mesh.points, connectivity, {block.type for block in mesh.cells}, mesh.point_data, cells
 
 
 def with_vtk(path):
@@ -44,8 +45,11 @@ def with_vtk(path):
     def arrays(data):
         return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
 
-    connectivity = vtk_to_numpy(grid.GetCells().GetConnectivityArray()).reshape(grid.GetNumberOfCells(), -1)
-    return vtk_to_numpy(grid.GetPoints().GetData()), connectivity, arrays(grid.GetPointData()), arrays(grid.GetCellData())
+    types = {meshio._vtk_common.vtk_to_meshio_type[t] for t in {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}}
+    all_nodes, ends = vtk_to_numpy(grid.GetCells().GetConnectivityArray()), vtk_to_numpy(grid.GetCells().GetOffsetsArray())
+    connectivity = np.split(all_nodes, ends[1:-1])
+    connectivity = [np.array(connectivity)] if len(types) == 1 else [cell[None, :] for cell in connectivity]
+    return vtk_to_numpy(grid.GetPoints().GetData()), connectivity, types, arrays(grid.GetPointData()), arrays(grid.GetCellData())
 
 
 def von_mises(stress):
@@ -53,15 +57,41 @@ def von_mises(stress):
     return np.sqrt(0.5 * ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) + 3 * (xy**2 + yz**2 + zx**2))
 
 
-def check_last(read, path, summary):
-    points, connectivity, at_points, in_cells = read(path)
+def tensors(six):
+    xx, yy, zz, xy, yz, zx = six.T
+    return np.stack([np.stack([xx, xy, zx], axis=1), np.stack([xy, yy, yz], axis=1), np.stack([zx, yz, zz], axis=1)], axis=1)
+
+
+def check_fields(path, fields, at_points, in_cells):
+    """What a file has beside the fields of every file, and how it fits the stress."""
+    of_points = {"nodal-stress": ["nodal_stress", "nodal_von_mises"]}
+    directions = [f"principal_direction_{c}" for c in (1, 2, 3)]
+    of_cells = {"stress": ["stress"], "strain": ["strain"], "principal": ["principal", *directions], "heat-flux": ["heat_flux"]}
+    expected = [
+        sorted([*always, *(name for field in fields for name in names.get(field, []))])
+        for always, names in ((["displacement", "temperature", "velocity"], of_points), (["region", "von_mises"], of_cells))
+    ]
+    if [sorted(at_points), sorted(in_cells)] != expected:
+        sys.exit(f"{path}: found {sorted(at_points)} and {sorted(in_cells)}, expected {expected[0]} and {expected[1]}")
+    if "principal" in fields and "stress" in fields:
+        axes = np.stack([in_cells[name] for name in directions], axis=1)
+        close("lengths and angles of directions", axes @ axes.transpose(0, 2, 1), np.broadcast_to(np.eye(3), axes.shape))
+        close("stress of its principal axes", np.einsum("nc,nci,ncj->nij", in_cells["principal"], axes, axes), tensors(in_cells["stress"]))
+    if "nodal-stress" in fields:
+        close("von Mises stress at nodes", von_mises(at_points["nodal_stress"]), at_points["nodal_von_mises"])
+    if "strain" in fields:
+        assert in_cells["strain"].shape == in_cells["stress"].shape, "strains have six components"
+
+
+def check_last(read, path, summary, fields):
+    points, connectivity, types, at_points, in_cells = read(path)
     end, dim = summary["final"], summary["dimension"]
-    if sorted(at_points) != ["displacement", "temperature", "velocity"] or sorted(in_cells) != ["region", "stress", "von_mises"]:
-        sys.exit(f"{path}: found {sorted(at_points)} and {sorted(in_cells)}")
+    check_fields(path, fields, at_points, in_cells)
     u, w, theta = at_points["displacement"], at_points["velocity"], at_points["temperature"]
     assert points.shape == u.shape == w.shape == (len(theta), 3), "vectors have three components"
-    assert in_cells["stress"].shape == (len(connectivity), 6), "stresses have six components"
-    assert connectivity.min() == 0 and connectivity.max() == len(points) - 1
+    cells = sum(len(block) for block in connectivity)
+    assert in_cells["stress"].shape == (cells, 6), "stresses have six components"
+    assert min(block.min() for block in connectivity) == 0 and max(block.max() for block in connectivity) == len(points) - 1
     close("displacement_min", u.min(axis=0)[:dim], end["displacement_min"])
     close("displacement_max", u.max(axis=0)[:dim], end["displacement_max"])
     close("velocity_max", w.max(axis=0)[:dim], end["velocity_max"])
@@ -70,21 +100,26 @@ def check_last(read, path, summary):
     close("von_mises_max", in_cells["von_mises"].max(), end["von_mises_max"])
     close("von Mises stress of the stress", von_mises(in_cells["stress"]), in_cells["von_mises"])
     assert not u[:, dim:].any() and not w[:, dim:].any(), "no components beyond the dimension"
-    if connectivity.shape[1] == 3:
-        # On linear triangles, from the coordinates alone: the gradient of u, and the norm of V.
-        a, b, c = (points[connectivity[:, i], :2] for i in range(3))
-        edges = np.stack([b - a, c - a], axis=1)
-        steps = np.stack([u[connectivity[:, 1]] - u[connectivity[:, 0]], u[connectivity[:, 2]] - u[connectivity[:, 0]]], axis=1)[:, :, :2]
+    if types in ({"triangle"}, {"tetra"}):
+        # On linear simplices, from the coordinates alone: the gradient of u, and the norm of V.
+        nodes = connectivity[0]
+        edges = np.stack([points[nodes[:, i], :dim] - points[nodes[:, 0], :dim] for i in range(1, dim + 1)], axis=1)
+        steps = np.stack([u[nodes[:, i], :dim] - u[nodes[:, 0], :dim] for i in range(1, dim + 1)], axis=1)
         gradient = np.linalg.solve(edges, steps)
         strain = 0.5 * (gradient + gradient.transpose(0, 2, 1))
-        area = 0.5 * np.linalg.det(edges)
-        norm = math.sqrt(float(np.sum(area * np.sum(strain**2, axis=(1, 2)))))
+        measure = np.linalg.det(edges) / math.factorial(dim)
+        assert measure.min() > 0, "cells are oriented"
+        norm = math.sqrt(float(np.sum(measure * np.sum(strain**2, axis=(1, 2)))))
         error = abs(norm - end["norms"]["displacement_v"]) / norm
         assert error < 1e-12, f"displacement_v is off by {error:.1e}"
+        if "strain" in fields:
+            close("strain", tensors(in_cells["strain"])[:, :dim, :dim], strain)
+    return sorted(types)
 
 
 def main(folder):
     summary = json.loads((folder / "summary.json").read_text())
+    fields = tomllib.loads((folder / "case.toml").read_text()).get("output", {}).get("fields", ["stress"])
     collection = xml.parse(folder / "fields.pvd").getroot()
     assert collection.tag == "VTKFile" and collection.get("type") == "Collection"
     sets = [(float(entry.get("timestep")), folder / entry.get("file")) for entry in collection.iter("DataSet")]
@@ -102,8 +137,8 @@ def main(folder):
     for read in readers:
         for _, path in sets:
             read(path)
-        check_last(read, sets[-1][1], summary)
-    print(f"{len(sets)} files of fields read by {' and '.join(r.__name__.removeprefix('with_') for r in readers)}, as summary.json says")
+        types = check_last(read, sets[-1][1], summary, fields)
+    print(f"{len(sets)} files of fields with cells {', '.join(types)} read by {' and '.join(r.__name__.removeprefix('with_') for r in readers)}, as summary.json says")
 
 
 if __name__ == "__main__":

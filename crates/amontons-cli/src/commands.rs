@@ -68,7 +68,14 @@ fn resume(dir: &Path, common: &Common) -> Result<(), Failure> {
 }
 
 fn options(case: &Case, common: &Common) -> FolderOptions {
-    FolderOptions { inputs: case.inputs.clone(), every: case.every, force: common.force, ..FolderOptions::new(&case.text) }
+    FolderOptions {
+        inputs: case.inputs.clone(),
+        every: case.every,
+        fields: case.fields.clone(),
+        probes: case.probes.clone(),
+        force: common.force,
+        ..FolderOptions::new(&case.text)
+    }
 }
 
 /// Runs a case into a folder and prints what it came to.

@@ -56,7 +56,10 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
             overrides.push(format!("contact.heat.foundation_temperature={foundation}"));
             let case = case::parse(&source, &overrides)?;
             let run_folder = folder.join(format!("run-{foundation}"));
-            let mut results = Folder::create(&run_folder, FolderOptions { every: case.every, force: true, ..FolderOptions::new(&case.text) })?;
+            let mut results = Folder::create(
+                &run_folder,
+                FolderOptions { every: case.every, fields: case.fields.clone(), probes: case.probes.clone(), force: true, ..FolderOptions::new(&case.text) },
+            )?;
             let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(flag.clone()), certificate: false };
             let summary = run::run(&case.problem, &settings, &mut [&mut results]).map_err(|error| Failure::Run { error, hint: None })?;
             done.runs.push(summary);

@@ -42,7 +42,14 @@ fn small_case() -> Case {
 }
 
 fn folder_of(case: &Case, path: &Path, checkpoint_interval: Duration) -> Folder {
-    let options = FolderOptions { inputs: case.inputs.clone(), every: case.every, checkpoint_interval, ..FolderOptions::new(&case.text) };
+    let options = FolderOptions {
+        inputs: case.inputs.clone(),
+        every: case.every,
+        fields: case.fields.clone(),
+        probes: case.probes.clone(),
+        checkpoint_interval,
+        ..FolderOptions::new(&case.text)
+    };
     Folder::create(path, options).expect("a folder")
 }
 

@@ -115,6 +115,21 @@ impl Sym {
     pub fn eigenvalues(&self, dim: usize) -> Vec<f64> {
         symmetric_eigenvalues(dim, |i, j| self.get(i, j))
     }
+
+    /// Principal values σ₁ ≥ σ₂ ≥ σ₃ in three dimensions, each with its unit direction; of the two signs of a direction
+    /// the one with which its largest component is positive.
+    #[must_use]
+    pub fn principal_axes(&self) -> [(f64, Point); 3] {
+        let mut vectors = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let a = jacobi(3, |i, j| self.get(i, j), &mut vectors);
+        let mut axes: [(f64, Point); 3] = std::array::from_fn(|c| {
+            let v = [vectors[0][c], vectors[1][c], vectors[2][c]];
+            let largest = v.iter().fold(0.0f64, |m, x| if x.abs() > m.abs() { *x } else { m });
+            (a[c][c], v.map(|x| if largest < 0.0 { 0.0 - x } else { x }))
+        });
+        axes.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+        axes
+    }
 }
 
 impl Add for Sym {
@@ -264,6 +279,13 @@ impl Rotation {
 /// Jacobi is backward stable and gives small eigenvalues of semidefinite matrices to the last
 /// bits, which the verdict on (H3) depends on.
 pub fn symmetric_eigenvalues(n: usize, f: impl Fn(usize, usize) -> f64) -> Vec<f64> {
+    let mut values: Vec<f64> = jacobi(n, f, &mut []).iter().enumerate().map(|(i, row)| row[i]).collect();
+    values.sort_by(f64::total_cmp);
+    values
+}
+
+/// The matrix after rotations that make it diagonal; the rows of `vectors`, if any, are turned along.
+fn jacobi(n: usize, f: impl Fn(usize, usize) -> f64, vectors: &mut [Point]) -> Vec<Vec<f64>> {
     let mut a: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f(i, j)).collect()).collect();
     for _sweep in 0..64 {
         let off: f64 = (0..n).flat_map(|i| (0..i).map(move |j| (i, j))).map(|(i, j)| a[i][j].powi(2)).sum();
@@ -291,12 +313,15 @@ pub fn symmetric_eigenvalues(n: usize, f: impl Fn(usize, usize) -> f64) -> Vec<f
                 }
                 a[p][q] = 0.0;
                 a[q][p] = 0.0;
+                for row in vectors.iter_mut() {
+                    let (x, y) = (row[p], row[q]);
+                    row[p] = c * x - s * y;
+                    row[q] = s * x + c * y;
+                }
             }
         }
     }
-    let mut values: Vec<f64> = (0..n).map(|i| a[i][i]).collect();
-    values.sort_by(f64::total_cmp);
-    values
+    a
 }
 
 /// Dot product of two vectors.
@@ -368,6 +393,25 @@ mod tests {
         assert!(e[0].abs() < 1e-15 && (e[1] - 2.0).abs() < 1e-15);
         let e = Sym::from_fn(3, |_, _| 1.0).eigenvalues(3);
         assert!(e[0].abs() < 1e-15 && e[1].abs() < 1e-15 && (e[2] - 3.0).abs() < 1e-14);
+    }
+
+    /// σ v = λ v with right-handed or left-handed orthonormal v, in descending order; those of uniaxial stress along a known axis.
+    #[test]
+    fn principal_axes_are_eigenvectors() {
+        let s = Sym::from_fn(3, |i, j| [[3.0, -1.0, 0.5], [-1.0, 2.0, 4.0], [0.5, 4.0, -6.0]][i][j]);
+        let axes = s.principal_axes();
+        assert!(axes[0].0 > axes[1].0 && axes[1].0 > axes[2].0);
+        assert!((axes.iter().map(|a| a.0).sum::<f64>() - s.trace()).abs() < 1e-14);
+        for (i, (value, v)) in axes.iter().enumerate() {
+            let image = s.apply(v);
+            assert!((0..3).all(|c| (image[c] - value * v[c]).abs() < 1e-14), "{image:?}");
+            for (j, (_, w)) in axes.iter().enumerate() {
+                assert!((dot(v, w) - if i == j { 1.0 } else { 0.0 }).abs() < 1e-15);
+            }
+        }
+        let n = [2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0];
+        let (value, along) = Sym::from_fn(3, |i, j| 5.0 * n[i] * n[j]).principal_axes()[0];
+        assert!((value - 5.0).abs() < 1e-14 && (0..3).all(|c| (along[c] - n[c]).abs() < 1e-14), "{along:?}");
     }
 
     #[test]

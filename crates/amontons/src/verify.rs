@@ -5,14 +5,12 @@
 
 use std::path::Path;
 
-use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, ProbeField, Source, StudyRequestError, Take};
+use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Source, StudyRequestError, Take};
 use crate::contact::Status;
-use crate::convergence::{Level, Locator, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
-use crate::output::{OutputError, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
+use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
+use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
 use crate::plot::{PlotError, Run};
 use crate::run::{RunError, Settings, run};
-use crate::scheme::State;
-use crate::tensor::Point;
 
 /// Names and texts of the shipped benchmarks, by name.
 pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
@@ -68,7 +66,7 @@ pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict
     let source = Source::new(format!("{name}.toml"), text);
     let case = case::parse(&source, &[])?;
     let Some(block) = &case.verify else { return Err(VerifyError::Check(format!("{name} has no [verify] block"))) };
-    let mut recorder = Recorder::new(&case);
+    let mut recorder = Recorder::new(name, &case)?;
     if block.checks.iter().any(|c| matches!(c, Check::Probe { .. } | Check::History { .. })) {
         run(&case.problem, settings, &mut [&mut recorder])?;
     }
@@ -77,9 +75,9 @@ pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict
     let mut own_row: Option<Row> = None;
     for (index, check) in block.checks.iter().enumerate() {
         let (what, computed, is) = match check {
-            Check::Probe { field, at, time, is } => {
-                let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no value at {}, t = {time}", place(&case, at))))?;
-                (format!("{} at {}, t = {time}", field.name(), place(&case, at)), value, is)
+            Check::Probe { probe, time, is } => {
+                let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no {}, t = {time}", probe.name)))?;
+                (format!("{}, t = {time}", probe.name), value, is)
             }
             Check::History { column, time, take, is } => {
                 let value = recorder.column(column, *time, *take).ok_or_else(|| VerifyError::Check(format!("{name}: history.csv has no column {column}")))?;
@@ -191,12 +189,6 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
     Verdict { benchmark: name.to_owned(), what, computed, reference: is.reference, error, tolerance: is.tolerance, holds }
 }
 
-/// The coordinates of a point: `(0.5, 1)`.
-fn place(case: &Case, at: &Point) -> String {
-    let coordinates: Vec<String> = at.iter().take(case.problem.mesh.dim).map(ToString::to_string).collect();
-    format!("({})", coordinates.join(", "))
-}
-
 /// Errors against the exact solution with the mesh and the steps of the case.
 fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
@@ -207,51 +199,35 @@ fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
 }
 
 /// Keeps what the checks of a benchmark read, step by step.
-struct Recorder<'a> {
-    case: &'a Case,
-    locator: Locator<'a>,
+struct Recorder {
     columns: Vec<String>,
     times: Vec<f64>,
     /// A row a step.
     history: Vec<Vec<f64>>,
+    set: ProbeSet,
     /// Of each probe, by the index of its check: a value a time, t = 0 included.
     probes: Vec<(usize, Vec<f64>)>,
 }
 
-impl<'a> Recorder<'a> {
-    fn new(case: &'a Case) -> Recorder<'a> {
+impl Recorder {
+    fn new(name: &str, case: &Case) -> Result<Recorder, VerifyError> {
         let checks = case.verify.iter().flat_map(|v| v.checks.iter().enumerate());
-        let probes = checks.filter(|(_, c)| matches!(c, Check::Probe { .. })).map(|(i, _)| (i, Vec::new())).collect();
-        Recorder {
-            case,
-            locator: Locator::new(&case.problem.mesh),
+        let (probes, indices): (Vec<Probe>, Vec<usize>) =
+            checks.filter_map(|(i, check)| if let Check::Probe { probe, .. } = check { Some((probe.clone(), i)) } else { None }).unzip();
+        let failed = |(i, error): (usize, ProbeError)| VerifyError::Check(format!("{name}: {}: {error}", probes.get(i).map_or("", |probe| &probe.name)));
+        Ok(Recorder {
             columns: history_columns(case.problem.mesh.dim),
             times: Vec::new(),
             history: Vec::new(),
-            probes,
-        }
+            set: ProbeSet::new(&case.problem, &probes).map_err(failed)?,
+            probes: indices.into_iter().map(|i| (i, Vec::new())).collect(),
+        })
     }
 
-    fn record(&mut self, state: &State) {
-        let mesh = &self.case.problem.mesh;
-        self.times.push(state.t);
-        for (index, values) in &mut self.probes {
-            let Some(Check::Probe { field, at, .. }) = self.case.verify.as_ref().and_then(|v| v.checks.get(*index)) else { continue };
-            let value = self.locator.locate(at).map(|(cell, shape)| {
-                cell.iter()
-                    .zip(shape)
-                    .map(|(&node, value)| {
-                        let node = node as usize;
-                        value
-                            * match field {
-                                ProbeField::Displacement(c) => state.u[node * mesh.dim + c],
-                                ProbeField::Velocity(c) => state.w[node * mesh.dim + c],
-                                ProbeField::Temperature => state.theta[node],
-                            }
-                    })
-                    .sum::<f64>()
-            });
-            values.extend(value);
+    fn record(&mut self, now: &Snapshot) {
+        self.times.push(now.state.t);
+        for ((_, values), value) in self.probes.iter_mut().zip(self.set.values(now)) {
+            values.push(value);
         }
     }
 
@@ -284,14 +260,14 @@ fn interpolate(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
     Some(values.get(after - 1)? * (1.0 - share) + values.get(after)? * share)
 }
 
-impl Sink for Recorder<'_> {
+impl Sink for Recorder {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
-        self.record(start.from.state);
+        self.record(&start.from);
         Ok(())
     }
 
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
-        self.record(now.state);
+        self.record(now);
         self.history.extend(history_values(now));
         Ok(())
     }

@@ -8,12 +8,13 @@ use super::material;
 use super::path::{Path, Segment};
 use super::place::{At, Finding};
 use super::raw;
+use super::verify::{self, Verify};
 use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
 use crate::convergence::Exact;
 use crate::field::Field;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
-use crate::output::Input;
+use crate::output::{Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Problem};
 use crate::tensor::Point;
 
@@ -52,6 +53,11 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
         },
         mesh: Arc::new(mesh),
     };
+    let probes = build.probes(&raw.probe, &problem);
+    let verify = raw.verify.map(|raw| {
+        let probes = raw.check.iter().enumerate().map(|(i, check)| build.checked_probe(i, check, &problem)).collect();
+        verify::verify(&raw, probes)
+    });
     let problem = match problem.checked() {
         Ok(problem) => Some(problem),
         Err(faults) => {
@@ -62,17 +68,37 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let said = |finding: &Finding| build.is_doubtful(&finding.path);
     let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
     let (inputs, references) = build.loader.copies();
-    (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, exact, inputs, references }), findings)
+    (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
 }
 
 /// What a case gives.
 pub(super) struct Built {
     pub problem: Problem,
+    pub probes: Vec<Probe>,
     pub exact: Option<Exact>,
+    pub verify: Option<Verify>,
     /// Copies of the files that it refers to.
     pub inputs: Vec<Input>,
     /// Keys of the case that refer to files, and what they say where the copies are.
     pub references: Vec<(Path, String)>,
+}
+
+/// Fields of the snapshots, each once.
+pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
+    let mut fields = Vec::new();
+    for field in &raw.fields {
+        let field = match field {
+            raw::OutputField::Stress => OutputField::Stress,
+            raw::OutputField::Strain => OutputField::Strain,
+            raw::OutputField::Principal => OutputField::Principal,
+            raw::OutputField::HeatFlux => OutputField::HeatFlux,
+            raw::OutputField::NodalStress => OutputField::NodalStress,
+        };
+        if !fields.contains(&field) {
+            fields.push(field);
+        }
+    }
+    fields
 }
 
 /// The expected values of a case.

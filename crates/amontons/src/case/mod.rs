@@ -26,6 +26,7 @@ mod mesh;
 mod overrides;
 mod path;
 mod place;
+mod probe;
 mod raw;
 mod read;
 mod schema;
@@ -43,10 +44,10 @@ pub use fault::{CaseError, CaseFault, Place, Source};
 pub use files::Files;
 pub use schema::schema;
 pub use study::{ReferenceRequest, StudyRequest, StudyRequestError, meshes, study};
-pub use verify::{Check, Comparison, ErrorName, ProbeField, Take, Verify};
+pub use verify::{Check, Comparison, ErrorName, Take, Verify};
 
 use crate::convergence::Exact;
-use crate::output::{Input, fingerprint};
+use crate::output::{Input, OutputField, Probe, fingerprint};
 use crate::problem::Problem;
 use overrides::Applied;
 use place::{At, Finding, Origin};
@@ -61,6 +62,10 @@ pub struct Case {
     pub problem: Problem,
     /// Steps between field snapshots; 0: only the last.
     pub every: usize,
+    /// Fields of the snapshots beside those that every one has.
+    pub fields: Vec<OutputField>,
+    /// What is read off the run after every step.
+    pub probes: Vec<Probe>,
     /// Values that a run must give.
     pub expected: Option<Expected>,
     /// A solution in closed form.
@@ -163,12 +168,12 @@ fn build_case(document: &DeTable<'_>, files: &Files) -> (Option<(Case, Reference
             return (None, findings);
         }
     };
-    let (every, expected) = (raw.output.every, raw.expected.as_ref().map(build::expected));
-    let (cells, verify) = (mesh::cells(&raw.mesh), raw.verify.as_ref().map(verify::verify));
+    let (every, fields, expected) = (raw.output.every, build::fields(&raw.output), raw.expected.as_ref().map(build::expected));
+    let cells = mesh::cells(&raw.mesh);
     let (built, later) = build::problem(raw, files, memory::available(), &doubtful);
     findings.extend(later);
-    let case = built.map(|build::Built { problem, exact, inputs, references }| {
-        (Case { problem, every, expected, exact, verify, cells, text: String::new(), inputs }, references)
+    let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
+        (Case { problem, every, fields, probes, expected, exact, verify, cells, text: String::new(), inputs }, references)
     });
     (case, findings)
 }

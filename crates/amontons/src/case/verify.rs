@@ -3,7 +3,7 @@
 use super::raw;
 use super::study::{ReferenceRequest, StudyRequest};
 use crate::convergence::{Row, Vary};
-use crate::tensor::Point;
+use crate::output::Probe;
 
 /// What makes a case a benchmark.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,12 +30,10 @@ pub struct Comparison {
 /// A value to compare.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Check {
-    /// A field at a point and a time.
+    /// A field at a point, on a side or in a region at a time.
     Probe {
-        /// The field.
-        field: ProbeField,
-        /// The point in m.
-        at: Point,
+        /// The field and the place; its name says both.
+        probe: Probe,
         /// The time in s.
         time: f64,
         /// What it must be.
@@ -68,33 +66,6 @@ pub enum Check {
         /// What it must be.
         is: Comparison,
     },
-}
-
-/// A field that a probe reads.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ProbeField {
-    /// A component of the displacement, m.
-    Displacement(usize),
-    /// A component of the velocity, m/s.
-    Velocity(usize),
-    /// The temperature, K.
-    Temperature,
-}
-
-impl ProbeField {
-    /// The name in messages.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            ProbeField::Displacement(0) => "displacement_x",
-            ProbeField::Displacement(1) => "displacement_y",
-            ProbeField::Displacement(_) => "displacement_z",
-            ProbeField::Velocity(0) => "velocity_x",
-            ProbeField::Velocity(1) => "velocity_y",
-            ProbeField::Velocity(_) => "velocity_z",
-            ProbeField::Temperature => "temperature",
-        }
-    }
 }
 
 /// Which value of a column is taken.
@@ -165,26 +136,17 @@ impl From<raw::ErrorName> for ErrorName {
     }
 }
 
-pub(super) fn verify(raw: &raw::Verify) -> Verify {
-    Verify { title: raw.title.clone(), source: raw.source.clone(), checks: raw.check.iter().map(check).collect() }
+/// The block, with the probes of its checks, one entry a check; those that have faults are left out.
+pub(super) fn verify(raw: &raw::Verify, probes: Vec<Option<Probe>>) -> Verify {
+    let checks = raw.check.iter().zip(probes).filter_map(|(raw, probe)| check(raw, probe)).collect();
+    Verify { title: raw.title.clone(), source: raw.source.clone(), checks }
 }
 
-fn check(raw: &raw::Check) -> Check {
-    match raw {
-        raw::Check::Probe { field, at, time, reference, tolerance, scale } => Check::Probe {
-            field: match field {
-                raw::ProbeField::DisplacementX => ProbeField::Displacement(0),
-                raw::ProbeField::DisplacementY => ProbeField::Displacement(1),
-                raw::ProbeField::VelocityX => ProbeField::Velocity(0),
-                raw::ProbeField::VelocityY => ProbeField::Velocity(1),
-                raw::ProbeField::DisplacementZ => ProbeField::Displacement(2),
-                raw::ProbeField::VelocityZ => ProbeField::Velocity(2),
-                raw::ProbeField::Temperature => ProbeField::Temperature,
-            },
-            at: std::array::from_fn(|c| at.get(c).copied().unwrap_or_default()),
-            time: *time,
-            is: comparison(*reference, *tolerance, *scale),
-        },
+fn check(raw: &raw::Check, probe: Option<Probe>) -> Option<Check> {
+    Some(match raw {
+        raw::Check::Probe { time, reference, tolerance, scale, .. } => {
+            Check::Probe { probe: probe?, time: *time, is: comparison(*reference, *tolerance, *scale) }
+        }
         raw::Check::History { column, time, take, reference, tolerance, scale } => Check::History {
             column: column.clone(),
             time: *time,
@@ -210,5 +172,5 @@ fn check(raw: &raw::Check) -> Check {
             is: comparison(*reference, *tolerance, Some(1.0)),
         },
         raw::Check::Error { error, reference, tolerance, scale } => Check::Error { error: (*error).into(), is: comparison(*reference, *tolerance, *scale) },
-    }
+    })
 }

@@ -83,6 +83,13 @@ impl<'a> Locator<'a> {
         Some((nodes, values))
     }
 
+    /// The cell in which a point lies deepest, as block and cell in the block, with the reference coordinates there; none outside
+    /// the mesh.
+    #[must_use]
+    pub fn place(&self, p: &Point) -> Option<(usize, usize, Point)> {
+        self.find(p).map(|((block, cell), x)| (block as usize, cell as usize, x))
+    }
+
     /// The cell in which a point lies deepest, and its reference coordinates there.
     pub(super) fn find(&self, p: &Point) -> Option<(At, Point)> {
         let mut best: Option<(f64, At, Point)> = None;

@@ -1,8 +1,8 @@
 //! Facets of a mesh: named sets, and the boundary of the body.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
-use super::Mesh;
+use super::{Block, Mesh};
 use crate::element::Element;
 
 /// Facets of one element type.
@@ -81,28 +81,33 @@ impl Mesh {
     /// The boundary of the body: the facets that belong to one cell only, oriented outward, in the order of the cells.
     #[must_use]
     pub fn boundary(&self) -> FacetSet {
-        let mut keys: Vec<FacetKey> = Vec::new();
-        for block in &self.blocks {
-            for cell in block.cells() {
-                keys.extend(block.element.facets.iter().map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))));
-            }
-        }
-        let mut sorted = keys.clone();
-        sorted.sort_unstable();
-        let single = |key: &FacetKey| {
-            let first = sorted.partition_point(|other| other < key);
-            sorted.get(first + 1) != Some(key)
-        };
-        let mut set = FacetSet::default();
-        let mut keys = keys.iter();
-        for block in &self.blocks {
-            for cell in block.cells() {
-                for (facet, _) in block.element.facets.iter().zip(keys.by_ref()).filter(|(_, key)| single(key)) {
-                    set.push(facet.element, facet.nodes.iter().map(|&local| cell[local]));
+        boundary_of(&self.blocks.iter().collect::<Vec<_>>())
+    }
+
+    /// The nodes on the boundary of each region, ascending: those of facets that only one cell of the region has.
+    #[must_use]
+    pub fn region_boundaries(&self) -> Vec<Vec<u32>> {
+        let regions = self.blocks.iter().map(|block| block.region + 1).max().unwrap_or(0);
+        let blocks = |region: usize| self.blocks.iter().filter(|block| block.region == region).collect::<Vec<_>>();
+        (0..regions).map(|region| boundary_of(&blocks(region)).node_list()).collect()
+    }
+
+    /// The cell that each facet of a set bounds, as block and cell in the block; none for a facet that bounds no cell, and the
+    /// first of both cells where the facet lies inside the body.
+    #[must_use]
+    pub fn cells_of(&self, set: &FacetSet) -> Vec<Option<(usize, usize)>> {
+        let keys: Vec<FacetKey> = set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied())).collect();
+        let mut cells: HashMap<FacetKey, Option<(usize, usize)>> = keys.iter().map(|key| (*key, None)).collect();
+        for (b, block) in self.blocks.iter().enumerate() {
+            for (c, cell) in block.cells().enumerate() {
+                for facet in block.element.facets {
+                    if let Some(found @ None) = cells.get_mut(&facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))) {
+                        *found = Some((b, c));
+                    }
                 }
             }
         }
-        set
+        keys.iter().map(|key| cells.get(key).copied().flatten()).collect()
     }
 
     /// Facets of the boundary that belong to no facet set.
@@ -112,4 +117,30 @@ impl Mesh {
             self.facets.values().flat_map(|set| set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied()))).collect();
         self.boundary().facets().filter(|(element, nodes)| !named.contains(&facet_key(element, nodes.iter().copied()))).count()
     }
+}
+
+/// The facets that belong to one cell only of some blocks, oriented outward, in the order of the cells.
+fn boundary_of(blocks: &[&Block]) -> FacetSet {
+    let mut keys: Vec<FacetKey> = Vec::new();
+    for block in blocks {
+        for cell in block.cells() {
+            keys.extend(block.element.facets.iter().map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))));
+        }
+    }
+    let mut sorted = keys.clone();
+    sorted.sort_unstable();
+    let single = |key: &FacetKey| {
+        let first = sorted.partition_point(|other| other < key);
+        sorted.get(first + 1) != Some(key)
+    };
+    let mut set = FacetSet::default();
+    let mut keys = keys.iter();
+    for block in blocks {
+        for cell in block.cells() {
+            for (facet, _) in block.element.facets.iter().zip(keys.by_ref()).filter(|(_, key)| single(key)) {
+                set.push(facet.element, facet.nodes.iter().map(|&local| cell[local]));
+            }
+        }
+    }
+    set
 }

@@ -1,39 +1,139 @@
-//! What is computed cell by cell from a state: stresses, and the norm of V.
+//! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
 
-use crate::element::Table;
+use crate::element::{Element, Table};
+use crate::material::{Branch, Dilatation, Material, Prony};
 use crate::mesh::{CellMap, Mesh};
 use crate::problem::Problem;
+use crate::quadrature::Rule;
 use crate::scheme::State;
-use crate::tensor::Sym;
+use crate::tensor::{Point, Sym};
 
-/// The stress of one cell, at its centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CellStress {
-    /// Total stress σ of (2.1), Pa.
+/// Strain, stress and heat flux of a body at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointValues {
+    /// ε(u), with the mean dilatation of the cell where the problem has it so; zero in directions that the body lacks, and the
+    /// hoop strain 33 of a body of revolution.
+    pub strain: Sym,
+    /// Total stress σ of (2.1), Pa: with σ₃₃ in plane strain, and the hoop stress 33 of a body of revolution.
     pub stress: Sym,
-    /// Von Mises stress in Pa.
-    pub von_mises: f64,
-    /// Region of the cell, an index into the regions of the mesh.
-    pub region: usize,
+    /// q = −𝓚∇θ of (2.2), W/m².
+    pub heat_flux: Point,
 }
 
-/// The total stress σ = 𝓔ε(u) + 𝓥ε(w) − θ𝓜 at the centre of every cell, block by block.
-#[must_use]
-pub fn cell_stresses(problem: &Problem, state: &State) -> Vec<CellStress> {
-    let mesh = &problem.mesh;
-    let mut stresses = Vec::with_capacity(mesh.cell_count());
-    for block in &mesh.blocks {
-        let Some(material) = problem.material_of(block.region) else { continue };
-        let table = Table::at(block.element, &[block.element.centre()]);
-        let mut map = CellMap::new(mesh, &table);
-        for cell in block.cells() {
-            map.at(cell, 0);
-            let theta = cell.iter().zip(map.values()).map(|(&node, value)| value * state.theta[node as usize]).sum();
-            let stress = material.stress(&map.position, &strain(mesh, &map, cell, &state.u), &strain(mesh, &map, cell, &state.w), theta);
-            stresses.push(CellStress { stress, von_mises: stress.von_mises(), region: block.region });
+impl PointValues {
+    /// Adds `weight` times other values.
+    pub(super) fn add(&mut self, weight: f64, other: &PointValues) {
+        self.strain += weight * other.strain;
+        self.stress += weight * other.stress;
+        for (sum, q) in self.heat_flux.iter_mut().zip(other.heat_flux) {
+            *sum += weight * q;
         }
     }
-    stresses
+}
+
+/// Points of the cells of every block at which a body is evaluated.
+#[derive(Debug)]
+pub(super) struct Tables {
+    pub points: Vec<Table>,
+    /// The points of the means of the dilatation, where it is taken so.
+    means: Vec<Table>,
+}
+
+impl Tables {
+    /// The points that `rule` gives for the element of a block.
+    pub fn new(problem: &Problem, rule: impl Fn(&Element) -> Rule) -> Tables {
+        let mesh = &problem.mesh;
+        let points = mesh.blocks.iter().map(|block| Table::of_rule(block.element, rule(block.element))).collect();
+        let means = mesh.blocks.iter().filter(|_| problem.dilatation == Dilatation::Mean);
+        Tables { points, means: means.map(|block| Table::new(block.element, strain_degree(mesh, block.element))).collect() }
+    }
+}
+
+/// Degree of the rule for products of strains.
+fn strain_degree(mesh: &Mesh, element: &Element) -> usize {
+    2 * if mesh.axisymmetric { element.gradient_degree.max(element.degree) } else { element.gradient_degree }
+}
+
+/// Evaluates a state in the cells of one block.
+pub(super) struct Evaluator<'a> {
+    problem: &'a Problem,
+    state: &'a State,
+    material: Option<&'a Material>,
+    /// 𝓖 of each branch of the material that relaxes, with the displacement whose strain is that of its springs.
+    branches: Vec<(&'a Branch, &'a [f64])>,
+    map: CellMap<'a>,
+    /// The points of the means of the dilatation, with their weights.
+    mean: Option<(CellMap<'a>, &'a [f64])>,
+}
+
+impl<'a> Evaluator<'a> {
+    /// For the cells of block number `block`, which is one of the mesh.
+    pub fn new(problem: &'a Problem, state: &'a State, tables: &'a Tables, block: usize) -> Evaluator<'a> {
+        let mesh = &problem.mesh;
+        let material = problem.material_of(mesh.blocks[block].region);
+        let times = problem.relaxation_times();
+        let springs = |branch: &Branch| times.iter().zip(&state.branches).find(|(time, _)| time.to_bits() == branch.time.to_bits()).map(|(_, z)| &z[..]);
+        let branches = material.and_then(|m| m.prony.as_ref()).map_or(&[][..], Prony::branches).iter();
+        Evaluator {
+            problem,
+            state,
+            material,
+            branches: branches.filter_map(|branch| Some((branch, springs(branch)?))).collect(),
+            map: CellMap::new(mesh, &tables.points[block]),
+            mean: tables.means.get(block).map(|table| (CellMap::new(mesh, table), &table.weights[..])),
+        }
+    }
+
+    /// At point `q` of the table in the cell with these nodes: strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖ε(z) − θ𝓜 with the branches
+    /// that relax, heat flux.
+    pub fn at(&mut self, cell: &[u32], q: usize) -> PointValues {
+        self.map.at(cell, q);
+        let (mut theta, mut gradient) = (0.0, [0.0; 3]);
+        for ((&node, value), g) in cell.iter().zip(self.map.values()).zip(&self.map.gradients) {
+            let at_node = self.state.theta[node as usize];
+            theta += value * at_node;
+            for (sum, g) in gradient.iter_mut().zip(g) {
+                *sum += at_node * g;
+            }
+        }
+        let (strain, rate) = (self.strain(cell, &self.state.u), self.strain(cell, &self.state.w));
+        let Some(material) = self.material else { return PointValues { strain, ..PointValues::default() } };
+        let mut stress = material.stress(&self.map.position, &strain, &rate, theta);
+        for b in 0..self.branches.len() {
+            let (branch, z) = self.branches[b];
+            stress += branch.modulus.apply(&self.strain(cell, z));
+        }
+        PointValues { strain, stress, heat_flux: material.conductivity.apply(&gradient).map(|q| 0.0 - q) }
+    }
+
+    /// The strain of a field that the forms see.
+    fn strain(&mut self, cell: &[u32], v: &[f64]) -> Sym {
+        let mesh = &self.problem.mesh;
+        let mut strain = strain(mesh, &self.map, cell, v);
+        if let Some((map, weights)) = &mut self.mean {
+            let (mut sum, mut volume) = (0.0, 0.0);
+            for (q, weight) in weights.iter().enumerate() {
+                map.at(cell, q);
+                sum += weight * map.measure * self::strain(mesh, map, cell, v).trace();
+                volume += weight * map.measure;
+            }
+            let d = mesh.tensor_dim();
+            strain += (sum / volume - strain.trace()) / d as f64 * Sym::identity(d);
+        }
+        strain
+    }
+}
+
+/// Values at the centre of every cell, block by block.
+#[must_use]
+pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
+    let tables = Tables::new(problem, |element| Rule { points: vec![element.centre()], weights: vec![1.0] });
+    let mut values = Vec::with_capacity(problem.mesh.cell_count());
+    for (b, block) in problem.mesh.blocks.iter().enumerate() {
+        let mut evaluator = Evaluator::new(problem, state, &tables, b);
+        values.extend(block.cells().map(|cell| evaluator.at(cell, 0)));
+    }
+    values
 }
 
 /// ‖ε(v)‖_{L²} of a vector field, node-major: the norm of V.
@@ -41,8 +141,7 @@ pub fn cell_stresses(problem: &Problem, state: &State) -> Vec<CellStress> {
 pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
     let mut sum = 0.0;
     for block in &mesh.blocks {
-        let degree = if mesh.axisymmetric { block.element.gradient_degree.max(block.element.degree) } else { block.element.gradient_degree };
-        let table = Table::new(block.element, 2 * degree);
+        let table = Table::new(block.element, strain_degree(mesh, block.element));
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! `history.csv`, a row a step, and `contact.csv`, a row a contact point.
+//! `history.csv` and `probes.csv`, a row a step, and `contact.csv`, a row a contact point.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -61,27 +61,27 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// `history.csv` as it grows.
+/// A table with a row a step, as it grows.
 #[derive(Debug)]
-pub(super) struct History {
+pub(super) struct Rows {
     path: PathBuf,
     file: File,
 }
 
-impl History {
+impl Rows {
     /// A file with a header and no rows.
-    pub fn create(path: PathBuf, dim: usize) -> Result<History, OutputError> {
-        write_atomically(&path, |out| writeln!(out, "{}", history_columns(dim).join(",")))?;
-        History::append(path)
+    pub fn create(path: PathBuf, columns: &[String]) -> Result<Rows, OutputError> {
+        write_atomically(&path, |out| writeln!(out, "{}", columns.join(",")))?;
+        Rows::append(path)
     }
 
     /// The file of a run that goes on after `steps` steps: rows behind them are cut off.
-    pub fn reopen(path: PathBuf, dim: usize, steps: usize) -> Result<History, OutputError> {
+    pub fn reopen(path: PathBuf, columns: &[String], steps: usize) -> Result<Rows, OutputError> {
         let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
         let inconsistent = |found: String, expected: String| OutputError::Inconsistent { path: path.clone(), found, expected };
         // A line that a crash cut short has no line end; it is behind the rows that count, or missing from them.
         let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
-        let header = history_columns(dim).join(",");
+        let header = columns.join(",");
         if lines.next().map(str::trim_end) != Some(header.as_str()) {
             return Err(inconsistent("another header".to_owned(), format!("\"{header}\"")));
         }
@@ -94,18 +94,17 @@ impl History {
             writeln!(out, "{header}")?;
             rows.iter().try_for_each(|row| out.write_all(row.as_bytes()))
         })?;
-        History::append(path)
+        Rows::append(path)
     }
 
-    fn append(path: PathBuf) -> Result<History, OutputError> {
+    fn append(path: PathBuf) -> Result<Rows, OutputError> {
         let file = OpenOptions::new().append(true).open(&path).map_err(OutputError::io("open", &path))?;
-        Ok(History { path, file })
+        Ok(Rows { path, file })
     }
 
     /// Adds the row of a step in one piece.
-    pub fn push(&mut self, now: &Snapshot) -> Result<(), OutputError> {
-        let Some(values) = history_values(now) else { return Ok(()) };
-        let row = join(&values) + "\n";
+    pub fn push(&mut self, values: &[f64]) -> Result<(), OutputError> {
+        let row = join(values) + "\n";
         self.file.write_all(row.as_bytes()).map_err(OutputError::io("write", &self.path))
     }
 

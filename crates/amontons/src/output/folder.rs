@@ -5,18 +5,22 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::csv::{History, write_contact};
+use super::csv::{Rows, history_columns, history_values, write_contact};
 use super::files::{copy, create_folder, remove, write_atomically, write_json};
 use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
 use super::vtu::{write_collection, write_fields};
-use super::{OutputError, RunStart, Sink, Snapshot, Summary, checkpoint, manifest};
+use super::{OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, Summary, checkpoint, manifest};
+use crate::problem::Problem;
 
+const HISTORY: &str = "history.csv";
+const PROBES: &str = "probes.csv";
 /// What a results folder may hold, studies included.
-const RESULTS: [&str; 12] = [
+const RESULTS: [&str; 13] = [
     "summary.json",
     manifest::FILE,
-    "history.csv",
+    HISTORY,
+    PROBES,
     "contact.csv",
     "fields.pvd",
     "fields",
@@ -39,6 +43,10 @@ pub struct FolderOptions {
     pub inputs: Vec<Input>,
     /// Steps between field snapshots; 0: only the last.
     pub every: usize,
+    /// Fields of the snapshots beside those that every one has.
+    pub fields: Vec<OutputField>,
+    /// What is read off the run after every step.
+    pub probes: Vec<Probe>,
     /// Whether results that are there may be replaced.
     pub force: bool,
     /// Time between checkpoints.
@@ -49,7 +57,15 @@ impl FolderOptions {
     /// Options for a case with this text: only the last fields, nothing replaced, a checkpoint a minute.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
-        FolderOptions { text: text.into(), inputs: Vec::new(), every: 0, force: false, checkpoint_interval: Duration::from_mins(1) }
+        FolderOptions {
+            text: text.into(),
+            inputs: Vec::new(),
+            every: 0,
+            fields: OutputField::DEFAULT.to_vec(),
+            probes: Vec::new(),
+            force: false,
+            checkpoint_interval: Duration::from_mins(1),
+        }
     }
 
     fn fingerprint(&self) -> String {
@@ -64,7 +80,8 @@ pub struct Folder {
     options: FolderOptions,
     /// Whether results of another run are there, to be replaced once this one has made a step.
     replaces: bool,
-    history: Option<History>,
+    history: Option<Rows>,
+    probes: Option<(ProbeSet, Rows)>,
     manifest: Option<Manifest>,
     /// Time and file of the field snapshots.
     snapshots: Vec<(f64, String)>,
@@ -121,7 +138,7 @@ impl Folder {
     }
 
     fn new(path: PathBuf, options: FolderOptions, replaces: bool) -> Folder {
-        Folder { path, options, replaces, history: None, manifest: None, snapshots: Vec::new(), last_checkpoint: Instant::now() }
+        Folder { path, options, replaces, history: None, probes: None, manifest: None, snapshots: Vec::new(), last_checkpoint: Instant::now() }
     }
 
     /// Where results go at present.
@@ -145,7 +162,10 @@ impl Folder {
         remove(&staging)?;
         self.replaces = false;
         if let Some(history) = &mut self.history {
-            history.moved(self.path.join("history.csv"));
+            history.moved(self.path.join(HISTORY));
+        }
+        if let Some((_, rows)) = &mut self.probes {
+            rows.moved(self.path.join(PROBES));
         }
         Ok(())
     }
@@ -157,19 +177,32 @@ impl Folder {
     fn write_fields(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         let root = self.root();
         let file = fields_file(now.state.step);
-        write_fields(&root.join(&file), now)?;
+        write_fields(&root.join(&file), now, &self.options.fields)?;
         self.snapshots.push((now.state.t, file));
         write_collection(&root.join("fields.pvd"), &self.snapshots)
     }
 
     fn write_checkpoint(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         // The rows come first: a checkpoint must not be ahead of the history.
-        if let Some(history) = &self.history {
-            history.sync()?;
+        for rows in self.history.iter().chain(self.probes.iter().map(|(_, rows)| rows)) {
+            rows.sync()?;
         }
         checkpoint::write(&self.root(), &self.options.fingerprint(), now)?;
         self.last_checkpoint = Instant::now();
         Ok(())
+    }
+
+    /// The probes of the run, if it has any, with their table.
+    fn probe_rows(&self, problem: &Problem, open: impl FnOnce(&[String]) -> Result<Rows, OutputError>) -> Result<Option<(ProbeSet, Rows)>, OutputError> {
+        let probes = &self.options.probes;
+        if probes.is_empty() {
+            return Ok(None);
+        }
+        let named = |(i, source): (usize, _)| OutputError::Probe { name: probes.get(i).map(|probe| probe.name.clone()).unwrap_or_default(), source };
+        let set = ProbeSet::new(problem, probes).map_err(named)?;
+        let mut columns = vec!["step".to_owned(), "t".to_owned()];
+        columns.extend_from_slice(set.columns());
+        Ok(Some((set, open(&columns)?)))
     }
 
     fn start_anew(&mut self, start: &RunStart) -> Result<(), OutputError> {
@@ -179,7 +212,8 @@ impl Folder {
         }
         write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
         write_inputs(&root, &self.options.inputs)?;
-        self.history = Some(History::create(root.join("history.csv"), problem.mesh.dim)?);
+        self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem.mesh.dim))?);
+        self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
         let settings = Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
         self.manifest = Some(Manifest::new(&problem.name, &self.options.fingerprint(), settings));
         if self.is_due(0) {
@@ -191,7 +225,8 @@ impl Folder {
     /// Brings the files back to the step of the checkpoint.
     fn go_on(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, step) = (start.from.problem, start.from.state.step);
-        self.history = Some(History::reopen(self.path.join("history.csv"), problem.mesh.dim, step)?);
+        self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem.mesh.dim), step)?);
+        self.probes = self.probe_rows(problem, |columns| Rows::reopen(self.path.join(PROBES), columns, step))?;
         self.manifest = Some(Manifest::read(&self.path)?);
         let due = (0..=step).filter(|&n| self.is_due(n)).map(|n| (problem.time(n), fields_file(n)));
         self.snapshots = due.filter(|(_, file)| self.path.join(file).is_file()).collect();
@@ -234,8 +269,13 @@ impl Sink for Folder {
         if self.replaces {
             self.replace()?;
         }
-        if let Some(history) = &mut self.history {
-            history.push(now)?;
+        if let Some((history, values)) = self.history.as_mut().zip(history_values(now)) {
+            history.push(&values)?;
+        }
+        if let Some((set, rows)) = &mut self.probes {
+            let mut values = vec![now.state.step as f64, now.state.t];
+            values.extend(set.values(now));
+            rows.push(&values)?;
         }
         if self.is_due(now.state.step) {
             self.write_fields(now)?;

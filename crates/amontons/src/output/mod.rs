@@ -4,6 +4,9 @@
 //! |---|---|
 //! | [`Memory`] | keeps states and reports for tests and studies |
 //! | [`Folder`] | writes the results folder |
+//!
+//! What is computed from a state beside the unknowns: [`cell_values`] (strain, stress, heat flux of the cells), [`nodal_stress`]
+//! (stresses recovered at the nodes), and [`ProbeSet`] (numbers at points, over sides and regions).
 
 mod cells;
 pub mod checkpoint;
@@ -13,6 +16,9 @@ mod folder;
 mod inputs;
 mod manifest;
 mod memory;
+mod probe;
+mod quantity;
+mod recovery;
 mod study;
 mod summary;
 mod vtu;
@@ -20,14 +26,18 @@ mod vtu;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use cells::{CellStress, cell_stresses, strain_norm};
+pub use cells::{PointValues, cell_values, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use csv::{history_columns, history_values};
 pub use folder::{Folder, FolderOptions};
 pub use inputs::{INPUTS, Input, fingerprint};
 pub use memory::Memory;
+pub use probe::{Place, Probe, ProbeError, ProbeSet, Take};
+pub use quantity::{Base, Part, Quantity};
+pub use recovery::{NodalStress, nodal_stress};
 pub use study::StudyFolder;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
+pub use vtu::OutputField;
 
 use crate::convergence::Table;
 use crate::problem::Problem;
@@ -125,6 +135,14 @@ pub enum OutputError {
         found: String,
         /// What was expected.
         expected: String,
+    },
+    /// A probe that cannot be read.
+    #[error("probe {name}: found {source}")]
+    Probe {
+        /// Its name.
+        name: String,
+        /// Why.
+        source: ProbeError,
     },
     /// The file of the fields could not be made.
     #[error("cannot encode {}: {message}", path.display())]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Snapshot, cell_stresses, strain_norm};
+use super::{Snapshot, cell_values, strain_norm};
 use crate::contact::Status;
 use crate::hypotheses::{self, Finding};
 use crate::scheme::{ContactReport, Contraction, Ledger};
@@ -202,7 +202,7 @@ impl Summary {
                 velocity_max: by_component(&state.w, dim, f64::NEG_INFINITY, f64::max),
                 temperature_min: state.theta.iter().copied().fold(f64::INFINITY, f64::min),
                 temperature_max: state.theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                von_mises_max: cell_stresses(problem, state).iter().fold(0.0, |max, cell| cell.von_mises.max(max)),
+                von_mises_max: cell_values(problem, state).iter().fold(0.0, |max, cell| cell.stress.von_mises().max(max)),
                 norms: Norms {
                     displacement_l2: discretization.norm(&discretization.mass, &state.u),
                     displacement_v: strain_norm(&problem.mesh, &state.u),

@@ -6,18 +6,41 @@ use std::path::Path;
 use vtkio::model::{Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk};
 
 use super::files::write_atomically;
-use super::{OutputError, Snapshot, cell_stresses};
+use super::{OutputError, PointValues, Snapshot, cell_values, nodal_stress};
 use crate::material::VTK_COMPONENTS;
+use crate::tensor::Sym;
+
+/// A field that is written beside those that every file has: displacement, velocity and temperature at the nodes, von Mises
+/// stress and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OutputField {
+    /// Cell data `stress`: σ of (2.1) in Pa.
+    Stress,
+    /// Cell data `strain`: ε(u).
+    Strain,
+    /// Cell data `principal`, the three principal stresses in Pa, the largest first, and `principal_direction_1`, `_2`, `_3`.
+    Principal,
+    /// Cell data `heat_flux`: q = −𝓚∇θ in W/m².
+    HeatFlux,
+    /// Point data `nodal_stress` and `nodal_von_mises`: the recovered stress ([`nodal_stress`]) in Pa, where regions meet the mean
+    /// of their values.
+    NodalStress,
+}
+
+impl OutputField {
+    /// What a file has unless it is said otherwise.
+    pub const DEFAULT: [OutputField; 1] = [OutputField::Stress];
+}
 
 /// Writes the fields of a state as an unstructured grid, binary, without compression.
-pub(super) fn write_fields(path: &Path, now: &Snapshot) -> Result<(), OutputError> {
-    let grid = grid(now);
+pub(super) fn write_fields(path: &Path, now: &Snapshot, fields: &[OutputField]) -> Result<(), OutputError> {
+    let grid = grid(now, fields);
     let mut bytes = Vec::new();
     grid.write_xml(&mut bytes).map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
     write_atomically(path, |out| out.write_all(&bytes))
 }
 
-fn grid(now: &Snapshot) -> Vtk {
+fn grid(now: &Snapshot, fields: &[OutputField]) -> Vtk {
     let (mesh, state) = (&now.problem.mesh, now.state);
     let in_space = |values: &[f64]| -> Vec<f64> { values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect() };
     let mut cells = Cells::default();
@@ -30,17 +53,25 @@ fn grid(now: &Snapshot) -> Vtk {
         cells.types.extend(std::iter::repeat_n(cell_type(block.element.vtk), block.len()));
     }
     cells.cell_verts = VertexNumbers::XML { connectivity, offsets };
-    let stresses = cell_stresses(now.problem, state);
-    let point = vec![
+    let values = cell_values(now.problem, state);
+    let mut point = vec![
         Attribute::generic("displacement", 3).with_data(in_space(&state.u)),
         Attribute::generic("velocity", 3).with_data(in_space(&state.w)),
         Attribute::generic("temperature", 1).with_data(state.theta.clone()),
     ];
-    let cell = vec![
-        Attribute::generic("stress", 6).with_data(stresses.iter().flat_map(|cell| VTK_COMPONENTS.map(|(i, j)| cell.stress.get(i, j))).collect::<Vec<f64>>()),
-        Attribute::generic("von_mises", 1).with_data(stresses.iter().map(|cell| cell.von_mises).collect::<Vec<f64>>()),
-        Attribute::generic("region", 1).with_data(stresses.iter().map(|cell| cell.region as u32).collect::<Vec<u32>>()),
-    ];
+    if fields.contains(&OutputField::NodalStress) {
+        let stresses = nodal_stress(now.problem, state).means(mesh.points.len());
+        point.push(tensors("nodal_stress", stresses.iter()));
+        point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
+    }
+    let mut cell = Vec::new();
+    if fields.contains(&OutputField::Stress) {
+        cell.push(tensors("stress", values.iter().map(|v| &v.stress)));
+    }
+    cell.push(Attribute::generic("von_mises", 1).with_data(values.iter().map(|v| v.stress.von_mises()).collect::<Vec<f64>>()));
+    let regions = mesh.blocks.iter().flat_map(|block| std::iter::repeat_n(block.region as u32, block.len()));
+    cell.push(Attribute::generic("region", 1).with_data(regions.collect::<Vec<u32>>()));
+    cell.extend(more(&values, fields));
     let piece = UnstructuredGridPiece { points: mesh.points.iter().flatten().copied().collect::<Vec<f64>>().into(), cells, data: Attributes { point, cell } };
     Vtk {
         version: Version::XML { major: 1, minor: 0 },
@@ -49,6 +80,32 @@ fn grid(now: &Snapshot) -> Vtk {
         data: DataSet::inline(piece),
         file_path: None,
     }
+}
+
+/// Cell data that are written where they are asked for.
+fn more(values: &[PointValues], fields: &[OutputField]) -> Vec<Attribute> {
+    let mut cell = Vec::new();
+    if fields.contains(&OutputField::Strain) {
+        cell.push(tensors("strain", values.iter().map(|v| &v.strain)));
+    }
+    if fields.contains(&OutputField::Principal) {
+        let axes: Vec<_> = values.iter().map(|v| v.stress.principal_axes()).collect();
+        let principal = axes.iter().flat_map(|axes| axes.map(|(value, _)| value)).collect::<Vec<f64>>();
+        cell.push(Attribute::generic("principal", 3).with_data(principal));
+        for c in 0..3 {
+            let directions = axes.iter().flat_map(|axes| axes[c].1).collect::<Vec<f64>>();
+            cell.push(Attribute::generic(format!("principal_direction_{}", c + 1), 3).with_data(directions));
+        }
+    }
+    if fields.contains(&OutputField::HeatFlux) {
+        cell.push(Attribute::generic("heat_flux", 3).with_data(values.iter().flat_map(|v| v.heat_flux).collect::<Vec<f64>>()));
+    }
+    cell
+}
+
+/// An array of the six components of tensors.
+fn tensors<'a>(name: &str, all: impl Iterator<Item = &'a Sym>) -> Attribute {
+    Attribute::generic(name, 6).with_data(all.flat_map(|tensor| VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))).collect::<Vec<f64>>())
 }
 
 /// The cell type of a VTK code of [`crate::element`].

@@ -9,7 +9,7 @@ pub use boundary::{BoundaryCondition, Convection, Support};
 
 use crate::contact::Contact;
 use crate::field::Field;
-use crate::material::{Dilatation, Material};
+use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::Mesh;
 use crate::mesh::defects::{Component, components};
 
@@ -135,6 +135,16 @@ impl Problem {
     #[must_use]
     pub fn material_of(&self, region: usize) -> Option<&Material> {
         self.materials.get(region).or(self.materials.last())
+    }
+
+    /// The relaxation times of all materials, s, ascending, each once.
+    #[must_use]
+    pub fn relaxation_times(&self) -> Vec<f64> {
+        let branches = self.materials.iter().filter_map(|material| material.prony.as_ref()).flat_map(Prony::branches);
+        let mut times: Vec<f64> = branches.map(|branch| branch.time).collect();
+        times.sort_by(f64::total_cmp);
+        times.dedup();
+        times
     }
 
     /// Checks the data and returns the problem.

@@ -139,7 +139,7 @@ impl Discretization {
             b: form(|m| &m.viscosity),
             elasticity: others(|m| &m.elasticity),
             viscosity: others(|m| &m.viscosity),
-            branches: branches(&mesh, &graph, materials, problem.dilatation),
+            branches: branches(problem, &graph),
             d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)),
             m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)),
             e: forms::e(&mesh, &graph, &tensors(|m| &m.coupling)),
@@ -290,13 +290,11 @@ impl Discretization {
 const ZERO: material::Branch = material::Branch { modulus: SymMap([[0.0; 6]; 6]), time: f64::INFINITY };
 
 /// The branches of all materials, those with one relaxation time together.
-fn branches(mesh: &Mesh, graph: &Arc<Graph>, materials: &[Material], dilatation: Dilatation) -> Vec<Branch> {
+fn branches(problem: &Problem, graph: &Arc<Graph>) -> Vec<Branch> {
     let of = |material: &Material| material.prony.as_ref().map_or(&[][..], |prony| prony.branches()).to_vec();
-    let mut times: Vec<f64> = materials.iter().flat_map(|m| of(m).into_iter().map(|branch| branch.time)).collect();
-    times.sort_by(f64::total_cmp);
-    times.dedup();
     let form = |time: f64| {
-        let springs: Vec<material::Branch> = materials
+        let springs: Vec<material::Branch> = problem
+            .materials
             .iter()
             .map(|material| {
                 let mut sum = ZERO;
@@ -309,9 +307,9 @@ fn branches(mesh: &Mesh, graph: &Arc<Graph>, materials: &[Material], dilatation:
             })
             .collect();
         let laws: Vec<&dyn TensorLaw> = springs.iter().map(|law| law as &dyn TensorLaw).collect();
-        forms::tensor_form(mesh, graph, &laws, dilatation)
+        forms::tensor_form(&problem.mesh, graph, &laws, problem.dilatation)
     };
-    times.into_iter().map(|time| Branch { time, form: form(time) }).collect()
+    problem.relaxation_times().into_iter().map(|time| Branch { time, form: form(time) }).collect()
 }
 
 fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {

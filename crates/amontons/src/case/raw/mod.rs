@@ -9,6 +9,7 @@ mod contact;
 mod data;
 mod material;
 mod mesh;
+mod probe;
 mod verify;
 
 use std::collections::BTreeMap;
@@ -21,7 +22,8 @@ pub(in crate::case) use contact::{Contact, Friction, Heat, Normal, Quadrature};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
 pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Material, Orientation, Region, StressState, Tensor, Viscosity};
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
-pub(in crate::case) use verify::{Check, ErrorName, ProbeField, Take, Vary, Verify};
+pub(in crate::case) use probe::{Over, Probe};
+pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
 
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
 ///
@@ -62,6 +64,9 @@ pub(in crate::case) struct Case {
     /// What is written during a run.
     #[serde(default)]
     pub output: Output,
+    /// Numbers read off the run after every step, one entry a probe: probes.csv.
+    #[serde(default)]
+    pub probe: Vec<Probe>,
     /// Values that a run of the case must give.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected: Option<Expected>,
@@ -135,12 +140,35 @@ pub(in crate::case) enum Coupling {
 }
 
 /// What is written during a run.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub(in crate::case) struct Output {
     /// Steps between field snapshots; 0: only the last.
-    #[serde(default)]
     pub every: usize,
+    /// Fields of the snapshots besides displacement, velocity, temperature, von Mises stress and region.
+    pub fields: Vec<OutputField>,
+}
+
+impl Default for Output {
+    fn default() -> Output {
+        Output { every: 0, fields: vec![OutputField::Stress] }
+    }
+}
+
+/// A field of the snapshots.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum OutputField {
+    /// Stress of the cells.
+    Stress,
+    /// Strain of the cells.
+    Strain,
+    /// Principal stresses of the cells with their directions.
+    Principal,
+    /// Heat flux of the cells.
+    HeatFlux,
+    /// Stress at the nodes, recovered from the cells.
+    NodalStress,
 }
 
 /// Values that a run of the case must give.

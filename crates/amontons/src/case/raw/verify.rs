@@ -19,13 +19,24 @@ pub(in crate::case) struct Verify {
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Check {
-    /// A field at a point and a time, interpolated in space and time.
+    /// A field at a point, on a side or in a region at a time, interpolated in space and time.
     Probe {
-        /// The field.
-        field: ProbeField,
+        /// The field, one number.
+        #[schemars(transform = super::probe::numbers)]
+        field: String,
         /// The point in m, one entry a coordinate.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(length(min = 1, max = 3))]
-        at: Vec<f64>,
+        at: Option<Vec<f64>>,
+        /// Name of the side.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        on: Option<String>,
+        /// Name of the region.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        region: Option<String>,
+        /// What is taken of the values on the side or in the region.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        take: Option<super::Over>,
         /// The time in s.
         time: f64,
         /// Reference value.
@@ -92,26 +103,6 @@ pub(in crate::case) enum Check {
         #[schemars(extend("exclusiveMinimum" = 0))]
         scale: Option<f64>,
     },
-}
-
-/// A field that a probe reads.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub(in crate::case) enum ProbeField {
-    /// u_x in m.
-    DisplacementX,
-    /// u_y in m.
-    DisplacementY,
-    /// u_z in m.
-    DisplacementZ,
-    /// u̇_x in m/s.
-    VelocityX,
-    /// u̇_y in m/s.
-    VelocityY,
-    /// u̇_z in m/s.
-    VelocityZ,
-    /// θ in K.
-    Temperature,
 }
 
 /// Which value of a column is taken.

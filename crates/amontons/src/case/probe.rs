@@ -1,0 +1,157 @@
+//! The probes of a case, those of its `[verify]` block included.
+
+use super::build::Build;
+use super::check::nearest;
+use super::place::At;
+use super::raw;
+use crate::output::{Place, Probe, ProbeError, ProbeSet, Quantity, Take};
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// Where a raw probe reads, and the path of its table.
+struct Target<'r> {
+    path: String,
+    at: Option<&'r Vec<f64>>,
+    on: Option<&'r String>,
+    region: Option<&'r String>,
+    take: Option<raw::Over>,
+}
+
+impl Build<'_> {
+    /// The probes of `[[probe]]`.
+    pub fn probes(&mut self, raw: &[raw::Probe], problem: &Problem) -> Vec<Probe> {
+        let mut probes: Vec<Probe> = Vec::new();
+        for (i, probe) in raw.iter().enumerate() {
+            let path = format!("probe[{i}]");
+            let is_word = !probe.name.is_empty() && probe.name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
+            if !is_word {
+                let found = format!("\"{}\"", probe.name.escape_debug());
+                self.note(&format!("{path}.name"), At::Value, found, "a name of letters, digits, `_`, `-` and `.`", None);
+            } else if probes.iter().any(|other| other.name == probe.name) || matches!(probe.name.as_str(), "step" | "t") {
+                self.note(&format!("{path}.name"), At::Value, format!("\"{}\" again", probe.name), "a name of its own for each column of probes.csv", None);
+            }
+            let target = Target { path, at: probe.at.as_ref(), on: probe.on.as_ref(), region: probe.region.as_ref(), take: probe.take };
+            if let Some(place) = self.probe_place(&target, problem)
+                && let Some(quantity) = Quantity::parse(&probe.quantity)
+            {
+                let read = Probe { name: probe.name.clone(), quantity, place };
+                self.check_probe(&target, "quantity", problem, &read);
+                probes.push(read);
+            }
+        }
+        probes
+    }
+
+    /// The probe of a check of `[verify]`; none if it has faults.
+    pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &Problem) -> Option<Probe> {
+        let raw::Check::Probe { field, at, on, region, take, .. } = check else { return None };
+        let target = Target { path: format!("verify.check[{i}]"), at: at.as_ref(), on: on.as_ref(), region: region.as_ref(), take: *take };
+        let (place, quantity) = (self.probe_place(&target, problem)?, Quantity::parse(field)?);
+        let probe = Probe { name: describe(field, &place, problem.mesh.dim), quantity, place };
+        self.check_probe(&target, "field", problem, &probe);
+        Some(probe)
+    }
+
+    fn probe_place(&mut self, target: &Target, problem: &Problem) -> Option<Place> {
+        let (path, dim) = (&target.path, problem.mesh.dim);
+        let take = target.take.map(|take| match take {
+            raw::Over::Mean => Take::Mean,
+            raw::Over::Max => Take::Max,
+            raw::Over::Min => Take::Min,
+            raw::Over::Integral => Take::Integral,
+        });
+        let given: Vec<&str> = [("at", target.at.is_some()), ("on", target.on.is_some()), ("region", target.region.is_some())]
+            .iter()
+            .filter(|(_, is)| *is)
+            .map(|(key, _)| *key)
+            .collect();
+        match (given.as_slice(), target.at, target.on, target.region, take) {
+            (["at"], Some(at), _, _, None) => {
+                if at.len() != dim {
+                    self.note(&format!("{path}.at"), At::Value, format!("{} coordinates", at.len()), format!("{dim} coordinates"), None);
+                    return None;
+                }
+                Some(Place::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
+            }
+            (["at"], .., Some(_)) => {
+                self.note(&format!("{path}.take"), At::Key, "`take` of the value at a point", "`take` with `on` or `region`", None);
+                None
+            }
+            (["on"], _, Some(on), _, Some(take)) => Some(Place::On(on.clone(), take)),
+            (["region"], _, _, Some(region), Some(take)) => Some(Place::Region(region.clone(), take)),
+            (["on" | "region"], ..) => {
+                self.note(
+                    &format!("{path}.take"),
+                    At::Missing,
+                    "no such key",
+                    "\"mean\", \"max\", \"min\" or \"integral\" (what is taken of the values)",
+                    None,
+                );
+                None
+            }
+            (given, ..) => {
+                let found = if given.is_empty() { "no place".to_owned() } else { given.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" and ") };
+                self.note(path, At::Value, found, "one of `at`, `on` and `region`", None);
+                None
+            }
+        }
+    }
+
+    /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
+    fn check_probe(&mut self, target: &Target, quantity: &str, problem: &Problem, probe: &Probe) {
+        // On a mesh with faults it is not known what is outside.
+        let mesh_unknown = self.findings.iter().any(|finding| finding.path.to_string().starts_with("mesh"));
+        let Err(error) = ProbeSet::check(problem, probe) else { return };
+        let path = |key: &str| format!("{}.{key}", target.path);
+        let among = |name: Option<&String>, known: &[String]| {
+            let name = name.map_or("", |name| name);
+            let words: Vec<&str> = known.iter().map(String::as_str).collect();
+            (format!("\"{name}\""), words.join(", "), nearest(name, &words).map(|near| format!("did you mean \"{near}\"?")))
+        };
+        match error {
+            _ if mesh_unknown => {}
+            ProbeError::Outside { low, high } => {
+                let at: Vec<f64> = target.at.cloned().unwrap_or_default();
+                let expected = format!("a point of the body, which reaches from {} to {}", point(&low), point(&high));
+                self.note(&path("at"), At::Value, format!("{}, outside the body", point(&at)), expected, None);
+            }
+            ProbeError::Side(known) => {
+                let (found, known, hint) = among(target.on, &known);
+                self.note(&path("on"), At::Value, found, format!("one of the facet sets {known}"), hint.as_deref());
+            }
+            ProbeError::Region(known) => {
+                let (found, known, hint) = among(target.region, &known);
+                self.note(&path("region"), At::Value, found, format!("one of the regions {known}"), hint.as_deref());
+            }
+            error @ (ProbeError::Component { .. } | ProbeError::Normal(_) | ProbeError::Pressure | ProbeError::Hoop) => {
+                self.note(&path(quantity), At::Value, error.to_string(), "a quantity that the body has there", None);
+            }
+        }
+    }
+}
+
+/// `displacement_x at (0.5, 1)`.
+fn describe(field: &str, place: &Place, dim: usize) -> String {
+    let over = |take: Take, name: &str| {
+        let take = match take {
+            Take::Mean => "mean",
+            Take::Max => "largest",
+            Take::Min => "smallest",
+            Take::Integral => "integral of",
+        };
+        format!("{take} {field}, {name}")
+    };
+    match place {
+        Place::At(at) => format!("{field} at {}", point(&coordinates(at, dim))),
+        Place::On(name, take) | Place::Region(name, take) => over(*take, name),
+    }
+}
+
+fn coordinates(at: &Point, dim: usize) -> Vec<f64> {
+    at.iter().take(dim).copied().collect()
+}
+
+/// `(0.5, 1)`.
+fn point(coordinates: &[f64]) -> String {
+    format!("({})", coordinates.iter().map(ToString::to_string).collect::<Vec<_>>().join(", "))
+}

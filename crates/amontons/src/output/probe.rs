@@ -1,0 +1,381 @@
+//! Probes: numbers read off a run after every step, at a point, over a side or over a region.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::cells::Tables;
+use super::quantity::{Base, Part, Quantity};
+use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
+use super::{PointValues, Snapshot};
+use crate::convergence::Locator;
+use crate::element::{Element, Table};
+use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
+use crate::problem::Problem;
+use crate::quadrature::{Rule, rule};
+use crate::scheme::ContactReport;
+use crate::tensor::Point;
+
+/// A number, or the components of a vector or tensor, read off a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// Its name, the beginning of the names of its columns.
+    pub name: String,
+    /// What is read.
+    pub quantity: Quantity,
+    /// Where.
+    pub place: Place,
+}
+
+/// Where a probe reads.
+///
+/// Stresses, strains and heat fluxes at points and on sides are the recovered ones ([`super::nodal_stress`]), interpolated from
+/// the nodes of the cell, so that they do not reach over the boundary of a region. Means and integrals over a region are those of
+/// the values in the cells themselves.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Place {
+    /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.
+    At(Point),
+    /// Over a facet set.
+    On(String, Take),
+    /// Over a region of the mesh.
+    Region(String, Take),
+}
+
+/// What is taken of the values over a side or region, component by component.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Take {
+    /// Integral over measure.
+    Mean,
+    /// Largest value at a node.
+    Max,
+    /// Smallest value at a node.
+    Min,
+    /// Integral: over length or area of a side (per unit of thickness in two dimensions), 2πr included in a body of revolution.
+    Integral,
+}
+
+/// Why a probe cannot be read.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ProbeError {
+    /// The point is not in the body.
+    #[error("a point outside the body, which reaches from {low:?} to {high:?}")]
+    Outside {
+        /// Least coordinates of the body.
+        low: Vec<f64>,
+        /// Largest coordinates of the body.
+        high: Vec<f64>,
+    },
+    /// There is no such facet set.
+    #[error("no such side; there are {}", .0.join(", "))]
+    Side(Vec<String>),
+    /// There is no such region.
+    #[error("no such region; there are {}", .0.join(", "))]
+    Region(Vec<String>),
+    /// The body has no such component.
+    #[error("{name} in {dim} {}", if *.dim == 1 { "dimension" } else { "dimensions" })]
+    Component {
+        /// Name of the quantity.
+        name: String,
+        /// Dimension of the body.
+        dim: usize,
+    },
+    /// A quantity that needs a normal, elsewhere than on a side.
+    #[error("{0} elsewhere than on a side")]
+    Normal(String),
+    /// A contact pressure elsewhere than on the side that bears contact.
+    #[error("pressure elsewhere than on the side that bears contact")]
+    Pressure,
+    /// A hoop stress of a body that is not one of revolution.
+    #[error("hoop in a body that is not axisymmetric")]
+    Hoop,
+}
+
+/// Probes of a problem, prepared: weights of nodes and of sampling points.
+#[derive(Debug)]
+pub struct ProbeSet {
+    dim: usize,
+    names: Vec<String>,
+    probes: Vec<Prepared>,
+    tables: Tables,
+    samples: Vec<Sample>,
+}
+
+#[derive(Debug)]
+struct Prepared {
+    quantity: Quantity,
+    take: Option<Take>,
+    spots: Vec<Spot>,
+}
+
+/// A point where a quantity is evaluated.
+#[derive(Debug, Default)]
+struct Spot {
+    weight: f64,
+    normal: Point,
+    /// Nodes with the values of their shape functions.
+    nodes: Vec<(u32, f64)>,
+    /// Sampling points with their weights, by number once all probes are known.
+    samples: Stencil,
+    numbers: Vec<(usize, f64)>,
+}
+
+impl ProbeSet {
+    /// Prepares probes for a problem.
+    ///
+    /// # Errors
+    /// The number of the first probe that cannot be read, and why.
+    pub fn new(problem: &Problem, probes: &[Probe]) -> Result<ProbeSet, (usize, ProbeError)> {
+        let mesh = &problem.mesh;
+        let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
+        for (i, probe) in probes.iter().enumerate() {
+            let spots = builder.spots(probe).map_err(|error| (i, error))?;
+            let take = match &probe.place {
+                Place::At(_) => None,
+                Place::On(_, take) | Place::Region(_, take) => Some(*take),
+            };
+            prepared.push(Prepared { quantity: probe.quantity, take, spots });
+            names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
+        }
+        let samples: BTreeSet<Sample> = prepared.iter().flat_map(|p| &p.spots).flat_map(|spot| &spot.samples).map(|(sample, _)| *sample).collect();
+        let samples: Vec<Sample> = samples.into_iter().collect();
+        for spot in prepared.iter_mut().flat_map(|p| &mut p.spots) {
+            let numbered = spot.samples.drain(..).filter_map(|(sample, weight)| Some((samples.binary_search(&sample).ok()?, weight)));
+            spot.numbers = numbered.collect();
+        }
+        Ok(ProbeSet { dim: mesh.dim, names, probes: prepared, tables: Tables::new(problem, points), samples })
+    }
+
+    /// Whether a probe can be read in a problem.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn check(problem: &Problem, probe: &Probe) -> Result<(), ProbeError> {
+        Builder::new(problem).check(probe).map(|_| ())
+    }
+
+    /// Names of the columns, those of one probe together.
+    #[must_use]
+    pub fn columns(&self) -> &[String] {
+        &self.names
+    }
+
+    /// The values at a time, one a column. A contact pressure is not a number at t = 0, where it is not known.
+    #[must_use]
+    pub fn values(&self, now: &Snapshot) -> Vec<f64> {
+        let points = evaluate(now.problem, now.state, &self.tables, &self.samples);
+        self.probes.iter().flat_map(|probe| probe.values(self.dim, now, &points)).collect()
+    }
+}
+
+impl Prepared {
+    fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
+        if self.quantity.base == Base::Pressure {
+            let contact = now.report.map(|report| &report.contact);
+            return vec![contact.map_or(f64::NAN, |contact| reduce(self.take, pressures(now, contact)))];
+        }
+        let mut all: Vec<(f64, Vec<f64>)> = Vec::with_capacity(self.spots.len());
+        for spot in &self.spots {
+            let (mut nodal, mut point, mut values) = ([0.0; 3], PointValues::default(), Vec::new());
+            for &(node, weight) in &spot.nodes {
+                let at_node = self.quantity.at_node(now.state, dim, node as usize);
+                nodal.iter_mut().zip(at_node).for_each(|(sum, v)| *sum += weight * v);
+            }
+            for &(number, weight) in &spot.numbers {
+                if let Some(values) = points.get(number) {
+                    point.add(weight, values);
+                }
+            }
+            self.quantity.values(dim, &nodal, &point, &spot.normal, &mut values);
+            all.push((spot.weight, values));
+        }
+        let count = all.first().map_or(0, |(_, values)| values.len());
+        (0..count).map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c])))).collect()
+    }
+}
+
+/// Pressures at the contact points with their weights.
+fn pressures<'a>(now: &'a Snapshot, contact: &'a ContactReport) -> impl Iterator<Item = (f64, f64)> + 'a {
+    now.discretization.boundary.points.iter().zip(&contact.states).map(|(point, state)| (point.weight, state.pressure))
+}
+
+/// Mean, extreme or integral of values with their weights; of a single point its value.
+fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let sums = |values: &mut dyn Iterator<Item = (f64, f64)>| values.fold((0.0, 0.0), |(w, s), (weight, value)| (w + weight, s + weight * value));
+    let (mut values, extreme) = (values, |fold: fn(f64, f64) -> f64, values: &mut dyn Iterator<Item = (f64, f64)>| {
+        values.map(|(_, value)| value).reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { fold(a, b) }).unwrap_or(f64::NAN)
+    });
+    match take {
+        None | Some(Take::Integral) => sums(&mut values).1,
+        Some(Take::Mean) => {
+            let (measure, sum) = sums(&mut values);
+            sum / measure
+        }
+        Some(Take::Max) => extreme(f64::max, &mut values),
+        Some(Take::Min) => extreme(f64::min, &mut values),
+    }
+}
+
+/// The points of a cell: those of the recovery first, then those of a rule for integrals of what is linear in the gradients.
+fn points(element: &Element) -> Rule {
+    let (mut all, integral) = (sampling(element), rule(element.shape, integral_degree(element)));
+    all.points.extend(integral.points);
+    all.weights.extend(integral.weights);
+    all
+}
+
+/// Degree of the rules of integrals: that of the fields, times the Jacobian of a curved element or 2πr.
+fn integral_degree(element: &Element) -> usize {
+    2 * element.degree
+}
+
+/// Where a probe reads in a mesh.
+enum Found<'a> {
+    /// The contact points.
+    Contact,
+    Point {
+        block: usize,
+        cell: usize,
+        x: Point,
+    },
+    Side(&'a FacetSet, Take),
+    Region(usize, Take),
+}
+
+/// Prepares probes, each patch of the recovery once.
+struct Builder<'a> {
+    problem: &'a Problem,
+    mesh: &'a Mesh,
+    locator: Option<Locator<'a>>,
+    recovery: Option<Recovery<'a>>,
+    stencils: BTreeMap<(usize, u32), Stencil>,
+}
+
+impl<'a> Builder<'a> {
+    fn new(problem: &'a Problem) -> Builder<'a> {
+        Builder { problem, mesh: &problem.mesh, locator: None, recovery: None, stencils: BTreeMap::new() }
+    }
+
+    fn spots(&mut self, probe: &Probe) -> Result<Vec<Spot>, ProbeError> {
+        let quantity = probe.quantity;
+        Ok(match self.check(probe)? {
+            Found::Contact => Vec::new(),
+            Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
+            Found::Side(set, take) => self.on(quantity, set, take),
+            Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
+            Found::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
+        })
+    }
+
+    /// Whether the body has the quantity there, and the place in the mesh.
+    fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
+        let (mesh, quantity) = (self.mesh, probe.quantity);
+        let on_side = matches!(probe.place, Place::On(..));
+        match (quantity.base, quantity.part) {
+            (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
+            (Base::Pressure, _) if !on_side => return Err(ProbeError::Pressure),
+            (_, Part::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
+            (_, Part::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
+                return Err(ProbeError::Component { name: quantity.name(), dim: mesh.dim });
+            }
+            _ => {}
+        }
+        match &probe.place {
+            Place::At(point) => self.find(point),
+            Place::On(side, take) => {
+                let set = mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
+                let bears_contact = self.problem.contact.as_ref().is_some_and(|contact| contact.on == *side);
+                match quantity.base {
+                    Base::Pressure if bears_contact => Ok(Found::Contact),
+                    Base::Pressure => Err(ProbeError::Pressure),
+                    _ => Ok(Found::Side(set, *take)),
+                }
+            }
+            Place::Region(name, take) => {
+                let region = mesh.regions.iter().position(|known| known == name).ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?;
+                Ok(Found::Region(region, *take))
+            }
+        }
+    }
+
+    fn find(&mut self, point: &Point) -> Result<Found<'a>, ProbeError> {
+        let mesh = self.mesh;
+        let found = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point);
+        let reach = |fold: fn(f64, f64) -> f64| (0..mesh.dim).filter_map(|d| mesh.points.iter().map(|p| p[d]).reduce(fold)).collect();
+        let outside = || ProbeError::Outside { low: reach(f64::min), high: reach(f64::max) };
+        found.map(|(block, cell, x)| Found::Point { block, cell, x }).ok_or_else(outside)
+    }
+
+    /// The recovered value at a node of a region.
+    fn stencil(&mut self, region: usize, node: u32) -> &Stencil {
+        let recovery = self.recovery.get_or_insert_with(|| Recovery::new(self.mesh));
+        self.stencils.entry((region, node)).or_insert_with(|| recovery.stencil(region, node))
+    }
+
+    /// A spot at which nodes have these values of their shape functions, in a region.
+    fn spot(&mut self, quantity: Quantity, region: usize, nodes: &[u32], values: &[f64]) -> Spot {
+        let mut spot = Spot { weight: 1.0, ..Spot::default() };
+        for (&node, &value) in nodes.iter().zip(values) {
+            if quantity.is_nodal() {
+                spot.nodes.push((node, value));
+            } else {
+                spot.samples.extend(self.stencil(region, node).iter().map(|(sample, weight)| (*sample, value * weight)));
+            }
+        }
+        spot
+    }
+
+    /// The point of a cell with these reference coordinates.
+    fn at(&mut self, quantity: Quantity, block: usize, cell: usize, x: &Point) -> Spot {
+        let block = &self.mesh.blocks[block];
+        let n = block.element.nodes.len();
+        let mut values = vec![0.0; n];
+        (block.element.shape_functions)(x, &mut values);
+        self.spot(quantity, block.region, &block.nodes[cell * n..(cell + 1) * n], &values)
+    }
+
+    /// Points of the facets of a side: their nodes, or those of a rule.
+    fn on(&mut self, quantity: Quantity, set: &FacetSet, take: Take) -> Vec<Spot> {
+        let (mesh, cells) = (self.mesh, self.mesh.cells_of(set));
+        let table = |element: &'static Element| match take {
+            Take::Max | Take::Min => Table::at(element, element.nodes),
+            Take::Mean | Take::Integral => Table::new(element, integral_degree(element) + usize::from(mesh.axisymmetric)),
+        };
+        let tables: Vec<Table> = set.blocks.iter().map(|block| table(block.element)).collect();
+        let (mut spots, mut cells) = (Vec::new(), cells.into_iter());
+        for (block, table) in set.blocks.iter().zip(&tables) {
+            let mut map = FacetMap::new(mesh, table);
+            for (nodes, cell) in block.nodes.chunks_exact(block.element.nodes.len()).zip(&mut cells) {
+                let region = cell.map_or(0, |(block, _)| mesh.blocks[block].region);
+                for q in 0..table.len() {
+                    map.at(nodes, q);
+                    let spot = self.spot(quantity, region, nodes, map.values());
+                    spots.push(Spot { weight: table.weights[q] * map.area, normal: map.normal, ..spot });
+                }
+            }
+        }
+        spots
+    }
+
+    /// The nodes of a region.
+    fn at_nodes(&mut self, quantity: Quantity, region: usize) -> Vec<Spot> {
+        let nodes = self.recovery.get_or_insert_with(|| Recovery::new(self.mesh)).nodes.get(region).cloned().unwrap_or_default();
+        nodes.into_iter().map(|node| self.spot(quantity, region, &[node], &[1.0])).collect()
+    }
+
+    /// Points of a rule in the cells of a region.
+    fn within(&self, quantity: Quantity, region: usize) -> Vec<Spot> {
+        let (mut spots, nodal) = (Vec::new(), quantity.is_nodal());
+        for (b, block) in self.mesh.blocks.iter().enumerate().filter(|(_, block)| block.region == region) {
+            let (table, first) = (Table::of_rule(block.element, points(block.element)), sampling(block.element).points.len());
+            let mut map = CellMap::new(self.mesh, &table);
+            for (c, nodes) in block.cells().enumerate() {
+                for q in first..table.len() {
+                    map.at(nodes, q);
+                    let at_nodes = nodes.iter().copied().zip(map.values().iter().copied()).filter(|_| nodal).collect();
+                    let samples = if nodal { Vec::new() } else { vec![((b as u32, c as u32, q as u32), 1.0)] };
+                    spots.push(Spot { weight: table.weights[q] * map.measure, nodes: at_nodes, samples, ..Spot::default() });
+                }
+            }
+        }
+        spots
+    }
+}

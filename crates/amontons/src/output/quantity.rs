@@ -1,0 +1,205 @@
+//! Quantities that probes read, by their names in case files and tables.
+
+use super::PointValues;
+use crate::material::VTK_COMPONENTS;
+use crate::scheme::State;
+use crate::tensor::{Point, Sym, dot, length};
+
+/// What a quantity is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Base {
+    /// u in m.
+    Displacement,
+    /// w = u̇ in m/s.
+    Velocity,
+    /// θ in K.
+    Temperature,
+    /// σ of (2.1) in Pa.
+    Stress,
+    /// ε(u).
+    Strain,
+    /// Von Mises stress in Pa.
+    VonMises,
+    /// tr(σ)/3 in Pa.
+    MeanStress,
+    /// Principal stresses in Pa, the largest first.
+    Principal,
+    /// Hoop stress of a body of revolution in Pa.
+    Hoop,
+    /// q = −𝓚∇θ in W/m².
+    HeatFlux,
+    /// p_ν in Pa at the contact points.
+    Pressure,
+}
+
+/// What is taken of a vector or tensor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// All components.
+    All,
+    /// One component: of a vector x, y, z, of a tensor xx, yy, zz, xy, yz, zx, of principal values the first, second, third.
+    Component(usize),
+    /// The length of a vector.
+    Magnitude,
+    /// The component along the outward normal ν of a side: v·ν of a vector, σν·ν of a tensor.
+    Normal,
+}
+
+/// A quantity by its name, such as `displacement_x`, `von_mises`, `stress`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Quantity {
+    /// What it is of.
+    pub base: Base,
+    /// What is taken of it.
+    pub part: Part,
+}
+
+const VECTOR: &[(&str, Part)] = &[
+    ("", Part::All),
+    ("_x", Part::Component(0)),
+    ("_y", Part::Component(1)),
+    ("_z", Part::Component(2)),
+    ("_magnitude", Part::Magnitude),
+    ("_normal", Part::Normal),
+];
+const TENSOR: &[(&str, Part)] = &[
+    ("", Part::All),
+    ("_xx", Part::Component(0)),
+    ("_yy", Part::Component(1)),
+    ("_zz", Part::Component(2)),
+    ("_xy", Part::Component(3)),
+    ("_yz", Part::Component(4)),
+    ("_zx", Part::Component(5)),
+    ("_normal", Part::Normal),
+];
+const PRINCIPAL: &[(&str, Part)] = &[("", Part::All), ("_1", Part::Component(0)), ("_2", Part::Component(1)), ("_3", Part::Component(2))];
+const NUMBER: &[(&str, Part)] = &[("", Part::All)];
+
+/// Names with their endings.
+const BASES: [(&str, Base, &[(&str, Part)]); 11] = [
+    ("displacement", Base::Displacement, VECTOR),
+    ("velocity", Base::Velocity, VECTOR),
+    ("temperature", Base::Temperature, NUMBER),
+    ("stress", Base::Stress, TENSOR),
+    ("strain", Base::Strain, TENSOR),
+    ("von_mises", Base::VonMises, NUMBER),
+    ("mean_stress", Base::MeanStress, NUMBER),
+    ("principal", Base::Principal, PRINCIPAL),
+    ("hoop", Base::Hoop, NUMBER),
+    ("heat_flux", Base::HeatFlux, VECTOR),
+    ("pressure", Base::Pressure, NUMBER),
+];
+
+impl Quantity {
+    /// Every quantity with its name.
+    pub fn all() -> impl Iterator<Item = (String, Quantity)> {
+        BASES.iter().flat_map(|&(name, base, parts)| parts.iter().map(move |&(ending, part)| (format!("{name}{ending}"), Quantity { base, part })))
+    }
+
+    /// The quantity of a name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Quantity> {
+        Quantity::all().find(|(known, _)| known == name).map(|(_, quantity)| quantity)
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn name(self) -> String {
+        Quantity::all().find(|(_, known)| *known == self).map(|(name, _)| name).unwrap_or_default()
+    }
+
+    /// Endings of the names of its columns in `dim` dimensions: one, empty, for a number.
+    #[must_use]
+    pub fn columns(self, dim: usize) -> Vec<&'static str> {
+        if self.part != Part::All {
+            return vec![""];
+        }
+        let parts = BASES.iter().find(|(_, base, _)| *base == self.base).map_or(NUMBER, |(.., parts)| parts);
+        let most = if matches!(self.base, Base::Displacement | Base::Velocity | Base::HeatFlux) { dim } else { usize::MAX };
+        let components = parts.iter().filter(|(_, part)| matches!(part, Part::Component(c) if *c < most)).map(|(ending, _)| *ending);
+        if parts.len() == 1 { vec![""] } else { components.collect() }
+    }
+
+    /// Whether it is a field at the nodes: values elsewhere are interpolated.
+    pub(super) fn is_nodal(self) -> bool {
+        matches!(self.base, Base::Displacement | Base::Velocity | Base::Temperature)
+    }
+
+    /// Whether it is a vector of the body, which has as many components as the body has dimensions.
+    pub(super) fn is_vector(self) -> bool {
+        matches!(self.base, Base::Displacement | Base::Velocity | Base::HeatFlux)
+    }
+
+    /// Its value at a place where fields at the nodes have these values, and where the body has these point values; ν is the
+    /// outward normal there.
+    pub(super) fn values(self, dim: usize, nodal: &Point, point: &PointValues, normal: &Point, out: &mut Vec<f64>) {
+        match self.base {
+            Base::Displacement | Base::Velocity => self.of_vector(dim, nodal, normal, out),
+            Base::Temperature => out.push(nodal[0]),
+            Base::HeatFlux => self.of_vector(dim, &point.heat_flux, normal, out),
+            Base::Stress => self.of_tensor(&point.stress, normal, out),
+            Base::Strain => self.of_tensor(&point.strain, normal, out),
+            Base::VonMises => out.push(point.stress.von_mises()),
+            Base::MeanStress => out.push(point.stress.trace() / 3.0),
+            Base::Hoop => out.push(point.stress.get(2, 2)),
+            Base::Principal => {
+                let axes = point.stress.principal_axes();
+                match self.part {
+                    Part::Component(c) => out.extend(axes.get(c).map(|(value, _)| *value)),
+                    _ => out.extend(axes.map(|(value, _)| value)),
+                }
+            }
+            // It is known at contact points only.
+            Base::Pressure => out.push(f64::NAN),
+        }
+    }
+
+    fn of_vector(self, dim: usize, v: &Point, normal: &Point, out: &mut Vec<f64>) {
+        match self.part {
+            Part::All => out.extend(v.iter().take(dim)),
+            Part::Component(c) => out.extend(v.get(c)),
+            Part::Magnitude => out.push(length(v)),
+            Part::Normal => out.push(dot(v, normal)),
+        }
+    }
+
+    fn of_tensor(self, tensor: &Sym, normal: &Point, out: &mut Vec<f64>) {
+        match self.part {
+            Part::Component(c) => out.extend(VTK_COMPONENTS.get(c).map(|&(i, j)| tensor.get(i, j))),
+            Part::Normal => out.push(dot(&tensor.apply(normal), normal)),
+            Part::All | Part::Magnitude => out.extend(VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))),
+        }
+    }
+
+    /// The field at the nodes that it is of, at a node: two or three components, or one.
+    pub(super) fn at_node(self, state: &State, dim: usize, node: usize) -> Point {
+        let vector = |all: &[f64]| std::array::from_fn(|c| if c < dim { all[node * dim + c] } else { 0.0 });
+        match self.base {
+            Base::Displacement => vector(&state.u),
+            Base::Velocity => vector(&state.w),
+            Base::Temperature => [state.theta[node], 0.0, 0.0],
+            _ => [0.0; 3],
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_back() {
+        let all: Vec<(String, Quantity)> = Quantity::all().collect();
+        for (name, quantity) in &all {
+            assert_eq!((Quantity::parse(name), &quantity.name()), (Some(*quantity), name));
+            assert_eq!(all.iter().filter(|(other, _)| other == name).count(), 1);
+        }
+        assert_eq!(Quantity::parse("displacement_xx"), None);
+        let columns = |name: &str, dim| Quantity::parse(name).map(|q| q.columns(dim));
+        assert_eq!(columns("velocity", 2), Some(vec!["_x", "_y"]));
+        assert_eq!(columns("stress", 2), Some(vec!["_xx", "_yy", "_zz", "_xy", "_yz", "_zx"]));
+        assert_eq!(columns("principal", 1), Some(vec!["_1", "_2", "_3"]));
+        assert_eq!(columns("von_mises", 3), Some(vec![""]));
+        assert_eq!(columns("velocity_y", 3), Some(vec![""]));
+    }
+}

@@ -1,0 +1,326 @@
+//! Stresses at nodes, recovered from the points of the cells where they are most accurate.
+//!
+//! Superconvergent patch recovery (Zienkiewicz and Zhu 1992, *Int. J. Numer. Methods Eng.* 33, 1331–1364). Around every
+//! vertex inside a region the values of the cells at their sampling points (the centre for linear elements, the Gauss points
+//! of the next lower order for quadratic ones) are fitted by a polynomial of the degree of the element, in the sense of least
+//! squares. The vertex takes the value of its patch. A node on the boundary of the region, or in the middle of an edge, face or
+//! cell, takes the mean of the patches around the inner vertices next to it. For smooth solutions on regular meshes the values
+//! at the nodes converge one order faster than those of the cells.
+//!
+//! A patch never reaches over the boundary of a region: where two materials meet, stresses jump, and a node there has a value
+//! for each region. In a region without inner vertices, such as a layer of one cell, a patch around the node itself is fitted
+//! as far as its points determine a polynomial.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use rayon::prelude::*;
+
+use super::cells::{Evaluator, PointValues, Tables};
+use crate::element::Element;
+use crate::mesh::Mesh;
+use crate::problem::Problem;
+use crate::quadrature::{Rule, Shape, rule};
+use crate::scheme::State;
+use crate::tensor::{Point, Sym};
+
+/// A sampling point: block, cell of the block, point of the cell.
+pub(super) type Sample = (u32, u32, u32);
+
+/// A value at a node as a sum over sampling points, in ascending order.
+pub(super) type Stencil = Vec<(Sample, f64)>;
+
+/// Most often that a patch without inner vertices grows by its neighbours.
+const GROWTH: usize = 2;
+/// A column is dependent on those before it if less than this share of it is not theirs.
+const DEPENDENT: f64 = 1e-7;
+
+/// Values at the nodes of each region.
+#[derive(Clone, Debug, Default)]
+pub struct NodalStress {
+    /// By region of the mesh: its nodes, ascending, each with its stress.
+    pub regions: Vec<Vec<(u32, Sym)>>,
+}
+
+impl NodalStress {
+    /// The stress at a node of a region; none at other nodes.
+    #[must_use]
+    pub fn get(&self, region: usize, node: u32) -> Option<Sym> {
+        let nodes = self.regions.get(region)?;
+        nodes.binary_search_by_key(&node, |(node, _)| *node).ok().and_then(|place| nodes.get(place)).map(|(_, stress)| *stress)
+    }
+
+    /// The stress at every node of a mesh with so many nodes, the mean of its regions where several meet.
+    #[must_use]
+    pub fn means(&self, nodes: usize) -> Vec<Sym> {
+        let mut sums = vec![(Sym::ZERO, 0.0); nodes];
+        for &(node, stress) in self.regions.iter().flatten() {
+            if let Some((sum, count)) = sums.get_mut(node as usize) {
+                *sum += stress;
+                *count += 1.0;
+            }
+        }
+        sums.into_iter().map(|(sum, count)| if count > 0.0 { (1.0 / count) * sum } else { sum }).collect()
+    }
+}
+
+/// The recovered stress of a state at the nodes of each region, as the head of this file says.
+#[must_use]
+pub fn nodal_stress(problem: &Problem, state: &State) -> NodalStress {
+    let recovery = Recovery::new(&problem.mesh);
+    let tables = Tables::new(problem, sampling);
+    let mut values: Vec<Vec<Sym>> = Vec::new();
+    for (b, block) in problem.mesh.blocks.iter().enumerate() {
+        let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
+        values.push(block.cells().flat_map(|cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>()).collect());
+    }
+    let value = |&((block, cell, q), weight): &(Sample, f64)| {
+        let block = block as usize;
+        weight * values[block][cell as usize * tables.points[block].len() + q as usize]
+    };
+    let at = |region: usize, node: u32| (node, recovery.stencil(region, node).iter().map(value).fold(Sym::ZERO, |sum, term| sum + term));
+    let regions = recovery.nodes.iter().enumerate().map(|(region, nodes)| nodes.par_iter().map(|&node| at(region, node)).collect());
+    NodalStress { regions: regions.collect() }
+}
+
+/// Values of a state at some sampling points, ascending, of tables that begin with the points of [`sampling`].
+pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, samples: &[Sample]) -> Vec<PointValues> {
+    let mut values = Vec::with_capacity(samples.len());
+    for part in samples.chunk_by(|a, b| a.0 == b.0) {
+        let Some(block) = part.first().map(|s| s.0 as usize).filter(|&b| b < problem.mesh.blocks.len()) else { continue };
+        let (mut evaluator, n) = (Evaluator::new(problem, state, tables, block), problem.mesh.blocks[block].element.nodes.len());
+        let nodes = &problem.mesh.blocks[block].nodes;
+        values.extend(part.iter().map(|&(_, cell, q)| evaluator.at(&nodes[cell as usize * n..(cell as usize + 1) * n], q as usize)));
+    }
+    values
+}
+
+/// The points of a cell at which its stress is most accurate.
+pub(super) fn sampling(element: &Element) -> Rule {
+    // Three points that are symmetric, as those of the collapsed square are not.
+    const TRIANGLE: [[f64; 2]; 3] = [[1.0 / 6.0, 1.0 / 6.0], [2.0 / 3.0, 1.0 / 6.0], [1.0 / 6.0, 2.0 / 3.0]];
+    let quadratic = element.degree > 1;
+    let points: Vec<Point> = match element.shape {
+        _ if !quadratic => vec![element.centre()],
+        Shape::Triangle => TRIANGLE.iter().map(|&[x, y]| [x, y, 0.0]).collect(),
+        Shape::Prism => rule(Shape::Segment, 3).points.iter().flat_map(|z| TRIANGLE.iter().map(|&[x, y]| [x, y, z[0]])).collect(),
+        Shape::Tetrahedron => rule(Shape::Tetrahedron, 2).points,
+        shape => rule(shape, 3).points,
+    };
+    Rule { weights: vec![1.0; points.len()], points }
+}
+
+/// The patches of a mesh.
+pub(super) struct Recovery<'m> {
+    mesh: &'m Mesh,
+    /// Cells at each node, as block and cell, ascending; those of node n end at `ends[n]`.
+    cells: Vec<(u32, u32)>,
+    ends: Vec<usize>,
+    /// Nodes of each region, ascending.
+    pub nodes: Vec<Vec<u32>>,
+    /// Nodes on the boundary of each region, ascending.
+    boundary: Vec<Vec<u32>>,
+    /// Sampling points of the blocks.
+    points: Vec<Rule>,
+}
+
+impl<'m> Recovery<'m> {
+    /// Sorts the cells by their nodes.
+    pub fn new(mesh: &'m Mesh) -> Recovery<'m> {
+        let regions = mesh.blocks.iter().map(|block| block.region + 1).max().unwrap_or(0);
+        let (mut ends, mut nodes) = (vec![0; mesh.points.len() + 1], vec![Vec::new(); regions]);
+        for block in &mesh.blocks {
+            nodes[block.region].extend_from_slice(&block.nodes);
+            for &node in &block.nodes {
+                ends[node as usize] += 1;
+            }
+        }
+        for list in &mut nodes {
+            list.sort_unstable();
+            list.dedup();
+        }
+        // The start of each list; filling moves it to the end.
+        let mut start = 0;
+        for end in &mut ends {
+            (*end, start) = (start, start + *end);
+        }
+        let mut cells = vec![(0, 0); start];
+        for (b, block) in mesh.blocks.iter().enumerate() {
+            for (c, cell) in block.cells().enumerate() {
+                for &node in cell {
+                    cells[ends[node as usize]] = (b as u32, c as u32);
+                    ends[node as usize] += 1;
+                }
+            }
+        }
+        let points = mesh.blocks.iter().map(|block| sampling(block.element)).collect();
+        Recovery { mesh, cells, ends, nodes, boundary: mesh.region_boundaries(), points }
+    }
+
+    fn element(&self, block: u32) -> &'static Element {
+        self.mesh.blocks[block as usize].element
+    }
+
+    fn nodes_of(&self, (block, cell): (u32, u32)) -> &'m [u32] {
+        let block = &self.mesh.blocks[block as usize];
+        let n = block.element.nodes.len();
+        &block.nodes[cell as usize * n..(cell as usize + 1) * n]
+    }
+
+    fn vertices_of(&self, cell: (u32, u32)) -> &'m [u32] {
+        &self.nodes_of(cell)[..self.element(cell.0).shape.vertices()]
+    }
+
+    /// Cells of a region at a node.
+    fn around(&self, region: usize, node: u32) -> impl Iterator<Item = (u32, u32)> {
+        let node = node as usize;
+        let start = if node == 0 { 0 } else { self.ends[node - 1] };
+        self.cells[start..self.ends[node]].iter().copied().filter(move |&(block, _)| self.mesh.blocks[block as usize].region == region)
+    }
+
+    fn is_inner(&self, region: usize, node: u32) -> bool {
+        self.boundary.get(region).is_some_and(|nodes| nodes.binary_search(&node).is_err())
+    }
+
+    /// The vertices whose patches give the value of a node.
+    fn centres(&self, region: usize, node: u32) -> Vec<u32> {
+        let cells: Vec<(u32, u32)> = self.around(region, node).collect();
+        if self.is_inner(region, node) && cells.first().is_some_and(|&cell| self.vertices_of(cell).contains(&node)) {
+            return vec![node];
+        }
+        let inner = |set: &BTreeSet<u32>| set.iter().copied().filter(|&v| self.is_inner(region, v)).collect::<Vec<u32>>();
+        let all: BTreeSet<u32> = cells.iter().flat_map(|&cell| self.vertices_of(cell)).copied().collect();
+        // The ends of the edge, or the vertices of the face or of the cell, that the node is the middle of.
+        let common: BTreeSet<u32> = all.iter().copied().filter(|v| cells.iter().all(|&cell| self.vertices_of(cell).contains(v))).collect();
+        let next = || all.iter().flat_map(|&v| self.around(region, v)).flat_map(|cell| self.vertices_of(cell)).copied().collect();
+        [inner(&common), inner(&all)].into_iter().find(|centres| !centres.is_empty()).unwrap_or_else(|| inner(&next()))
+    }
+
+    /// The value at a node of a region.
+    pub fn stencil(&self, region: usize, node: u32) -> Stencil {
+        let (x, centres) = (&self.mesh.points[node as usize], self.centres(region, node));
+        let mut sum: BTreeMap<Sample, f64> = BTreeMap::new();
+        let mut add = |fit: &Fit, share: f64| {
+            for (sample, weight) in fit.samples.iter().zip(fit.weights(x)) {
+                *sum.entry(*sample).or_default() += share * weight;
+            }
+        };
+        for &centre in &centres {
+            add(&self.fit(&self.around(region, centre).collect(), centre).0, 1.0 / centres.len() as f64);
+        }
+        if centres.is_empty() {
+            let mut cells: BTreeSet<(u32, u32)> = self.around(region, node).collect();
+            let mut fit = self.fit(&cells, node);
+            for _ in 0..GROWTH {
+                if fit.1 {
+                    break;
+                }
+                cells = cells.iter().flat_map(|&cell| self.nodes_of(cell)).flat_map(|&n| self.around(region, n)).collect();
+                fit = self.fit(&cells, node);
+            }
+            add(&fit.0, 1.0);
+        }
+        sum.into_iter().collect()
+    }
+
+    /// The fit over some cells about a node, and whether their points determine it.
+    fn fit(&self, cells: &BTreeSet<(u32, u32)>, about: u32) -> (Fit, bool) {
+        let (mut samples, mut points) = (Vec::new(), Vec::new());
+        let mut values = Vec::new();
+        for &cell in cells {
+            let (element, nodes) = (self.element(cell.0), self.nodes_of(cell));
+            values.resize(nodes.len(), 0.0);
+            for (q, at) in self.points[cell.0 as usize].points.iter().enumerate() {
+                (element.shape_functions)(at, &mut values);
+                let mut x = [0.0; 3];
+                for (&node, value) in nodes.iter().zip(&values) {
+                    for (x, p) in x.iter_mut().zip(&self.mesh.points[node as usize]) {
+                        *x += value * p;
+                    }
+                }
+                samples.push((cell.0, cell.1, q as u32));
+                points.push(x);
+            }
+        }
+        let degree = cells.iter().map(|cell| self.element(cell.0).degree).min().unwrap_or(1);
+        Fit::new(self.mesh.dim, degree, &self.mesh.points[about as usize], samples, &points)
+    }
+}
+
+/// A polynomial fitted to values at points: the columns of its matrix, made orthonormal one after the other.
+struct Fit {
+    samples: Vec<Sample>,
+    origin: Point,
+    /// Reciprocal lengths of the patch by direction: the matrix has no units.
+    scale: Point,
+    exponents: Vec<[i32; 3]>,
+    /// By column that does not depend on those before it: its number, itself, and its parts along the columns before and itself.
+    columns: Vec<(usize, Vec<f64>, Vec<f64>)>,
+}
+
+impl Fit {
+    /// A fit of all polynomials of a degree; columns that depend on those before them are left out, and the result says whether
+    /// there are none.
+    fn new(dim: usize, degree: usize, origin: &Point, samples: Vec<Sample>, points: &[Point]) -> (Fit, bool) {
+        let extent = |d: usize| points.iter().fold(0.0f64, |most, p| most.max((p[d] - origin[d]).abs()));
+        let scale = std::array::from_fn(|d| Some(extent(d)).filter(|e| *e > 0.0).map_or(1.0, f64::recip));
+        let mut fit = Fit { samples, origin: *origin, scale, exponents: exponents(dim, degree), columns: Vec::new() };
+        let rows: Vec<Vec<f64>> = points.iter().map(|x| fit.monomials(x)).collect();
+        for m in 0..fit.exponents.len() {
+            let mut column: Vec<f64> = rows.iter().map(|row| row[m]).collect();
+            let whole = norm(&column);
+            let mut parts = vec![0.0; fit.columns.len()];
+            // Twice is enough (Kahan, Parlett).
+            for _ in 0..2 {
+                for (part, (_, other, _)) in parts.iter_mut().zip(&fit.columns) {
+                    let along: f64 = column.iter().zip(other).map(|(a, b)| a * b).sum();
+                    *part += along;
+                    column.iter_mut().zip(other).for_each(|(a, b)| *a -= along * b);
+                }
+            }
+            let rest = norm(&column);
+            if rest > DEPENDENT * whole {
+                for a in &mut column {
+                    *a /= rest;
+                }
+                parts.push(rest);
+                fit.columns.push((m, column, parts));
+            }
+        }
+        let is_determined = fit.columns.len() == fit.exponents.len();
+        (fit, is_determined)
+    }
+
+    fn monomials(&self, x: &Point) -> Vec<f64> {
+        let y: Point = std::array::from_fn(|d| (x[d] - self.origin[d]) * self.scale[d]);
+        self.exponents.iter().map(|e| (0..3).map(|d| y[d].powi(e[d])).product()).collect()
+    }
+
+    /// Weights of the samples in the value of the polynomial at a point: with the columns QR they are Q R⁻ᵀ p(x).
+    fn weights(&self, x: &Point) -> Vec<f64> {
+        let p = self.monomials(x);
+        let mut solved: Vec<f64> = Vec::new();
+        let mut weights = vec![0.0; self.samples.len()];
+        for (m, column, parts) in &self.columns {
+            let known: f64 = parts.iter().zip(&solved).map(|(part, s)| part * s).sum();
+            let s = (p[*m] - known) / parts.last().copied().unwrap_or(1.0);
+            weights.iter_mut().zip(column).for_each(|(w, q)| *w += s * q);
+            solved.push(s);
+        }
+        weights
+    }
+}
+
+/// Exponents of the monomials up to a degree, the lower degrees first.
+fn exponents(dim: usize, degree: usize) -> Vec<[i32; 3]> {
+    let most = |d: usize| if d < dim { degree as i32 } else { 0 };
+    let mut all: Vec<[i32; 3]> = (0..=most(0))
+        .flat_map(|a| (0..=most(1)).flat_map(move |b| (0..=most(2)).map(move |c| [a, b, c])))
+        .filter(|e| e.iter().sum::<i32>() <= degree as i32)
+        .collect();
+    all.sort_by_key(|e| e.iter().sum::<i32>());
+    all
+}
+
+fn norm(v: &[f64]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}

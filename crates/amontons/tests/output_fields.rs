@@ -1,0 +1,583 @@
+//! What a run gives: stresses at nodes and their order, fields of the snapshots, probes.
+#![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+
+mod common;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use amontons::case::{self, Case, Source};
+use amontons::element::Table;
+use amontons::material::StressState;
+use amontons::mesh::{Block, CellMap};
+use amontons::output::{Checkpoint, Folder, FolderOptions, Memory, NodalStress, Probe, ProbeSet, Quantity, Sink, Take, cell_values, nodal_stress};
+use amontons::output::{OutputError, Place, RunStart, Snapshot, Summary};
+use amontons::run::{Settings, resume, run};
+use amontons::scheme::State;
+use amontons::tensor::{Point, Sym};
+use amontons::verify::verify;
+use common::told;
+
+const YOUNG: f64 = 2.0;
+const POISSON: f64 = 0.3;
+const EXPANSION: f64 = 0.5;
+const CONDUCTIVITY: f64 = 2.0;
+
+/// A body at rest in the displacement and temperature given, nothing else.
+fn text(mesh: &str, state: &str, displacement: &str, temperature: &str, more: &str) -> String {
+    format!(
+        "name = \"body\"\n[mesh]\n{mesh}\n[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 1.0\nheat_capacity = 1.0\nexpansion = {EXPANSION}\n\
+         coupling = 0\nconductivity = {CONDUCTIVITY}\nelasticity = {{ law = \"isotropic\", young = {YOUNG}, poisson = {POISSON}{state} }}\n\
+         viscosity = {{ law = \"lame\", first = 0.0, second = 0.0 }}\n[initial]\ndisplacement = {displacement}\ntemperature = {temperature}\n{more}"
+    )
+}
+
+const PLANE_STRAIN: &str = ", stress_state = \"plane-strain\"";
+const PLANE_STRESS: &str = ", stress_state = \"plane-stress\"";
+
+fn parse(text: &str) -> Case {
+    case::parse(&Source::new("body.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}"))
+}
+
+fn settings() -> Settings {
+    Settings { certificate: false, ..Settings::default() }
+}
+
+/// The state at t = 0.
+fn initial(case: &Case) -> State {
+    let mut memory = Memory::new().states_every(1);
+    run(&case.problem, &settings(), &mut [&mut memory]).unwrap();
+    memory.states.swap_remove(0)
+}
+
+/// A smooth displacement and temperature as the case file says them, in `dim` dimensions.
+fn smooth(dim: usize) -> (String, String) {
+    let phase = |all: [f64; 3]| all.iter().zip(["x", "y", "z"]).take(dim).map(|(c, x)| format!("({c}*{x})")).collect::<Vec<_>>().join("+");
+    let u = [format!("0.1*sin({})", phase([1.0, 2.0, -1.0])), format!("0.1*cos({})", phase([2.0, -1.0, 1.0])), format!("0.1*sin({})", phase([1.0, -1.0, 2.0]))];
+    (format!("[{}]", u[..dim].iter().map(|u| format!("\"{u}\"")).collect::<Vec<_>>().join(", ")), format!("\"cos({})\"", phase([1.0, -1.0, 1.0])))
+}
+
+/// Its stress by Hooke's law with thermal expansion.
+fn smooth_stress(dim: usize, plane: StressState, x: &Point) -> Sym {
+    let phase = |c: [f64; 3]| (0..dim).map(|d| c[d] * x[d]).sum::<f64>();
+    let (a, b, c) = ([1.0, 2.0, -1.0], [2.0, -1.0, 1.0], [1.0, -1.0, 2.0]);
+    let slopes = [(0.1 * phase(a).cos(), a), (-0.1 * phase(b).sin(), b), (0.1 * phase(c).cos(), c)];
+    let strain = Sym::from_fn(dim, |i, j| 0.5 * (slopes[i].0 * slopes[i].1[j] + slopes[j].0 * slopes[j].1[i]));
+    hooke(dim, plane, &strain, phase([1.0, -1.0, 1.0]).cos())
+}
+
+fn hooke(dim: usize, plane: StressState, strain: &Sym, theta: f64) -> Sym {
+    let shear = YOUNG / (2.0 * (1.0 + POISSON));
+    let lambda = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
+    if dim == 3 || plane == StressState::PlaneStrain {
+        return (lambda * strain.trace() - EXPANSION * theta) * Sym::identity(3) + 2.0 * shear * *strain;
+    }
+    let in_plane = if dim == 1 { 0.0 } else { YOUNG * POISSON / (1.0 - POISSON * POISSON) };
+    let factor = if dim == 1 { YOUNG } else { 2.0 * shear };
+    (in_plane * strain.trace() - EXPANSION * theta) * Sym::identity(dim) + factor * *strain
+}
+
+/// Errors in L² of the stresses of the cells and of the recovered ones, for the smooth fields, and the largest at a node.
+fn errors(mesh: &str, dim: usize, plane: StressState) -> [f64; 3] {
+    let (u, theta) = smooth(dim);
+    let state = match plane {
+        _ if dim == 3 => "",
+        StressState::PlaneStrain => PLANE_STRAIN,
+        StressState::PlaneStress => PLANE_STRESS,
+    };
+    let case = parse(&text(mesh, state, &u, &theta, ""));
+    let (state, mesh) = (initial(&case), &case.problem.mesh);
+    let (cells, nodal) = (cell_values(&case.problem, &state), nodal_stress(&case.problem, &state));
+    let (mut of_cells, mut of_nodes, mut cells) = (0.0, 0.0, cells.into_iter());
+    for block in &mesh.blocks {
+        let table = Table::new(block.element, 2 * block.element.degree + 2);
+        let mut map = CellMap::new(mesh, &table);
+        for (cell, values) in block.cells().zip(&mut cells) {
+            for q in 0..table.len() {
+                map.at(cell, q);
+                let exact = smooth_stress(dim, plane, &map.position);
+                let recovered = at_shape(&nodal, block, cell, map.values());
+                let weight = table.weights[q] * map.measure;
+                of_cells += weight * (values.stress - exact).norm().powi(2);
+                of_nodes += weight * (recovered - exact).norm().powi(2);
+            }
+        }
+    }
+    let at_nodes = nodal.regions[0].iter().map(|(node, s)| (*s - smooth_stress(dim, plane, &mesh.points[*node as usize])).norm());
+    [of_cells.sqrt(), of_nodes.sqrt(), at_nodes.fold(0.0, f64::max)]
+}
+
+fn at_shape(nodal: &NodalStress, block: &Block, cell: &[u32], shape: &[f64]) -> Sym {
+    cell.iter().zip(shape).fold(Sym::ZERO, |sum, (&node, value)| sum + *value * nodal.get(block.region, node).unwrap())
+}
+
+/// Zienkiewicz and Zhu (1992): one order more than the stress of the cells, up to the boundary.
+#[test]
+fn recovered_stresses_converge_one_order_faster() {
+    use StressState::{PlaneStrain, PlaneStress};
+    let cases: [(&str, usize, StressState, [usize; 2], f64); 9] = [
+        ("kind = \"interval\"\nsize = 1.0\nn = {n}\nelements = \"P1\"", 1, PlaneStress, [16, 32], 2.0),
+        ("kind = \"interval\"\nsize = 1.0\nn = {n}\nelements = \"P2\"", 1, PlaneStress, [16, 32], 3.0),
+        ("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = {n}\nelements = \"P1\"", 2, PlaneStress, [16, 32], 2.0),
+        ("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = {n}\nelements = \"Q1\"", 2, PlaneStrain, [16, 32], 2.0),
+        ("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = {n}\nelements = \"P2\"", 2, PlaneStrain, [8, 16], 3.0),
+        ("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = {n}\nelements = \"Q2\"", 2, PlaneStress, [8, 16], 3.0),
+        ("kind = \"box\"\nsize = [1.0, 1.0, 1.0]\nn = {n}\nelements = \"P1\"", 3, PlaneStress, [4, 8], 2.0),
+        ("kind = \"box\"\nsize = [1.0, 1.0, 1.0]\nn = {n}\nelements = \"Q1\"", 3, PlaneStress, [4, 8], 2.0),
+        ("kind = \"box\"\nsize = [1.0, 1.0, 1.0]\nn = {n}\nelements = \"Q2\"", 3, PlaneStress, [2, 4], 3.0),
+    ];
+    for (mesh, dim, plane, levels, order) in cases {
+        let [coarse, fine] = levels.map(|n| errors(&mesh.replace("{n}", &n.to_string()), dim, plane));
+        let slopes: Vec<f64> = coarse.iter().zip(&fine).map(|(c, f)| (c / f).log2()).collect();
+        println!("{mesh}: {slopes:?} {fine:?}");
+        assert!((slopes[0] - 1.0).abs() < 0.1, "{mesh}: the stress of the cells is of order {}", slopes[0]);
+        assert!(slopes[1] > order - 0.25, "{mesh}: the recovered stress is of order {}", slopes[1]);
+    }
+}
+
+/// A polynomial stress of the degree of the elements is recovered as it is, at the boundary too, and in a layer of one cell, whose
+/// nodes are all on the boundary.
+#[test]
+fn polynomial_stresses_are_recovered_exactly() {
+    let quadratic = ["x^2+3*x*y-y^2", "0.5*x^2-x*y+2*y^2"];
+    let exact = |x: &Point| {
+        let [normal_x, normal_y, shear] = [2.0 * x[0] + 3.0 * x[1], 4.0 * x[1] - x[0], 2.0 * x[0] - 1.5 * x[1]];
+        Sym::from_fn(2, |i, j| [[normal_x, shear], [shear, normal_y]][i][j])
+    };
+    for (elements, n) in [("P2", "[5, 4]"), ("Q2", "[5, 4]"), ("P2", "[6, 1]"), ("Q2", "[6, 1]"), ("Q2", "[1, 1]"), ("P2", "[2, 1]")] {
+        let mesh = format!("kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = {n}\nelements = \"{elements}\"");
+        let u = format!("[\"{}\", \"{}\"]", quadratic[0], quadratic[1]);
+        let case = parse(&text(&mesh, PLANE_STRESS, &u, "0", ""));
+        for &(node, stress) in &nodal_stress(&case.problem, &initial(&case)).regions[0] {
+            let expected = hooke(2, StressState::PlaneStress, &exact(&case.problem.mesh.points[node as usize]), 0.0);
+            assert!((stress - expected).norm() < 1e-11, "{elements} {n}: {stress:?} instead of {expected:?}");
+        }
+    }
+    // Linear elements, a constant stress: a layer of squares determines no slope across.
+    for mesh in ["kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = [6, 1]\nelements = \"Q1\"", "kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = [1, 1]"] {
+        let case = parse(&text(mesh, PLANE_STRAIN, "[\"0.1*x-0.2*y\", \"0.3*y\"]", "2", ""));
+        let strain = Sym::from_fn(2, |i, j| [[0.1, -0.1], [-0.1, 0.3]][i][j]);
+        for &(_, stress) in &nodal_stress(&case.problem, &initial(&case)).regions[0] {
+            assert!((stress - hooke(2, StressState::PlaneStrain, &strain, 2.0)).norm() < 1e-13);
+        }
+    }
+}
+
+/// At an interface each material has its own stress; the file of the fields has the mean there.
+#[test]
+fn stresses_jump_where_materials_meet() {
+    let mut case = parse(&text("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 8", PLANE_STRESS, "[\"0.1*x\", 0]", "0", ""));
+    let stiff = parse(&text("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 1", PLANE_STRESS, "[0, 0]", "0", "").replace("young = 2", "young = 6"));
+    let mut mesh = (*case.problem.mesh).clone();
+    let block = mesh.blocks.remove(0);
+    for region in 0..2 {
+        let is_in = |cell: &&[u32]| (cell.iter().all(|&n| mesh.points[n as usize][0] <= 0.5)) == (region == 0);
+        let nodes = block.cells().filter(is_in).flatten().copied().collect();
+        mesh.blocks.push(Block { element: block.element, region, nodes });
+    }
+    mesh.regions = vec!["soft".to_owned(), "stiff".to_owned()];
+    case.problem.mesh = std::sync::Arc::new(mesh);
+    case.problem.materials.extend(stiff.problem.materials.iter().cloned());
+    case.problem.materials.truncate(2);
+    let nodal = nodal_stress(&case.problem, &initial(&case));
+    let soft = hooke(2, StressState::PlaneStress, &Sym::from_fn(2, |i, j| if i + j == 0 { 0.1 } else { 0.0 }), 0.0);
+    for (region, factor) in [(0, 1.0), (1, 3.0)] {
+        assert_eq!(nodal.regions[region].len(), 5 * 9);
+        for (_, stress) in &nodal.regions[region] {
+            assert!((*stress - factor * soft).norm() < 1e-14, "{stress:?}");
+        }
+    }
+    for (x, stress) in case.problem.mesh.points.iter().zip(nodal.means(81)) {
+        let factor = if x[0] < 0.5 {
+            1.0
+        } else if x[0] > 0.5 {
+            3.0
+        } else {
+            2.0
+        };
+        assert!((stress - factor * soft).norm() < 1e-14);
+    }
+    let probes = [probe("stress_xx", Place::Region("stiff".to_owned(), Take::Min)), probe("stress_xx", Place::Region("soft".to_owned(), Take::Max))];
+    let found = read(&case, &probes);
+    assert!((found[0] - 3.0 * soft.get(0, 0)).abs() < 1e-14 && (found[1] - soft.get(0, 0)).abs() < 1e-14, "{found:?}");
+}
+
+fn probe(quantity: &str, place: Place) -> Probe {
+    Probe { name: quantity.to_owned(), quantity: Quantity::parse(quantity).unwrap(), place }
+}
+
+/// Probes read at t = 0.
+fn read(case: &Case, probes: &[Probe]) -> Vec<f64> {
+    struct Start(ProbeSet, Vec<f64>);
+    impl Sink for Start {
+        fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
+            self.1 = self.0.values(&start.from);
+            Ok(())
+        }
+        fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+            Ok(())
+        }
+        fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+            Ok(())
+        }
+        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
+            Ok(())
+        }
+    }
+    let mut sink = Start(ProbeSet::new(&case.problem, probes).unwrap(), Vec::new());
+    run(&case.problem, &settings(), &mut [&mut sink]).unwrap();
+    assert_eq!(sink.1.len(), sink.0.columns().len());
+    sink.1
+}
+
+fn assert_read(case: &Case, expected: &[(&str, Place, &[f64])]) {
+    let probes: Vec<Probe> = expected.iter().map(|(quantity, place, _)| probe(quantity, place.clone())).collect();
+    let mut found = read(case, &probes).into_iter();
+    for (quantity, place, values) in expected {
+        for value in *values {
+            let found = found.next().unwrap();
+            assert!((found - value).abs() < 1e-13 * (1.0 + value.abs()), "{quantity} {place:?}: {found} instead of {value}");
+        }
+    }
+    assert_eq!(found.next(), None);
+}
+
+fn on(side: &str, take: Take) -> Place {
+    Place::On(side.to_owned(), take)
+}
+
+/// Linear fields in each dimension, read at points, on sides and in regions; on linear elements they are exact.
+#[test]
+fn probes_read_linear_fields() {
+    use Take::{Integral, Max, Mean, Min};
+    let body = |take| Place::Region("body".to_owned(), take);
+    let plane = parse(&text("kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = [4, 3]", PLANE_STRAIN, "[\"0.1*x-0.2*y\", \"0.3*y\"]", "\"1+2*x+3*y\"", ""));
+    let at = Place::At([0.7, 0.3, 0.0]);
+    let strain = Sym::from_fn(2, |i, j| [[0.1, -0.1], [-0.1, 0.3]][i][j]);
+    let stress = |theta: f64| hooke(2, StressState::PlaneStrain, &strain, theta);
+    let here = stress(1.0 + 1.4 + 0.9);
+    let six = [(0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2)].map(|(i, j)| here.get(i, j));
+    assert_read(
+        &plane,
+        &[
+            ("displacement", at.clone(), &[0.01, 0.09]),
+            ("displacement_y", at.clone(), &[0.09]),
+            ("displacement_magnitude", at.clone(), &[0.01f64.hypot(0.09)]),
+            ("velocity", at.clone(), &[0.0, 0.0]),
+            ("stress", at.clone(), &six),
+            ("strain", at.clone(), &[0.1, 0.3, 0.0, -0.1, 0.0, 0.0]),
+            ("mean_stress", at.clone(), &[here.trace() / 3.0]),
+            ("von_mises", at.clone(), &[here.von_mises()]),
+            ("heat_flux", at, &[-4.0, -6.0]),
+            ("temperature", on("right", Mean), &[6.5]),
+            ("temperature", on("right", Max), &[8.0]),
+            ("temperature", on("right", Min), &[5.0]),
+            ("temperature", on("top", Integral), &[12.0]),
+            ("heat_flux_normal", on("left", Integral), &[4.0]),
+            ("heat_flux_normal", on("top", Integral), &[-12.0]),
+            ("stress_normal", on("right", Mean), &[stress(6.5).get(0, 0)]),
+            ("stress_xy", on("bottom", Integral), &[2.0 * stress(0.0).get(0, 1)]),
+            ("temperature", body(Integral), &[9.0]),
+            ("temperature", body(Max), &[8.0]),
+            ("stress_zz", body(Mean), &[stress(4.5).get(2, 2)]),
+            ("stress_zz", body(Max), &[stress(1.0).get(2, 2)]),
+            ("displacement_x", body(Min), &[-0.2]),
+        ],
+    );
+    let solid = parse(&text("kind = \"box\"\nsize = [1.0, 2.0, 3.0]\nn = [2, 2, 3]", "", "[\"0.1*z\", 0, \"0.2*z\"]", "\"z-x\"", ""));
+    let strain = Sym::from_fn(3, |i, j| [[0.0, 0.0, 0.05], [0.0, 0.0, 0.0], [0.05, 0.0, 0.2]][i][j]);
+    assert_read(
+        &solid,
+        &[
+            ("displacement", Place::At([0.3, 0.9, 2.0]), &[0.2, 0.0, 0.4]),
+            ("stress_zx", Place::At([0.3, 0.9, 2.0]), &[hooke(3, StressState::PlaneStress, &strain, 0.0).get(0, 2)]),
+            ("stress_normal", on("front", Mean), &[hooke(3, StressState::PlaneStress, &strain, 2.5).get(2, 2)]),
+            ("heat_flux_normal", on("back", Integral), &[4.0]),
+            ("temperature", body(Integral), &[6.0]),
+            ("displacement_z", on("left", Max), &[0.6]),
+        ],
+    );
+    let rod = parse(&text("kind = \"interval\"\nsize = 2.0\nn = 5", PLANE_STRESS, "[\"0.1*x\"]", "\"3*x\"", ""));
+    assert_read(
+        &rod,
+        &[
+            ("displacement", Place::At([0.5, 0.0, 0.0]), &[0.05]),
+            ("stress_xx", on("right", Mean), &[0.1 * YOUNG - EXPANSION * 6.0]),
+            ("von_mises", Place::At([2.0, 0.0, 0.0]), &[EXPANSION * 6.0 - 0.1 * YOUNG]),
+            ("heat_flux_normal", on("left", Integral), &[6.0]),
+        ],
+    );
+}
+
+/// The stress of three dimensions: σ₃₃ of plane strain, the hoop stress of a body of revolution, on its axis too.
+#[test]
+fn stresses_of_bodies_that_lack_a_direction() {
+    let shear = YOUNG / (2.0 * (1.0 + POISSON));
+    let lambda = YOUNG * POISSON / ((1.0 + POISSON) * (1.0 - 2.0 * POISSON));
+    let at = Place::At([0.25, 0.5, 0.0]);
+    let square = "kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 4";
+    let plane = |state| parse(&text(square, state, "[\"0.1*x\", 0]", "0", ""));
+    assert_read(&plane(PLANE_STRAIN), &[("stress_zz", at.clone(), &[0.1 * lambda]), ("von_mises", at.clone(), &[0.2 * shear])]);
+    let first = 0.1 * YOUNG / (1.0 - POISSON * POISSON);
+    let von_mises = first * (1.0 - POISSON + POISSON * POISSON).sqrt();
+    assert_read(
+        &plane(PLANE_STRESS),
+        &[("stress_zz", at.clone(), &[0.0]), ("von_mises", at.clone(), &[von_mises]), ("principal", at.clone(), &[first, POISSON * first, 0.0])],
+    );
+    let round = parse(&text(&format!("{square}\naxisymmetric = true"), "", "[\"0.1*x\", 0]", "\"x\"", ""));
+    let radial = 0.2 * (lambda + shear);
+    let side = on("right", Take::Integral);
+    assert_read(
+        &parse(&text(&format!("{square}\naxisymmetric = true"), "", "[\"0.1*x\", 0]", "0", "")),
+        &[
+            ("hoop", at.clone(), &[radial]),
+            ("stress_xx", at.clone(), &[radial]),
+            ("stress_yy", at, &[0.2 * lambda]),
+            ("hoop", on("left", Take::Max), &[radial]),
+        ],
+    );
+    assert_read(&round, &[("heat_flux_normal", side, &[-CONDUCTIVITY * std::f64::consts::TAU])]);
+}
+
+/// A folder for the results of a test.
+fn folder(name: &str) -> PathBuf {
+    let path = Path::new(env!("CARGO_TARGET_TMPDIR")).join("output_fields").join(name);
+    let _ = fs::remove_dir_all(&path);
+    path
+}
+
+fn options(case: &Case) -> FolderOptions {
+    FolderOptions { fields: case.fields.clone(), probes: case.probes.clone(), ..FolderOptions::new(&case.text) }
+}
+
+fn paper_with_probes() -> Case {
+    let text = fs::read_to_string(common::file("cases/paper.toml")).unwrap();
+    let probes = "\n[[probe]]\nname = \"p\"\nquantity = \"pressure\"\non = \"bottom\"\ntake = \"integral\"\n\
+        [[probe]]\nname = \"p_max\"\nquantity = \"pressure\"\non = \"bottom\"\ntake = \"max\"\n\
+        [[probe]]\nname = \"tip\"\nquantity = \"displacement\"\nat = [0, 0]\n\
+        [[probe]]\nname = \"hot\"\nquantity = \"temperature\"\nregion = \"body\"\ntake = \"max\"\n";
+    let overrides: Vec<String> = ["mesh.n=8", "time.steps=8", "output.every=0"].map(str::to_owned).to_vec();
+    case::parse(&Source::new("paper.toml", text + probes), &overrides).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn table(path: &Path) -> (Vec<String>, Vec<Vec<f64>>) {
+    let text = fs::read_to_string(path).unwrap();
+    let mut lines = text.lines().map(|line| line.split(','));
+    let names = lines.next().unwrap().map(str::to_owned).collect();
+    (names, lines.map(|row| row.map(|v| v.parse().unwrap()).collect()).collect())
+}
+
+/// probes.csv has a row a step; what it says is what history.csv, contact.csv and the state say.
+#[test]
+fn probes_are_written_after_every_step() {
+    let (case, path) = (paper_with_probes(), folder("steps"));
+    let (mut results, mut memory) = (Folder::create(&path, options(&case)).unwrap(), Memory::new().states_every(1));
+    let summary = run(&case.problem, &settings(), &mut [&mut results, &mut memory]).unwrap();
+    let (names, rows) = table(&path.join("probes.csv"));
+    assert_eq!(names, ["step", "t", "p", "p_max", "tip_x", "tip_y", "hot"]);
+    assert_eq!(rows.len(), 8);
+    let (columns, history) = table(&path.join("history.csv"));
+    let force = columns.iter().position(|c| c == "contact_force_y").unwrap();
+    for ((row, history), state) in rows.iter().zip(&history).zip(&memory.states[1..]) {
+        assert_eq!((row[0], row[1]), (history[0], history[1]));
+        // The normal of the bottom is −e_y: σν·e_y is the pressure.
+        assert!((row[2] - history[force]).abs() < 1e-12 * history[force].abs(), "{} and {}", row[2], history[force]);
+        assert_eq!(row[4..], [state.u[0], state.u[1], state.theta.iter().copied().fold(f64::MIN, f64::max)]);
+    }
+    assert_eq!(rows[7][3], summary.last.contact.unwrap().pressure_max);
+}
+
+/// A run that goes on cuts rows behind its checkpoint and ends with the file of a run without a break.
+#[test]
+fn probes_go_on_with_the_run() {
+    /// Ends a run after its third step.
+    struct Stop(std::sync::Arc<std::sync::atomic::AtomicBool>);
+    impl Sink for Stop {
+        fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
+            Ok(())
+        }
+        fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+            self.0.store(now.state.step == 3, std::sync::atomic::Ordering::Relaxed);
+            Ok(())
+        }
+        fn last(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+            Ok(())
+        }
+        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
+            Ok(())
+        }
+    }
+    let (case, whole, broken) = (paper_with_probes(), folder("whole"), folder("broken"));
+    run(&case.problem, &settings(), &mut [&mut Folder::create(&whole, options(&case)).unwrap()]).unwrap();
+    let flag = std::sync::Arc::default();
+    let mut stop = Stop(std::sync::Arc::clone(&flag));
+    let interrupted = Settings { interrupt: Some(flag), ..settings() };
+    assert!(run(&case.problem, &interrupted, &mut [&mut Folder::create(&broken, options(&case)).unwrap(), &mut stop]).is_err());
+    let file = broken.join("probes.csv");
+    let kept = fs::read_to_string(&file).unwrap();
+    assert_eq!(kept.lines().count(), 4);
+    fs::write(&file, kept + "4,0.5,1,1,1,1,1\n5,0.6").unwrap();
+    let checkpoint = Checkpoint::read(&broken, &case.fingerprint()).unwrap();
+    resume(&case.problem, checkpoint, &settings(), &mut [&mut Folder::reopen(&broken, options(&case)).unwrap()]).unwrap();
+    assert_eq!(fs::read_to_string(&file).unwrap(), fs::read_to_string(whole.join("probes.csv")).unwrap());
+}
+
+/// Faults of probes and of checks with their places, all at once.
+#[test]
+fn faults_of_probes_have_their_places() {
+    let base = text("kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = 2", PLANE_STRAIN, "[0, 0]", "0", "");
+    let line = base.lines().count();
+    let case = |more: &str, expected: &[(usize, &str)]| {
+        let told = told(&Source::new("body.toml", base.clone() + more), &[]);
+        let lines: Vec<String> = expected.iter().map(|(offset, says)| format!("body.toml:{}:{says}", line + offset)).collect();
+        assert_eq!(told, lines.join("\n"));
+    };
+    let probe = |quantity: &str, place: &str| format!("[[probe]]\nname = \"a\"\nquantity = \"{quantity}\"\n{place}\n");
+    assert_eq!(told(&Source::new("body.toml", base.clone() + &probe("temperature", "at = [1, 1]")), &[]), "no fault");
+    case(
+        &probe("temperature", "at = [2.5, 1]"),
+        &[(4, "6: probe[0].at: found (2.5, 1), outside the body, expected a point of the body, which reaches from (0, 0) to (2, 1)")],
+    );
+    case(&probe("temperature", "at = [1, 1, 0]"), &[(4, "6: probe[0].at: found 3 coordinates, expected 2 coordinates")]);
+    case(&probe("temperature", ""), &[(1, "1: probe[0]: found no place, expected one of `at`, `on` and `region`")]);
+    case(
+        &probe("temperature", "on = \"lft\"\ntake = \"max\""),
+        &[(4, "6: probe[0].on: found \"lft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?")],
+    );
+    case(
+        &probe("temperature", "region = \"boddy\"\ntake = \"max\""),
+        &[(4, "10: probe[0].region: found \"boddy\", expected one of the regions body; did you mean \"body\"?")],
+    );
+    case(
+        &probe("temperature", "on = \"left\""),
+        &[(1, "1: probe[0].take: found no such key, expected \"mean\", \"max\", \"min\" or \"integral\" (what is taken of the values)")],
+    );
+    case(
+        &probe("displacement_z", "at = [1, 1]"),
+        &[(3, "12: probe[0].quantity: found displacement_z in 2 dimensions, expected a quantity that the body has there")],
+    );
+    case(
+        &probe("hoop", "at = [1, 1]"),
+        &[(3, "12: probe[0].quantity: found hoop in a body that is not axisymmetric, expected a quantity that the body has there")],
+    );
+    case(
+        &probe("heat_flux_normal", "at = [1, 1]"),
+        &[(3, "12: probe[0].quantity: found heat_flux_normal elsewhere than on a side, expected a quantity that the body has there")],
+    );
+    case(
+        &probe("pressure", "on = \"left\"\ntake = \"max\""),
+        &[(3, "12: probe[0].quantity: found pressure elsewhere than on the side that bears contact, expected a quantity that the body has there")],
+    );
+    case(
+        &probe("von_misses", "at = [1, 1]"),
+        &[(
+            3,
+            "12: probe[0].quantity: found \"von_misses\", expected the name of a quantity, such as \"displacement_x\", \"temperature\", \"stress_xx\" or \"von_mises\" (what is read); did you mean \"von_mises\"?",
+        )],
+    );
+    let twice = probe("temperature", "at = [1, 1]") + &probe("von_mises", "at = [3, 1]\ntake = \"max\"");
+    case(
+        &twice,
+        &[
+            (6, "8: probe[1].name: found \"a\" again, expected a name of its own for each column of probes.csv"),
+            (9, "1: probe[1].take: found `take` of the value at a point, expected `take` with `on` or `region`"),
+        ],
+    );
+    let check = "[verify]\ntitle = \"t\"\nsource = \"s\"\n[[verify.check]]\nkind = \"probe\"\nfield = \"stress_xx\"\nat = [0, 2]\ntime = 0\nreference = 1\ntolerance = 1\n";
+    case(check, &[(7, "6: verify.check[0].at: found (0, 2), outside the body, expected a point of the body, which reaches from (0, 0) to (2, 1)")]);
+}
+
+/// Lamé's thick-walled cylinder under an inner pressure, radii 1 and 2 (Timoshenko and Goodier, *Theory of Elasticity*, section 28):
+/// in plane strain on a quarter of the ring, and as a body of revolution; checked by the case file alone.
+#[test]
+fn a_case_file_checks_the_stresses_of_a_cylinder() {
+    let material = "[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\nheat_capacity = 1\nexpansion = 0\ncoupling = 0\nconductivity = 1\n\
+        viscosity = { law = \"lame\", first = 0.0, second = 0.0 }\n";
+    let elastic = |more: &str| format!("elasticity = {{ law = \"isotropic\", young = 2.0, poisson = 0.3{more} }}\n");
+    let held = |side: &str| format!("[[boundary]]\non = \"{side}\"\nnormal_displacement = 0\n");
+    let pressed = |side: &str| format!("[[boundary]]\non = \"{side}\"\npressure = 1\n");
+    let check = |field: &str, place: &str, reference: f64| {
+        format!("[[verify.check]]\nkind = \"probe\"\nfield = \"{field}\"\n{place}\ntime = 1\nreference = {reference:?}\ntolerance = 1e-3\n")
+    };
+    // σ_θ = p (b² + a²)/(b² − a²) and σ_r = −p inside, σ_θ = 2 p a²/(b² − a²) outside, u_r = (1 + ν)/E p a ((1 − 2ν)a² + b²)/(b² − a²).
+    let (hoop, outside, displacement) = (5.0 / 3.0, 2.0 / 3.0, 1.3 / 2.0 * 4.4 / 3.0);
+    let verify_block = "[verify]\ntitle = \"Lamé\"\nsource = \"closed form\"\n";
+    let ring = |n: usize| {
+        let checks = [
+            check("stress_yy", "at = [1, 0]", hoop),
+            check("stress_xx", "at = [1, 0]", -1.0),
+            check("displacement_x", "at = [1, 0]", displacement),
+            check("principal_1", "on = \"inner\"\ntake = \"max\"", hoop),
+            check("stress_normal", "on = \"inner\"\ntake = \"mean\"", -1.0),
+        ];
+        let angle = std::f64::consts::FRAC_PI_2;
+        let mesh = format!("kind = \"ring\"\nradii = [1.0, 2.0]\nangle = {angle:?}\nn = [{n}, {n}]\nelements = \"Q2\"\n");
+        let sides = [held("start"), held("end"), pressed("inner")].concat();
+        format!("name = \"ring\"\n[mesh]\n{mesh}{material}{}{sides}{verify_block}{}", elastic(PLANE_STRAIN), checks.concat())
+    };
+    let tube = |n: usize| {
+        let checks = [
+            check("hoop", "on = \"left\"\ntake = \"max\"", hoop),
+            check("hoop", "at = [2, 0.25]", outside),
+            check("displacement_x", "at = [1, 0.25]", displacement),
+            check("stress_normal", "on = \"left\"\ntake = \"integral\"", -std::f64::consts::PI),
+        ];
+        let mesh = format!("kind = \"rectangle\"\norigin = [1.0, 0.0]\nsize = [1.0, 0.5]\nn = [{n}, 4]\nelements = \"Q2\"\naxisymmetric = true\n");
+        let sides = [held("bottom"), held("top"), pressed("left")].concat();
+        format!("name = \"tube\"\n[mesh]\n{mesh}{material}{}{sides}{verify_block}{}", elastic(""), checks.concat())
+    };
+    let verdicts = |name: &str, text: &str| verify(name, text, &settings()).unwrap_or_else(|error| panic!("{error}"));
+    for (name, text) in [("ring", &ring as &dyn Fn(usize) -> String), ("tube", &tube)] {
+        let [coarse, fine] = [16, 32].map(|n| verdicts(name, &text(n)));
+        for (c, f) in coarse.iter().zip(&fine) {
+            println!("{name} {}: {} against {}, {:.1e}, order {}", f.what, f.computed, f.reference, f.error, (c.error / f.error).log2());
+            // Quadratic elements: stresses at the boundary of the third order, displacements of the fourth at nodes.
+            let order = if f.what.starts_with("displacement") { 3.5 } else { 2.5 };
+            assert!((c.error / f.error).log2() > order && f.holds, "{c:?}\n{f:?}");
+        }
+    }
+}
+
+/// A rod held at a strain ε from t = 0 on: the stress of backward Euler is E ε (1 + g (1 + k/τ)^−n), the branch included.
+#[test]
+fn stresses_that_relax_are_in_the_stress() {
+    let text = "name = \"rod\"\n[mesh]\nkind = \"interval\"\nsize = 2.0\nn = 4\n[time]\nend = 1.0\nsteps = 5\n[material]\ndensity = 0\nheat_capacity = 1\n\
+        expansion = 0\ncoupling = 0\nconductivity = 1\nviscosity = { law = \"lame\", first = 0.0, second = 0.0 }\n\
+        elasticity = { law = \"isotropic\", young = 3.0, poisson = 0.3, stress_state = \"plane-stress\" }\nprony = [{ ratio = 2.0, time = 0.4 }]\n\
+        [[boundary]]\non = \"left\"\ndisplacement = [0]\n[[boundary]]\non = \"right\"\ndisplacement = [0.02]\n";
+    let (case, path) = (parse(&format!("{text}[[probe]]\nname = \"s\"\nquantity = \"stress_xx\"\nat = [1.3]\n")), folder("relaxing"));
+    let summary = run(&case.problem, &settings(), &mut [&mut Folder::create(&path, options(&case)).unwrap()]).unwrap();
+    let (_, rows) = table(&path.join("probes.csv"));
+    for row in &rows {
+        let expected = 3.0 * 0.01 * (1.0 + 2.0 * (1.0 + 0.2 / 0.4f64).powf(-row[0]));
+        assert!((row[2] - expected).abs() < 1e-14, "step {}: {} instead of {expected}", row[0], row[2]);
+    }
+    assert!(rows.len() == 5 && (summary.last.von_mises_max - rows[4][2]).abs() < 1e-15);
+}
+
+/// The files of the fields have what is asked for beside what every file has.
+#[test]
+fn files_have_the_fields_asked_for() {
+    let names = |fields: &str| {
+        let overrides: Vec<String> = ["mesh.n=4", "time.steps=1", "output.every=0"]
+            .iter()
+            .map(|&o| o.to_owned())
+            .chain((!fields.is_empty()).then(|| format!("output.fields={fields}")))
+            .collect();
+        let case = common::case("cases/paper.toml", &overrides);
+        let path = folder("fields");
+        run(&case.problem, &settings(), &mut [&mut Folder::create(&path, options(&case)).unwrap()]).unwrap();
+        let text = fs::read_to_string(path.join("fields/step_0000001.vtu")).unwrap();
+        let mut names: Vec<String> = text.split("Name=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect();
+        names.retain(|name| !matches!(name.as_str(), "Points" | "connectivity" | "offsets" | "types" | ""));
+        names.sort();
+        names.join(" ")
+    };
+    assert_eq!(names(""), "displacement region stress temperature velocity von_mises");
+    assert_eq!(names("[]"), "displacement region temperature velocity von_mises");
+    assert_eq!(
+        names("[\"stress\", \"strain\", \"principal\", \"heat-flux\", \"nodal-stress\", \"stress\"]"),
+        "displacement heat_flux nodal_stress nodal_von_mises principal principal_direction_1 principal_direction_2 principal_direction_3 region strain stress \
+         temperature velocity von_mises"
+    );
+}
