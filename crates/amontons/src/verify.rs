@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Source, StudyRequestError, Take};
+use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Files, Source, StudyRequestError, Take};
 use crate::contact::Status;
 use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
 use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
@@ -14,6 +14,9 @@ use crate::run::{RunError, Settings, run};
 
 /// Names and texts of the shipped benchmarks, by name.
 pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
+
+/// The meshes beside them, by the names that the cases give them.
+const MESHES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/benchmark_meshes.rs"));
 
 /// A computed value held against its reference.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
@@ -63,7 +66,8 @@ pub enum VerifyError {
 /// When the case has faults, the run or a study fails, or a check names something that is not there. Values that
 /// do not agree are no error: their verdict says so.
 pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
-    let source = Source::new(format!("{name}.toml"), text);
+    let files = Files::Memory(MESHES.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect());
+    let source = Source { files, ..Source::new(format!("{name}.toml"), text) };
     let case = case::parse(&source, &[])?;
     let Some(block) = &case.verify else { return Err(VerifyError::Check(format!("{name} has no [verify] block"))) };
     let mut recorder = Recorder::new(name, &case)?;

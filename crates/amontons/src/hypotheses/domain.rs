@@ -206,9 +206,9 @@ fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: 
 }
 
 /// The quotient of a form on Γ_C and the least energy that the trace costs.
-struct TraceQuotient<'a> {
-    entries: Vec<Entry>,
-    system: &'a mut System,
+pub(super) struct TraceQuotient<'a> {
+    pub entries: Vec<Entry>,
+    pub system: &'a mut System,
 }
 
 impl Pencil for TraceQuotient<'_> {

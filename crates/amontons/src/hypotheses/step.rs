@@ -14,11 +14,12 @@
 
 use std::sync::Arc;
 
+use super::domain::TraceQuotient;
 use super::laws::{boundary, norm, slip_speed_matters};
 use super::{Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
 use crate::forms;
-use crate::linalg::{BlockMatrix, Entry, FactorError, Graph, Pencil, System, Unknowns, largest};
+use crate::linalg::{BlockMatrix, Entry, FactorError, Graph, System, Unknowns, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
@@ -86,9 +87,10 @@ impl<'a> Step<'a> {
         matrix.add_scaled(k, &self.a);
         matrix.add_scaled(1.0 / k, &self.inertia);
         let unknowns = Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
-        let system = System::new(&matrix, unknowns)?;
+        let mut system = System::new(&matrix, unknowns)?;
         let entries = self.weights(system.unknowns());
-        Ok(1.0 / largest(&mut WeightQuotient { entries, system }).value)
+        // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
+        Ok(1.0 / largest(&mut TraceQuotient { entries, system: &mut system }).value)
     }
 
     /// W = Σ ω NᵀN on each component of the contact unknowns.
@@ -108,31 +110,6 @@ impl<'a> Step<'a> {
             }
         }
         entries
-    }
-}
-
-/// The pencil (W, S), whose largest eigenvalue is 1/λ_min(S, W).
-struct WeightQuotient {
-    entries: Vec<Entry>,
-    system: System,
-}
-
-impl Pencil for WeightQuotient {
-    fn size(&self) -> usize {
-        self.system.unknowns().contact().len()
-    }
-    fn numerator(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for &(i, j, value) in &self.entries {
-            y[i as usize] += value * x[j as usize];
-        }
-        y
-    }
-    fn denominator(&self, x: &[f64]) -> Vec<f64> {
-        self.system.condensed().apply(x)
-    }
-    fn solve(&mut self, r: &mut [f64]) {
-        self.system.solve_condensed(r);
     }
 }
 
