@@ -6,7 +6,7 @@ use super::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::element::{Element, Table};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
-use crate::quadrature::{Rule, Shape, rule};
+use crate::quadrature::{Rule, Shape};
 use crate::tensor::Point;
 
 /// Where the integrals over Γ_C are evaluated.
@@ -102,6 +102,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, nodes: &[u32], local: impl Fn(u32) 
             }
         }
     }
+    points.retain(|point| point.weight > 0.0);
     for point in &mut points {
         let length = crate::tensor::length(&point.normal);
         point.normal = point.normal.map(|c| c / length);
@@ -109,13 +110,14 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, nodes: &[u32], local: impl Fn(u32) 
     points
 }
 
-/// Functions φ_i that share a facet out among its nodes: Σ φ_i = 1 and Σ φ_i ξ_i = ξ, so that nodal quadrature is
-/// exact for linear functions on a facet that is not curved.
+/// Functions φ_i that share a facet out among its nodes: the weights ω_i = ∫ φ_i are those of the shape functions on a flat facet, so that
+/// a uniform pressure at the contact points is the load of a uniform pressure, and nodal quadrature passes the patch test.
 ///
-/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for two
-/// facets whose weights ∫ N_i are not all positive: the quadratic triangle, where they are zero at the vertices, and the
-/// quadratic segment swept around an axis, where that of an end on the axis is zero. There φ_i are the hat functions of
-/// the linear parts of the facet: 1/12 of the area of a triangle at a vertex and 1/4 at a middle node.
+/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for two facets where ∫ N_i
+/// is zero at some nodes: the quadratic triangle (its vertices) and the quadratic segment swept around an axis (an end on the axis). There
+/// the facet is integrated by the rule whose points are its nodes, so that curvature makes no weight negative; nodes without
+/// a weight are no contact points. Weights from a split into linear parts would be positive at every node, but not those
+/// of the shape functions: pressures at vertices and middle nodes would oscillate.
 struct Lumping {
     table: Table,
     /// φ at the points of the table, one a node.
@@ -126,26 +128,24 @@ impl Lumping {
     fn new(mesh: &Mesh, element: &'static Element) -> Lumping {
         // The area factor is constant on a flat linear facet; r raises the degree in a body of revolution.
         let degree = if element.gradient_degree == 0 { element.degree } else { 2 * element.degree + 1 } + usize::from(mesh.axisymmetric);
-        let parts: &[&[usize]] = match (element.shape, element.degree) {
-            (Shape::Triangle, 2) => &[&[0, 3, 5], &[3, 1, 4], &[5, 4, 2], &[3, 4, 5]],
-            (Shape::Segment, 2) if mesh.axisymmetric => &[&[0, 2], &[2, 1]],
-            _ => {
-                let table = Table::new(element, degree);
-                let shares = (0..table.len()).flat_map(|q| table.values(q)).copied().collect();
-                return Lumping { table, shares };
-            }
+        let at_nodes = match (element.shape, element.degree) {
+            (Shape::Triangle, 2) => true,
+            (Shape::Segment, 2) => mesh.axisymmetric,
+            _ => false,
         };
-        let (base, mut points, mut shares) = (rule(element.shape, degree), Rule { points: Vec::new(), weights: Vec::new() }, Vec::new());
-        for part in parts {
-            for (x, weight) in base.iter() {
-                // Barycentric coordinates of a segment or triangle; the unused ones are zero.
-                let hats = [1.0 - x[0] - x[1], x[0], x[1]];
-                points.points.push(std::array::from_fn(|d| part.iter().zip(hats).map(|(&i, hat)| hat * element.nodes[i][d]).sum()));
-                points.weights.push(weight / parts.len() as f64);
-                shares.extend((0..element.nodes.len()).map(|i| part.iter().position(|&j| j == i).map_or(0.0, |at| hats[at])));
-            }
+        let table = Table::new(element, degree);
+        let n = element.nodes.len();
+        if !at_nodes {
+            let shares = (0..table.len()).flat_map(|q| table.values(q)).copied().collect();
+            return Lumping { table, shares };
         }
-        Lumping { table: Table::of_rule(element, points), shares }
+        let weight = |i: usize| {
+            let sum: f64 = (0..table.len()).map(|q| table.weights[q] * table.values(q)[i]).sum();
+            // The integral of a vertex function over the triangle is zero but for round-off.
+            if sum.abs() < 1e-12 * element.shape.measure() { 0.0 } else { sum }
+        };
+        let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
+        Lumping { table: Table::of_rule(element, nodes), shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect() }
     }
 }
 
@@ -221,7 +221,7 @@ mod tests {
         Ok(())
     }
 
-    /// The weights of Simpson's rule, and of the four sub-triangles.
+    /// The weights of Simpson's rule, and of the middles of the edges.
     #[test]
     fn weights_of_quadratic_facets() -> Result<(), MeshError> {
         let weights = |mesh: &Mesh, side: &str| -> Vec<f64> {
@@ -235,9 +235,50 @@ mod tests {
         assert_near(weights(&Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [1, 1], Diagonal::Right)?, "bottom"), vec![1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]);
         let face = [vec![1.0 / 36.0; 4], vec![1.0 / 9.0; 4], vec![4.0 / 9.0]].concat();
         assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::Q2)?, "bottom"), face);
-        // Two triangles of area 1/2: vertices on the diagonal belong to both, and so does its middle.
-        let face = [vec![1.0 / 24.0; 2], vec![1.0 / 12.0; 2], vec![1.0 / 8.0; 4], vec![1.0 / 4.0]].concat();
+        // Two triangles of area 1/2, each with a third of it at the middle of its edges; that of the diagonal belongs to both.
+        let face = [vec![1.0 / 6.0; 4], vec![1.0 / 3.0]].concat();
         assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::P2)?, "bottom"), face);
+        Ok(())
+    }
+
+    /// The patch test of contact: on flat sides the weights are the loads of a uniform pressure, ∫ N_i, with both quadratures.
+    #[test]
+    fn a_uniform_pressure_is_its_consistent_load() -> Result<(), MeshError> {
+        for elements in EVERY {
+            for (mesh, side) in [
+                (Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)?, "bottom"),
+                (Mesh::box_([2.0, 1.0, 3.0], [3, 1, 2], elements)?, "bottom"),
+                (Mesh { axisymmetric: true, ..Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)? }, "bottom"),
+            ] {
+                let set = &mesh.facets[side];
+                let mut load = vec![0.0; mesh.points.len()];
+                for block in &set.blocks {
+                    let table = Table::new(block.element, 6);
+                    let mut map = FacetMap::new(&mesh, &table);
+                    for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+                        for q in 0..table.len() {
+                            map.at(facet, q);
+                            for (&node, value) in facet.iter().zip(map.values()) {
+                                load[node as usize] += table.weights[q] * map.area * value;
+                            }
+                        }
+                    }
+                }
+                for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
+                    let boundary = ContactBoundary::new(&mesh, set, quadrature);
+                    let mut found = vec![0.0; mesh.points.len()];
+                    for point in &boundary.points {
+                        for &(node, value) in &point.nodes {
+                            found[boundary.nodes[node] as usize] += point.weight * value;
+                        }
+                    }
+                    for (node, (found, load)) in found.iter().zip(&load).enumerate() {
+                        let of = format!("{elements:?}, d = {}, axisymmetric: {}, {quadrature:?}, node {node}", mesh.dim, mesh.axisymmetric);
+                        assert!((found - load).abs() < 1e-13, "{of}: {found}, expected {load}");
+                    }
+                }
+            }
+        }
         Ok(())
     }
 
