@@ -63,7 +63,7 @@ spoiled! {
     unknown_key_at_the_root: "name = \"paper\"" => "name = \"paper\"\nsteps = 4"
         "paper.toml:12:1: steps: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, time, verify; `steps` belongs to [time]";
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
-        "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [boundary.convection] or [contact.friction] with law = \"coulomb\"";
+        "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
         "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of convection, dashpot, displacement, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
     missing_key: "density = 1.0 " => "# "
@@ -173,11 +173,11 @@ spoiled! {
     unknown_law: "law = \"isotropic\"" => "law = \"neo-hooke\""
         "paper.toml:30:7: material.elasticity.law: found \"neo-hooke\", expected \"isotropic\", \"orthotropic\", \"anisotropic\", \"von-mises-projection\" or \"hencky\"";
     misspelled_law: "law = \"coulomb\"" => "law = \"coulom\""
-        "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\" or \"coulomb\"; did you mean \"coulomb\"?";
+        "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\", \"coulomb\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"coulomb\"?";
     law_with_capitals: "law = \"compliance\"" => "law = \"Compliance\""
-        "paper.toml:60:18: contact.normal.law: found \"Compliance\", expected \"compliance\"; did you mean \"compliance\"?";
+        "paper.toml:60:18: contact.normal.law: found \"Compliance\", expected \"compliance\", \"power\", \"table\", \"stop\", \"signorini\", \"bilateral\", \"damped\", \"hunt-crossley\", \"softening\" or \"adhesion\"; did you mean \"compliance\"?";
     law_that_is_a_number: "law = \"ramp\"" => "law = 3"
-        "paper.toml:62:16: contact.heat.law: found 3, expected \"none\" or \"ramp\"";
+        "paper.toml:62:16: contact.heat.law: found 3, expected \"none\", \"ramp\", \"power\", \"pressure\", \"gap\", \"radiation\" or \"sum\"";
     unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"rectangl\""
         "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\" or \"cylinder\", or the key `file`; did you mean \"rectangle\"?";
     misspelled_word: "stress_state = \"plane-stress\"" => "stress_state = \"plane stress\""
@@ -300,8 +300,8 @@ spoiled! {
         "--set mesh.n=0: mesh.n: found 0, expected an integer ≥ 1 (cells per side)";
     set_wrong_in_vector: "" => "" set "boundary.1.traction[0]=\"x+\""
         "--set boundary.1.traction[0]=\"x+\": boundary[1].traction[0]: found the end of the expression, expected a number, a variable, a function or `(`";
-    set_bad_law: "" => "" set "contact.friction.law=tresca"
-        "--set contact.friction.law=tresca: contact.friction.law: found \"tresca\", expected \"none\" or \"coulomb\"";
+    set_bad_law: "" => "" set "contact.friction.law=trescas"
+        "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"tresca\"?";
     set_missing: "initial]" => "initia]" set "initial.temprature=5"
         "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, time, verify; did you mean `initial`?"
         "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, temperature, velocity; did you mean `temperature`?";
@@ -309,8 +309,40 @@ spoiled! {
         "--set boundary[0.on=4: found `[` without `]`, expected a dotted key, such as mesh.n or boundary[1].traction";
     set_table_array: "" => "" set "boundary[0]=4"
         "--set boundary[0]=4: boundary[0]: found a value that is no table for a [[table]], expected a table";
+    table_that_does_not_start_at_zero: "" => "" set "contact.normal={ law = 'table', penetration = [0.1, 1], pressure = [0, 1] }"
+        "--set contact.normal={ law = 'table', penetration = [0.1, 1], pressure = [0, 1] }: contact.normal.penetration: found a pressure of 0.0 at the penetration 0.1 at the beginning, expected 0 at 0";
+    table_that_falls: "" => "" set "contact.normal={ law = 'table', penetration = [0, 1, 2], pressure = [0, 1, 0.5] }"
+        "--set contact.normal={ law = 'table', penetration = [0, 1, 2], pressure = [0, 1, 0.5] }: contact.normal.pressure: found the pressure 0.5 after 1.0, expected pressures that do not fall";
+    table_of_one_point: "" => "" set "contact.normal={ law = 'table', penetration = [0], pressure = [0] }"
+        "--set contact.normal={ law = 'table', penetration = [0], pressure = [0] }: contact.normal.penetration: found 1 points, expected two at the least";
+    residual_above_the_peak: "" => "" set "contact.normal={ law = 'softening', stiffness = 1e4, peak = 1, softening = 1e3, residual = 2 }"
+        "--set contact.normal={ law = 'softening', stiffness = 1e4, peak = 1, softening = 1e3, residual = 2 }: contact.normal.residual: found 2.0, expected at most the peak, 1.0";
+    exponent_below_one: "" => "" set "contact.normal={ law = 'power', stiffness = 1e4, exponent = 0.5 }"
+        "--set contact.normal={ law = 'power', stiffness = 1e4, exponent = 0.5 }: contact.normal.exponent: found 0.5, expected a number ≥ 1 (exponent m of the penetration; 1.5 for a sphere)";
+    static_below_kinetic: "" => "" set "contact.friction={ law = 'static-kinetic', static = 0.1, kinetic = 0.2 }"
+        "--set contact.friction={ law = 'static-kinetic', static = 0.1, kinetic = 0.2 }: contact.friction.static: found 0.1, expected at least the kinetic coefficient, 0.2";
+    speeds_that_do_not_grow: "" => "" set "contact.friction={ law = 'slip-rate', speed = [0, 0], coefficient = [0.1, 0.2] }"
+        "--set contact.friction={ law = 'slip-rate', speed = [0, 0], coefficient = [0.1, 0.2] }: contact.friction.speed: found 0.0 after 0.0, expected larger and larger arguments";
+    lists_of_two_lengths: "" => "" set "contact.friction={ law = 'pressure', pressure = [0, 1], coefficient = [0.1] }"
+        "--set contact.friction={ law = 'pressure', pressure = [0, 1], coefficient = [0.1] }: contact.friction.coefficient: found 2 arguments and 1 values, expected as many";
+    negative_coefficient_in_a_table: "" => "" set "contact.friction={ law = 'temperature', temperature = [0, 1], coefficient = [0.1, -0.1] }"
+        "--set contact.friction={ law = 'temperature', temperature = [0, 1], coefficient = [0.1, -0.1] }: contact.friction.coefficient[1]: found -0.1, expected a number ≥ 0 (friction coefficients)";
+    direction_of_three: "" => "" set "contact.friction={ law = 'orthotropic', coefficients = [0.1, 0.2], direction = [1, 0, 0] }"
+        "--set contact.friction={ law = 'orthotropic', coefficients = [0.1, 0.2], direction = [1, 0, 0] }: contact.friction.direction: found 3 components, expected 2 components";
+    direction_zero: "" => "" set "contact.friction={ law = 'orthotropic', coefficients = [0.1, 0.2], direction = [0, 0] }"
+        "--set contact.friction={ law = 'orthotropic', coefficients = [0.1, 0.2], direction = [0, 0] }: contact.friction.direction: found zero, expected a direction";
+    coefficient_zero: "" => "" set "contact.friction={ law = 'orthotropic', coefficients = [0, 0.2], direction = [1, 0] }"
+        "--set contact.friction={ law = 'orthotropic', coefficients = [0, 0.2], direction = [1, 0] }: contact.friction.coefficients[0]: found 0.0, expected a positive number";
+    more_than_all_friction_heat: "" => "" set "contact.frictional_heat=1.5"
+        "--set contact.frictional_heat=1.5: contact.frictional_heat: found 1.5, expected a number ≥ 0 and ≤ 1 (share η of the power of friction that enters the body as heat)";
+    foundation_velocity_of_three: "" => "" set "contact.foundation_velocity=[1, 0, 0]"
+        "--set contact.foundation_velocity=[1, 0, 0]: contact.foundation_velocity: found 3 components, expected 2 components";
+    roughness_zero: "" => "" set "contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }"
+        "--set contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }: contact.heat.laws[0].roughness: found 0, expected a number > 0 (width in m that a closed gap still has)";
+    gauss_points_on_a_rigid_foundation: "quadrature = \"nodal\"" => "quadrature = \"gauss\"" set "contact.normal={ law = 'signorini' }"
+        "paper.toml:59:14: contact.quadrature: found Gauss points on a rigid foundation, expected nodal quadrature; more points than nodes have no unique pressures";
     set_law_of_missing: "" => "" set "contact.friction={ law = \"none\", coefficient = 1 }"
-        "--set contact.friction={ law = \"none\", coefficient = 1 }: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [boundary.convection] or [contact.friction] with law = \"coulomb\"";
+        "--set contact.friction={ law = \"none\", coefficient = 1 }: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\"";
 }
 
 // Several at once, and what no replaced line shows.

@@ -5,7 +5,7 @@ mod common;
 
 use std::sync::Arc;
 
-use amontons::contact::{Compliance, ContactPoint, Flux, HeatLaw, NormalLaw, ValueSlope};
+use amontons::contact::{Compliance, ContactPoint, Flux, HeatLaw, NormalLaw, Pressure};
 use amontons::forms;
 use amontons::hypotheses::{Certificate, Finding, certificate, findings, full, monotonicity_loss};
 use amontons::linalg::{Backend, Dense, Graph, Supernodal, Unknowns};
@@ -159,29 +159,14 @@ fn h6_looks_at_gap_initial_and_prescribed_data() {
 #[derive(Debug)]
 struct Soft;
 impl NormalLaw for Soft {
-    fn pressure(&self, x: &Point, z: f64, lambda: f64) -> ValueSlope {
-        Compliance { stiffness: 1e4 }.pressure(x, z, lambda)
+    fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
+        Compliance { stiffness: 1e4 }.pressure(x, z, rate, lambda)
     }
     fn potential(&self, x: &Point, r: f64) -> f64 {
         Compliance { stiffness: 1e4 }.potential(x, r)
     }
     fn lipschitz(&self) -> Option<f64> {
         Some(5e3)
-    }
-}
-
-/// The unilateral condition of Signorini: r ≤ 0, p ≥ 0, rp = 0.
-#[derive(Debug)]
-struct Unilateral;
-impl NormalLaw for Unilateral {
-    fn pressure(&self, _x: &Point, z: f64, lambda: f64) -> ValueSlope {
-        if z > 0.0 { ValueSlope { value: z / lambda, slope: 1.0 / lambda } } else { ValueSlope::default() }
-    }
-    fn potential(&self, _x: &Point, r: f64) -> f64 {
-        if r > 0.0 { f64::INFINITY } else { 0.0 }
-    }
-    fn lipschitz(&self) -> Option<f64> {
-        None
     }
 }
 
@@ -216,7 +201,7 @@ fn contact_laws_are_put_to_the_test() {
     let unbounded = cheap(&with_contact(|c| c.heat = Arc::new(Unbounded)), "H7", "fails");
     assert!(unbounded.message.contains("k_c = ") && unbounded.place == "contact.heat", "{}", unbounded.message);
 
-    let unilateral = with_contact(|c| c.normal = Arc::new(Unilateral));
+    let unilateral = with_contact(|c| c.normal = Arc::new(amontons::contact::Signorini));
     assert_eq!(cheap(&unilateral, "H8", "fails").place, "contact.normal");
     let certificate = judged(&unilateral);
     for id in ["2.23-printed", "step-unique"] {

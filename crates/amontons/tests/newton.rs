@@ -8,7 +8,7 @@ use amontons::contact::Status;
 use amontons::linalg::Supernodal;
 use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
 use amontons::tensor::{dot, length};
-use common::{Random, paper, reading};
+use common::{Random, disturb, paper, reading};
 
 fn scheme(overrides: &[&str]) -> (amontons::problem::Problem, BackwardEuler) {
     let problem = paper(overrides).problem;
@@ -64,27 +64,6 @@ fn steps_converge_from_any_state() {
                 }
             }
         }
-    }
-}
-
-fn disturb(state: &mut State, problem: &amontons::problem::Problem, scheme: &BackwardEuler, random: &mut Random, smooth: bool) {
-    let size = [-2.5, -1.0, 1.0].map(|centre: f64| 10f64.powf(centre + 2.0 * random.number()));
-    let wave = [0; 4].map(|_: i32| 20.0 * random.number());
-    for (i, p) in problem.mesh.points.iter().enumerate() {
-        for c in 0..2 {
-            let dof = 2 * i + c;
-            if scheme.discretization().v.free[dof] {
-                let phase = c as f64;
-                state.u[dof] = size[0] * if smooth { (wave[0] * p[0] + wave[1] * p[1] + phase).sin() } else { random.number() };
-                state.w[dof] = size[1] * if smooth { (wave[2] * p[0] + wave[3] * p[1] + phase).cos() } else { random.number() };
-            }
-        }
-        if scheme.discretization().q.free[i] {
-            state.theta[i] = size[2] * random.number();
-        }
-    }
-    for q in &mut state.multipliers.q {
-        q[0] = 10.0 * random.number();
     }
 }
 

@@ -9,9 +9,7 @@ use super::path::{Path, Segment};
 use super::place::{At, Finding};
 use super::raw;
 use super::verify::{self, Verify};
-use crate::contact::{Compliance, Contact, Coulomb, FrictionLaw, Frictionless, HeatLaw, Insulated, Quadrature, Ramp};
 use crate::convergence::Exact;
-use crate::field::Field;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
@@ -202,33 +200,6 @@ impl Build<'_> {
             return vec![common];
         }
         own.into_iter().map(|own| own.unwrap_or_else(|| common.clone())).collect()
-    }
-
-    fn contact(&mut self, raw: raw::Contact, mesh: &Mesh) -> Contact {
-        let points = side(mesh, &raw.on);
-        let raw::Normal::Compliance { stiffness } = raw.normal;
-        let friction: Arc<dyn FrictionLaw> = match raw.friction {
-            raw::Friction::None => Arc::new(Frictionless),
-            raw::Friction::Coulomb { coefficient } => Arc::new(Coulomb { coefficient }),
-        };
-        let (heat, foundation_temperature): (Arc<dyn HeatLaw>, Field) = match raw.heat {
-            raw::Heat::None => (Arc::new(Insulated), Field::ZERO),
-            raw::Heat::Ramp { conductance, width, foundation_temperature, truncation } => {
-                (Arc::new(Ramp { conductance, width, truncation }), self.field("contact.heat.foundation_temperature", &foundation_temperature, &points))
-            }
-        };
-        Contact {
-            gap: self.field("contact.gap", &raw.gap, &points),
-            quadrature: match raw.quadrature {
-                raw::Quadrature::Nodal => Quadrature::Nodal,
-                raw::Quadrature::Gauss => Quadrature::Gauss,
-            },
-            normal: Arc::new(Compliance { stiffness }),
-            friction,
-            heat,
-            foundation_temperature,
-            on: raw.on,
-        }
     }
 
     fn exact(&mut self, raw: &raw::Exact, points: &[Point]) -> Exact {

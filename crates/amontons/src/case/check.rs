@@ -166,7 +166,7 @@ impl<'s> Walk<'s> {
         let meant = nearest(key, &absent).or_else(|| nearest(key, &keys)).or_else(|| synonym(key, &keys));
         let hint = match meant {
             Some(meant) => Some(format!("did you mean `{meant}`?")),
-            None => self.home_of(key),
+            None => self.home_of(key, &at),
         };
         let expected = match keys.as_slice() {
             [] => "no key here".to_owned(),
@@ -178,9 +178,13 @@ impl<'s> Walk<'s> {
         meant
     }
 
-    /// Where a key belongs that stands in the wrong table.
-    fn home_of(&self, key: &str) -> Option<String> {
+    /// Where a key belongs that stands in the wrong table: in this one with another law, if there is one, or elsewhere.
+    fn home_of(&self, key: &str, at: &Path) -> Option<String> {
         let homes = self.all.homes(key);
+        let table = at.to_string();
+        let here: Vec<String> = table.rsplit_once('.').map(|(table, _)| format!("[{table}] ")).into_iter().collect();
+        let near: Vec<String> = homes.iter().filter(|home| here.iter().any(|here| home.starts_with(here.as_str()))).cloned().collect();
+        let homes = if near.is_empty() { homes } else { near };
         (!homes.is_empty()).then(|| format!("`{key}` belongs to {}", homes.join(" or ")))
     }
 }

@@ -17,6 +17,7 @@
 
 mod build;
 mod check;
+mod contact;
 mod data;
 mod fault;
 mod files;

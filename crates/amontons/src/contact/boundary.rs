@@ -36,6 +36,8 @@ pub struct Contact {
     pub heat: Arc<dyn HeatLaw>,
     /// θ_F in K.
     pub foundation_temperature: Field,
+    /// v_F in m/s, one field a component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
+    pub foundation_velocity: Vec<Field>,
 }
 
 /// A point of Γ_C at which the laws are evaluated.

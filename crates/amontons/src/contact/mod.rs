@@ -8,11 +8,15 @@ mod boundary;
 mod friction;
 mod heat;
 mod normal;
+mod table;
 
 pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature};
-pub use friction::{Bound, Coulomb, FrictionLaw, Frictionless};
-pub use heat::{Flux, HeatLaw, Insulated, Ramp};
-pub use normal::{Compliance, NormalLaw, ValueSlope};
+pub use friction::{Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable};
+pub use heat::{Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum};
+pub use normal::{
+    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable, PressureTableFault, Signorini, Softening, Stop,
+};
+pub use table::{PiecewiseLinear, TableFault};
 
 #[cfg(test)]
 pub(crate) use {friction::samples as friction_samples, heat::samples as heat_samples, normal::samples as normal_samples};
@@ -24,10 +28,12 @@ pub struct ContactPoint {
     pub x: crate::tensor::Point,
     /// Penetration r = u_ν − g in m; negative where the gap is open.
     pub penetration: f64,
-    /// Pressure p = −σ_ν in Pa.
+    /// Pressure p = −σ_ν in Pa; friction sees its part that presses, or |p| where contact is bilateral.
     pub pressure: f64,
-    /// Slip speed ‖u̇_τ‖ in m/s.
+    /// Slip speed ‖w_τ‖ against the foundation in m/s; friction sees zero where the point sticks.
     pub slip_speed: f64,
+    /// Power of friction q·w_τ in W/m²; heat laws see it.
+    pub friction_power: f64,
     /// Temperature θ of the body in K.
     pub temperature: f64,
     /// Temperature θ_F of the foundation in K.
@@ -37,9 +43,9 @@ pub struct ContactPoint {
 /// State of a point of Γ_C.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Status {
-    /// No pressure.
+    /// No pressure and no friction bound.
     Open,
-    /// Pressure, and a friction traction inside the cone: no slip.
+    /// A friction traction inside the cone: no slip.
     Stick,
     /// Pressure, and a friction traction at its bound.
     Slip,

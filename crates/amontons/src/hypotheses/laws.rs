@@ -169,7 +169,7 @@ struct Test<'a> {
 impl Test<'_> {
     /// What a law sees at a penetration, the pressure that of the normal law; without one of a single value, none.
     fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
-        let pressure = self.contact.normal.lipschitz().map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0).value);
+        let pressure = self.contact.normal.lipschitz().map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0, 0.0).value);
         ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }
     }
 

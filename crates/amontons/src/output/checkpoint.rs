@@ -5,7 +5,7 @@
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 2 |
+//! | 4 | version of the format, little-endian, now 4 |
 //! | 32 | SHA-256 of the fingerprint of the case: its text, and what the files hold that it refers to |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
@@ -28,7 +28,7 @@ use crate::tensor::Point;
 /// Where the newest checkpoint is in a results folder.
 pub(super) const FILE: &str = "checkpoint/state.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -98,7 +98,9 @@ struct Body {
     u: Vec<f64>,
     w: Vec<f64>,
     theta: Vec<f64>,
+    p: Vec<f64>,
     q: Vec<Point>,
+    sticks: Vec<bool>,
     branches: Vec<Vec<f64>>,
     ledger: Ledger,
     counts: Counts,
@@ -169,7 +171,9 @@ impl Body {
             u: state.u,
             w: state.w,
             theta: state.theta,
+            p: state.multipliers.p,
             q: state.multipliers.q,
+            sticks: state.multipliers.sticks,
             branches: state.branches,
             ledger: state.ledger,
             counts: state.counts,
@@ -209,7 +213,7 @@ impl Body {
             u: self.u,
             w: self.w,
             theta: self.theta,
-            multipliers: Multipliers { q: self.q },
+            multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
             ledger: self.ledger,
             counts: self.counts,

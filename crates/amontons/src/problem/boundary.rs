@@ -1,6 +1,7 @@
 //! What holds on the parts of the boundary, contact apart, and which of it excludes what.
 
 use super::{Fault, Problem};
+use crate::contact::{GraphKind, Quadrature};
 use crate::element::Table;
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -177,6 +178,13 @@ impl Problem {
 
     /// Sides exist, are named once, and bear no two conditions that exclude each other.
     pub(super) fn check_boundary(&self, faults: &mut Vec<Fault>) {
+        if let Some(contact) = &self.contact
+            && contact.normal.graph() != GraphKind::Function
+            && contact.quadrature == Quadrature::Gauss
+        {
+            let hint = "more points than nodes have no unique pressures";
+            faults.push(Fault::new("contact.quadrature", "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
+        }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
             if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {

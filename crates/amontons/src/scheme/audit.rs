@@ -4,6 +4,7 @@ use super::Ledger;
 use super::heat::Heat;
 use super::mechanics::Mechanics;
 use super::system::{Step, difference, vector_at};
+use crate::contact::GraphKind;
 use crate::linalg::dot;
 use crate::tensor;
 
@@ -18,20 +19,27 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
     let thermal_work = k * dot(&m.w, &m.thermal);
     let mut load_work = k * dot(&m.w, &m.load) + m.support_work;
-    let (mut friction, mut contact_energy, mut pressing) = (0.0, 0.0, 0.0);
+    let (mut friction, mut contact_energy, mut pressing, mut damping) = (0.0, 0.0, 0.0, 0.0);
     if let Some(contact) = &problem.contact {
-        let old_gap = discrete.at_contact(&contact.gap, old.t);
         for (i, (point, state)) in discrete.boundary.points.iter().zip(&m.states).enumerate() {
             friction += k * point.weight * tensor::dot(&state.q, &state.slip);
             contact_energy += point.weight * contact.normal.potential(&point.x, state.penetration);
             let w_nu = tensor::dot(&vector_at(discrete, point, &m.w), &point.normal);
-            pressing += k * point.weight * state.pressure * w_nu;
+            let (gap_rate, weight) = (m.given.gap_rate[i], k * point.weight);
+            pressing += weight * state.pressure * (w_nu - gap_rate);
+            if contact.normal.graph() == GraphKind::Function {
+                // What the pressure has beyond that at rest dissipates.
+                damping += weight * (state.pressure - contact.normal.pressure(&point.x, state.penetration, 0.0, 0.0).value) * (w_nu - gap_rate);
+            }
             // A foundation that moves does work on the body.
-            load_work -= point.weight * state.pressure * (m.given.gap[i] - old_gap[i]);
+            load_work -= weight * state.pressure * gap_rate;
+            if let Some(v_f) = m.given.foundation_velocity.get(i) {
+                load_work -= weight * tensor::dot(&state.q, v_f);
+            }
         }
     }
-    let gap_work = load_work - (k * dot(&m.w, &m.load) + m.support_work);
-    let compliance_scheme = pressing + gap_work - (contact_energy - before.contact_energy);
+    let viscous = viscous + damping;
+    let compliance_scheme = pressing - damping - (contact_energy - before.contact_energy);
     let scheme = inertial + elastic_scheme + compliance_scheme;
     let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + scheme
         - load_work

@@ -12,7 +12,7 @@ use super::{Contraction, CouplingReport, StepError};
 use crate::linalg::{Entry, PointTangent, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
-use crate::tensor::{self, length};
+use crate::tensor::{self, Point, length};
 
 /// Defect of the coupling, relative to the largest term of the equations, at which an iteration ends.
 const COUPLED: f64 = 1e-12;
@@ -262,21 +262,18 @@ struct Tangent {
     mechanics: Vec<Entry>,
     points: Vec<PointTangent>,
     heat: Vec<Entry>,
-    /// ∂(q·ν) in r, p and ‖w_τ‖, with the direction of slip and ν, at each contact point.
-    fluxes: Vec<[f64; 3]>,
-    slips: Vec<[f64; 3]>,
+    /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q and the slip at each contact point.
+    fluxes: Vec<[f64; 4]>,
+    friction: Vec<[Point; 2]>,
 }
 
 impl Tangent {
     fn new(coupled: &Coupled, pass: &Pass) -> Tangent {
         let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
         let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
-        let fluxes = pass.heat.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed]).collect();
-        let slips = pass.mechanics.states.iter().map(|state| {
-            let speed = length(&state.slip);
-            state.slip.map(|c| if speed > 0.0 { c / speed } else { 0.0 })
-        });
-        Tangent { mechanics, points, heat, fluxes, slips: slips.collect() }
+        let fluxes = pass.heat.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power]).collect();
+        let friction = pass.mechanics.states.iter().map(|state| [state.q, state.slip]).collect();
+        Tangent { mechanics, points, heat, fluxes, friction }
     }
 
     /// δθ − Φ′ δθ.
@@ -290,10 +287,13 @@ impl Tangent {
             .map(|(i, point)| {
                 let v = vector_at(discrete, point, &w);
                 let force: [f64; 3] = std::array::from_fn(|c| tensor::dot(&self.points[i][c], &v));
-                let [by_penetration, by_pressure, by_slip_speed] = self.fluxes[i];
-                by_penetration * k * tensor::dot(&v, &point.normal)
-                    + by_pressure * tensor::dot(&force, &point.normal)
-                    + by_slip_speed * tensor::dot(&v, &self.slips[i])
+                let [by_penetration, by_pressure, by_slip_speed, by_friction_power] = self.fluxes[i];
+                let [q, slip] = &self.friction[i];
+                let (w_nu, pressure, speed) = (tensor::dot(&v, &point.normal), tensor::dot(&force, &point.normal), length(slip));
+                let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
+                // q and the slip are tangential.
+                let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
+                by_penetration * k * w_nu + by_pressure * pressure + by_slip_speed * in_speed + by_friction_power * power
             })
             .collect();
         let chi = on_nodes(&coupled.step, &chi);

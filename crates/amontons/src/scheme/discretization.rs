@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::contact::ContactBoundary;
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
 use crate::field::Field;
 use crate::forms::{self, Dilatation};
 use crate::linalg::{BlockMatrix, Graph, dot, mechanical_products};
@@ -10,7 +10,7 @@ use crate::material::{self, Material, TensorLaw};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
-use crate::tensor::{Sym, SymMap};
+use crate::tensor::{self, Point, Sym, SymMap};
 
 /// Everything about the discrete problem that does not change with time.
 #[derive(Debug)]
@@ -277,6 +277,21 @@ impl Discretization {
     pub fn at_contact(&self, field: &Field, t: f64) -> Vec<f64> {
         let points: Vec<_> = self.boundary.points.iter().map(|p| p.x).collect();
         field.values(&points, t)
+    }
+
+    /// The tangential velocity of the foundation at the contact points; empty where it is at rest.
+    #[must_use]
+    pub fn foundation_velocity(&self, contact: &Contact, t: f64) -> Vec<Point> {
+        if contact.foundation_velocity.is_empty() {
+            return Vec::new();
+        }
+        let components: Vec<Vec<f64>> = contact.foundation_velocity.iter().map(|field| self.at_contact(field, t)).collect();
+        let tangential = |(i, point): (usize, &PointOnBoundary)| -> Point {
+            let v: Point = std::array::from_fn(|c| components.get(c).map_or(0.0, |values| values[i]));
+            let normal = tensor::dot(&v, &point.normal);
+            std::array::from_fn(|c| v[c] - normal * point.normal[c])
+        };
+        self.boundary.points.iter().enumerate().map(tangential).collect()
     }
 
     /// ‖v‖ in H or L², and ‖ε(v)‖ where `strain` holds the form (ε(·), ε(·)).

@@ -91,7 +91,13 @@ impl Scheme for BackwardEuler {
             heat_turned_over: heat_content.abs(),
             ..Ledger::default()
         };
-        let multipliers = Multipliers { q: vec![[0.0; 3]; self.discrete.boundary.points.len()] };
+        let belt = self.problem.contact.as_ref().map_or(Vec::new(), |c| self.discrete.foundation_velocity(c, 0.0));
+        let at_rest = self.discrete.boundary.points.iter().enumerate().map(|(i, point)| {
+            let (v, v_f) = (vector_at(&self.discrete, point, &w), belt.get(i).copied().unwrap_or_default());
+            let normal = tensor::dot(&v, &point.normal);
+            (0..3).all(|c| v[c] - normal * point.normal[c] - v_f[c] == 0.0)
+        });
+        let multipliers = Multipliers::free(at_rest.collect());
         Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, ledger, counts: Counts::default() })
     }
 

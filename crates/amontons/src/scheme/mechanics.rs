@@ -2,7 +2,7 @@
 
 use super::Discretization;
 use super::StepError;
-use super::system::{ACCEPTED, REFINE, Step, System, at_nodes};
+use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, scalars_at};
 use crate::linalg::{Entry, MechanicalStep, Multipliers, PointState, PointTangent, max_abs};
 use crate::tensor::Point;
 
@@ -41,11 +41,31 @@ pub(super) struct Mechanics {
 pub(super) struct Given {
     u_old: Vec<f64>,
     w_prescribed: Vec<f64>,
-    /// g(t_n) at the contact points, m.
+    /// g(t_n) at the contact points in m, and its mean rate in the step, m/s.
     pub gap: Vec<f64>,
+    pub gap_rate: Vec<f64>,
+    /// Tangential v_F(t_n) at the contact points, m/s; empty for a foundation at rest.
+    pub foundation_velocity: Vec<Point>,
+    /// The temperature that the half-step is made with, at the contact points.
+    temperature: Vec<f64>,
 }
 
 impl Given {
+    /// At the prescribed values in `w`; without a temperature.
+    fn new(step: &Step, w: &[f64]) -> Given {
+        let Step { problem, discrete, old, t, .. } = *step;
+        let gap_at = |t: f64| problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));
+        let (gap, gap_old) = (gap_at(t), gap_at(old.t));
+        Given {
+            u_old: at_nodes(discrete, discrete.mesh.dim, &old.u),
+            w_prescribed: at_nodes(discrete, discrete.mesh.dim, w),
+            gap_rate: gap.iter().zip(&gap_old).map(|(new, old)| (new - old) / problem.k()).collect(),
+            gap,
+            foundation_velocity: problem.contact.as_ref().map_or(Vec::new(), |c| discrete.foundation_velocity(c, t)),
+            temperature: Vec::new(),
+        }
+    }
+
     /// The problem on Γ_C; none without contact.
     fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
         Some(MechanicalStep {
@@ -57,6 +77,9 @@ impl Given {
             u_old: &self.u_old,
             w_prescribed: &self.w_prescribed,
             gap: &self.gap,
+            gap_rate: &self.gap_rate,
+            foundation_velocity: &self.foundation_velocity,
+            temperature: &self.temperature,
         })
     }
 
@@ -82,7 +105,8 @@ impl Mechanics {
     pub fn solve(step: &Step, system: &mut System, theta: &[f64], from: Option<&Mechanics>) -> Result<Mechanics, StepError> {
         let discrete = step.discrete;
         let thermal = discrete.m.apply(theta);
-        let Begun { mut now, load, given } = from.map_or_else(|| Begun::new(step), Begun::from);
+        let Begun { mut now, load, mut given } = from.map_or_else(|| Begun::new(step), Begun::from);
+        given.temperature = scalars_at(discrete, theta);
         let (mut newton, mut sweeps, mut passes) = (0, 0, 0);
         let mut previous = f64::INFINITY;
         let mut is_stale = !discrete.is_linear();
@@ -116,8 +140,7 @@ impl Mechanics {
             while !discrete.is_linear() && next.residual > previous && alpha >= SHORTEST_STEP {
                 let part = |old: f64, new: f64| old + alpha * (new - old);
                 let w = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
-                let q = now.multipliers.q.iter().zip(&next.iterate.multipliers.q).map(|(old, new)| std::array::from_fn(|c| part(old[c], new[c])));
-                let shorter = evaluate(w, Multipliers { q: q.collect() })?;
+                let shorter = evaluate(w, now.multipliers.towards(&next.iterate.multipliers, alpha))?;
                 if shorter.residual < next.residual {
                     next = shorter;
                 }
@@ -228,16 +251,15 @@ struct Begun {
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − u_{n−1})/k.
     fn new(step: &Step) -> Begun {
-        let Step { problem, discrete, old, products, t, .. } = *step;
-        let k = problem.k();
+        let Step { discrete, old, products, t, .. } = *step;
+        let k = step.problem.k();
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
         discrete.v.prescribe(t, &mut w);
         for (i, w) in w.iter_mut().enumerate() {
             *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / k };
         }
-        let gap = problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));
-        let given = Given { u_old: at_nodes(discrete, discrete.mesh.dim, &old.u), w_prescribed: at_nodes(discrete, discrete.mesh.dim, &w), gap };
+        let given = Given::new(step, &w);
         let multipliers = old.multipliers.clone();
         let now = if discrete.is_linear() && w == old.w {
             // a(u_{n−1} + k w_{n−1}, ·) without another product.

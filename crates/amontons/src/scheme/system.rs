@@ -206,6 +206,12 @@ pub(super) fn at_nodes(discrete: &Discretization, components: usize, values: &[f
     discrete.boundary.nodes.iter().flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components]).copied().collect()
 }
 
+/// Values at the contact points of a scalar at the nodes.
+pub(super) fn scalars_at(discrete: &Discretization, values: &[f64]) -> Vec<f64> {
+    let boundary = &discrete.boundary;
+    boundary.points.iter().map(|point| point.nodes.iter().map(|&(node, value)| value * values[boundary.nodes[node] as usize]).sum()).collect()
+}
+
 /// The vector of a field over all degrees of freedom at a contact point.
 pub(super) fn vector_at(discrete: &Discretization, point: &PointOnBoundary, values: &[f64]) -> Point {
     let mut v = [0.0; 3];

@@ -4,6 +4,8 @@
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};
+use amontons::problem::Problem;
+use amontons::scheme::{BackwardEuler, Scheme, State};
 
 /// A file of the repository.
 pub fn file(path: &str) -> PathBuf {
@@ -59,4 +61,26 @@ pub fn spoil(text: &str, old: &str, new: &str) -> String {
 pub fn told(source: &Source, overrides: &[&str]) -> String {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     case::parse(source, &overrides).map_or_else(|error| error.to_string(), |_| "no fault".to_owned())
+}
+
+/// A random state in the plane, smooth or rough, with sizes over four orders of magnitude.
+pub fn disturb(state: &mut State, problem: &Problem, scheme: &BackwardEuler, random: &mut Random, smooth: bool) {
+    let size = [-2.5, -1.0, 1.0].map(|centre: f64| 10f64.powf(centre + 2.0 * random.number()));
+    let wave = [0; 4].map(|_: i32| 20.0 * random.number());
+    for (i, p) in problem.mesh.points.iter().enumerate() {
+        for c in 0..2 {
+            let dof = 2 * i + c;
+            if scheme.discretization().v.free[dof] {
+                let phase = c as f64;
+                state.u[dof] = size[0] * if smooth { (wave[0] * p[0] + wave[1] * p[1] + phase).sin() } else { random.number() };
+                state.w[dof] = size[1] * if smooth { (wave[2] * p[0] + wave[3] * p[1] + phase).cos() } else { random.number() };
+            }
+        }
+        if scheme.discretization().q.free[i] {
+            state.theta[i] = size[2] * random.number();
+        }
+    }
+    for q in &mut state.multipliers.q {
+        q[0] = 10.0 * random.number();
+    }
 }

@@ -18,7 +18,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::case) use boundary::{Boundary, Support};
-pub(in crate::case) use contact::{Contact, Friction, Heat, Normal, Quadrature};
+pub(in crate::case) use contact::{Contact, Friction, HeatTerm, Normal, Quadrature};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
 pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Material, Orientation, Region, StressState, Tensor, Viscosity};
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};

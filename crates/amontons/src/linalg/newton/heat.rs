@@ -1,11 +1,11 @@
 //! The heat step on Γ_C.
 
-use super::mechanical::PointState;
+use super::point::PointState;
 use super::{ITERATIONS, NotConverged, Solved, TOLERANCE};
 use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, PointOnBoundary};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::sparse::max_abs;
-use crate::tensor::length;
+use crate::tensor::{dot, length};
 
 /// What is known of a heat step on Γ_C before it is solved.
 pub struct HeatStep<'a> {
@@ -44,6 +44,7 @@ impl HeatStep<'_> {
                     penetration: state.penetration,
                     pressure: state.pressure,
                     slip_speed: length(&state.slip),
+                    friction_power: dot(&state.q, &state.slip),
                     temperature,
                     foundation_temperature: self.foundation[i],
                 };

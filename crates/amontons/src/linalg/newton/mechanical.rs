@@ -1,7 +1,8 @@
 //! The mechanical step on Γ_C.
 
+use super::point::{Kinematics, Local, Multiplier, PointState, PointTangent};
 use super::{ITERATIONS, NotConverged, SHORTEST_STEP, Solved, TOLERANCE};
-use crate::contact::{Bound, Contact, ContactBoundary, ContactPoint, PointOnBoundary, Status};
+use crate::contact::{Contact, ContactBoundary, GraphKind, PointOnBoundary, Status};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::sparse::max_abs;
 use crate::tensor::{Point, dot, length};
@@ -10,15 +11,38 @@ use crate::tensor::{Point, dot, length};
 const LEAPS: usize = 8;
 /// Iterations after which proximal steps have failed too.
 const APPROACH: usize = 20 * ITERATIONS;
-/// Stiffness of a stuck point over ρ. The error of one iteration is of the order of its inverse and
-/// vanishes with the iterations, because each starts from the multiplier of the one before.
-const STICK: f64 = (1u64 << 27) as f64;
-
 /// State of the contact points that a step starts from and ends with.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Multipliers {
+    /// Pressure p at each contact point in Pa, where the normal law is no function; else zero.
+    pub p: Vec<f64>,
     /// q = −σ_τ at each contact point, Pa.
     pub q: Vec<Point>,
+    /// Whether the point sticks: a bound that drops when slip starts is the static one there.
+    pub sticks: Vec<bool>,
+}
+
+impl Multipliers {
+    /// Without forces; `sticks` says which points are at rest against the foundation.
+    #[must_use]
+    pub fn free(sticks: Vec<bool>) -> Multipliers {
+        Multipliers { p: vec![0.0; sticks.len()], q: vec![[0.0; 3]; sticks.len()], sticks }
+    }
+
+    /// The multipliers a part α of the way to others, on the branches of those.
+    #[must_use]
+    pub fn towards(&self, other: &Multipliers, alpha: f64) -> Multipliers {
+        let part = |a: f64, b: f64| a + alpha * (b - a);
+        Multipliers {
+            p: self.p.iter().zip(&other.p).map(|(a, b)| part(*a, *b)).collect(),
+            q: self.q.iter().zip(&other.q).map(|(a, b)| std::array::from_fn(|c| part(a[c], b[c]))).collect(),
+            sticks: other.sticks.clone(),
+        }
+    }
+
+    fn at(&self, i: usize) -> Multiplier {
+        Multiplier { p: self.p[i], q: self.q[i], sticks: self.sticks[i] }
+    }
 }
 
 /// What is known of a mechanical step on Γ_C before it is solved.
@@ -39,39 +63,12 @@ pub struct MechanicalStep<'a> {
     pub w_prescribed: &'a [f64],
     /// g(t_n) at the contact points, m.
     pub gap: &'a [f64],
-}
-
-/// State of one contact point.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PointState {
-    /// Penetration r = u_ν − g in m.
-    pub penetration: f64,
-    /// Pressure p in Pa.
-    pub pressure: f64,
-    /// Friction bound s in Pa.
-    pub bound: f64,
-    /// q = −σ_τ in Pa.
-    pub q: Point,
-    /// Slip velocity w_τ in m/s.
-    pub slip: Point,
-    /// Open, stick or slip.
-    pub status: Status,
-}
-
-/// Derivative of the force p ν + q on the foundation in the velocity at a contact point, Pa s/m, rows the force.
-pub type PointTangent = [[f64; 3]; 3];
-
-/// A point with the state that its law sees and its linearisation.
-struct Local {
-    state: PointState,
-    /// Slope of the pressure in w_ν: k dp/dr.
-    p_slope: f64,
-    /// Derivatives of s with respect to w_ν and ‖w_τ‖.
-    s_normal: f64,
-    s_speed: f64,
-    /// z = q + ρ w_τ and its projection onto the disc of radius s.
-    z: Point,
-    projected: Point,
+    /// (g(t_n) − g(t_{n−1}))/k at the contact points, m/s.
+    pub gap_rate: &'a [f64],
+    /// v_F(t_n) at the contact points, m/s, tangential; empty for a foundation at rest.
+    pub foundation_velocity: &'a [Point],
+    /// Temperature of the body at the contact points that the step is made with, K.
+    pub temperature: &'a [f64],
 }
 
 impl MechanicalStep<'_> {
@@ -87,12 +84,15 @@ impl MechanicalStep<'_> {
         v
     }
 
-    fn local(&self, i: usize, w: &[f64], q: &Point, rho: f64) -> Local {
+    fn local(&self, i: usize, w: &[f64], multiplier: &Multiplier, rho: f64) -> Local {
         let point = &self.boundary.points[i];
         let v = self.velocity(point, w);
         let nu = &point.normal;
         let w_nu = dot(&v, nu);
-        let slip: Point = std::array::from_fn(|c| v[c] - w_nu * nu[c]);
+        let mut slip: Point = std::array::from_fn(|c| v[c] - w_nu * nu[c]);
+        if let Some(v_f) = self.foundation_velocity.get(i) {
+            slip = std::array::from_fn(|c| slip[c] - v_f[c]);
+        }
         let mut u_nu = 0.0;
         for &(node, value) in &point.nodes {
             for c in 0..self.dim {
@@ -100,27 +100,10 @@ impl MechanicalStep<'_> {
             }
         }
         let penetration = u_nu + self.k * w_nu - self.gap[i];
-        let p = self.contact.normal.pressure(&point.x, penetration, 0.0);
-        let slip_speed = length(&slip);
-        let at = ContactPoint { x: point.x, penetration, pressure: p.value, slip_speed, ..ContactPoint::default() };
-        let s = if p.value > 0.0 { self.contact.friction.bound(&at) } else { Bound::default() };
-        let z: Point = std::array::from_fn(|c| q[c] + rho * slip[c]);
-        let z_length = length(&z);
-        let stick = z_length <= s.value;
-        let projected = if stick { z } else { z.map(|c| c * (s.value / z_length)) };
-        let status = match (p.value > 0.0, stick) {
-            (false, _) => Status::Open,
-            (true, true) if s.value > 0.0 => Status::Stick,
-            _ => Status::Slip,
-        };
-        Local {
-            state: PointState { penetration, pressure: p.value, bound: s.value, q: *q, slip, status },
-            p_slope: self.k * p.slope,
-            s_normal: self.k * (s.by_penetration + s.by_pressure * p.slope),
-            s_speed: s.by_slip_speed,
-            z,
-            projected,
-        }
+        let rate = w_nu - self.gap_rate[i];
+        // That of r₊, so that the pressure does not jump where the gap closes within the step.
+        let rate = if penetration <= 0.0 { 0.0 } else { rate.min(penetration / self.k) };
+        Local::new(self.contact, point, self.k, &Kinematics { penetration, rate, slip, temperature: self.temperature[i] }, multiplier, rho)
     }
 
     /// The states of the contact points, the multipliers as they are.
@@ -128,10 +111,12 @@ impl MechanicalStep<'_> {
     pub fn states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
         (0..self.boundary.points.len())
             .map(|i| {
-                let mut state = self.local(i, w, &multipliers.q[i], 0.0).state;
-                if state.status != Status::Open {
+                let mut state = self.local(i, w, &multipliers.at(i), 0.0).state;
+                if state.bound > 0.0 {
                     // At the bound to round-off, and moving: slip.
-                    let at_bound = length(&state.q) >= state.bound * (1.0 - 1e-9);
+                    let q =
+                        self.contact.friction.cone(&self.boundary.points[i].x, &self.boundary.points[i].normal).map_or(state.q, |cone| cone.inverse(&state.q));
+                    let at_bound = length(&q) >= state.bound * (1.0 - 1e-9);
                     state.status = if at_bound { Status::Slip } else { Status::Stick };
                 }
                 state
@@ -175,20 +160,20 @@ impl MechanicalStep<'_> {
     /// When the iteration does not end; the multipliers are then as they were.
     pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64], multipliers: &mut Multipliers) -> Result<Solved, NotConverged> {
         let right = Right { r, guess, rho: self.rho(condensed), proximal: None };
-        let start = Iterate { w: guess.to_vec(), q: multipliers.q.clone() };
+        let start = Iterate { w: guess.to_vec(), multipliers: multipliers.clone() };
         let (end, iterations) = match self.iterate(condensed, &right, start) {
             Ok(done) => done,
-            Err(failed) => self.approach(condensed, right, &failed)?,
+            Err(failed) => self.approach(condensed, right, &failed, &multipliers.sticks)?,
         };
-        multipliers.q = end.q;
+        *multipliers = end.multipliers;
         Ok(Solved { x: end.w, iterations })
     }
 
     /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one
     /// solution when β is large; the anchor follows it, and β falls as the steps succeed.
-    fn approach(&self, condensed: &mut Condensed, mut right: Right, failed: &NotConverged) -> Result<(Iterate, usize), NotConverged> {
+    fn approach(&self, condensed: &mut Condensed, mut right: Right, failed: &NotConverged, sticks: &[bool]) -> Result<(Iterate, usize), NotConverged> {
         let mut iterations = failed.iterations;
-        let mut reached = Iterate { w: right.guess.to_vec(), q: vec![[0.0; 3]; self.boundary.points.len()] };
+        let mut reached = Iterate { w: right.guess.to_vec(), multipliers: Multipliers::free(sticks.to_vec()) };
         let mut beta = 1.0;
         while iterations < APPROACH {
             right.proximal = Some((beta, reached.w.clone()));
@@ -221,19 +206,19 @@ impl MechanicalStep<'_> {
         let mut leap = true;
         for iteration in 0..ITERATIONS {
             if now.converged() {
-                return Ok((now.at, iteration));
+                return Ok((self.settled(now), iteration));
             }
             let (mut entries, mut step) = self.linearise(right, &now);
             if let Some((beta, _)) = right.proximal {
                 entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.operator()[(i, i)])));
             }
             condensed.solve(&entries, &mut step);
-            let q_new = self.multipliers_after(right, &now, &step);
+            let after = self.multipliers_after(right, &now, &step);
             let mut alpha = 1.0;
             loop {
                 let w = now.at.w.iter().zip(&step).map(|(w, step)| w + alpha * step).collect();
-                let q = now.at.q.iter().zip(&q_new).map(|(a, b)| std::array::from_fn(|c| a[c] + alpha * (b[c] - a[c]))).collect();
-                let trial = self.evaluate(condensed, right, Iterate { w, q });
+                let multipliers = now.at.multipliers.towards(&after, alpha);
+                let trial = self.evaluate(condensed, right, Iterate { w, multipliers });
                 if trial.converged() || trial.merit < now.merit * (1.0 - 1e-4 * alpha) || (leap && trial.merit.is_finite()) {
                     now = trial;
                     leap = false;
@@ -254,8 +239,8 @@ impl MechanicalStep<'_> {
     }
 
     fn evaluate(&self, condensed: &Condensed, right: &Right, at: Iterate) -> Evaluation {
-        let Iterate { w, q } = &at;
-        let locals: Vec<Local> = (0..q.len()).map(|i| self.local(i, w, &q[i], right.rho[i])).collect();
+        let Iterate { w, multipliers } = &at;
+        let locals: Vec<Local> = (0..right.rho.len()).map(|i| self.local(i, w, &multipliers.at(i), right.rho[i])).collect();
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let inner = condensed.apply(&increment);
         let mut forces = vec![0.0; w.len()];
@@ -271,6 +256,9 @@ impl MechanicalStep<'_> {
         for (point, local) in self.boundary.points.iter().zip(&locals) {
             errors.extend((0..3).map(|c| point.weight * (local.state.q[c] - local.projected[c])));
         }
+        if self.contact.normal.graph() != GraphKind::Function {
+            errors.extend(self.boundary.points.iter().zip(&locals).map(|(point, local)| point.weight * (local.state.pressure - local.pressed)));
+        }
         let merit = errors.iter().map(|e| e * e).sum();
         let residual = max_abs(&errors);
         // w − guess and the penetration u_ν + k w_ν − g are differences of larger numbers.
@@ -284,7 +272,10 @@ impl MechanicalStep<'_> {
                 }
             }
             size += self.k * dot(&self.velocity(point, w), &point.normal).abs();
-            floor = floor.max(f64::EPSILON * point.weight * local.p_slope / self.k * size);
+            floor = floor.max(f64::EPSILON * point.weight * local.p_slope.abs() / self.k * size);
+            if let Some(v_f) = self.foundation_velocity.get(i) {
+                floor = floor.max(f64::EPSILON * point.weight * right.rho[i] * length(v_f));
+            }
         }
         Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
     }
@@ -293,7 +284,7 @@ impl MechanicalStep<'_> {
     pub fn tangent(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointTangent>) {
         let rho = self.rho(condensed);
         let points = self.boundary.points.iter().enumerate();
-        let tangents: Vec<PointTangent> = points.map(|(i, point)| self.local(i, w, &multipliers.q[i], rho[i]).linear(point, rho[i], self.dim).1).collect();
+        let tangents: Vec<PointTangent> = points.map(|(i, point)| self.local(i, w, &multipliers.at(i), rho[i]).linear(point, rho[i], self.dim).1).collect();
         (self.boundary.points.iter().zip(&tangents).flat_map(|(point, tangent)| self.entries(point, tangent)).collect(), tangents)
     }
 
@@ -334,74 +325,35 @@ impl MechanicalStep<'_> {
     }
 
     /// The multipliers of the linearised laws after the step δw.
-    fn multipliers_after(&self, right: &Right, now: &Evaluation, step: &[f64]) -> Vec<Point> {
-        self.boundary
-            .points
-            .iter()
-            .enumerate()
-            .map(|(i, point)| {
-                let local = &now.locals[i];
-                let (force, tangent) = local.linear(point, right.rho[i], self.dim);
-                let mut moved = [0.0; 3];
-                for &(node, value) in &point.nodes {
-                    for c in 0..self.dim {
-                        moved[c] += value * self.unknown[node * self.dim + c].map_or(0.0, |u| step[u as usize]);
-                    }
+    fn multipliers_after(&self, right: &Right, now: &Evaluation, step: &[f64]) -> Multipliers {
+        let is_function = self.contact.normal.graph() == GraphKind::Function;
+        let mut after = Multipliers::free(now.locals.iter().map(|local| local.sticks).collect());
+        for (i, point) in self.boundary.points.iter().enumerate() {
+            let (force, tangent) = now.locals[i].linear(point, right.rho[i], self.dim);
+            let mut moved = [0.0; 3];
+            for &(node, value) in &point.nodes {
+                for c in 0..self.dim {
+                    moved[c] += value * self.unknown[node * self.dim + c].map_or(0.0, |u| step[u as usize]);
                 }
-                let f: Point = std::array::from_fn(|c| force[c] + dot(&tangent[c], &moved));
-                let normal = dot(&f, &point.normal);
-                std::array::from_fn(|c| f[c] - normal * point.normal[c])
-            })
-            .collect()
+            }
+            let f: Point = std::array::from_fn(|c| force[c] + dot(&tangent[c], &moved));
+            let normal = dot(&f, &point.normal);
+            after.q[i] = std::array::from_fn(|c| f[c] - normal * point.normal[c]);
+            if !is_function {
+                after.p[i] = normal;
+            }
+        }
+        after
     }
-}
 
-impl Local {
-    /// Force p ν + q on the foundation and its derivative in the velocity, laws linearised.
-    fn linear(&self, point: &PointOnBoundary, rho: f64, dim: usize) -> (Point, PointTangent) {
-        let nu = &point.normal;
-        let state = &self.state;
-        let mut force: Point = std::array::from_fn(|c| state.pressure * nu[c]);
-        let mut tangent = [[0.0; 3]; 3];
-        for c in 0..dim {
-            for e in 0..dim {
-                tangent[c][e] = self.p_slope * nu[c] * nu[e];
-            }
+    /// An iterate that has converged: pressures on the graph itself, and the branches that were found.
+    fn settled(&self, end: Evaluation) -> Iterate {
+        let Evaluation { mut at, locals, .. } = end;
+        at.multipliers.sticks = locals.iter().map(|local| local.sticks).collect();
+        if self.contact.normal.graph() != GraphKind::Function {
+            at.multipliers.p = locals.iter().map(|local| local.pressed).collect();
         }
-        match state.status {
-            Status::Open => {}
-            Status::Stick => {
-                let stiffness = STICK * rho;
-                for c in 0..dim {
-                    force[c] += state.q[c] + stiffness * state.slip[c];
-                    for e in 0..dim {
-                        tangent[c][e] += stiffness * (f64::from(u8::from(c == e)) - nu[c] * nu[e]);
-                    }
-                }
-            }
-            Status::Slip if state.bound > 0.0 => {
-                let z_length = length(&self.z);
-                let n: Point = self.z.map(|c| c / z_length);
-                let speed = length(&state.slip);
-                // Across n the projection turns: δq = s/‖z‖ (δq + ρ δw) is solved for δq here.
-                let turn = (state.bound * rho / (z_length - state.bound)).min(STICK * rho);
-                let along = dot(&state.q, &n);
-                for c in 0..dim {
-                    let across = state.q[c] - along * n[c];
-                    let lag = (self.projected[c] - state.q[c]) - (state.bound - along) * n[c];
-                    force[c] += state.bound * n[c] + if dim > 2 { across + lag * z_length / (z_length - state.bound) } else { 0.0 };
-                    for e in 0..dim {
-                        let in_speed = if speed > 0.0 { self.s_speed * state.slip[e] / speed } else { 0.0 };
-                        tangent[c][e] += n[c] * (self.s_normal * nu[e] + in_speed);
-                        if dim > 2 {
-                            tangent[c][e] += turn * (f64::from(u8::from(c == e)) - nu[c] * nu[e] - n[c] * n[e]);
-                        }
-                    }
-                }
-            }
-            Status::Slip => {}
-        }
-        (force, tangent)
+        at
     }
 }
 
@@ -420,7 +372,7 @@ struct Right<'a> {
 #[derive(Clone)]
 struct Iterate {
     w: Vec<f64>,
-    q: Vec<Point>,
+    multipliers: Multipliers,
 }
 
 struct Evaluation {

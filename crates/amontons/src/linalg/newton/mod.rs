@@ -1,14 +1,15 @@
 //! Newton's method on the contact boundary.
 //!
 //! After condensation, a step is a small nonsmooth problem on Γ_C. In mechanics, with
-//! r = u_{n−1,ν} + k w_ν − g at each contact point,
+//! r = u_{n−1,ν} + k w_ν − g and the slip w_τ against the foundation at each contact point,
 //!
 //! ```text
-//!     S w + Σ ω Nᵀ (p ν + q) = r̂,      p = p_ν(r),      q = Π_{‖·‖ ≤ s}(q + ρ w_τ),  s = p_τ(r, p, ‖w_τ‖)
+//!     S w + Σ ω Nᵀ (p ν + q) = r̂,      p = J(r + λ p),      q = Π_{‖·‖ ≤ s}(q + ρ w_τ),  s = p_τ(r, p, ‖w_τ‖)
 //! ```
 //!
-//! Its semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated point by point
-//! needs linear systems in w only. ρ is the diagonal of S over the weight of the point, so decisions
+//! where J(z) solves p ∈ G(z − λ p, ṙ) for the graph G of the normal law. A function has λ = 0 and p = G(r, ṙ); Signorini's conditions
+//! have p = (r/λ + p)₊. The semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated point by point
+//! needs linear systems in w only. ρ is the diagonal of S over the weight of the point and λ = k/ρ, so decisions
 //! do not depend on units. In heat, S θ + Σ ω Nᵀ k_c φ_L(θ − θ_F) = r̂ is the same without q.
 //!
 //! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved
@@ -17,9 +18,11 @@
 
 mod heat;
 mod mechanical;
+mod point;
 
 pub use heat::HeatStep;
-pub use mechanical::{MechanicalStep, Multipliers, PointState, PointTangent};
+pub use mechanical::{MechanicalStep, Multipliers};
+pub use point::{PointState, PointTangent};
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.

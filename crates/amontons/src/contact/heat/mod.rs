@@ -1,10 +1,26 @@
-//! Heat exchange: laws for q·ν = k_c(u_ν − g) φ_L(θ − θ_F) of (2.10).
+//! Heat exchange: laws for q·ν of (2.10), one a file.
+
+mod frictional;
+mod gap;
+mod power;
+mod pressure;
+mod radiation;
+mod ramp;
+mod sum;
 
 use std::fmt::Debug;
 #[cfg(test)]
 use std::sync::Arc;
 
 use super::ContactPoint;
+
+pub use frictional::FrictionalHeat;
+pub use gap::GapConduction;
+pub use power::PowerConductance;
+pub use pressure::PressureConductance;
+pub use radiation::{Radiation, STEFAN_BOLTZMANN};
+pub use ramp::Ramp;
+pub use sum::Sum;
 
 /// A heat flux leaving the body, W/m², with its slopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -19,13 +35,15 @@ pub struct Flux {
     pub by_pressure: f64,
     /// ∂(q·ν)/∂‖w_τ‖, the slip speed, in W s/m³.
     pub by_slip_speed: f64,
+    /// ∂(q·ν)/∂(q·w_τ), the friction power.
+    pub by_friction_power: f64,
 }
 
 /// The heat flux from the body into the foundation, nondecreasing in θ.
 pub trait HeatLaw: Debug + Send + Sync {
     /// The flux at a point.
     fn flux(&self, at: &ContactPoint) -> Flux;
-    /// M_kc of (H7), the bound of the conductance in W/(m² K).
+    /// M_kc of (H7), the bound of the conductance in W/(m² K); infinite if there is none.
     fn conductance_bound(&self) -> f64;
     /// L_kc of (H7), the Lipschitz constant of the conductance in W/(m³ K); none if there is none.
     fn conductance_lipschitz(&self) -> Option<f64>;
@@ -51,44 +69,9 @@ impl HeatLaw for Insulated {
     }
 }
 
-/// The conductance of section 5: k_c(r) = k̄_c r/ε_c on [0, ε_c], k̄_c above, 0 below.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Ramp {
-    /// k̄_c in W/(m² K).
-    pub conductance: f64,
-    /// ε_c in m.
-    pub width: f64,
-    /// L of φ_L in K; without it φ_L(s) = s.
-    pub truncation: Option<f64>,
-}
-
-impl Ramp {
-    /// k_c(r) with a generalized derivative.
-    fn k_c(&self, r: f64) -> (f64, f64) {
-        let slope = if r > 0.0 && r < self.width { self.conductance / self.width } else { 0.0 };
-        (self.conductance * (r / self.width).clamp(0.0, 1.0), slope)
-    }
-}
-
-impl HeatLaw for Ramp {
-    fn flux(&self, at: &ContactPoint) -> Flux {
-        let k_c = self.k_c(at.penetration);
-        let phi = phi_l(at.temperature - at.foundation_temperature, self.truncation);
-        Flux { value: k_c.0 * phi.0, by_temperature: k_c.0 * phi.1, by_penetration: k_c.1 * phi.0, ..Flux::default() }
-    }
-    fn conductance_bound(&self) -> f64 {
-        self.conductance
-    }
-    fn conductance_lipschitz(&self) -> Option<f64> {
-        Some(self.conductance / self.width)
-    }
-    fn truncation(&self) -> Option<f64> {
-        self.truncation
-    }
-}
-
-/// φ_L(s) of (2.10) with a generalized derivative: s cut off at ±L.
-fn phi_l(s: f64, truncation: Option<f64>) -> (f64, f64) {
+/// φ_L(θ − θ_F) of (2.10) with a generalized derivative: the difference cut off at ±L.
+fn phi_l(at: &ContactPoint, truncation: Option<f64>) -> (f64, f64) {
+    let s = at.temperature - at.foundation_temperature;
     match truncation {
         Some(l) if s.abs() > l => (l * s.signum(), 0.0),
         _ => (s, 1.0),
@@ -98,9 +81,9 @@ fn phi_l(s: f64, truncation: Option<f64>) -> (f64, f64) {
 /// Sample laws, each with a penetration typical of it, for tests that hold for every law.
 #[cfg(test)]
 pub(crate) fn samples() -> Vec<(Arc<dyn HeatLaw>, f64)> {
-    vec![
-        (Arc::new(Insulated), 1e-4),
-        (Arc::new(Ramp { conductance: 1.0, width: 1e-5, truncation: None }), 1e-5),
-        (Arc::new(Ramp { conductance: 30.0, width: 0.5, truncation: Some(2.0) }), 0.5),
-    ]
+    let mut all: Vec<(Arc<dyn HeatLaw>, f64)> = vec![(Arc::new(Insulated), 1e-4)];
+    for samples in [ramp::samples, power::samples, pressure::samples, gap::samples, radiation::samples, frictional::samples, sum::samples] {
+        all.extend(samples());
+    }
+    all
 }

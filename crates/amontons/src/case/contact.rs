@@ -1,0 +1,145 @@
+//! `[contact]`: from the raw laws to those of the library.
+
+use std::sync::Arc;
+
+use super::build::{Build, side};
+use super::place::At;
+use super::raw;
+use crate::contact::{
+    Adhesion, Bilateral, Capped, Compliance, Contact, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley,
+    Insulated, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Quadrature, Radiation,
+    Ramp, Signorini, Softening, StaticKinetic, Stop, Sum, TableFault, Tabulated, Tresca, Variable,
+};
+use crate::field::Field;
+use crate::mesh::Mesh;
+
+impl Build<'_> {
+    pub fn contact(&mut self, raw: raw::Contact, mesh: &Mesh) -> Contact {
+        let points = side(mesh, &raw.on);
+        if !raw.foundation_velocity.is_empty() && raw.foundation_velocity.len() != self.dim {
+            self.wants_components("contact.foundation_velocity", raw.foundation_velocity.len());
+        }
+        let (terms, foundation_temperature) = raw.heat.terms();
+        let mut laws: Vec<Arc<dyn HeatLaw>> = terms.iter().map(heat).collect();
+        if raw.frictional_heat > 0.0 {
+            laws.push(Arc::new(FrictionalHeat { partition: raw.frictional_heat }));
+        }
+        let only = if laws.len() < 2 { laws.pop() } else { None };
+        let heat: Arc<dyn HeatLaw> = match only {
+            Some(law) => law,
+            None if laws.is_empty() => Arc::new(Insulated),
+            None => Arc::new(Sum { laws }),
+        };
+        Contact {
+            gap: self.field("contact.gap", &raw.gap, &points),
+            quadrature: match raw.quadrature {
+                raw::Quadrature::Nodal => Quadrature::Nodal,
+                raw::Quadrature::Gauss => Quadrature::Gauss,
+            },
+            normal: self.normal(raw.normal),
+            friction: self.friction(raw.friction),
+            heat,
+            foundation_temperature: foundation_temperature.map_or(Field::ZERO, |datum| self.field("contact.heat.foundation_temperature", &datum, &points)),
+            foundation_velocity: self.vector("contact.foundation_velocity", &raw.foundation_velocity, &points),
+            on: raw.on,
+        }
+    }
+
+    fn wants_components(&mut self, path: &str, found: usize) {
+        let expected = format!("{} components", self.dim);
+        self.note(path, At::Value, format!("{found} components"), expected, None);
+    }
+
+    fn normal(&mut self, raw: raw::Normal) -> Arc<dyn NormalLaw> {
+        match raw {
+            raw::Normal::Compliance { stiffness } => Arc::new(Compliance { stiffness }),
+            raw::Normal::Power { stiffness, exponent } => Arc::new(Power { stiffness, exponent }),
+            raw::Normal::Table { penetration, pressure } => match PressureTable::new(&penetration, &pressure) {
+                Ok(law) => Arc::new(law),
+                Err(fault) => {
+                    let key = match fault {
+                        PressureTableFault::Falls { .. } => "pressure",
+                        PressureTableFault::Start { .. } | PressureTableFault::Table(_) => "penetration",
+                    };
+                    self.fault(&format!("contact.normal.{key}"), &fault.to_string());
+                    Arc::new(Signorini)
+                }
+            },
+            raw::Normal::Stop { stiffness, depth } => Arc::new(Stop { stiffness, depth }),
+            raw::Normal::Signorini => Arc::new(Signorini),
+            raw::Normal::Bilateral => Arc::new(Bilateral),
+            raw::Normal::Damped { stiffness, damping } => Arc::new(Damped { stiffness, damping }),
+            raw::Normal::HuntCrossley { stiffness, exponent, damping } => Arc::new(HuntCrossley { stiffness, exponent, damping }),
+            raw::Normal::Softening { stiffness, peak, softening, residual } => {
+                if residual > peak {
+                    self.note("contact.normal.residual", At::Value, format!("{residual:?}"), format!("at most the peak, {peak:?}"), None);
+                }
+                Arc::new(Softening { stiffness, peak, softening, residual })
+            }
+            raw::Normal::Adhesion { stiffness, strength, release } => Arc::new(Adhesion { stiffness, strength, release }),
+        }
+    }
+
+    /// What a table says of itself: `found`, expected `expected`.
+    fn fault(&mut self, path: &str, message: &str) {
+        let (found, expected) = message.split_once(", expected ").unwrap_or((message, "as many"));
+        self.note(path, At::Value, found, expected, None);
+    }
+
+    fn friction(&mut self, raw: raw::Friction) -> Arc<dyn FrictionLaw> {
+        let (law, cap): (Arc<dyn FrictionLaw>, Option<f64>) = match raw {
+            raw::Friction::None => (Arc::new(Frictionless), None),
+            raw::Friction::Coulomb { coefficient, cap } => (Arc::new(Coulomb { coefficient }), cap),
+            raw::Friction::Tresca { bound } => (Arc::new(Tresca { bound }), None),
+            raw::Friction::StaticKinetic { at_rest, kinetic, decay_speed, cap } => {
+                if at_rest < kinetic {
+                    let expected = format!("at least the kinetic coefficient, {kinetic:?}");
+                    self.note("contact.friction.static", At::Value, format!("{at_rest:?}"), expected, None);
+                }
+                (Arc::new(StaticKinetic { at_rest, kinetic, decay_speed }), cap)
+            }
+            raw::Friction::SlipRate { speed, coefficient, cap } => (self.tabulated(Variable::SlipSpeed, "speed", &speed, &coefficient), cap),
+            raw::Friction::Temperature { temperature, coefficient, cap } => {
+                (self.tabulated(Variable::Temperature, "temperature", &temperature, &coefficient), cap)
+            }
+            raw::Friction::Pressure { pressure, coefficient, cap } => (self.tabulated(Variable::Pressure, "pressure", &pressure, &coefficient), cap),
+            raw::Friction::Orthotropic { coefficients, direction } => {
+                if direction.len() != self.dim {
+                    self.wants_components("contact.friction.direction", direction.len());
+                } else if direction.iter().all(|c| *c == 0.0) {
+                    self.note("contact.friction.direction", At::Value, "zero", "a direction", None);
+                }
+                if let Some(i) = coefficients.iter().position(|c| *c <= 0.0) {
+                    self.note(&format!("contact.friction.coefficients[{i}]"), At::Value, format!("{:?}", coefficients[i]), "a positive number", None);
+                }
+                let direction = std::array::from_fn(|c| direction.get(c).copied().unwrap_or(0.0));
+                (Arc::new(Orthotropic { coefficients, direction }), None)
+            }
+        };
+        match cap {
+            Some(cap) => Arc::new(Capped { law, cap }),
+            None => law,
+        }
+    }
+
+    fn tabulated(&mut self, variable: Variable, key: &str, arguments: &[f64], values: &[f64]) -> Arc<dyn FrictionLaw> {
+        match PiecewiseLinear::new(arguments, values) {
+            Ok(coefficient) => Arc::new(Tabulated { variable, coefficient }),
+            Err(fault) => {
+                let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { key };
+                self.fault(&format!("contact.friction.{key}"), &fault.to_string());
+                Arc::new(Frictionless)
+            }
+        }
+    }
+}
+
+fn heat(raw: &raw::HeatTerm) -> Arc<dyn HeatLaw> {
+    match *raw {
+        raw::HeatTerm::Ramp { conductance, width, truncation } => Arc::new(Ramp { conductance, width, truncation }),
+        raw::HeatTerm::Power { coefficient, exponent, truncation } => Arc::new(PowerConductance { coefficient, exponent, truncation }),
+        raw::HeatTerm::Pressure { coefficient, exponent, truncation } => Arc::new(PressureConductance { coefficient, exponent, truncation }),
+        raw::HeatTerm::Gap { conductivity, roughness, truncation } => Arc::new(GapConduction { conductivity, roughness, truncation }),
+        raw::HeatTerm::Radiation { emissivity, absolute_zero, constant } => Arc::new(Radiation { emissivity, constant, absolute_zero }),
+    }
+}

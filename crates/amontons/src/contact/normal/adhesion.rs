@@ -1,0 +1,50 @@
+//! Adhesion: a layer that pulls up to a bound and is then released.
+//!
+//! Source: P. D. Panagiotopoulos, "Hemivariational Inequalities", Springer (1993), section 1.4: reversible, without damage.
+
+use super::{NormalLaw, Pressure};
+use crate::tensor::Point;
+
+/// p = c r where r ≥ −δ₀, δ₀ = strength/c; where the gap is wider the tension falls to zero, linearly over the length `release`.
+/// Without such a length it vanishes at once.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Adhesion {
+    /// c > 0 in Pa/m.
+    pub stiffness: f64,
+    /// Largest tension in Pa.
+    pub strength: f64,
+    /// Further opening in m over which the tension falls to zero, ≥ 0.
+    pub release: f64,
+}
+
+impl NormalLaw for Adhesion {
+    fn pressure(&self, _x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
+        let bond = self.strength / self.stiffness;
+        let (value, slope) = if z >= -bond {
+            (self.stiffness * z, self.stiffness)
+        } else if z > -bond - self.release {
+            let slope = self.strength / self.release;
+            (-slope * (z + bond + self.release), -slope)
+        } else {
+            (0.0, 0.0)
+        };
+        Pressure { value, slope, by_rate: 0.0 }
+    }
+    fn potential(&self, _x: &Point, r: f64) -> f64 {
+        let bond = self.strength / self.stiffness;
+        let (held, left) = (r.max(-bond), (r + bond + self.release).max(0.0));
+        let released = if r < -bond && self.release > 0.0 { 0.5 * self.strength * (self.release - left * left / self.release) } else { 0.0 };
+        0.5 * self.stiffness * held * held + released
+    }
+    fn lipschitz(&self) -> Option<f64> {
+        (self.strength == 0.0 || self.release > 0.0).then(|| self.stiffness.max(self.strength / self.release.max(f64::MIN_POSITIVE)))
+    }
+}
+
+#[cfg(test)]
+pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
+    vec![
+        (std::sync::Arc::new(Adhesion { stiffness: 1e4, strength: 1.0, release: 1e-4 }), 2e-4),
+        (std::sync::Arc::new(Adhesion { stiffness: 1e4, strength: 1.0, release: 0.0 }), 2e-4),
+    ]
+}

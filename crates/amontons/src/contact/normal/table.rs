@@ -1,0 +1,98 @@
+//! A pressure measured at several penetrations.
+
+use super::{NormalLaw, Pressure};
+use crate::contact::{PiecewiseLinear, TableFault};
+use crate::tensor::Point;
+
+/// p linear between the points of a table that starts at (0, 0) and does not fall; beyond the last point its last piece goes on.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PressureTable {
+    /// p in Pa at r in m.
+    table: PiecewiseLinear,
+}
+
+/// Why a table is no law for the pressure.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum PressureTableFault {
+    /// It is no function.
+    #[error(transparent)]
+    Table(#[from] TableFault),
+    /// It does not start at (0, 0).
+    #[error("a pressure of {pressure:?} at the penetration {penetration:?} at the beginning, expected 0 at 0")]
+    Start {
+        /// First penetration.
+        penetration: f64,
+        /// First pressure.
+        pressure: f64,
+    },
+    /// The pressure falls.
+    #[error("the pressure {next:?} after {before:?}, expected pressures that do not fall")]
+    Falls {
+        /// A pressure.
+        before: f64,
+        /// The one after it.
+        next: f64,
+    },
+}
+
+impl PressureTable {
+    /// The law through the points of penetration in m and pressure in Pa.
+    ///
+    /// # Errors
+    /// When the points are no function, do not start at (0, 0), or the pressure falls.
+    pub fn new(penetration: &[f64], pressure: &[f64]) -> Result<PressureTable, PressureTableFault> {
+        let table = PiecewiseLinear::new(penetration, pressure)?;
+        let (penetration, pressure) = table.points()[0];
+        if penetration != 0.0 || pressure != 0.0 {
+            return Err(PressureTableFault::Start { penetration, pressure });
+        }
+        if let Some(pair) = table.points().windows(2).find(|pair| pair[1].1 < pair[0].1) {
+            return Err(PressureTableFault::Falls { before: pair[0].1, next: pair[1].1 });
+        }
+        Ok(PressureTable { table })
+    }
+}
+
+impl NormalLaw for PressureTable {
+    fn pressure(&self, _x: &Point, z: f64, _rate: f64, _lambda: f64) -> Pressure {
+        if z <= 0.0 {
+            return Pressure::default();
+        }
+        let (value, slope) = self.table.extended(z);
+        Pressure { value, slope, by_rate: 0.0 }
+    }
+    fn potential(&self, x: &Point, r: f64) -> f64 {
+        let points = self.table.points().iter().copied().filter(|p| p.0 < r);
+        let end = (r, self.pressure(x, r, 0.0, 0.0).value);
+        let mut last = (0.0, 0.0);
+        let mut sum = 0.0;
+        for point in points.chain((r > 0.0).then_some(end)) {
+            sum += 0.5 * (point.0 - last.0) * (point.1 + last.1);
+            last = point;
+        }
+        sum
+    }
+    fn lipschitz(&self) -> Option<f64> {
+        Some(self.table.slopes().fold(0.0, f64::max))
+    }
+}
+
+#[cfg(test)]
+pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
+    let table = PressureTable::new(&[0.0, 1e-4, 2e-4, 4e-4], &[0.0, 2.0, 3.0, 30.0]);
+    table.into_iter().map(|law| (std::sync::Arc::new(law) as std::sync::Arc<dyn NormalLaw>, 3e-4)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tables_that_are_no_laws() {
+        let fault = |r: &[f64], p: &[f64]| PressureTable::new(r, p).err();
+        assert_eq!(fault(&[0.0, 1.0], &[0.0, 1.0]), None);
+        assert_eq!(fault(&[0.1, 1.0], &[0.0, 1.0]), Some(PressureTableFault::Start { penetration: 0.1, pressure: 0.0 }));
+        assert_eq!(fault(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.5]), Some(PressureTableFault::Falls { before: 1.0, next: 0.5 }));
+        assert_eq!(fault(&[0.0], &[0.0]), Some(PressureTableFault::Table(TableFault::Few { found: 1 })));
+    }
+}

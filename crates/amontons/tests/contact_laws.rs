@@ -1,0 +1,430 @@
+//! The laws of contact in steps of the scheme: exactness of multivalued laws, limits, other programs, and convergence without tuning.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::sync::Arc;
+
+use amontons::contact::{Bound, Cone, ContactPoint, FrictionLaw, Signorini, Status, Tresca};
+use amontons::linalg::Supernodal;
+use amontons::material::{Isotropic, StressState};
+use amontons::mesh::{Elements, Mesh};
+use amontons::problem::{BoundaryCondition, Initial, Problem};
+use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
+use amontons::tensor::{Point, Sym, dot, length};
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use common::{Random, disturb, largest, paper};
+
+fn scheme(overrides: &[&str]) -> (Problem, BackwardEuler) {
+    let problem = paper(overrides).problem;
+    let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    (problem, scheme)
+}
+
+/// The last state and all reports of a run.
+fn run(problem: &Problem) -> (State, Vec<StepReport>) {
+    let mut scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut state = scheme.initial().expect("finite initial data");
+    let mut reports = Vec::new();
+    for _ in 0..problem.steps {
+        let (next, report) = scheme.step(&state).unwrap_or_else(|error| panic!("{error}"));
+        (state, reports) = (next, {
+            reports.push(report);
+            reports
+        });
+    }
+    (state, reports)
+}
+
+fn assert_identities(state: &State, what: &str) {
+    let (energy, heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
+    assert!(energy.abs() < 1e-12 && heat.abs() < 1e-12, "{what}: energy {energy:e}, heat {heat:e}");
+}
+
+/// r ≤ 0, p ≥ 0, p r = 0 and the friction cone, to round-off.
+fn assert_unilateral(report: &StepReport, mu: f64, displacement: f64) {
+    let states = &report.contact.states;
+    let highest = states.iter().fold(0.0f64, |m, s| m.max(s.pressure));
+    let fastest = states.iter().fold(0.0f64, |m, s| m.max(length(&s.slip)));
+    for s in states {
+        assert!(s.pressure >= 0.0);
+        let touching = s.penetration.abs() <= 1e-14 * displacement;
+        assert!(touching || (s.penetration < 0.0 && s.pressure == 0.0), "penetration {:e} at the pressure {:e} of {highest:e}", s.penetration, s.pressure);
+        assert!(length(&s.q) <= mu * s.pressure + 1e-10 * highest, "outside the cone");
+        let speed = length(&s.slip);
+        if speed > 1e-9 * fastest {
+            assert!((dot(&s.q, &s.slip) - mu * s.pressure * speed).abs() <= 1e-8 * highest * speed, "not against the slip");
+        }
+        if s.status == Status::Stick {
+            assert!(speed <= 1e-9 * fastest, "a stuck point moves at {speed:e} of {fastest:e}");
+        }
+    }
+}
+
+#[test]
+fn signorini_is_exact_in_every_step() {
+    for foundation in ["0", "10"] {
+        let foundation = format!("contact.heat.foundation_temperature={foundation}");
+        let (state, reports) = run(&paper(&["mesh.n=16", "time.steps=32", "contact.normal={law='signorini'}", &foundation]).problem);
+        for report in &reports {
+            assert_unilateral(report, 0.2, largest(&state.u));
+        }
+        let open = |r: &StepReport| r.contact.states.iter().filter(|s| s.pressure == 0.0).count();
+        assert!(open(&reports[31]) > 0 && reports[31].contact.states.iter().any(|s| s.pressure > 0.0));
+        assert_identities(&state, &foundation);
+        assert!(state.ledger.contact_energy == 0.0);
+    }
+}
+
+/// ‖u_c − u‖ is of first order in 1/c_ν.
+#[test]
+fn signorini_is_the_limit_of_compliance() {
+    let at = |normal: &str| run(&paper(&["mesh.n=8", "time.steps=8", &format!("contact.normal={normal}")]).problem).0;
+    let limit = at("{law='signorini'}");
+    let errors = [1e6, 1e7, 1e8].map(|c: f64| {
+        let soft = at(&format!("{{law='compliance', stiffness={c:?}}}"));
+        largest(&soft.u.iter().zip(&limit.u).map(|(a, b)| a - b).collect::<Vec<_>>())
+    });
+    for pair in errors.windows(2) {
+        let order = (pair[0] / pair[1]).log10();
+        assert!((order - 1.0).abs() < 0.02, "order {order}, errors {errors:?}");
+    }
+}
+
+/// From random states, smooth and rough, steps with every law end.
+#[test]
+fn steps_with_every_law_converge_from_any_state() {
+    let laws = [
+        "contact.normal={law='signorini'}",
+        "contact.normal={law='bilateral'}",
+        "contact.normal={law='stop', stiffness=1e4, depth=1e-3}",
+        "contact.normal={law='power', stiffness=1e6, exponent=1.5}",
+        "contact.normal={law='damped', stiffness=1e4, damping=10}",
+        "contact.normal={law='hunt-crossley', stiffness=1e4, damping=0.1}",
+        "contact.normal={law='table', penetration=[0, 1e-4, 1e-3], pressure=[0, 1, 20]}",
+        "contact.friction={law='tresca', bound=0.3}",
+        "contact.friction={law='static-kinetic', static=0.3, kinetic=0.2}",
+        "contact.friction={law='slip-rate', speed=[0, 0.1, 1], coefficient=[0.3, 0.2, 0.3]}",
+        "contact.friction={law='pressure', pressure=[0, 1, 10], coefficient=[0.3, 0.3, 0.1]}",
+        "contact.friction={law='temperature', temperature=[0, 10], coefficient=[0.3, 0.1]}",
+        "contact.friction={law='coulomb', coefficient=0.2, cap=0.5}",
+        "contact.friction={law='orthotropic', coefficients=[0.3, 0.1], direction=[1, 0]}",
+    ];
+    let mut random = Random(88_172_645_463_325_252);
+    for law in laws {
+        let (mut hardest, mut failed, mut made) = (0, 0, 0);
+        let rigid = ["signorini", "bilateral", "stop"].iter().any(|name| law.contains(name));
+        for quadrature in if rigid { &["nodal"][..] } else { &["nodal", "gauss"] } {
+            for steps in [8, 64, 1024] {
+                let (problem, mut scheme) = scheme(&[
+                    "mesh.n=8",
+                    &format!("time.steps={steps}"),
+                    &format!("contact.quadrature={quadrature}"),
+                    law,
+                    "contact.heat.foundation_temperature=10",
+                ]);
+                let start = scheme.initial().expect("finite initial data");
+                for trial in 0..10 {
+                    let mut state = start.clone();
+                    disturb(&mut state, &problem, &scheme, &mut random, trial % 2 == 0);
+                    for _ in 0..2 {
+                        made += 1;
+                        let Ok((next, report)) = scheme.step(&state).inspect_err(|e| println!("{law}, {quadrature}, N = {steps}, trial {trial}: {e}")) else {
+                            failed += 1;
+                            break;
+                        };
+                        assert!(report.residual <= 1e-10);
+                        if law.contains("signorini") {
+                            assert_unilateral(&report, 0.2, largest(&next.u));
+                        }
+                        hardest = hardest.max(report.newton_mechanics);
+                        state = State { step: 0, ..next };
+                    }
+                }
+            }
+        }
+        println!("{law}: {made} steps, {hardest} iterations at the most, {failed} failed");
+        assert_eq!(failed, 0, "{law}");
+    }
+}
+
+/// The same problem with compliances over twelve decades, and in units of length, time, mass and temperature that differ by as many: the
+/// same result, and no more iterations.
+#[test]
+fn nothing_has_to_be_tuned() {
+    let reference = paper(&["mesh.n=8", "time.steps=16", "contact.heat={law='ramp', conductance=1, width=1e-5, foundation_temperature=10}"]).problem;
+    println!("c_ν        iterations in 16 steps");
+    let mut counts = Vec::new();
+    for decade in 0..=12 {
+        let mut problem = reference.clone();
+        let stiffness = 10f64.powi(decade);
+        problem.contact.as_mut().unwrap().normal = Arc::new(amontons::contact::Compliance { stiffness });
+        let (state, _) = run(&problem);
+        println!("{stiffness:8.1e}   {:4}", state.counts.newton_mechanics_total);
+        assert_identities(&state, &format!("c_ν = {stiffness:e}"));
+        counts.push(state.counts.newton_mechanics_total);
+    }
+    assert!(counts.iter().all(|&n| n <= 8 * 16), "{counts:?}");
+    for law in ["{law='compliance', stiffness=1e4}", "{law='signorini'}"] {
+        let plain = paper(&["mesh.n=8", "time.steps=16", &format!("contact.normal={law}")]).problem;
+        let (one, _) = run(&plain);
+        println!("{law}: length, time, mass   iterations");
+        for [length, time, mass] in [[1e3, 1.0, 1e-3], [1e6, 1e3, 1e3], [1e-3, 1e-6, 1e6], [1e6, 1.0, 1e-6], [1e-6, 1e6, 1.0]] {
+            let (scaled, _) = run(&in_units(&plain, law, length, time, mass));
+            let error = |a: &[f64], b: &[f64], unit: f64| largest(&a.iter().zip(b).map(|(a, b)| a / unit - b).collect::<Vec<_>>()) / largest(b);
+            let errors = [error(&scaled.u, &one.u, length), error(&scaled.w, &one.w, length / time), error(&scaled.theta, &one.theta, 1.0)];
+            println!("{length:8.1e} {time:8.1e} {mass:8.1e}   {:4}   {errors:?}", scaled.counts.newton_mechanics_total);
+            assert!(largest(&errors) < 1e-9, "{errors:?}");
+            assert!(scaled.counts.newton_mechanics_total.abs_diff(one.counts.newton_mechanics_total) <= 4);
+        }
+    }
+}
+
+/// The problem with lengths, times and masses in other units, so many of which are the old one. Per unit of thickness a stress is M/(L T²).
+fn in_units(problem: &Problem, law: &str, length: f64, time: f64, mass: f64) -> Problem {
+    let stress = mass / (length * time * time);
+    let heat = stress; // ρ c θ is energy by volume; c = 1 has the unit of stress over temperature.
+    let mut case = paper(&[
+        "mesh.n=8",
+        "time.steps=16",
+        &format!("mesh.size=[{length:?}, {length:?}]"),
+        &format!("time.end={time:?}"),
+        &format!("material.density={:?}", mass / length.powi(3)),
+        &format!("material.heat_capacity={heat:?}"),
+        &format!("material.expansion=[[{stress:?}, {stress:?}], [{stress:?}, {stress:?}]]"),
+        &format!("material.coupling=[[{0:?}, {0:?}], [{0:?}, {0:?}]]", heat / time),
+        &format!("material.conductivity={:?}", heat * length * length / time),
+        &format!("material.elasticity.young={:?}", 2.0 * stress),
+        &format!("material.viscosity.first={:?}", 10.0 * stress * time),
+        &format!("material.viscosity.second={:?}", 10.0 * stress * time),
+        &format!("load.body_force=[0, {:?}]", -stress / length),
+        &format!("load.heat_source={:?}", heat / time),
+        &format!("boundary[1].traction=[{:?}, {:?}]", 1.4 * stress, 0.4 * stress),
+        &format!("boundary[2].traction=[{:?}, {:?}]", -0.8 * stress, 0.4 * stress),
+        &format!("contact.normal={}", law.replace("1e4", &format!("{:?}", 1e4 * stress / length))),
+        &format!("contact.heat.conductance={:?}", heat * length / time),
+        &format!("contact.heat.width={:?}", 1e-5 * length),
+    ])
+    .problem;
+    case.name.clone_from(&problem.name);
+    case
+}
+
+/// Tresca's bound inside an ellipse of which the second axis is half of the first.
+#[derive(Debug)]
+struct Elliptic(f64);
+const CONE: [f64; 2] = [1.0, 0.5];
+impl FrictionLaw for Elliptic {
+    fn bound(&self, at: &ContactPoint) -> Bound {
+        Tresca { bound: self.0 }.bound(at)
+    }
+    fn lipschitz(&self, _l_nu: Option<f64>) -> Option<f64> {
+        None
+    }
+    fn cone(&self, _x: &Point, nu: &Point) -> Option<Cone> {
+        Some(Cone::new(nu, &[1.0, 0.0, 1.0], CONE))
+    }
+}
+
+/// A block on a rigid foundation with given friction, from a state with random velocities.
+fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler, State) {
+    let mut problem = paper(&["time.steps=10", "mesh.n=5"]).problem;
+    if dim == 3 {
+        problem.mesh = Arc::new(Mesh::box_([1.0; 3], [3, 2, 3], Elements::P1).unwrap());
+        problem.body_force = vec![0.0.into(), (-1.0).into(), 0.2.into()];
+        let material = &mut problem.materials[0];
+        material.elasticity = Arc::new(Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain));
+        material.viscosity = Arc::new(Isotropic::lame(3, 0.1, 0.1, StressState::PlaneStrain));
+        [material.expansion, material.coupling] = [Sym::ZERO; 2];
+        material.conductivity = Sym([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        let held = |c: usize| BoundaryCondition { displacement: Some(vec![Some(0.0.into()); c]), temperature: Some(0.0.into()), ..free("top") };
+        problem.boundary = vec![held(3), BoundaryCondition { traction: Some(vec![1.4.into(), 0.4.into(), (-0.7).into()]), ..free("left") }];
+        problem.initial = Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
+    }
+    let contact = problem.contact.as_mut().unwrap();
+    (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
+    let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut state = scheme.initial().unwrap();
+    let mut random = Random(1234 + dim as u64);
+    for (i, w) in state.w.iter_mut().enumerate() {
+        *w = if scheme.discretization().v.free[i] { 0.3 * random.number() } else { 0.0 };
+    }
+    (problem, scheme, state)
+}
+
+fn free(on: &str) -> BoundaryCondition {
+    BoundaryCondition {
+        on: on.to_owned(),
+        displacement: None,
+        normal_displacement: None,
+        traction: None,
+        pressure: None,
+        spring: None,
+        dashpot: None,
+        temperature: None,
+        heat_inflow: None,
+        convection: None,
+    }
+}
+
+/// A step with given friction is the minimum of ½ w·K w − r·w + Σ ω s ‖D w_τ‖ under r ≤ 0, which an interior-point method for cone
+/// programs finds over all degrees of freedom: its minimum is not below that of the step by 1e-12 of it. On a cone that is not round D is
+/// that of the law.
+#[test]
+fn given_friction_agrees_with_a_cone_program() {
+    let mut seen = [0; 3];
+    for (dim, elliptic, bound) in [(2, false, 0.1), (2, false, 1.0), (3, false, 0.1), (3, false, 1.0), (3, true, 0.3)] {
+        let friction: Arc<dyn FrictionLaw> = if elliptic { Arc::new(Elliptic(bound)) } else { Arc::new(Tresca { bound }) };
+        let (problem, mut scheme, state) = block(dim, Arc::clone(&friction));
+        let (next, report) = scheme.step(&state).unwrap();
+        let expected = minimum(&problem, &scheme, &state, &friction, bound, (&next.w, &report));
+        let states = &report.contact.states;
+        let count = |status| states.iter().filter(|s| s.status == status).count();
+        let (stick, slip, open) = (count(Status::Stick), count(Status::Slip), states.iter().filter(|s| s.pressure == 0.0).count());
+        let error = largest(&next.w.iter().zip(&expected).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(&expected);
+        println!("d = {dim}, elliptic: {elliptic}, s = {bound}: {stick} stick, {slip} slip, {open} open; difference {error:e}");
+        // An interior-point method finds w to the square root of the gap that it ends with, where cones are not polyhedra.
+        assert!(error < if dim == 2 { 1e-8 } else { 1e-7 }, "d = {dim}: {error:e}");
+        seen = [seen[0] + stick, seen[1] + slip, seen[2] + open];
+    }
+    assert!(seen.iter().all(|&n| n > 0), "the steps have to show sticking, slipping and open points: {seen:?}");
+}
+
+fn minimum(problem: &Problem, scheme: &BackwardEuler, state: &State, friction: &Arc<dyn FrictionLaw>, bound: f64, made: (&[f64], &StepReport)) -> Vec<f64> {
+    let (discrete, k, dim) = (scheme.discretization(), problem.k(), scheme.discretization().mesh.dim);
+    let w_of_step = made.0;
+    let scaled = |slip: &Point, p: &amontons::contact::PointOnBoundary| friction.cone(&p.x, &p.normal).map_or(*slip, |_| by_ellipse(slip));
+    let slips: Vec<f64> = made.1.contact.states.iter().zip(&discrete.boundary.points).map(|(s, p)| length(&scaled(&s.slip, p))).collect();
+    let rho = problem.materials[0].density;
+    let matrix = discrete.mechanical_matrix(k);
+    let unknowns: Vec<usize> = (0..state.w.len()).filter(|&i| discrete.v.free[i]).collect();
+    let of = |dof: usize| unknowns.binary_search(&dof).ok();
+    let (mass_w, a_u) = (discrete.mass.apply(&state.w), discrete.apply_a(&state.u));
+    let (load, thermal) = (discrete.f.at(k), discrete.m.apply(&state.theta));
+    let right: Vec<f64> = unknowns.iter().map(|&i| load[i] + thermal[i] + rho / k * mass_w[i] - a_u[i]).collect();
+    let points = &discrete.boundary.points;
+    let (n, m) = (unknowns.len(), points.len());
+    let size = n + m;
+    let mut dense = vec![vec![0.0; size]; size];
+    for (j, &dof) in unknowns.iter().enumerate() {
+        let mut unit = vec![0.0; state.w.len()];
+        unit[dof] = 1.0;
+        let column = matrix.apply(&unit);
+        for (i, &row) in unknowns.iter().enumerate().take(j + 1) {
+            dense[i][j] = column[row];
+        }
+    }
+    let mut q: Vec<f64> = right.iter().map(|r| -r).collect();
+    q.extend(points.iter().map(|p| bound * p.weight));
+    // Rows of A, with A x + slack = b: the slack is −r/k, then (τ, D w_τ) of each point.
+    let (mut rows, mut b, mut cones) = (Vec::new(), Vec::new(), vec![SupportedConeT::NonnegativeConeT(m)]);
+    let node = |p: &amontons::contact::PointOnBoundary| discrete.boundary.nodes[p.nodes[0].0] as usize;
+    for p in points {
+        let mut row = vec![0.0; size];
+        let mut u_nu = 0.0;
+        for c in 0..dim {
+            u_nu += state.u[node(p) * dim + c] * p.normal[c];
+            if let Some(i) = of(node(p) * dim + c) {
+                row[i] = p.normal[c];
+            }
+        }
+        rows.push(row);
+        b.push(-u_nu / k);
+    }
+    for (i, p) in points.iter().enumerate() {
+        cones.push(SupportedConeT::SecondOrderConeT(dim + 1));
+        let mut first = vec![0.0; size];
+        first[n + i] = -1.0;
+        rows.push(first);
+        for c in 0..dim {
+            let mut row = vec![0.0; size];
+            for e in 0..dim {
+                let mut unit = [0.0; 3];
+                unit[e] = 1.0;
+                let tangential: Point = std::array::from_fn(|c| unit[c] - p.normal[e] * p.normal[c]);
+                let scaled = friction.cone(&p.x, &p.normal).map_or(tangential, |_| by_ellipse(&tangential));
+                if let Some(j) = of(node(p) * dim + e) {
+                    row[j] = -scaled[c];
+                }
+            }
+            rows.push(row);
+        }
+        b.extend(vec![0.0; dim + 1]);
+    }
+    let settings = DefaultSettingsBuilder::default().verbose(false).tol_gap_abs(1e-15).tol_gap_rel(1e-15).tol_feas(1e-13).build().unwrap();
+    let mut solver = DefaultSolver::new(&CscMatrix::from(&dense), &q, &CscMatrix::from(&rows), &b, &cones, settings).unwrap();
+    solver.solve();
+    let status = solver.solution.status;
+    assert!(matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress), "{status:?}");
+    let x = solver.solution.x;
+    let objective = |x: &[f64]| {
+        let product = |i: usize| (0..size).map(|j| dense[i.min(j)][i.max(j)] * x[j]).sum::<f64>();
+        (0..size).map(|i| (0.5 * product(i) + q[i]) * x[i]).sum::<f64>()
+    };
+    let mut own: Vec<f64> = unknowns.iter().map(|&dof| w_of_step[dof]).collect();
+    own.extend(slips);
+    let [ours, theirs] = [objective(&own), objective(&x)];
+    assert!(ours - theirs <= 1e-12 * theirs.abs(), "the minimum is {theirs:e}, and the step has {ours:e}");
+    let mut w = vec![0.0; state.w.len()];
+    for (x, &dof) in x.iter().zip(&unknowns) {
+        w[dof] = *x;
+    }
+    w
+}
+
+/// D of [`Elliptic`] on the bottom, whose axes are (1, 0, 1)/√2 and (1, 0, −1)/√2.
+fn by_ellipse(v: &Point) -> Point {
+    let [a, b] = [CONE[0] * (v[0] + v[2]) / 2.0, CONE[1] * (v[0] - v[2]) / 2.0];
+    [a + b, 0.0, a - b]
+}
+
+/// Over a foundation that moves both ways, with damping, tension and heat of friction: every term is in the audit, and the share of the friction
+/// power that enters the body is the heat that does.
+#[test]
+fn the_audit_closes_over_a_moving_foundation() {
+    for normal in [
+        "{law='signorini'}",
+        "{law='bilateral'}",
+        "{law='stop', stiffness=1e3, depth=2e-4}",
+        "{law='damped', stiffness=1e4, damping=50}",
+        "{law='hunt-crossley', stiffness=1e4, damping=3}",
+        "{law='softening', stiffness=1e4, peak=0.4, softening=100, residual=0.2}",
+        "{law='adhesion', stiffness=1e3, strength=0.3, release=1e-3}",
+    ] {
+        let (state, reports) = run(&paper(&[
+            "mesh.n=8",
+            "time.steps=32",
+            "contact.gap='0.002*sin(9*t)'",
+            "contact.foundation_velocity=['0.05*cos(5*t)', 0]",
+            "contact.frictional_heat=0.4",
+            "contact.heat={law='none'}",
+            &format!("contact.normal={normal}"),
+        ])
+        .problem);
+        assert_identities(&state, normal);
+        let ledger = &state.ledger;
+        let slipped = reports.iter().flat_map(|r| &r.contact.states).filter(|s| s.status == Status::Slip).count();
+        assert!(ledger.friction_dissipation > 0.0 && slipped > 0, "{normal}");
+        assert!((ledger.heat_contact + 0.4 * ledger.friction_dissipation).abs() <= 1e-12 * ledger.friction_dissipation, "{normal}");
+    }
+}
+
+/// A point that sticks holds up to the static bound, one that slips has the kinetic one: in every step of a block on a belt.
+#[test]
+fn static_and_kinetic_bounds() {
+    let law = "contact.friction={law='static-kinetic', static=0.3, kinetic=0.1}";
+    let (_, reports) = run(&paper(&["mesh.n=16", "time.steps=64", law, "contact.foundation_velocity=['0.02', 0]"]).problem);
+    let mut held = 0;
+    for s in reports.iter().flat_map(|r| &r.contact.states).filter(|s| s.pressure > 0.0) {
+        let q = length(&s.q);
+        match s.status {
+            Status::Stick => {
+                assert!(q <= 0.3 * s.pressure * (1.0 + 1e-9));
+                held += usize::from(q > 0.1 * s.pressure * (1.0 + 1e-6));
+            }
+            _ => assert!((q - 0.1 * s.pressure).abs() <= 1e-8 * s.pressure, "{q:e} at {:e}", s.pressure),
+        }
+    }
+    assert!(held > 0, "no point is held by more than the kinetic bound");
+}
