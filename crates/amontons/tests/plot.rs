@@ -49,7 +49,7 @@ fn by_hand(n: usize, temperature: impl Fn(f64, f64) -> f64) -> Run {
         temperature: mesh.points.iter().map(|p| temperature(p[0], p[1])).collect(),
         von_mises: (0..mesh.cell_count()).map(|c| (0.001 * c as f64).sin().abs()).collect(),
     };
-    Run { name: "by hand".to_owned(), dimension: 2, t: 0.5, snapshot: Some(snapshot), contact: Vec::new(), history: History::new() }
+    Run { name: "by hand".to_owned(), dimension: 2, t: 0.5, snapshot: Some(snapshot), contact: Vec::new(), solid: None, history: History::new() }
 }
 
 /// The elements of an SVG document with their attributes; fails if it is not well-formed.
@@ -283,20 +283,20 @@ fn no_damage_of_a_field_file_is_fatal() {
 }
 
 #[test]
-fn a_body_in_space_has_the_pictures_that_are_plane() {
-    let dir = paper("space", &[]);
-    let vtu = "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"1\">\
-        <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray></Points>\
-        <Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 2 3</DataArray>\
-        <DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4</DataArray>\
-        <DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>";
-    fs::write(dir.join("fields/space.vtu"), vtu).expect("a file");
-    let pvd = "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" file=\"none.vtu\"/><DataSet timestep=\"1\" file=\"fields/space.vtu\"/></Collection></VTKFile>";
+fn a_body_on_a_line_has_a_history_only() {
+    let dir = paper("line", &[]);
+    let vtu = "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" NumberOfCells=\"3\">\
+        <Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 2 0 0 3 0 0</DataArray></Points>\
+        <Cells><DataArray type=\"Int64\" Name=\"connectivity\" format=\"ascii\">0 1 1 2 2 3</DataArray>\
+        <DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">2 4 6</DataArray>\
+        <DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">3 3 3</DataArray></Cells></Piece></UnstructuredGrid></VTKFile>";
+    fs::write(dir.join("fields/line.vtu"), vtu).expect("a file");
+    let pvd = "<VTKFile type=\"Collection\"><Collection><DataSet timestep=\"0\" file=\"none.vtu\"/><DataSet timestep=\"1\" file=\"fields/line.vtu\"/></Collection></VTKFile>";
     fs::write(dir.join("fields.pvd"), pvd).expect("a file");
     let paths = plot::folder(&dir, &Options::default()).expect("pictures");
     assert_eq!(paths, [dir.join("plots/history.svg"), dir.join("plots/history.png")]);
     let run = Run::read(&dir).expect("a run");
-    assert_eq!(run.dimension, 3);
+    assert_eq!(run.dimension, 1);
     let message = message(plot::picture(Kind::Deformed, &[Panel { title: "", run: &run }], &Options::default()));
     assert!(message.contains("paper") && message.contains("deformed"), "{message}");
 }

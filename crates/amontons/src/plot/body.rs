@@ -7,7 +7,7 @@ use super::axes;
 use crate::mesh::Mesh;
 
 /// Nodes around a cell of `nodes` nodes in the order of [`crate::element`], and the triangles it is drawn by.
-fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize; 3]])> {
+pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize; 3]])> {
     match nodes {
         3 => Some((&[0, 1, 2], &[[0, 1, 2]])),
         4 => Some((&[0, 1, 2, 3], &[[0, 1, 2], [0, 2, 3]])),

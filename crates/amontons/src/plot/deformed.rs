@@ -56,7 +56,8 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     let same = shapes.windows(2).all(|s| s[0].body.window() == s[1].body.window());
     let common = [0, 1].map(|d| axes::range(windows.iter().flat_map(|w| w[d])).unwrap_or([0.0, 1.0]));
     let windows = windows.into_iter().map(|own| sheet::widened(if same { common } else { own }, 0.05));
-    let plans: Vec<Plan> = panels.iter().zip(windows).map(|(panel, window)| Plan { title: panel.title.to_owned(), note: String::new(), window }).collect();
+    let plans: Vec<Plan> =
+        panels.iter().zip(windows).map(|(panel, window)| Plan { title: panel.title.to_owned(), note: String::new(), window, labels: ["x", "y"] }).collect();
     let times = if (factor - 1.0).abs() < 1e-9 { "displacement to scale".to_owned() } else { format!("displacement × {}", ticks::number(factor)) };
     let title = title(panels, "deformed mesh", options);
     let mut entries = vec![

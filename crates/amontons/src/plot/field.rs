@@ -1,7 +1,6 @@
 //! Temperature and von Mises stress with their colour bars.
 
 use super::axes::{self, LABEL, NUMBER, Scale};
-use super::body::Body;
 use super::color::{Color, ColorMap, INK, WHITE};
 use super::picture::{Anchor, Image, Line, Picture, Rect, Stroke};
 use super::run::Snapshot;
@@ -14,15 +13,16 @@ use super::{Kind, Options, Panel, font, title};
 const DENSITY: f64 = 2.0;
 const BAR: f64 = 14.0;
 
-struct Quantity {
-    name: &'static str,
-    symbol: &'static str,
-    unit: &'static str,
-    map: ColorMap,
+/// What a field is called and how it is coloured.
+pub(super) struct Quantity {
+    pub name: &'static str,
+    pub symbol: &'static str,
+    pub unit: &'static str,
+    pub map: ColorMap,
 }
 
 impl Quantity {
-    fn of(kind: Kind) -> Quantity {
+    pub(super) fn of(kind: Kind) -> Quantity {
         if kind == Kind::VonMises {
             Quantity { name: "von Mises stress", symbol: "σ_{vM}", unit: "Pa", map: ColorMap::Viridis }
         } else {
@@ -39,7 +39,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let quantity = Quantity::of(kind);
     let snapshots: Vec<&Snapshot> = panels.iter().filter_map(|panel| panel.run.snapshot.as_ref()).collect();
     let extents: Vec<[f64; 2]> = snapshots.iter().map(|s| axes::range(values(kind, s).all().iter().copied()).unwrap_or([0.0, 1.0])).collect();
-    let mut ranges: Vec<[f64; 2]> = snapshots.iter().zip(&extents).map(|(s, extent)| shown(values(kind, s), &s.body, *extent)).collect();
+    let mut ranges: Vec<[f64; 2]> = snapshots.iter().zip(&extents).map(|(s, extent)| shown(values(kind, s), &s.body.areas(), *extent)).collect();
     if options.shared_scale {
         let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
         ranges.fill(common);
@@ -50,6 +50,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
         title: panel.title.to_owned(),
         note: note(*extent),
         window: sheet::widened(s.body.window(), 0.03),
+        labels: ["x", "y"],
     };
     let plans: Vec<Plan> = panels.iter().zip(&snapshots).zip(&extents).map(plan).collect();
     let wide = sheet::is_wide(&plans);
@@ -61,7 +62,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     };
     let (mut picture, frames) = sheet::lay_out(&title(panels, quantity.name, options), &plans, room, options);
     for ((s, bar), frame) in snapshots.iter().zip(&bars).zip(&frames) {
-        bar.draw(&mut picture, frame);
+        bar.draw(&mut picture, frame.rect);
         shaded(&mut picture, frame, s, kind, quantity.map, bar.range);
         if kind == Kind::Temperature {
             let levels = bar.ticks.marks.iter().flat_map(|(level, _)| shade::level_line(&s.body, &s.temperature, *level));
@@ -87,10 +88,9 @@ fn shaded(picture: &mut Picture, frame: &Frame, s: &Snapshot, kind: Kind, map: C
 ///
 /// Stresses are singular in corners and where conditions change; the cells there would take most of the colours for themselves.
 /// At most a half per cent of the area is left out, and only if the colours then show less than four fifths of the values.
-fn shown(values: Values, body: &Body, [lo, hi]: [f64; 2]) -> [f64; 2] {
+pub(super) fn shown(values: Values, areas: &[f64], [lo, hi]: [f64; 2]) -> [f64; 2] {
     let Values::Cells(cells) = values else { return [lo, hi] };
-    let areas = body.areas();
-    let mut by_value: Vec<(f64, f64)> = cells.iter().copied().zip(areas).collect();
+    let mut by_value: Vec<(f64, f64)> = cells.iter().copied().zip(areas.iter().copied()).collect();
     by_value.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let most = 0.005 * by_value.iter().map(|(_, area)| area).sum::<f64>();
     let mut above = 0.0;
@@ -105,9 +105,9 @@ fn shown(values: Values, body: &Body, [lo, hi]: [f64; 2]) -> [f64; 2] {
 }
 
 /// A colour bar, on the right of a frame or below it.
-struct Bar {
+pub(super) struct Bar {
     map: ColorMap,
-    range: [f64; 2],
+    pub range: [f64; 2],
     /// Whether there are values above the range: the bar then ends in a point.
     pointed: bool,
     ticks: Ticks,
@@ -118,7 +118,7 @@ struct Bar {
 impl Bar {
     const POINT: f64 = 10.0;
 
-    fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], unit: &str, below: bool) -> Bar {
+    pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], unit: &str, below: bool) -> Bar {
         // A field of one value has a bar all the same.
         let shown = if range[1] > range[0] { range } else { axes::padded(range, 0.0) };
         let ticks = ticks::linear(shown[0], shown[1], 7);
@@ -127,14 +127,14 @@ impl Bar {
     }
 
     /// Room on the right of the frame.
-    fn room(&self) -> f64 {
+    pub(super) fn room(&self) -> f64 {
         let numbers = self.ticks.marks.iter().map(|(_, text)| font::width(text, NUMBER)).fold(0.0, f64::max);
         14.0 + font::width(&self.label, LABEL).max(BAR + 7.0 + numbers)
     }
 
-    fn draw(&self, picture: &mut Picture, frame: &Frame) {
+    /// Draws the bar beside a frame.
+    pub(super) fn draw(&self, picture: &mut Picture, rect: Rect) {
         const STEPS: u32 = 256;
-        let rect = frame.rect;
         let point = if self.pointed { Bar::POINT } else { 0.0 };
         let place = if self.below {
             let width = (0.5 * rect.width).max(200.0).min(rect.width);
@@ -180,6 +180,7 @@ impl Bar {
 mod tests {
     #![allow(clippy::float_cmp)] // the values are exact
 
+    use super::super::body::Body;
     use super::*;
     use crate::mesh::{Diagonal, Mesh};
 
@@ -187,17 +188,17 @@ mod tests {
     fn a_few_cells_far_above_the_rest_are_off_the_scale() -> Result<(), Box<dyn std::error::Error>> {
         let body = Body::of_mesh(&Mesh::rectangle([1.0, 1.0], [20, 20], Diagonal::Right)?)?;
         let mut stress: Vec<f64> = (0..800).map(|c| 1.0 + f64::from(c) / 800.0).collect();
-        assert_eq!(shown(Values::Cells(&stress), &body, [1.0, 2.0]), [1.0, 2.0]);
+        assert_eq!(shown(Values::Cells(&stress), &body.areas(), [1.0, 2.0]), [1.0, 2.0]);
         // Three of 800 cells are less than half a per cent of the area, ten are more.
         for c in 0..3 {
             stress[c] = 9.0;
         }
-        let [lo, hi] = shown(Values::Cells(&stress), &body, [1.0, 9.0]);
+        let [lo, hi] = shown(Values::Cells(&stress), &body.areas(), [1.0, 9.0]);
         assert!(lo <= 1.0 && hi > 1.99 && hi < 2.0, "{lo} to {hi}");
         for c in 0..10 {
             stress[c] = 9.0;
         }
-        assert_eq!(shown(Values::Cells(&stress), &body, [1.0, 9.0]), [1.0, 9.0]);
+        assert_eq!(shown(Values::Cells(&stress), &body.areas(), [1.0, 9.0]), [1.0, 9.0]);
         Ok(())
     }
 }

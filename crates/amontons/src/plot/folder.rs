@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use super::body::Body;
-use super::run::{ContactRow, History, Run, Snapshot};
+use super::run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
+use super::surface::Surface;
 use super::table::{self, Table};
 use super::{PlotError, vtu};
 use crate::contact::Status;
@@ -45,10 +46,33 @@ impl Run {
         } else {
             None
         };
-        let contact = if case.has_contact && dimension == 2 { contact(&Table::read(&folder.join("contact.csv"))?, case.coulomb)? } else { Vec::new() };
+        let points =
+            |dimension_drawn: usize| if case.has_contact && dimension == dimension_drawn { Some(Table::read(&folder.join("contact.csv"))) } else { None };
+        let contact = points(2).transpose()?.map_or_else(|| Ok(Vec::new()), |table| contact(&table, case.coulomb))?;
+        let solid = if dimension == 3 {
+            let rows = points(3).transpose()?.map_or_else(|| Ok(Vec::new()), |table| contact_in_space(&table))?;
+            Some(solid(&grid, rows).map_err(format)?)
+        } else {
+            None
+        };
         let history = history(&Table::read(&folder.join("history.csv"))?)?;
-        Ok(Run { name: case.name, dimension, t, snapshot, contact, history })
+        Ok(Run { name: case.name, dimension, t, snapshot, contact, solid, history })
     }
+}
+
+/// The fields of a body in space.
+fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> {
+    let point = |name: &str, components| array(&grid.point_data, name, components);
+    let solid = Solid {
+        surface: Surface::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells())).map_err(|e| e.to_string())?,
+        displacement: point("displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect(),
+        temperature: point("temperature", 1)?.to_vec(),
+        von_mises: array(&grid.cell_data, "von_mises", 1)?.to_vec(),
+        regions: grid.cell_data.get("region").map(|region| region.values.clone()).unwrap_or_default(),
+        contact,
+    };
+    solid.check().map_err(|e| e.to_string())?;
+    Ok(solid)
 }
 
 fn array<'a>(data: &'a std::collections::BTreeMap<String, vtu::Array>, name: &str, components: usize) -> Result<&'a [f64], String> {
@@ -77,14 +101,15 @@ impl Case {
     }
 }
 
-fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotError> {
-    let pairs = |name: &str| -> Result<Vec<[f64; 2]>, PlotError> {
-        let (x, y) = (table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?);
-        Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
-    };
-    let (x, traction, slip_velocity) = (pairs("")?, pairs("traction_")?, pairs("slip_velocity_")?);
-    let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
-    let (temperature, heat_flux) = (table.numbers("temperature")?, table.numbers("heat_flux")?);
+/// The contact points of a body in space.
+fn contact_in_space(table: &Table) -> Result<Vec<SolidContact>, PlotError> {
+    let [x, y, z] = [table.numbers("x")?, table.numbers("y")?, table.numbers("z")?];
+    let (pressure, status) = (table.numbers("pressure")?, statuses(table)?);
+    Ok((0..x.len()).map(|i| SolidContact { x: [x[i], y[i], z[i]], pressure: pressure[i], status: status[i] }).collect())
+}
+
+/// The states of the contact points.
+fn statuses(table: &Table) -> Result<Vec<Status>, PlotError> {
     let words: Vec<String> = table.column("status")?;
     let status = |word: &String| {
         let known = [Status::Open, Status::Stick, Status::Slip];
@@ -93,7 +118,18 @@ fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotE
             .find(|s| s.name() == word)
             .ok_or_else(|| PlotError::Format { path: table.path().to_owned(), what: format!("the status `{word}` is none of open, stick, slip") })
     };
-    let status: Vec<Status> = words.iter().map(status).collect::<Result<_, _>>()?;
+    words.iter().map(status).collect()
+}
+
+fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotError> {
+    let pairs = |name: &str| -> Result<Vec<[f64; 2]>, PlotError> {
+        let (x, y) = (table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?);
+        Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
+    };
+    let (x, traction, slip_velocity) = (pairs("")?, pairs("traction_")?, pairs("slip_velocity_")?);
+    let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
+    let (temperature, heat_flux) = (table.numbers("temperature")?, table.numbers("heat_flux")?);
+    let status = statuses(table)?;
     let bound = if table.has("bound") { Some(table.numbers("bound")?) } else { None };
     let row = |i: usize| ContactRow {
         x: x[i],

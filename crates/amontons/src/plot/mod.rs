@@ -24,13 +24,17 @@ mod deformed;
 mod field;
 mod folder;
 mod font;
+mod footprint;
 mod history;
+mod oblique;
 mod picture;
 mod profiles;
 mod raster;
+mod render;
 mod run;
 mod shade;
 mod sheet;
+mod surface;
 mod svg;
 mod table;
 mod ticks;
@@ -43,7 +47,8 @@ pub use color::ColorMap;
 pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};
 pub use deformed::scale_factor;
 pub use picture::Picture;
-pub use run::{ContactRow, History, Run, Snapshot};
+pub use run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
+pub use surface::Surface;
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]
@@ -119,13 +124,13 @@ impl Options {
 /// What a picture of a run shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The deformed mesh over the undeformed one.
+    /// The deformed mesh over the undeformed one; of a body in space, coloured by the displacement.
     Deformed,
     /// The temperature.
     Temperature,
     /// The von Mises stress.
     VonMises,
-    /// Pressure, friction, slip velocity, gap, temperature and heat flux along Γ_C.
+    /// Pressure, friction, slip velocity, gap, temperature and heat flux along Γ_C; pressure and states on that of a body in space.
     Contact,
     /// Energies, works, contact force, contact states and heat over time.
     History,
@@ -147,12 +152,12 @@ impl Kind {
         }
     }
 
-    /// Whether a run has what the picture shows: the fields of a plane body, contact, or rows of its history.
+    /// Whether a run has what the picture shows: the fields of a body that is plane or in space, contact, or rows of its history.
     #[must_use]
     pub fn is_in(self, run: &Run) -> bool {
         match self {
-            Kind::Deformed | Kind::Temperature | Kind::VonMises => run.snapshot.is_some(),
-            Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty(),
+            Kind::Deformed | Kind::Temperature | Kind::VonMises => run.snapshot.is_some() || run.solid.is_some(),
+            Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty() || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty()),
             Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
         }
     }
@@ -175,12 +180,9 @@ pub struct Panel<'a> {
 /// [`PlotError::Data`] when a run lacks what the picture shows or its data do not fit each other.
 pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
     for Panel { run, .. } in panels {
-        if run.dimension != 2 && kind != Kind::History {
+        if run.dimension == 1 && kind != Kind::History {
             let what = kind.file_name();
-            return Err(PlotError::Data(format!(
-                "the run {} is of a body in d = {}: the picture `{what}` is drawn of plane bodies only",
-                run.name, run.dimension
-            )));
+            return Err(PlotError::Data(format!("the run {} is of a body in d = 1, which the picture `{what}` does not show", run.name)));
         }
         if !kind.is_in(run) {
             return Err(PlotError::Data(format!("the run {} has no data for the picture `{}`", run.name, kind.file_name())));
@@ -188,11 +190,20 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
         if let Some(snapshot) = &run.snapshot {
             snapshot.check()?;
         }
+        if let Some(solid) = &run.solid {
+            solid.check()?;
+        }
+    }
+    let in_space = panels.iter().filter(|panel| panel.run.solid.is_some()).count();
+    if in_space > 0 && in_space < panels.len() && kind != Kind::History {
+        return Err(PlotError::Data("bodies in the plane and bodies in space do not go into one picture".to_owned()));
     }
     if panels.is_empty() {
         return Err(PlotError::Data(format!("there is no run for the picture `{}`", kind.file_name())));
     }
     match kind {
+        Kind::Contact if in_space > 0 => footprint::draw(panels, options),
+        Kind::Deformed | Kind::Temperature | Kind::VonMises if in_space > 0 => Ok(oblique::draw(kind, panels, options)),
         Kind::Deformed => deformed::draw(panels, options),
         Kind::Temperature | Kind::VonMises => Ok(field::draw(kind, panels, options)),
         Kind::Contact => profiles::draw(panels, options),
@@ -216,7 +227,7 @@ fn heading(panels: &[Panel], what: &str) -> String {
 
 /// Draws all pictures of the run, and of the convergence study, in a results folder into its folder `plots`; returns their paths.
 ///
-/// A body that is not plane has no pictures of its fields and of Γ_C.
+/// A body in one dimension has no pictures of its fields and of Γ_C.
 ///
 /// # Errors
 /// When a file is missing or damaged, or a picture cannot be written; the error names the file.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::PlotError;
 use super::body::Body;
+use super::surface::Surface;
 use crate::contact::Status;
 
 /// A run with what there is to be drawn of it.
@@ -19,6 +20,8 @@ pub struct Run {
     pub snapshot: Option<Snapshot>,
     /// The contact points of a plane body, in any order; empty without contact.
     pub contact: Vec<ContactRow>,
+    /// The fields and contact points of a body in space.
+    pub solid: Option<Solid>,
     /// Rows a step.
     pub history: History,
 }
@@ -59,6 +62,60 @@ impl Snapshot {
         }
         Ok(())
     }
+}
+
+/// Fields and contact points of a body in space at a time.
+#[derive(Clone, Debug)]
+pub struct Solid {
+    /// The surface of the body.
+    pub surface: Surface,
+    /// Displacement of each node, m.
+    pub displacement: Vec<[f64; 3]>,
+    /// Temperature of each node, K.
+    pub temperature: Vec<f64>,
+    /// Von Mises stress in each cell, Pa.
+    pub von_mises: Vec<f64>,
+    /// Region of each cell; empty where it is not known.
+    pub regions: Vec<f64>,
+    /// The contact points, in any order; empty without contact.
+    pub contact: Vec<SolidContact>,
+}
+
+/// A point of Γ_C of a body in space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolidContact {
+    /// Position on the undeformed boundary, m.
+    pub x: [f64; 3],
+    /// p_ν in Pa.
+    pub pressure: f64,
+    /// Open, stick or slip.
+    pub status: Status,
+}
+
+impl Solid {
+    /// Checks that there is a finite value a node and a cell.
+    ///
+    /// # Errors
+    /// [`PlotError::Data`] names the field that does not fit.
+    pub fn check(&self) -> Result<(), PlotError> {
+        let (nodes, cells) = (self.surface.nodes(), self.surface.cells());
+        fits("displacement", self.displacement.as_flattened(), 3 * nodes)?;
+        fits("temperature", &self.temperature, nodes)?;
+        fits("von Mises stress", &self.von_mises, cells)?;
+        let pressures: Vec<f64> = self.contact.iter().flat_map(|row| row.x.into_iter().chain([row.pressure])).collect();
+        fits("contact pressure", &pressures, 4 * self.contact.len())
+    }
+}
+
+/// Whether there are so many finite values.
+fn fits(name: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
+    if values.len() != expected {
+        return Err(PlotError::Data(format!("the {name} has {} values, expected {expected}", values.len())));
+    }
+    if values.iter().any(|v| !v.is_finite()) {
+        return Err(PlotError::Data(format!("the {name} has values that are not finite")));
+    }
+    Ok(())
 }
 
 /// A point of Γ_C at a time: a row of `contact.csv`.

@@ -13,6 +13,8 @@ pub(super) struct Plan {
     pub note: String,
     /// Ranges of x and y.
     pub window: [[f64; 2]; 2],
+    /// Names of both coordinates.
+    pub labels: [&'static str; 2],
 }
 
 /// Room beside the panels of a sheet.
@@ -122,8 +124,8 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options
         axes::y_marks(&mut picture, rect, &frame.y, &y_ticks, false);
         axes::border(&mut picture, rect);
         let label = |name: &str, exponent: i32| axes::with_unit(name, exponent, options.unit("m"));
-        picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, label("x", x_ticks.exponent));
-        picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label("y", y_ticks.exponent));
+        picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, label(plan.labels[0], x_ticks.exponent));
+        picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label(plan.labels[1], y_ticks.exponent));
         frames.push(frame);
         corner[usize::from(wide)] += cell[usize::from(wide)];
     }
