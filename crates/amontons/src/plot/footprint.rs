@@ -21,8 +21,8 @@ struct Side<'a> {
     rows: &'a [SolidContact],
     /// The coordinates that are seen.
     shown: [usize; 2],
-    /// The part of the surface whose nodes are the contact points, and the point of each of its nodes; none where the points are not nodes.
-    plane: Option<(Body, Vec<usize>)>,
+    /// The part of the surface whose nodes are the contact points, with the pressure at each node; none where the points are not nodes.
+    plane: Option<(Body, Vec<f64>)>,
 }
 
 impl Side<'_> {
@@ -32,11 +32,14 @@ impl Side<'_> {
         let rows: HashMap<[u64; 3], usize> = solid.contact.iter().enumerate().map(|(i, row)| (key(row.x), i)).collect();
         let surface = &solid.surface;
         let row = |n: u32| rows.get(&key(surface.points[n as usize])).copied();
-        let facets: Vec<usize> = (0..surface.facets.len()).filter(|&f| surface.facets[f].0.iter().all(|&n| row(n).is_some())).collect();
+        // Vertices of quadratic triangles may bear no contact point.
+        let bearing = |nodes: &[u32]| nodes.iter().skip(if nodes.len() == 6 { 3 } else { 0 }).all(|&n| row(n).is_some());
+        let facets: Vec<usize> = (0..surface.facets.len()).filter(|&f| bearing(&surface.facets[f].0)).collect();
         let on_facets: HashSet<u32> = facets.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
         let sum = |sizes: &mut [f64; 3], normal: [f64; 3]| sizes.iter_mut().zip(normal).for_each(|(s, n)| *s += n.abs());
         let mut sizes = [0.0; 3];
-        if on_facets.len() == solid.contact.len() {
+        let are_nodes = on_facets.iter().filter(|&&n| row(n).is_some()).count() == solid.contact.len();
+        if are_nodes {
             facets.iter().for_each(|&f| sum(&mut sizes, surface.normal(f)));
         } else {
             // The points alone: they lie flattest along the axis of their least extent.
@@ -46,14 +49,22 @@ impl Side<'_> {
         let along = (0..3).max_by(|&i, &j| sizes[i].total_cmp(&sizes[j])).unwrap_or(2);
         let shown = [[1, 2], [0, 2], [0, 1]][along];
         let mut side = Side { rows: &solid.contact, shown, plane: None };
-        if on_facets.len() == solid.contact.len() {
+        if are_nodes {
             let mut nodes: Vec<u32> = on_facets.into_iter().collect();
             nodes.sort_unstable();
             let number: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, &n)| (n, i as u32)).collect();
             let points = nodes.iter().map(|&n| shown.map(|d| surface.points[n as usize][d])).collect();
             let cells: Vec<Vec<u32>> = facets.iter().map(|&f| surface.facets[f].0.iter().map(|n| number[n]).collect()).collect();
             let body = Body::new(points, cells.iter().map(Vec::as_slice))?;
-            side.plane = Some((body, nodes.into_iter().filter_map(row).collect()));
+            let known = |n: u32| row(n).map(|r| solid.contact[r].pressure);
+            let mut sums = vec![(0.0, 0.0); nodes.len()];
+            for &f in &facets {
+                for (n, value) in extended(&surface.facets[f].0, known) {
+                    let sum = &mut sums[number[&n] as usize];
+                    *sum = (sum.0 + value, sum.1 + 1.0);
+                }
+            }
+            side.plane = Some((body, sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect()));
         }
         Ok(side)
     }
@@ -74,13 +85,12 @@ impl Side<'_> {
 
     fn pressure(&self, picture: &mut Picture, frame: &Frame, range: [f64; 2]) {
         let map = ColorMap::Viridis;
-        if let Some((body, rows)) = &self.plane {
-            let values: Vec<f64> = rows.iter().map(|&r| self.rows[r].pressure).collect();
+        if let Some((body, values)) = &self.plane {
             let [x, y] = body.window();
             let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
             let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
             let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-            picture.image(place, shade::image(body, Values::Nodes(&values), map, range, pixels(place.width), pixels(place.height)));
+            picture.image(place, shade::image(body, Values::Nodes(values), map, range, pixels(place.width), pixels(place.height)));
         } else {
             for row in self.rows {
                 let [red, green, blue] = map.at(if range[1] > range[0] { (row.pressure - range[0]) / (range[1] - range[0]) } else { 0.5 });
@@ -106,6 +116,15 @@ impl Side<'_> {
             picture.lines(&lines, Stroke::new(color, 0.9));
         }
     }
+}
+
+/// The values at the nodes of a facet: those that are known, and at a vertex of a quadratic triangle without one that of the linear
+/// function through the midpoints, not below 0.
+fn extended(nodes: &[u32], known: impl Fn(u32) -> Option<f64>) -> Vec<(u32, f64)> {
+    let value = |i: usize| nodes.get(i).and_then(|&n| known(n)).unwrap_or_default();
+    // Midpoint 3 lies between the vertices 0 and 1, 4 between 1 and 2, 5 between 2 and 0.
+    let from_midpoints = |i: usize| (value(3 + i) + value(3 + (i + 2) % 3) - value(3 + (i + 1) % 3)).max(0.0);
+    nodes.iter().enumerate().map(|(i, &n)| (n, known(n).unwrap_or_else(|| from_midpoints(i)))).collect()
 }
 
 /// A disc as a polygon of ten corners.
