@@ -1,5 +1,5 @@
 //! The blocks of the guide: each is a case or a part of one, and is read as such.
-#![allow(clippy::expect_used, clippy::panic)]
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
 

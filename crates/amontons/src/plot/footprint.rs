@@ -40,7 +40,9 @@ impl Side<'_> {
         let mut sizes = [0.0; 3];
         let are_nodes = on_facets.iter().filter(|&&n| row(n).is_some()).count() == solid.contact.len();
         if are_nodes {
-            facets.iter().for_each(|&f| sum(&mut sizes, surface.normal(f)));
+            for &f in &facets {
+                sum(&mut sizes, surface.normal(f));
+            }
         } else {
             // The points alone: they lie flattest along the axis of their least extent.
             let extent = |d: usize| axes::range(solid.contact.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);

@@ -87,7 +87,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
         let rect = Rect { x, y: top, width: widths[k], height };
         let (field, by_cell) = &fields[*i];
         picture.text([x + 0.5 * rect.width, top - LABEL - 8.0], HEADING, Anchor::Middle, INK, &sight.heading);
-        sight.draw(&mut picture, rect, scale, kind == Kind::Deformed, (field, *by_cell), &bars[*i], quantity.map);
+        sight.draw(&mut picture, rect, scale, kind == Kind::Deformed, (field, *by_cell), (&bars[*i], quantity.map));
         if k == 0 || sights[k - 1].0 != *i {
             picture.text([x + 70.0, rect.bottom() + 40.0], NUMBER, Anchor::Start, SOFT, &notes[*i]);
         }
@@ -116,7 +116,7 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), (name, [azimuth, elevation]): 
 }
 
 impl Sight<'_> {
-    fn draw(&self, picture: &mut Picture, rect: Rect, scale: f64, mesh: bool, (field, by_cell): (&[f64], bool), bar: &Bar, map: ColorMap) {
+    fn draw(&self, picture: &mut Picture, rect: Rect, scale: f64, mesh: bool, (field, by_cell): (&[f64], bool), (bar, map): (&Bar, ColorMap)) {
         const MESH: Color = Color::new(0x1B_3A_5C);
         let surface = &self.solid.surface;
         let [lo, hi] = bar.range;

@@ -194,7 +194,7 @@ mod tests {
     fn what_is_nearer_is_in_front() {
         let points = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], [1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0]];
         for triangles in [[[0, 1, 2], [3, 4, 5]], [[3, 4, 5], [0, 1, 2]]] {
-            let near = if triangles[0][0] == 3 { 0 } else { 1 };
+            let near = usize::from(triangles[0][0] != 3);
             let values = move |t: usize| [if t == near { 1.0 } else { 0.0 }; 3];
             let color = |v: f64| if v > 0.5 { [255, 0, 0] } else { [0, 0, 255] };
             let scene = Scene { points: &points, triangles: &triangles, values: &values, color: &color, lines: &[[0, 1], [3, 4]], ink: Color::new(0x00_FF_00) };
