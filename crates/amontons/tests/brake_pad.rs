@@ -72,18 +72,21 @@ fn the_mesh_is_that_of_the_drawing() {
     let case = case("cases/brake-pad/pad.toml", &[]);
     let mesh = &case.problem.mesh;
     assert_eq!(mesh.dim, 3);
-    // Quadratic edges follow a circle of radius r but for h⁴/r⁴: h = 7.5 mm at the piston of 22 mm; 4e-5 is measured against 6e-3 of chords.
+    // A parabola through three points of an arc of angle φ encloses φ⁴/480 less than the sector: 2.8e-5 with edges of 7.5 mm on the piston of 22 mm.
     let piston = area(mesh, "piston");
-    assert!((piston / (PI * 0.022 * 0.022) - 1.0).abs() < 2e-4, "{piston}");
+    let short = |angle: f64| angle.powi(4) / 480.0;
+    assert!((piston / (PI * 0.022 * 0.022) - 1.0).abs() < short(7.5 / 22.0), "{piston}");
+    // On the plate the corners, 2 % of its area, have two edges of 45° each.
     let plate = plate_area();
-    let [back, piston] = [area(mesh, "back"), piston];
-    assert!(((back + piston) / plate - 1.0).abs() < 2e-4, "{} {plate}", back + piston);
+    let back = area(mesh, "back");
+    let allowed = 0.02 * short(0.25 * PI) + short(7.5 / 95.0);
+    assert!(((back + piston) / plate - 1.0).abs() < 2.0 * allowed, "{} {plate}", back + piston);
     let index = mesh.regions.iter().position(|r| r == "plate").expect("the plate");
-    assert!((volumes(mesh)[index] / (0.005 * plate) - 1.0).abs() < 2e-4);
+    assert!((volumes(mesh)[index] / (0.005 * plate) - 1.0).abs() < 2.0 * allowed);
 }
 
 /// While it is pressed, warmed and moved: the contact force is the force of the piston but for the inertia of the pad, both identities
-/// close, friction keeps to Coulomb's law, and no temperature leaves the range between air and disc by more than the mesh does.
+/// close, and friction keeps to Coulomb's law.
 #[test]
 fn the_pad_is_in_balance() {
     let case = case("cases/brake-pad/pad.toml", &["time.end=9".to_owned(), "time.steps=3".to_owned()]);
