@@ -195,3 +195,14 @@ fn friction_in_the_tangent_plane() {
         }
     }
 }
+
+/// A problem on a mesh built by hand that names a node that there is not is a fault, not a panic.
+#[test]
+fn a_mesh_with_an_unknown_node_is_a_fault() {
+    let mut problem = paper(&["mesh.n=2"]).problem;
+    let mut mesh = Mesh::clone(&problem.mesh);
+    mesh.blocks[0].nodes[0] = 1000;
+    problem.mesh = Arc::new(mesh);
+    let faults = problem.checked().expect_err("a fault").to_string();
+    assert_eq!(faults, "mesh: found a cell names node 1000, expected one below 9, the number of nodes, expected cells and facets of nodes that there are");
+}

@@ -69,7 +69,7 @@ impl Build<'_> {
             raw::Normal::Signorini => Arc::new(Signorini),
             raw::Normal::Bilateral => Arc::new(Bilateral),
             raw::Normal::Damped { stiffness, damping } => Arc::new(Damped { stiffness, damping }),
-            raw::Normal::HuntCrossley { stiffness, exponent, damping } => Arc::new(HuntCrossley { stiffness, exponent, damping }),
+            raw::Normal::HuntCrossley { stiffness, exponent, damping } => Arc::new(HuntCrossley { at_rest: Power { stiffness, exponent }, damping }),
             raw::Normal::Softening { stiffness, peak, softening, residual } => {
                 if residual > peak {
                     self.note("contact.normal.residual", At::Value, format!("{residual:?}"), format!("at most the peak, {peak:?}"), None);

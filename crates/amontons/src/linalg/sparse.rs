@@ -228,10 +228,28 @@ impl BlockMatrix {
                 (3, 3, _) => self.rows_of::<3, 3>(first, x, y),
                 (3, 1, _) => self.rows_of::<3, 1>(first, x, y),
                 (1, 3, _) => self.rows_of::<1, 3>(first, x, y),
-                _ => unreachable!("blocks have as many rows and columns as there are components"),
+                _ => self.rows_of_any(first, components, x, y),
             }
         });
         y
+    }
+
+    /// The rows of blocks of any shape, in which `x` has `components` for each column of a block.
+    fn rows_of_any(&self, first: usize, components: usize, x: &[f64], y: &mut [f64]) {
+        let (rows, cols) = (self.rows, self.cols);
+        for (k, y) in y.chunks_exact_mut((rows * components).max(1)).enumerate() {
+            let origin = if self.of_differences { first + k } else { usize::MAX };
+            let at = |node: usize, c: usize| x.get(node.wrapping_mul(cols * components).wrapping_add(c)).copied().unwrap_or(0.0);
+            for (j, block) in self.row(first + k) {
+                for (r, c) in (0..rows).flat_map(|r| (0..cols).map(move |c| (r, c))) {
+                    for part in 0..components {
+                        let c_of = c * components + part;
+                        let value = at(j, c_of) - if origin == usize::MAX { 0.0 } else { at(origin, c_of) };
+                        y[r * components + part] += block[r * cols + c] * value;
+                    }
+                }
+            }
+        }
     }
 
     fn rows_of<const R: usize, const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
@@ -370,7 +388,7 @@ mod tests {
     fn products_agree_with_entries() -> Result<(), MeshError> {
         let mesh = Mesh::rectangle([1.0, 1.0], [3, 2], Diagonal::Left)?;
         let graph = Arc::new(Graph::of_mesh(&mesh));
-        for (rows, cols) in [(1, 1), (2, 2), (2, 1), (1, 2), (3, 3)] {
+        for (rows, cols) in [(1, 1), (2, 2), (2, 1), (1, 2), (3, 3), (4, 4), (2, 3)] {
             let mut a = BlockMatrix::zero(&graph, rows, cols);
             for (s, block) in mesh.blocks.iter().enumerate() {
                 for (k, cell) in block.cells().enumerate() {

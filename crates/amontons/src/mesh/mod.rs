@@ -85,6 +85,16 @@ pub enum MeshError {
         /// Its first coordinate.
         found: f64,
     },
+    /// A cell or a facet names a node that there is not.
+    #[error("{what} names node {node}, expected one below {nodes}, the number of nodes")]
+    Node {
+        /// `a cell`, or `a facet of` a side.
+        what: String,
+        /// The node.
+        node: u32,
+        /// Number of nodes of the mesh.
+        nodes: usize,
+    },
     /// A cell has no positive measure.
     #[error("cell {cell} of block {block} has measure {measure:.3e}, expected a positive one: it is inverted or flat")]
     Cell {
@@ -158,11 +168,28 @@ impl Mesh {
         if self.axisymmetric { 3 } else { self.dim }
     }
 
+    /// Checks that cells and facets name nodes that there are; nothing else may be asked of a mesh whose do not.
+    ///
+    /// # Errors
+    /// [`MeshError::Node`] with the first that does not.
+    pub fn check_nodes(&self) -> Result<(), MeshError> {
+        let nodes = self.points.len();
+        let unknown = |list: &[u32]| list.iter().copied().find(|&node| node as usize >= nodes);
+        let cells = self.blocks.iter().filter_map(|block| Some(("a cell".to_owned(), unknown(&block.nodes)?)));
+        let sides = self.facets.iter().flat_map(|(name, set)| set.blocks.iter().map(move |block| (name, block)));
+        let facets = sides.filter_map(|(name, block)| Some((format!("a facet of \"{name}\""), unknown(&block.nodes)?)));
+        match cells.chain(facets).next() {
+            Some((what, node)) => Err(MeshError::Node { what, node, nodes }),
+            None => Ok(()),
+        }
+    }
+
     /// Checks that every cell has a positive Jacobian at its quadrature points, beyond the round-off of its size.
     ///
     /// # Errors
-    /// Names the first cell that has not, or a node of a body of revolution beyond the axis.
+    /// Names the first cell that has not, a node of a body of revolution beyond the axis, or one that there is not.
     pub fn check(&self) -> Result<(), MeshError> {
+        self.check_nodes()?;
         if self.axisymmetric
             && let Some(node) = self.points.iter().position(|p| p[0] < 0.0)
         {

@@ -219,3 +219,18 @@ fn inverted_and_folded_cells_are_named() -> Result<(), MeshError> {
     assert!(matches!(mesh.check(), Err(MeshError::Cell { block: 0, cell: 0, .. })));
     Ok(())
 }
+
+/// A mesh built by hand whose cells or facets name a node that there is not is refused, and nothing else is asked of it.
+#[test]
+fn nodes_that_there_are_not_are_named() -> Result<(), MeshError> {
+    let sound = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)?;
+    let (mut cell, mut facet) = (sound.clone(), sound.clone());
+    cell.blocks[0].nodes[4] = 99;
+    let Some(set) = facet.facets.get_mut("top") else { panic!("a top") };
+    set.blocks[0].nodes[0] = 9;
+    let text = |mesh: &Mesh| mesh.check().err().map(|error| error.to_string());
+    assert_eq!(text(&sound), None);
+    assert_eq!(text(&cell).as_deref(), Some("a cell names node 99, expected one below 9, the number of nodes"));
+    assert_eq!(text(&facet).as_deref(), Some("a facet of \"top\" names node 9, expected one below 9, the number of nodes"));
+    Ok(())
+}

@@ -74,6 +74,15 @@ pub(super) struct Image {
     pub rgba: Vec<u8>,
 }
 
+#[cfg(test)]
+impl Image {
+    /// Red, green, blue and opacity of the pixel in column i and row j, from the upper left.
+    pub fn pixel(&self, i: u32, j: u32) -> [u8; 4] {
+        let at = 4 * (j * self.width + i) as usize;
+        std::array::from_fn(|c| self.rgba[at + c])
+    }
+}
+
 /// A drawn picture, to be written as SVG or PNG; both show the same.
 #[derive(Clone, Debug)]
 pub struct Picture {

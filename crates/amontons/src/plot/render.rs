@@ -174,11 +174,6 @@ mod tests {
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-    fn pixel(image: &Image, i: u32, j: u32) -> [u8; 4] {
-        let at = 4 * (j * image.width + i) as usize;
-        [image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]]
-    }
-
     #[test]
     fn views_are_right_handed_and_orthonormal() {
         for (azimuth, elevation) in [(-60.0, 30.0), (120.0, -30.0), (0.0, 90.0), (17.0, 0.0)] {
@@ -199,7 +194,7 @@ mod tests {
             let color = |v: f64| if v > 0.5 { [255, 0, 0] } else { [0, 0, 255] };
             let scene = Scene { points: &points, triangles: &triangles, values: &values, color: &color, lines: &[[0, 1], [3, 4]], ink: Color::new(0x00_FF_00) };
             let image = image(&scene, [[0.0, 10.0], [0.0, 10.0]], 50, 50);
-            let [front, back, outside] = [pixel(&image, 8, 40), pixel(&image, 25, 35), pixel(&image, 45, 5)];
+            let [front, back, outside] = [image.pixel(8, 40), image.pixel(25, 35), image.pixel(45, 5)];
             assert!(front[0] > 160 && front[2] == 0 && front[3] == 255, "{front:?}");
             assert!(back[2] > 160 && back[0] == 0 && back[3] == 255, "{back:?}");
             assert_eq!(outside, [0; 4]);
@@ -227,7 +222,7 @@ mod tests {
         let image = draw(&[]);
         for (centre, number) in [([1.0, 0.5, 0.5], 1u8), ([0.5, 0.0, 0.5], 2), ([0.5, 0.5, 1.0], 5)] {
             let [x, y, _] = view.place(centre);
-            let [red, _, _, opacity] = pixel(&image, ((x + 1.0) * 100.0) as u32, ((2.0 - y) * 100.0) as u32);
+            let [red, _, _, opacity] = image.pixel(((x + 1.0) * 100.0) as u32, ((2.0 - y) * 100.0) as u32);
             let full = f64::from(40 * (number + 1));
             assert!(f64::from(red) >= 0.65 * full && f64::from(red) <= full && opacity == 255, "face {number}: red {red}, at most {full}");
         }

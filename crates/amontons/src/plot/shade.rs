@@ -105,11 +105,6 @@ mod tests {
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
-    fn pixel(image: &Image, i: u32, j: u32) -> [u8; 4] {
-        let at = 4 * (j * image.width + i) as usize;
-        [image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]]
-    }
-
     #[test]
     fn a_linear_nodal_field_has_the_colours_of_its_values() -> Outcome {
         let body = Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [6, 3], Diagonal::Crossed)?)?;
@@ -120,7 +115,7 @@ mod tests {
             for j in 0..40 {
                 let value = f((f64::from(i) + 0.5) / 40.0, 1.0 - (f64::from(j) + 0.5) / 40.0);
                 let expected = ColorMap::Viridis.at((value + 1.0) / 7.0);
-                let found = pixel(&image, i, j);
+                let found = image.pixel(i, j);
                 assert_eq!(found[3], 255, "pixel {i}, {j} is not covered");
                 assert!((0..3).all(|c| found[c].abs_diff(expected[c]) <= 1), "pixel {i}, {j}: {found:?}, expected {expected:?}");
             }
@@ -134,8 +129,8 @@ mod tests {
         let body = Body::new(points, [[0u32, 1, 2].as_slice()])?;
         let image = image(&body, Values::Cells(&[5.0]), ColorMap::Inferno, [0.0, 10.0], 20, 20);
         let [r, g, b] = ColorMap::Inferno.at(0.5);
-        assert_eq!(pixel(&image, 3, 15), [r, g, b, 255]);
-        assert_eq!(pixel(&image, 15, 3), [0, 0, 0, 0]);
+        assert_eq!(image.pixel(3, 15), [r, g, b, 255]);
+        assert_eq!(image.pixel(15, 3), [0, 0, 0, 0]);
         Ok(())
     }
 

@@ -155,6 +155,10 @@ impl Problem {
         let mut faults = Vec::new();
         self.check_time(&mut faults);
         self.check_material(&mut faults);
+        if let Err(error) = self.mesh.check_nodes() {
+            faults.push(Fault::new("mesh", error.to_string(), "cells and facets of nodes that there are"));
+            return Err(Faults(faults));
+        }
         self.check_parts(&mut faults);
         self.check_shapes(&mut faults);
         self.check_boundary(&mut faults);

@@ -4,7 +4,7 @@
 //! damped response); K. H. Hunt, F. R. E. Crossley, "Coefficient of restitution interpreted as damping in vibroimpact", J. Appl.
 //! Mech. 42 (1975) 440–445.
 
-use super::{NormalLaw, Pressure};
+use super::{NormalLaw, Power, Pressure};
 use crate::tensor::Point;
 
 /// A spring and a dashpot side by side that do not pull: p = (c r + d ṙ)₊ where r > 0.
@@ -32,28 +32,26 @@ impl NormalLaw for Damped {
 /// p = c r₊^m (1 + a ṙ)₊: damping grows with the penetration, so that the pressure starts and ends at zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HuntCrossley {
-    /// c ≥ 0 in Pa/m^m.
-    pub stiffness: f64,
-    /// m ≥ 1.
-    pub exponent: f64,
+    /// c r₊^m, the pressure at rest.
+    pub at_rest: Power,
     /// a ≥ 0 in s/m.
     pub damping: f64,
 }
 
 impl NormalLaw for HuntCrossley {
-    fn pressure(&self, _x: &Point, z: f64, rate: f64, _lambda: f64) -> Pressure {
+    fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
         let factor = 1.0 + self.damping * rate;
-        if z <= 0.0 || factor <= 0.0 {
+        if factor <= 0.0 {
             return Pressure::default();
         }
-        let secant = self.stiffness * z.powf(self.exponent - 1.0);
-        Pressure { value: secant * z * factor, slope: self.exponent * secant * factor, by_rate: secant * z * self.damping }
+        let Pressure { value, slope, .. } = self.at_rest.pressure(x, z, 0.0, lambda);
+        Pressure { value: value * factor, slope: slope * factor, by_rate: value * self.damping }
     }
-    fn potential(&self, _x: &Point, r: f64) -> f64 {
-        self.stiffness * r.max(0.0).powf(self.exponent + 1.0) / (self.exponent + 1.0)
+    fn potential(&self, x: &Point, r: f64) -> f64 {
+        self.at_rest.potential(x, r)
     }
     fn lipschitz(&self) -> Option<f64> {
-        (self.exponent <= 1.0).then_some(self.stiffness)
+        self.at_rest.lipschitz()
     }
 }
 
@@ -61,7 +59,7 @@ impl NormalLaw for HuntCrossley {
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
     vec![
         (std::sync::Arc::new(Damped { stiffness: 1e4, damping: 2e-1 }), 1e-4),
-        (std::sync::Arc::new(HuntCrossley { stiffness: 1e4, exponent: 1.0, damping: 0.4 }), 1e-4),
-        (std::sync::Arc::new(HuntCrossley { stiffness: 1e9, exponent: 1.5, damping: 2.0 }), 1e-3),
+        (std::sync::Arc::new(HuntCrossley { at_rest: Power { stiffness: 1e4, exponent: 1.0 }, damping: 0.4 }), 1e-4),
+        (std::sync::Arc::new(HuntCrossley { at_rest: Power { stiffness: 1e9, exponent: 1.5 }, damping: 2.0 }), 1e-3),
     ]
 }
