@@ -75,7 +75,8 @@ fn row(name: &str, value: &str) -> String {
 /// Sizes of a valid case and the verdicts on it, for reading.
 pub fn valid(name: &str, problem: &Problem, certificate: &Certificate) -> String {
     let mesh = &problem.mesh;
-    let contact = problem.contact.as_ref().map_or_else(|| "none".to_owned(), |c| format!("on \"{}\"", c.on));
+    let sides: Vec<String> = problem.contacts.iter().map(|c| format!("\"{}\"", c.on)).collect();
+    let contact = if sides.is_empty() { "none".to_owned() } else { format!("on {}", sides.join(", ")) };
     let mut lines = vec![
         format!("{name}: case is valid"),
         row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {:.5e} m", mesh.dim, mesh.points.len(), mesh.cell_count(), mesh.h())),
@@ -112,6 +113,7 @@ fn failing(findings: &[Finding]) -> Vec<String> {
 /// Sizes of a valid case and the verdicts on it, for programs.
 pub fn valid_json(problem: &Problem, certificate: &Certificate) -> Value {
     let mesh = &problem.mesh;
+    let sides: Vec<&str> = problem.contacts.iter().map(|c| c.on.as_str()).collect();
     json!({
         "case": problem.name,
         "valid": true,
@@ -122,7 +124,8 @@ pub fn valid_json(problem: &Problem, certificate: &Certificate) -> Value {
         "steps": problem.steps,
         "k": problem.k(),
         "time": problem.end,
-        "contact": problem.contact.as_ref().map(|c| &c.on),
+        // A name, or an array of the names of several sides.
+        "contact": match sides.as_slice() { [] => Value::Null, [one] => json!(one), several => json!(several) },
         "findings": certificate.findings,
         "constants": certificate.constants,
     })

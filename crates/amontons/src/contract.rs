@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use crate::contact::{ContactPoint, FrictionLaw, GraphKind, HeatLaw, NormalLaw};
+use crate::contact::{ContactPoint, FrictionLaw, GraphKind, HeatLaw, NormalLaw, WearLaw, worn};
 use crate::element::{Element, MAX_NODES, Table};
 use crate::forms;
 use crate::hypotheses::Samples;
@@ -246,6 +246,18 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
             let slack = 1e-12 * l * r;
             assert!((ga.value - p(b, 0.0).value).abs() <= l * (a - b).abs() + slack, "{law:?}: declared L = {l:e} fails between {a:e} and {b:e}");
         }
+        // Between two penetrations it falls by no more than it says.
+        let (low, high) = (a.min(b), a.max(b));
+        let (least, mean) = (law.least_slope(&x, low, high), (p(high, 0.0).value - p(low, 0.0).value) / (high - low));
+        assert!(mean >= least - 1e-9 * (least.abs() + size / r), "{law:?}: least slope {least:e} between {low:e} and {high:e}, but the mean is {mean:e}");
+        // What wears off makes it softer: p = G(r − λ p₊), with the slope that it has.
+        let by_wear = r / size * 10f64.powf(3.0 * random.number());
+        let rubbed = |h: f64| worn(law, &x, a + h, 0.0, [0.0, by_wear]);
+        let value = rubbed(0.0).value;
+        near(value, p(a - by_wear * value.max(0.0), 0.0).value, 1e-12 * size, &format!("{law:?}: worn by {by_wear:e} p at {a:e}"));
+        if least >= 0.0 && law.least_slope(&x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0 {
+            slope_between(rubbed(0.0).slope, |h| rubbed(h).value, h, 1e-4 * size / r, &format!("{law:?}: worn, at {a:e}"));
+        }
         // In the rate: nondecreasing, and of the slope it has.
         let (rate, other) = (2.0 * random.number(), 2.0 * random.number());
         let moving = p(a, rate);
@@ -311,6 +323,13 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
         slope_between(bound.by_pressure, s(|at, h| at.pressure += h), 1e-6 * p, 1e-5, &format!("{law:?}: in pressure"));
         slope_between(bound.by_penetration, s(|at, h| at.penetration += h), 1e-6 * p / l_nu, 1e-5 * l_nu, &format!("{law:?}: in penetration"));
         slope_between(bound.by_slip_speed, s(|at, h| at.slip_speed += h), 1e-6, 1e-4 * p, &format!("{law:?}: in slip speed"));
+        let faster = ContactPoint { slip_speed: at.slip_speed + random.number().abs(), ..*at };
+        let (least, rise) = (law.least_slope(at, at.slip_speed, faster.slip_speed), law.bound(&faster).value - bound.value);
+        let slack = 1e-12 * (bound.value + p);
+        assert!(
+            rise >= least * (faster.slip_speed - at.slip_speed) - slack,
+            "{law:?}: least slope {least:e} in the slip speed, but from {at:?} to {faster:?} it changes by {rise:e}"
+        );
         if let Some(l) = law.lipschitz(Some(l_nu)) {
             let total = bound.by_penetration + bound.by_pressure * l_nu;
             assert!(total.abs() <= l * (1.0 + 1e-12), "{law:?}: declared L_τ = {l:e}, but the slope is {total:e}");
@@ -319,6 +338,19 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
     if law.lipschitz(Some(l_nu)).is_some() {
         let none = law.bound(&ContactPoint::default());
         near(none.value, 0.0, 0.0, &format!("{law:?}: bound without pressure"));
+    }
+}
+
+/// The coefficient is a number that is not negative, whatever the point.
+///
+/// # Panics
+/// When the law breaks the contract.
+pub fn assert_wear_law(law: &dyn WearLaw) {
+    let mut random = samples();
+    for _ in 0..256 {
+        let at = ContactPoint { temperature: 1e3 * random.number(), pressure: random.number().abs(), ..ContactPoint::default() };
+        let coefficient = law.coefficient(&at);
+        assert!(coefficient.is_finite() && coefficient >= 0.0, "{law:?}: coefficient {coefficient:e} at {at:?}");
     }
 }
 
@@ -356,6 +388,8 @@ pub fn assert_heat_law(law: &dyn HeatLaw, r: f64) {
         // The curvature of a law, times the step of the difference.
         let scale = 1e-4 * (flux.value.abs() + flux.by_temperature);
         slope_between(flux.by_temperature, q(|at, h| at.temperature += h), 1e-6, scale, &format!("{law:?}: in temperature"));
+        assert!(flux.by_foundation <= 0.0, "{law:?}: flux increases with the temperature of the foundation at {at:?}");
+        slope_between(flux.by_foundation, q(|at, h| at.foundation_temperature += h), 1e-6, scale, &format!("{law:?}: in the foundation's temperature"));
         slope_between(flux.by_penetration, q(|at, h| at.penetration += h), 1e-6 * r, scale / r, &format!("{law:?}: in penetration"));
         slope_between(flux.by_pressure, q(|at, h| at.pressure += h), 1e-6, scale, &format!("{law:?}: in pressure"));
         slope_between(flux.by_slip_speed, q(|at, h| at.slip_speed += h), 1e-6, scale, &format!("{law:?}: in slip speed"));
@@ -459,6 +493,9 @@ mod tests {
         }
         for (law, r) in crate::contact::heat_samples() {
             assert_heat_law(law.as_ref(), r);
+        }
+        for law in crate::contact::wear_samples() {
+            assert_wear_law(law.as_ref());
         }
     }
 

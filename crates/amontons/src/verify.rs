@@ -220,7 +220,7 @@ impl Recorder {
             checks.filter_map(|(i, check)| if let Check::Probe { probe, .. } = check { Some((probe.clone(), i)) } else { None }).unzip();
         let failed = |(i, error): (usize, ProbeError)| VerifyError::Check(format!("{name}: {}: {error}", probes.get(i).map_or("", |probe| &probe.name)));
         Ok(Recorder {
-            columns: history_columns(case.problem.mesh.dim),
+            columns: history_columns(&case.problem),
             times: Vec::new(),
             history: Vec::new(),
             set: ProbeSet::new(&case.problem, &probes).map_err(failed)?,

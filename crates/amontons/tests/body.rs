@@ -30,7 +30,7 @@ fn rod(steps: usize, pull: f64) -> Problem {
     };
     let pulled = BoundaryCondition { on: "right".to_owned(), traction: Some(vec![pull.into(), 0.0.into()]), ..BoundaryCondition::default() };
     problem.boundary = vec![roller("left", 1), roller("bottom", 0), pulled];
-    problem.contact = None;
+    problem.contacts.clear();
     problem
 }
 

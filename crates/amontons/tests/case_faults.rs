@@ -337,6 +337,41 @@ spoiled! {
         "--set contact.frictional_heat=1.5: contact.frictional_heat: found 1.5, expected a number ≥ 0 and ≤ 1 (share η of the power of friction that enters the body as heat)";
     foundation_velocity_of_three: "" => "" set "contact.foundation_velocity=[1, 0, 0]"
         "--set contact.foundation_velocity=[1, 0, 0]: contact.foundation_velocity: found 3 components, expected 2 components";
+    obstacle_without_a_shape: "" => "" set "contact.obstacle={ radius = 1 }"
+        "--set contact.obstacle={ radius = 1 }: contact.obstacle.shape: found no such key, expected \"plane\", \"sphere\", \"cylinder\", \"wave\" or \"surface\"";
+    obstacle_of_another_shape: "" => "" set "contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }"
+        "--set contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }: contact.obstacle.shape: found \"sphera\", expected \"plane\", \"sphere\", \"cylinder\", \"wave\" or \"surface\"; did you mean \"sphere\"?";
+    obstacle_unknown_key: "" => "" set "contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }"
+        "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }: contact.obstacle.radius: found an unknown key, expected one of geometry, normal, point, shape; `radius` belongs to [contact.obstacle] with shape = \"sphere\" or [contact.obstacle] with shape = \"cylinder\"";
+    obstacle_geometry: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }"
+        "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }: contact.obstacle.geometry: found \"update\", expected \"reference\" or \"updated\" (where distances and normals are taken); did you mean \"updated\"?";
+    obstacle_radius_zero: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 0 }"
+        "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 0 }: contact.obstacle.radius: found 0, expected a number > 0 (radius in m)";
+    obstacle_wavelength_negative: "" => "" set "contact.obstacle={ shape = 'wave', point = [0, 0], normal = [0, 1], direction = [1, 0], amplitude = 0.1, wavelength = -1 }"
+        "--set contact.obstacle={ shape = 'wave', point = [0, 0], normal = [0, 1], direction = [1, 0], amplitude = 0.1, wavelength = -1 }: contact.obstacle.wavelength: found -1, expected a number > 0 (wavelength in m)";
+    obstacle_normal_zero: "" => "" set "contact.obstacle={ shape = 'plane', point = [0, 0, 0], normal = [0, 0] }"
+        "--set contact.obstacle={ shape = 'plane', point = [0, 0, 0], normal = [0, 0] }: contact.obstacle.point: found 3 components, expected 2 components"
+        "--set contact.obstacle={ shape = 'plane', point = [0, 0, 0], normal = [0, 0] }: contact.obstacle.normal: found zero, expected a direction";
+    obstacle_normal_of_three: "" => "" set "contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1, 0] }"
+        "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1, 0] }: contact.obstacle.normal: found 3 components, expected 2 components";
+    obstacle_axis_in_the_plane: "" => "" set "contact.obstacle={ shape = 'cylinder', center = [0, 0], radius = 1, axis = [0, 0, 1] }"
+        "--set contact.obstacle={ shape = 'cylinder', center = [0, 0], radius = 1, axis = [0, 0, 1] }: contact.obstacle.axis: found an axis, expected none: in the plane it is z";
+    obstacle_wave_along_the_normal: "" => "" set "contact.obstacle={ shape = 'wave', point = [0, 0], normal = [0, 1], direction = [0, 2], amplitude = 0.1, wavelength = 1 }"
+        "--set contact.obstacle={ shape = 'wave', point = [0, 0], normal = [0, 1], direction = [0, 2], amplitude = 0.1, wavelength = 1 }: contact.obstacle.direction: found a direction along the normal, expected one across it";
+    obstacle_center_in_space: "" => "" set "contact.obstacle={ shape = 'sphere', center = ['t', 'y - 1'], radius = 1 }"
+        "--set contact.obstacle={ shape = 'sphere', center = ['t', 'y - 1'], radius = 1 }: contact.obstacle.center[1]: found an expression in space, expected a number or an expression in t: the obstacle moves as a whole";
+    obstacle_center_in_a_table_that_ends: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, { times = [0, 0.5], values = [0, 1] }], radius = 1 }"
+        "--set contact.obstacle={ shape = 'sphere', center = [0, { times = [0, 0.5], values = [0, 1] }], radius = 1 }: contact.obstacle.center[1]: found a table that ends at t = 0.5, expected values to the end of the run, t = 1.0; give more rows, or `extend = \"hold\"` to keep the value at the end";
+    obstacle_center_without_a_value: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 'log(t - 1)'], radius = 1 }"
+        "--set contact.obstacle={ shape = 'sphere', center = [0, 'log(t - 1)'], radius = 1 }: contact.obstacle.center[1]: found the value NaN at x = 0.0, y = 0.0, t = 0.0, expected finite values at all nodes on which it acts, at t = 0 and t = end";
+    obstacle_level_constant: "" => "" set "contact.obstacle={ shape = 'surface', level = '1 - t' }"
+        "--set contact.obstacle={ shape = 'surface', level = '1 - t' }: contact.obstacle.level: found an expression that is the same everywhere, expected one in space, positive outside the obstacle and negative inside";
+    obstacle_level_in_z: "" => "" set "contact.obstacle={ shape = 'surface', level = 'y + z' }"
+        "--set contact.obstacle={ shape = 'surface', level = 'y + z' }: contact.obstacle.level: found `z` in an expression, expected an expression in x, y, t: the body is plane";
+    obstacle_level_without_a_zero: "" => "" set "contact.obstacle={ shape = 'surface', level = 'x^2 + 1' }"
+        "--set contact.obstacle={ shape = 'surface', level = 'x^2 + 1' }: contact.obstacle.level: found no point of the zero level that is nearest to x = 0.0, y = 0.0 at t = 0, expected one for each node of the side; a level is positive outside the obstacle, negative inside and continuous";
+    obstacle_level_misspelled: "" => "" set "contact.obstacle={ shape = 'surface', level = 'y + sinn(x)' }"
+        "--set contact.obstacle={ shape = 'surface', level = 'y + sinn(x)' }: contact.obstacle.level: found `sinn`, expected a variable (x, y, z, t), a constant (pi, e) or a function; did you mean sin?";
     roughness_zero: "" => "" set "contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }"
         "--set contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }: contact.heat.laws[0].roughness: found 0, expected a number > 0 (width in m that a closed gap still has)";
     gauss_points_on_a_rigid_foundation: "quadrature = \"nodal\"" => "quadrature = \"gauss\"" set "contact.normal={ law = 'signorini' }"

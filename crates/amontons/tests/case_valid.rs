@@ -34,7 +34,7 @@ fn the_paper_has_its_numbers() -> Outcome {
     assert_eq!(p.body_force, [Field::ZERO, Field::Constant(-1.0)]);
     assert_eq!(p.boundary.iter().map(|b| b.on.as_str()).collect::<Vec<_>>(), ["top", "left", "right"]);
     assert_eq!(p.boundary[2].traction, Some(vec![Field::Constant(-0.8), Field::Constant(0.4)]));
-    let contact = p.contact.as_ref().expect("contact");
+    let contact = p.contacts.first().expect("contact");
     assert_eq!((contact.on.as_str(), contact.quadrature), ("bottom", Quadrature::Nodal));
     assert_eq!(contact.normal.lipschitz(), Some(1e4));
     assert_eq!(contact.friction.lipschitz(Some(1e4)), Some(2e3));
@@ -51,9 +51,9 @@ fn the_readings_of_the_paper_need_overrides_only() -> Outcome {
         assert_eq!(tensor, Sym::identity(2));
     }
     assert_eq!(parse(PAPER, &["material.conductivity=[[1,1],[1,1]]"])?.problem.materials[0].conductivity, ones());
-    let hot = parse(PAPER, &["contact.heat.foundation_temperature=10"])?.problem.contact.expect("contact");
+    let hot = parse(PAPER, &["contact.heat.foundation_temperature=10"])?.problem.contacts.swap_remove(0);
     assert_eq!(hot.foundation_temperature, Field::Constant(10.0));
-    assert_eq!(parse(PAPER, &["contact.quadrature=gauss"])?.problem.contact.expect("contact").quadrature, Quadrature::Gauss);
+    assert_eq!(parse(PAPER, &["contact.quadrature=gauss"])?.problem.contacts.swap_remove(0).quadrature, Quadrature::Gauss);
     Ok(())
 }
 
@@ -74,7 +74,7 @@ fn without_contact() -> &'static str {
 #[test]
 fn contact_initial_data_loads_and_output_may_be_left_out() -> Outcome {
     let case = parse(without_contact(), &[])?;
-    assert!(case.problem.contact.is_none() && case.every == 0);
+    assert!(case.problem.contacts.is_empty() && case.every == 0);
     assert!(case.problem.initial.displacement.is_empty() && case.problem.initial.temperature.is_zero());
     let (before, after) = (without_contact().split("[load]").next(), without_contact().find("[[boundary]]"));
     let text = format!("{}{}", before.unwrap_or_default(), &without_contact()[after.unwrap_or_default()..]);
@@ -86,7 +86,7 @@ fn contact_initial_data_loads_and_output_may_be_left_out() -> Outcome {
 #[test]
 fn friction_and_heat_of_a_contact_may_be_left_out() -> Outcome {
     let contact = "[contact]\non = \"bottom\"\nnormal = { law = \"compliance\", stiffness = 5 }\n";
-    let contact = parse(&format!("{}{contact}", without_contact()), &[])?.problem.contact.expect("contact");
+    let contact = parse(&format!("{}{contact}", without_contact()), &[])?.problem.contacts.swap_remove(0);
     assert!(contact.friction.is_frictionless() && contact.heat.conductance_bound() == 0.0 && contact.gap.is_zero());
     Ok(())
 }
@@ -151,7 +151,7 @@ fn overrides_make_what_is_missing_and_their_text_is_a_case() -> Outcome {
     let again = parse(&case.text, &[])?;
     for case in [case, again] {
         assert_eq!(case.problem.initial.temperature, Field::Constant(5.0));
-        assert_eq!(case.problem.contact.expect("contact").friction.lipschitz(Some(7.0)), Some(0.1 * 7.0));
+        assert_eq!(case.problem.contacts[0].friction.lipschitz(Some(7.0)), Some(0.1 * 7.0));
     }
     Ok(())
 }
@@ -207,4 +207,27 @@ fn walk(node: &serde_json::Value, visit: &mut impl FnMut(&serde_json::Value)) {
         serde_json::Value::Array(entries) => entries.iter().for_each(|e| walk(e, visit)),
         _ => {}
     }
+}
+
+/// Each shape with its keys, by the distance of a point that is known.
+#[test]
+fn obstacles_are_read_with_their_keys() -> Outcome {
+    let x = [0.5, 0.0, 0.0];
+    for (keys, updated, distance, place) in [
+        ("shape = 'plane', point = [0, '-0.1 - t'], normal = [0, 2]", false, 0.6, [0.0, -0.6, 0.0]),
+        ("shape = 'sphere', center = [0.5, { times = [0, 1], values = [-2, -3] }], radius = 1, geometry = 'updated'", true, 1.5, [0.5, -2.5, 0.0]),
+        ("shape = 'sphere', center = [0.5, 0.5], radius = 2, inside = true, geometry = 'reference'", false, 1.5, [0.5, 0.5, 0.0]),
+        ("shape = 'cylinder', center = ['0.5 + t', 1], radius = 5, inside = true", false, 5.0 - 1.25f64.sqrt(), [1.0, 1.0, 0.0]),
+        // A trough is below the point.
+        ("shape = 'wave', point = [0, -1], normal = [0, 1], direction = [1, 0], amplitude = 0.01, wavelength = 1", false, 1.01, [0.0, -1.0, 0.0]),
+        ("shape = 'surface', level = '4*(y + 0.25 + t)'", false, 0.75, [0.0; 3]),
+    ] {
+        let contact = parse(PAPER, &[&format!("contact.obstacle={{ {keys} }}")])?.problem.contacts.swap_remove(0);
+        let obstacle = contact.obstacle.expect("an obstacle");
+        let nearest = obstacle.nearest(&x, 0.5);
+        assert!((nearest.distance - distance).abs() < 1e-14, "{keys}: {nearest:?}");
+        assert_eq!((obstacle.updated, obstacle.place(0.5)), (updated, place), "{keys}");
+    }
+    assert!(parse(PAPER, &[])?.problem.contacts[0].obstacle.is_none());
+    Ok(())
 }

@@ -188,7 +188,7 @@ impl HeatLaw for Unbounded {
 
 fn with_contact(change: impl FnOnce(&mut amontons::contact::Contact)) -> Problem {
     let mut problem = small(&[]);
-    change(problem.contact.as_mut().expect("contact"));
+    change(&mut problem.contacts[0]);
     problem
 }
 
@@ -239,7 +239,7 @@ fn both_inequalities_of_2_23_turn() {
 #[test]
 fn without_contact_its_conditions_hold_or_have_nothing_to_say() {
     let mut problem = small(&[]);
-    problem.contact = None;
+    problem.contacts.clear();
     let certificate = judged(&problem);
     for id in ["H7", "H8", "2.23-needed", "step-unique", "contact-possible"] {
         assert!(find(&certificate.findings, id).holds(), "{id}");

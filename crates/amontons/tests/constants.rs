@@ -300,7 +300,7 @@ fn constants_are_there_where_their_inequalities_are() {
     let all = |problem: &Problem| domain_constants(problem).expect("regular forms").named().map(|(_, constant)| constant.is_some());
     let full = problem(4, "right");
     assert_eq!(all(&full), [true; 6]);
-    let without = Problem { contact: None, ..full.clone() };
+    let without = Problem { contacts: Vec::new(), ..full.clone() };
     assert_eq!(all(&without), [true, true, false, false, false, false]);
     let mut free = full.clone();
     free.boundary.iter_mut().for_each(|b| b.displacement = None);

@@ -149,66 +149,130 @@ fn steps_with_every_law_converge_from_any_state() {
     }
 }
 
-/// The same problem with compliances over twelve decades, and in units of length, time, mass and temperature that differ by as many: the
-/// same result, and no more iterations.
+/// Laws of which the iterations are counted: the name, the normal law and the friction law, for a stiffness and the units of stress, length and time.
+type Counted = (&'static str, fn(f64, [f64; 3]) -> String);
+const COUNTED: [Counted; 5] = [
+    ("coulomb", |c, _| format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='coulomb', coefficient=0.2}}")),
+    ("static-kinetic", |c, _| format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='static-kinetic', static=0.3, kinetic=0.2}}")),
+    ("decaying", |c, [_, length, time]| {
+        let decay = 0.02 * length / time;
+        format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='static-kinetic', static=0.3, kinetic=0.2, decay_speed={decay:?}}}")
+    }),
+    ("stop", |c, [_, length, _]| format!("normal={{law='stop', stiffness={c:?}, depth={:?}}}, friction={{law='coulomb', coefficient=0.2}}", 1e-4 * length)),
+    ("signorini", |_, _| "normal={law='signorini'}, friction={law='coulomb', coefficient=0.2}".to_owned()),
+];
+const STEPS: usize = 16;
+
+/// The same problem with compliances over twelve decades around E/L, and with five pairs of laws: no more iterations. Without heat
+/// through the contact, which depends on the penetration, the stiffness is all that changes.
+///
+/// The bounds: an iteration that is not the last changes the state of a point or bends with a law that is not piecewise linear. The first step decides on
+/// nine
+/// points: two decisions each (open or closed, slip or not) and two more are 20. Later steps start from the pattern of the one before: one iteration finds
+/// the
+/// new pattern, one confirms it, and a curved law takes two more, 4 a step. From 1e6 E/L on the foundation is rigid to five digits, and nothing changes but
+/// for one
+/// iteration a step; what is found is Signorini's contact, at its price up to the same.
 #[test]
-fn nothing_has_to_be_tuned() {
-    let reference = paper(&["mesh.n=8", "time.steps=16", "contact.heat={law='ramp', conductance=1, width=1e-5, foundation_temperature=10}"]).problem;
-    println!("c_ν        iterations in 16 steps");
-    let mut counts = Vec::new();
-    for decade in 0..=12 {
-        let mut problem = reference.clone();
-        let stiffness = 10f64.powi(decade);
-        problem.contact.as_mut().unwrap().normal = Arc::new(amontons::contact::Compliance { stiffness });
-        let (state, _) = run(&problem);
-        println!("{stiffness:8.1e}   {:4}", state.counts.newton_mechanics_total);
-        assert_identities(&state, &format!("c_ν = {stiffness:e}"));
-        counts.push(state.counts.newton_mechanics_total);
+fn table_of_iterations_over_stiffness() {
+    let stress = 2.0; // E of the paper; L = 1.
+    println!("\niterations in {STEPS} steps (most in one)\n\nc_ν L/E  {}", COUNTED.map(|(name, _)| format!("{name:>16}")).concat());
+    let mut rows = Vec::new();
+    for decade in -3..=9 {
+        let c = stress * 10f64.powi(decade);
+        let counts = COUNTED.map(|(name, law)| {
+            let (state, _) = run(&with_law("[1.0, 1.0]", &law(c, [1.0; 3]), &["contact.heat={law='none'}".to_owned()]));
+            assert_identities(&state, &format!("{name}, c_ν = {c:e}"));
+            (state.counts.newton_mechanics_total, state.counts.newton_mechanics_max)
+        });
+        println!("1e{decade:<+5}   {}", counts.map(|(total, most)| format!("{:>16}", format!("{total} ({most})"))).concat());
+        rows.push((decade, counts));
     }
-    assert!(counts.iter().all(|&n| n <= 8 * 16), "{counts:?}");
-    for law in ["{law='compliance', stiffness=1e4}", "{law='signorini'}"] {
-        let plain = paper(&["mesh.n=8", "time.steps=16", &format!("contact.normal={law}")]).problem;
-        let (one, _) = run(&plain);
-        println!("{law}: length, time, mass   iterations");
-        for [length, time, mass] in [[1e3, 1.0, 1e-3], [1e6, 1e3, 1e3], [1e-3, 1e-6, 1e6], [1e6, 1.0, 1e-6], [1e-6, 1e6, 1.0]] {
-            let (scaled, _) = run(&in_units(&plain, law, length, time, mass));
-            let error = |a: &[f64], b: &[f64], unit: f64| largest(&a.iter().zip(b).map(|(a, b)| a / unit - b).collect::<Vec<_>>()) / largest(b);
-            let errors = [error(&scaled.u, &one.u, length), error(&scaled.w, &one.w, length / time), error(&scaled.theta, &one.theta, 1.0)];
-            println!("{length:8.1e} {time:8.1e} {mass:8.1e}   {:4}   {errors:?}", scaled.counts.newton_mechanics_total);
-            assert!(largest(&errors) < 1e-9, "{errors:?}");
-            assert!(scaled.counts.newton_mechanics_total.abs_diff(one.counts.newton_mechanics_total) <= 4);
+    let rigid = rows[9].1;
+    for (decade, counts) in &rows {
+        for (((total, most), (at_1e6, _)), (name, _)) in counts.iter().zip(rigid).zip(COUNTED) {
+            assert!(*total <= 4 * STEPS && *most <= 20, "{name} at 1e{decade}: {total}, {most} in one step");
+            assert!(*decade < 6 || total.abs_diff(at_1e6) <= STEPS, "{name} at 1e{decade}: {total}, {at_1e6} at 1e6");
         }
+        let [compliance, .., signorini] = counts.map(|(total, _)| total);
+        assert!(*decade < 6 || compliance.abs_diff(signorini) <= STEPS, "1e{decade}: {compliance}, Signorini {signorini}");
     }
 }
 
+/// The same problem in five systems of units and in five that nobody uses, over twelve decades of lengths, times and masses: the same result to
+/// 1e-9, and the same iterations but for decisions within round-off, one in four steps.
+#[test]
+fn table_of_iterations_over_units() {
+    let systems = [
+        ("m, kg, s", [1.0, 1.0, 1.0]),
+        ("mm, t, s", [1e3, 1.0, 1e-3]),
+        ("µm, kg, s", [1e6, 1.0, 1.0]),
+        ("km, kg, s", [1e-3, 1.0, 1.0]),
+        ("cm, g, s", [1e2, 1.0, 1e3]),
+        ("µm, g, ms", [1e6, 1e3, 1e3]),
+        ("km, mg, Ms", [1e-3, 1e-6, 1e6]),
+        ("µm, t, µs", [1e6, 1e6, 1e-3]),
+        ("µm, kt, s", [1e6, 1.0, 1e-6]),
+        ("Mm, kg, µs", [1e-6, 1e6, 1.0]),
+    ];
+    println!(
+        "\niterations in {STEPS} steps (most in one), largest difference of u, w, θ\n\nunits       {}",
+        COUNTED.map(|(name, _)| format!("{name:>24}")).concat()
+    );
+    let plain = COUNTED.map(|(_, law)| run(&with_law("[1.0, 1.0]", &law(1e4, [1.0; 3]), &[])).0);
+    for (name, [length, time, mass]) in systems {
+        let mut line = format!("{name:<12}");
+        for ((what, law), one) in COUNTED.iter().zip(&plain) {
+            let stress = mass / (length * time * time);
+            let (scaled, _) = run(&in_units(&law(1e4 * stress / length, [stress, length, time]), length, time, mass));
+            let error = |a: &[f64], b: &[f64], unit: f64| largest(&a.iter().zip(b).map(|(a, b)| a / unit - b).collect::<Vec<_>>()) / largest(b);
+            let difference = largest(&[error(&scaled.u, &one.u, length), error(&scaled.w, &one.w, length / time), error(&scaled.theta, &one.theta, 1.0)]);
+            let (total, most) = (scaled.counts.newton_mechanics_total, scaled.counts.newton_mechanics_max);
+            line += &format!("{:>24}", format!("{total} ({most}), {difference:.0e}"));
+            assert!(difference < 1e-9, "{what} in {name}: {difference:e}");
+            assert!(total.abs_diff(one.counts.newton_mechanics_total) <= STEPS / 4, "{what} in {name}: {total}");
+        }
+        println!("{line}");
+    }
+}
+
+/// The paper's case with normal and friction law, on a small mesh.
+fn with_law(size: &str, law: &str, more: &[String]) -> Problem {
+    let (normal, friction) = law.split_once(", friction=").unwrap();
+    let mut all = vec![
+        "mesh.n=8".to_owned(),
+        format!("time.steps={STEPS}"),
+        format!("mesh.size={size}"),
+        format!("contact.{normal}"),
+        format!("contact.friction={friction}"),
+        "contact.heat.foundation_temperature=10".to_owned(),
+    ];
+    all.extend_from_slice(more);
+    paper(&all.iter().map(String::as_str).collect::<Vec<_>>()).problem
+}
+
 /// The problem with lengths, times and masses in other units, so many of which are the old one. Per unit of thickness a stress is M/(L T²).
-fn in_units(problem: &Problem, law: &str, length: f64, time: f64, mass: f64) -> Problem {
+fn in_units(law: &str, length: f64, time: f64, mass: f64) -> Problem {
     let stress = mass / (length * time * time);
     let heat = stress; // ρ c θ is energy by volume; c = 1 has the unit of stress over temperature.
-    let mut case = paper(&[
-        "mesh.n=8",
-        "time.steps=16",
-        &format!("mesh.size=[{length:?}, {length:?}]"),
-        &format!("time.end={time:?}"),
-        &format!("material.density={:?}", mass / length.powi(3)),
-        &format!("material.heat_capacity={heat:?}"),
-        &format!("material.expansion=[[{stress:?}, {stress:?}], [{stress:?}, {stress:?}]]"),
-        &format!("material.coupling=[[{0:?}, {0:?}], [{0:?}, {0:?}]]", heat / time),
-        &format!("material.conductivity={:?}", heat * length * length / time),
-        &format!("material.elasticity.young={:?}", 2.0 * stress),
-        &format!("material.viscosity.first={:?}", 10.0 * stress * time),
-        &format!("material.viscosity.second={:?}", 10.0 * stress * time),
-        &format!("load.body_force=[0, {:?}]", -stress / length),
-        &format!("load.heat_source={:?}", heat / time),
-        &format!("boundary[1].traction=[{:?}, {:?}]", 1.4 * stress, 0.4 * stress),
-        &format!("boundary[2].traction=[{:?}, {:?}]", -0.8 * stress, 0.4 * stress),
-        &format!("contact.normal={}", law.replace("1e4", &format!("{:?}", 1e4 * stress / length))),
-        &format!("contact.heat.conductance={:?}", heat * length / time),
-        &format!("contact.heat.width={:?}", 1e-5 * length),
-    ])
-    .problem;
-    case.name.clone_from(&problem.name);
-    case
+    let units = [
+        format!("time.end={time:?}"),
+        format!("material.density={:?}", mass / length.powi(3)),
+        format!("material.heat_capacity={heat:?}"),
+        format!("material.expansion=[[{stress:?}, {stress:?}], [{stress:?}, {stress:?}]]"),
+        format!("material.coupling=[[{0:?}, {0:?}], [{0:?}, {0:?}]]", heat / time),
+        format!("material.conductivity={:?}", heat * length * length / time),
+        format!("material.elasticity.young={:?}", 2.0 * stress),
+        format!("material.viscosity.first={:?}", 10.0 * stress * time),
+        format!("material.viscosity.second={:?}", 10.0 * stress * time),
+        format!("load.body_force=[0, {:?}]", -stress / length),
+        format!("load.heat_source={:?}", heat / time),
+        format!("boundary[1].traction=[{:?}, {:?}]", 1.4 * stress, 0.4 * stress),
+        format!("boundary[2].traction=[{:?}, {:?}]", -0.8 * stress, 0.4 * stress),
+        format!("contact.heat.conductance={:?}", heat * length / time),
+        format!("contact.heat.width={:?}", 1e-5 * length),
+    ];
+    with_law(&format!("[{length:?}, {length:?}]"), law, &units)
 }
 
 /// Tresca's bound inside an ellipse of which the second axis is half of the first.
@@ -242,7 +306,7 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
         problem.boundary = vec![held(3), BoundaryCondition { traction: Some(vec![1.4.into(), 0.4.into(), (-0.7).into()]), ..free("left") }];
         problem.initial = Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
     }
-    let contact = problem.contact.as_mut().unwrap();
+    let contact = &mut problem.contacts[0];
     (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
     let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
     let mut state = scheme.initial().unwrap();
@@ -284,8 +348,7 @@ fn given_friction_agrees_with_a_cone_program() {
         let (stick, slip, open) = (count(Status::Stick), count(Status::Slip), states.iter().filter(|s| s.pressure == 0.0).count());
         let error = largest(&next.w.iter().zip(&expected).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(&expected);
         println!("d = {dim}, elliptic: {elliptic}, s = {bound}: {stick} stick, {slip} slip, {open} open; difference {error:e}");
-        // An interior-point method finds w to the square root of the gap that it ends with, where cones are not polyhedra.
-        assert!(error < if dim == 2 { 1e-8 } else { 1e-7 }, "d = {dim}: {error:e}");
+        assert!(error < 1e-8, "d = {dim}: {error:e}");
         seen = [seen[0] + stick, seen[1] + slip, seen[2] + open];
     }
     assert!(seen.iter().all(|&n| n > 0), "the steps have to show sticking, slipping and open points: {seen:?}");
@@ -352,11 +415,18 @@ fn minimum(problem: &Problem, scheme: &BackwardEuler, state: &State, friction: &
         }
         b.extend(vec![0.0; dim + 1]);
     }
-    let settings = DefaultSettingsBuilder::default().verbose(false).tol_gap_abs(1e-15).tol_gap_rel(1e-15).tol_feas(1e-13).build().unwrap();
+    // Steps of 0.99 of the way to the boundary leave the central path of cones that are not polyhedra: scalings get bad, and the feasibility stalls at 1e-10
+    // while the gap
+    // is 1e-15. Steps of 0.9 stay near it. Tolerances out of reach let the iteration go on as far as round-off does.
+    let (gap, feasible) = (1e-20, 1e-16);
+    let settings =
+        DefaultSettingsBuilder::default().verbose(false).max_step_fraction(0.9).tol_gap_abs(gap).tol_gap_rel(gap).tol_feas(feasible).build().unwrap();
     let mut solver = DefaultSolver::new(&CscMatrix::from(&dense), &q, &CscMatrix::from(&rows), &b, &cones, settings).unwrap();
     solver.solve();
     let status = solver.solution.status;
     assert!(matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress), "{status:?}");
+    let (primal, dual) = (solver.solution.r_prim, solver.solution.r_dual);
+    assert!(primal.max(dual) < 1e-10, "residuals of the cone program: {primal:e}, {dual:e}");
     let x = solver.solution.x;
     let objective = |x: &[f64]| {
         let product = |i: usize| (0..size).map(|j| dense[i.min(j)][i.max(j)] * x[j]).sum::<f64>();

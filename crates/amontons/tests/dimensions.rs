@@ -116,7 +116,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     strip.body_force = vec![1.0.into(), Field::ZERO];
     let held = BoundaryCondition { displacement: Some(vec![Some(Field::ZERO); 2]), temperature: Some(Field::ZERO), ..condition("left") };
     strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];
-    let contact = strip.contact.as_mut().expect("contact");
+    let contact = &mut strip.contacts[0];
     contact.on = "right".to_owned();
     contact.friction = Arc::new(Coulomb { coefficient: 0.2 });
 

@@ -59,7 +59,7 @@ fn problem(mesh: Mesh, materials: Vec<Material>, data: &Data) -> Problem {
     let boundary = mesh.facets.keys().map(held).collect();
     let (body_force, heat_source) = (data.body_force.clone(), data.heat_source.clone());
     let problem = Problem { mesh: Arc::new(mesh), end: 1.0, steps: 1, materials, body_force, heat_source, boundary, ..paper(&[]).problem };
-    Problem { contact: None, initial: Initial::default(), ..problem }.checked().unwrap_or_else(|faults| panic!("{faults}"))
+    Problem { contacts: Vec::new(), initial: Initial::default(), ..problem }.checked().unwrap_or_else(|faults| panic!("{faults}"))
 }
 
 /// An error of a study with the order that it must have.

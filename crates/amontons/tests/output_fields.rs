@@ -466,7 +466,7 @@ fn faults_of_probes_have_their_places() {
     );
     case(
         &probe("pressure", "on = \"left\"\ntake = \"max\""),
-        &[(3, "12: probe[0].quantity: found pressure elsewhere than on the side that bears contact, expected a quantity that the body has there")],
+        &[(3, "12: probe[0].quantity: found pressure elsewhere than on a side that bears contact, expected a quantity that the body has there")],
     );
     case(
         &probe("von_misses", "at = [1, 1]"),

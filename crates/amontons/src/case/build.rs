@@ -24,9 +24,9 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), no_mesh: false, dim: 2, end: raw.time.end };
     build.name(&raw.name);
     build.step(&raw.time);
-    let contact_on = raw.contact.as_ref().map(|c| c.on.clone());
-    let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.as_deref()).collect();
-    let mesh = build.mesh(&raw.mesh, contact_on.as_deref(), &sides, available);
+    let contact_on: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
+    let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.iter().copied()).collect();
+    let mesh = build.mesh(&raw.mesh, &contact_on, &sides, available);
     build.dim = mesh.dim;
     let materials = build.materials(&raw, &mesh);
     let exact = raw.exact.map(|exact| build.exact(&exact, &mesh.points));
@@ -42,7 +42,7 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
-        contact: raw.contact.map(|c| build.contact(c, &mesh)),
+        contacts: raw.contact.map_or_else(Vec::new, raw::Contacts::all).into_iter().map(|(path, c)| build.contact(&path, c, &mesh)).collect(),
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: match raw.scheme.coupling {
             raw::Coupling::Staggered => Coupling::Staggered,

@@ -6,18 +6,18 @@ use super::build::{Build, side};
 use super::place::At;
 use super::raw;
 use crate::contact::{
-    Adhesion, Bilateral, Capped, Compliance, Contact, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley,
-    Insulated, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Quadrature, Radiation,
-    Ramp, Signorini, Softening, StaticKinetic, Stop, Sum, TableFault, Tabulated, Tresca, Variable,
+    Adhesion, Archard, Bilateral, Capped, Compliance, Contact, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw,
+    HuntCrossley, Insulated, LumpedFoundation, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable,
+    PressureTableFault, Quadrature, Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop, Sum, TableFault, Tabulated, Tresca, Variable, WearLaw,
 };
 use crate::field::Field;
 use crate::mesh::Mesh;
 
 impl Build<'_> {
-    pub fn contact(&mut self, raw: raw::Contact, mesh: &Mesh) -> Contact {
+    pub fn contact(&mut self, path: &str, raw: raw::Contact, mesh: &Mesh) -> Contact {
         let points = side(mesh, &raw.on);
         if !raw.foundation_velocity.is_empty() && raw.foundation_velocity.len() != self.dim {
-            self.wants_components("contact.foundation_velocity", raw.foundation_velocity.len());
+            self.wants_components(&format!("{path}.foundation_velocity"), raw.foundation_velocity.len());
         }
         let (terms, foundation_temperature) = raw.heat.terms();
         let mut laws: Vec<Arc<dyn HeatLaw>> = terms.iter().map(heat).collect();
@@ -30,27 +30,57 @@ impl Build<'_> {
             None if laws.is_empty() => Arc::new(Insulated),
             None => Arc::new(Sum { laws }),
         };
+        let start = foundation_temperature.clone();
         Contact {
-            gap: self.field("contact.gap", &raw.gap, &points),
+            gap: self.field(&format!("{path}.gap"), &raw.gap, &points),
             quadrature: match raw.quadrature {
                 raw::Quadrature::Nodal => Quadrature::Nodal,
                 raw::Quadrature::Gauss => Quadrature::Gauss,
             },
-            normal: self.normal(raw.normal),
-            friction: self.friction(raw.friction),
+            normal: self.normal(path, raw.normal),
+            friction: self.friction(path, raw.friction),
             heat,
-            foundation_temperature: foundation_temperature.map_or(Field::ZERO, |datum| self.field("contact.heat.foundation_temperature", &datum, &points)),
-            foundation_velocity: self.vector("contact.foundation_velocity", &raw.foundation_velocity, &points),
+            foundation_temperature: foundation_temperature
+                .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points)),
+            foundation_heat: self.foundation_heat(path, raw.foundation, start),
+            wear: raw.wear.map(|wear| self.wear(path, wear)),
+            obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
+            foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
             on: raw.on,
         }
     }
 
-    fn wants_components(&mut self, path: &str, found: usize) {
+    fn foundation_heat(&mut self, path: &str, raw: Option<raw::Foundation>, prescribed: Option<raw::Datum>) -> Option<LumpedFoundation> {
+        let raw = raw?;
+        let surroundings = raw.surroundings.or(raw.temperature.map(raw::Datum::Number)).or(prescribed).unwrap_or_default();
+        let at = format!("{path}.foundation.surroundings");
+        let surroundings = self.field(&at, &surroundings, &[]);
+        if surroundings.depends_on_space() {
+            self.note(&at, At::Value, "an expression in space", "a number or an expression in t", None);
+        }
+        Some(LumpedFoundation { capacity: raw.heat_capacity, temperature: raw.temperature, exchange: raw.exchange, surroundings })
+    }
+
+    fn wear(&mut self, path: &str, raw: raw::Wear) -> Arc<dyn WearLaw> {
+        match raw {
+            raw::Wear::Archard { coefficient } => Arc::new(Archard::Constant(coefficient)),
+            raw::Wear::ArchardTemperature { temperature, coefficient } => match PiecewiseLinear::new(&temperature, &coefficient) {
+                Ok(table) => Arc::new(Archard::ByTemperature(table)),
+                Err(fault) => {
+                    let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { "temperature" };
+                    self.fault(&format!("{path}.wear.{key}"), &fault.to_string());
+                    Arc::new(Archard::Constant(0.0))
+                }
+            },
+        }
+    }
+
+    pub fn wants_components(&mut self, path: &str, found: usize) {
         let expected = format!("{} components", self.dim);
         self.note(path, At::Value, format!("{found} components"), expected, None);
     }
 
-    fn normal(&mut self, raw: raw::Normal) -> Arc<dyn NormalLaw> {
+    fn normal(&mut self, path: &str, raw: raw::Normal) -> Arc<dyn NormalLaw> {
         match raw {
             raw::Normal::Compliance { stiffness } => Arc::new(Compliance { stiffness }),
             raw::Normal::Power { stiffness, exponent } => Arc::new(Power { stiffness, exponent }),
@@ -61,7 +91,7 @@ impl Build<'_> {
                         PressureTableFault::Falls { .. } => "pressure",
                         PressureTableFault::Start { .. } | PressureTableFault::Table(_) => "penetration",
                     };
-                    self.fault(&format!("contact.normal.{key}"), &fault.to_string());
+                    self.fault(&format!("{path}.normal.{key}"), &fault.to_string());
                     Arc::new(Signorini)
                 }
             },
@@ -72,7 +102,7 @@ impl Build<'_> {
             raw::Normal::HuntCrossley { stiffness, exponent, damping } => Arc::new(HuntCrossley { at_rest: Power { stiffness, exponent }, damping }),
             raw::Normal::Softening { stiffness, peak, softening, residual } => {
                 if residual > peak {
-                    self.note("contact.normal.residual", At::Value, format!("{residual:?}"), format!("at most the peak, {peak:?}"), None);
+                    self.note(&format!("{path}.normal.residual"), At::Value, format!("{residual:?}"), format!("at most the peak, {peak:?}"), None);
                 }
                 Arc::new(Softening { stiffness, peak, softening, residual })
             }
@@ -80,13 +110,13 @@ impl Build<'_> {
         }
     }
 
-    /// What a table says of itself: `found`, expected `expected`.
-    fn fault(&mut self, path: &str, message: &str) {
+    /// What a law or a shape says of itself: `found`, expected `expected`.
+    pub fn fault(&mut self, path: &str, message: &str) {
         let (found, expected) = message.split_once(", expected ").unwrap_or((message, "as many"));
         self.note(path, At::Value, found, expected, None);
     }
 
-    fn friction(&mut self, raw: raw::Friction) -> Arc<dyn FrictionLaw> {
+    fn friction(&mut self, path: &str, raw: raw::Friction) -> Arc<dyn FrictionLaw> {
         let (law, cap): (Arc<dyn FrictionLaw>, Option<f64>) = match raw {
             raw::Friction::None => (Arc::new(Frictionless), None),
             raw::Friction::Coulomb { coefficient, cap } => (Arc::new(Coulomb { coefficient }), cap),
@@ -94,23 +124,23 @@ impl Build<'_> {
             raw::Friction::StaticKinetic { at_rest, kinetic, decay_speed, cap } => {
                 if at_rest < kinetic {
                     let expected = format!("at least the kinetic coefficient, {kinetic:?}");
-                    self.note("contact.friction.static", At::Value, format!("{at_rest:?}"), expected, None);
+                    self.note(&format!("{path}.friction.static"), At::Value, format!("{at_rest:?}"), expected, None);
                 }
                 (Arc::new(StaticKinetic { at_rest, kinetic, decay_speed }), cap)
             }
-            raw::Friction::SlipRate { speed, coefficient, cap } => (self.tabulated(Variable::SlipSpeed, "speed", &speed, &coefficient), cap),
+            raw::Friction::SlipRate { speed, coefficient, cap } => (self.tabulated(path, Variable::SlipSpeed, "speed", &speed, &coefficient), cap),
             raw::Friction::Temperature { temperature, coefficient, cap } => {
-                (self.tabulated(Variable::Temperature, "temperature", &temperature, &coefficient), cap)
+                (self.tabulated(path, Variable::Temperature, "temperature", &temperature, &coefficient), cap)
             }
-            raw::Friction::Pressure { pressure, coefficient, cap } => (self.tabulated(Variable::Pressure, "pressure", &pressure, &coefficient), cap),
+            raw::Friction::Pressure { pressure, coefficient, cap } => (self.tabulated(path, Variable::Pressure, "pressure", &pressure, &coefficient), cap),
             raw::Friction::Orthotropic { coefficients, direction } => {
                 if direction.len() != self.dim {
-                    self.wants_components("contact.friction.direction", direction.len());
+                    self.wants_components(&format!("{path}.friction.direction"), direction.len());
                 } else if direction.iter().all(|c| *c == 0.0) {
-                    self.note("contact.friction.direction", At::Value, "zero", "a direction", None);
+                    self.note(&format!("{path}.friction.direction"), At::Value, "zero", "a direction", None);
                 }
                 if let Some(i) = coefficients.iter().position(|c| *c <= 0.0) {
-                    self.note(&format!("contact.friction.coefficients[{i}]"), At::Value, format!("{:?}", coefficients[i]), "a positive number", None);
+                    self.note(&format!("{path}.friction.coefficients[{i}]"), At::Value, format!("{:?}", coefficients[i]), "a positive number", None);
                 }
                 let direction = std::array::from_fn(|c| direction.get(c).copied().unwrap_or(0.0));
                 (Arc::new(Orthotropic { coefficients, direction }), None)
@@ -122,12 +152,12 @@ impl Build<'_> {
         }
     }
 
-    fn tabulated(&mut self, variable: Variable, key: &str, arguments: &[f64], values: &[f64]) -> Arc<dyn FrictionLaw> {
+    fn tabulated(&mut self, path: &str, variable: Variable, key: &str, arguments: &[f64], values: &[f64]) -> Arc<dyn FrictionLaw> {
         match PiecewiseLinear::new(arguments, values) {
             Ok(coefficient) => Arc::new(Tabulated { variable, coefficient }),
             Err(fault) => {
                 let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { key };
-                self.fault(&format!("contact.friction.{key}"), &fault.to_string());
+                self.fault(&format!("{path}.friction.{key}"), &fault.to_string());
                 Arc::new(Frictionless)
             }
         }

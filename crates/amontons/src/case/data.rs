@@ -72,11 +72,11 @@ impl Build<'_> {
     }
 
     /// `x = 1.0, y = 2.0`.
-    fn place(&self, x: &Point) -> String {
+    pub fn place(&self, x: &Point) -> String {
         AXES.iter().zip(x).take(self.dim).map(|(axis, x)| format!("{axis} = {x:?}")).collect::<Vec<_>>().join(", ")
     }
 
-    fn expression(&mut self, path: &str, text: &str) -> Option<Expression> {
+    pub fn expression(&mut self, path: &str, text: &str) -> Option<Expression> {
         let expression = match Expression::parse(text) {
             Ok(expression) => expression,
             Err(error) => {

@@ -75,12 +75,12 @@ fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
 
 impl Build<'_> {
     /// The mesh, or a stand-in of few cells if it cannot be had.
-    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: Option<&str>, sides: &[&str], available: Option<f64>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<f64>) -> Mesh {
         let cells = cells(raw);
         if let raw::Mesh::File { file, scale, axisymmetric } = raw {
             let mesh = self.file(file, *scale, *axisymmetric, sides);
             let mesh = mesh.filter(|mesh| {
-                let contact_nodes = contact_on.and_then(|on| mesh.facets.get(on)).map_or(0, |set| set.node_list().len());
+                let contact_nodes: usize = contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
                 let demand = Demand::of(mesh.dim, mesh.points.len() as f64, contact_nodes as f64);
                 self.affordable(FILE, &format!("{} cells", mesh.cell_count()), "take a coarser mesh", &demand, available)
             });
@@ -163,11 +163,12 @@ impl Build<'_> {
 }
 
 /// What a run on a generated mesh needs.
-fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: Option<&str>) -> Demand {
+fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Demand {
+    let sum = |of: &dyn Fn(&str) -> f64| contact_on.iter().map(|side| of(side)).sum::<f64>();
     let degree = |e: raw::Elements| elements(e).degree() as f64;
     let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
     let (dim, nodes, contact_nodes) = match (raw, cells) {
-        (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), 1.0),
+        (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), sum(&|_| 1.0)),
         (raw::Mesh::Rectangle { elements: e, diagonal: cut, .. }, &[nx, ny]) => {
             // Each crossed square has a node in the middle, and of degree 2 four more around it.
             let in_squares = match (cut, e) {
@@ -176,29 +177,29 @@ fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: Option<&str>) -> Demand 
                 _ => 0.0,
             };
             let degree = degree(*e);
-            let on_contact = if matches!(contact_on, Some("left" | "right")) { ny } else { nx };
-            (2, along(degree, nx) * along(degree, ny) + in_squares * nx as f64 * ny as f64, along(degree, on_contact))
+            let on_contact = sum(&|side| along(degree, if matches!(side, "left" | "right") { ny } else { nx }));
+            (2, along(degree, nx) * along(degree, ny) + in_squares * nx as f64 * ny as f64, on_contact)
         }
         (raw::Mesh::Box { elements: e, .. }, &[nx, ny, nz]) => {
             let [x, y, z] = [nx, ny, nz].map(|n| along(degree(*e), n));
-            let on_contact = match contact_on {
-                Some("left" | "right") => y * z,
-                Some("back" | "front") => x * y,
+            let on_contact = sum(&|side| match side {
+                "left" | "right" => y * z,
+                "back" | "front" => x * y,
                 _ => x * z,
-            };
+            });
             (3, x * y * z, on_contact)
         }
         (raw::Mesh::Disc { elements: e, .. } | raw::Mesh::Ring { elements: e, .. }, &[radial, around]) => {
             let [radial, around] = [radial, around].map(|n| along(degree(*e), n));
-            (2, radial * around + (0.25 * around).powi(2), radial.max(around))
+            (2, radial * around + (0.25 * around).powi(2), sum(&|_| radial.max(around)))
         }
         (raw::Mesh::Cylinder { elements: e, .. }, &[radial, around, axial]) => {
             let [radial, around, axial] = [radial, around, axial].map(|n| along(degree(*e), n));
             let section = radial * around + (0.25 * around).powi(2);
-            let on_contact = if matches!(contact_on, Some("bottom" | "top")) { section } else { around * axial };
+            let on_contact = sum(&|side| if matches!(side, "bottom" | "top") { section } else { around * axial });
             (3, section * axial, on_contact)
         }
         _ => (2, 0.0, 0.0),
     };
-    Demand::of(dim, nodes, if contact_on.is_some() { contact_nodes } else { 0.0 })
+    Demand::of(dim, nodes, contact_nodes)
 }

@@ -24,6 +24,7 @@ mod files;
 mod material;
 mod memory;
 mod mesh;
+mod obstacle;
 mod overrides;
 mod path;
 mod place;

@@ -275,6 +275,13 @@ impl<'s> View<'s> {
         }
     }
 
+    /// The table of which an array is possible as well.
+    fn one_of_several(&self) -> Option<View<'s>> {
+        let forms = self.alternatives();
+        let several = forms.iter().any(|form| form.items().is_some_and(|items| items.kind() == "object"));
+        forms.into_iter().find(|form| several && form.kind() == "object")
+    }
+
     fn collect_homes_in_table(&self, key: &str, section: &str, header: &str, homes: &mut Vec<String>) {
         for (name, property) in self.properties().into_iter().flatten() {
             if name == key {
@@ -282,6 +289,7 @@ impl<'s> View<'s> {
             }
             let dotted = if section.is_empty() { name.clone() } else { format!("{section}.{name}") };
             let property = self.at(property);
+            let property = property.one_of_several().unwrap_or(property);
             match property.items() {
                 Some(items) => items.collect_homes(key, &dotted, &format!("[[{dotted}]]"), homes),
                 None => property.collect_homes(key, &dotted, &format!("[{dotted}]"), homes),

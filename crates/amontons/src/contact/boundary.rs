@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{FrictionLaw, HeatLaw, NormalLaw};
+use super::{FrictionLaw, HeatLaw, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
 use crate::element::{Element, Table};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -34,10 +34,34 @@ pub struct Contact {
     pub friction: Arc<dyn FrictionLaw>,
     /// k_c and φ_L.
     pub heat: Arc<dyn HeatLaw>,
-    /// θ_F in K.
+    /// θ_F in K; of a foundation with a heat capacity, where it starts.
     pub foundation_temperature: Field,
+    /// The heat capacity of the foundation; none where θ_F is prescribed.
+    pub foundation_heat: Option<LumpedFoundation>,
+    /// The foundation as a rigid surface; none where the gap alone says where it is, along the normal of the body.
+    pub obstacle: Option<Obstacle>,
+    /// The depth that rubs off; none without wear.
+    pub wear: Option<Arc<dyn WearLaw>>,
     /// v_F in m/s, one field a component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
     pub foundation_velocity: Vec<Field>,
+}
+
+impl Contact {
+    /// The gap in m at points of the body at rest: the datum, and the distance to the obstacle.
+    #[must_use]
+    pub fn gaps(&self, points: &[Point], t: f64) -> Vec<f64> {
+        let mut gaps = self.gap.values(points, t);
+        if let Some(obstacle) = &self.obstacle {
+            gaps.iter_mut().zip(points).for_each(|(gap, x)| *gap += obstacle.nearest(x, t).distance);
+        }
+        gaps
+    }
+
+    /// Whether the gap of the body at rest may change.
+    #[must_use]
+    pub fn gap_depends_on_time(&self) -> bool {
+        self.gap.depends_on_time() || self.obstacle.as_ref().is_some_and(Obstacle::depends_on_time)
+    }
 }
 
 /// A point of Γ_C at which the laws are evaluated.
@@ -49,6 +73,8 @@ pub struct PointOnBoundary {
     pub normal: Point,
     /// Weight ω in m^(d−1).
     pub weight: f64,
+    /// Which of the contacts of the problem this is a point of.
+    pub side: usize,
     /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here.
     pub nodes: Vec<(usize, f64)>,
 }
@@ -66,20 +92,35 @@ impl ContactBoundary {
     /// Places the contact points on a facet set.
     #[must_use]
     pub fn new(mesh: &Mesh, set: &FacetSet, quadrature: Quadrature) -> ContactBoundary {
-        let nodes = set.node_list();
+        ContactBoundary::on(mesh, &[(set, quadrature)])
+    }
+
+    /// Places the contact points on several facet sets, those of one after those of the other. A node of two sets has a point on each.
+    #[must_use]
+    pub fn on(mesh: &Mesh, sides: &[(&FacetSet, Quadrature)]) -> ContactBoundary {
+        let mut nodes: Vec<u32> = sides.iter().flat_map(|(set, _)| set.node_list()).collect();
+        nodes.sort_unstable();
+        nodes.dedup();
         let local = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
-        let points = match quadrature {
-            Quadrature::Nodal => nodal_points(mesh, set, &nodes, local),
-            Quadrature::Gauss => gauss_points(mesh, set, local),
-        };
+        let mut points = Vec::new();
+        for (side, (set, quadrature)) in sides.iter().enumerate() {
+            let mut on_side = match quadrature {
+                Quadrature::Nodal => nodal_points(mesh, set, local),
+                Quadrature::Gauss => gauss_points(mesh, set, local),
+            };
+            on_side.iter_mut().for_each(|point| point.side = side);
+            points.append(&mut on_side);
+        }
         ContactBoundary { nodes, points }
     }
 }
 
 /// A point a node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in the weight.
-fn nodal_points(mesh: &Mesh, set: &FacetSet, nodes: &[u32], local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
+fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
+    let nodes = set.node_list();
+    let on_set = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
     let mut points: Vec<PointOnBoundary> =
-        nodes.iter().enumerate().map(|(i, &n)| PointOnBoundary { x: mesh.points[n as usize], normal: [0.0; 3], weight: 0.0, nodes: vec![(i, 1.0)] }).collect();
+        nodes.iter().map(|&n| PointOnBoundary { x: mesh.points[n as usize], normal: [0.0; 3], weight: 0.0, side: 0, nodes: vec![(local(n), 1.0)] }).collect();
     for block in &set.blocks {
         let Lumping { table, shares } = Lumping::new(mesh, block.element);
         // The normal at the node: a mean over the facet would be off by the order of its size where the facet is curved.
@@ -96,7 +137,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, nodes: &[u32], local: impl Fn(u32) 
             }
             for (i, (&node, weight)) in facet.iter().zip(&weights).enumerate() {
                 node_map.at(facet, i);
-                let point = &mut points[local(node)];
+                let point = &mut points[on_set(node)];
                 point.weight += weight;
                 for d in 0..3 {
                     point.normal[d] += weight * node_map.normal[d];
@@ -161,7 +202,7 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
             for q in 0..table.len() {
                 map.at(facet, q);
                 let nodes = facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
-                points.push(PointOnBoundary { x: map.position, normal: map.normal, weight: table.weights[q] * map.area, nodes });
+                points.push(PointOnBoundary { x: map.position, normal: map.normal, weight: table.weights[q] * map.area, side: 0, nodes });
             }
         }
     }

@@ -76,6 +76,16 @@ impl Field {
         }
     }
 
+    /// Whether the value is not the same everywhere.
+    #[must_use]
+    pub fn depends_on_space(&self) -> bool {
+        match self {
+            Field::Constant(_) => false,
+            Field::Expression(e) => e.depends_on_space(),
+            Field::Table(table) => table.depends_on_space(),
+        }
+    }
+
     /// The first and the last time at which it has a value.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {

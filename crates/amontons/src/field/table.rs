@@ -86,6 +86,12 @@ impl Table {
         self
     }
 
+    /// Whether its factor depends on space.
+    #[must_use]
+    pub fn depends_on_space(&self) -> bool {
+        self.factor.as_ref().is_some_and(|factor| factor.depends_on_space())
+    }
+
     /// The first and the last time that have a value.
     #[must_use]
     pub fn span(&self) -> [f64; 2] {

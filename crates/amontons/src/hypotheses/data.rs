@@ -1,6 +1,6 @@
 //! (H6): loads, gap, initial and prescribed data.
 
-use super::laws::{at, boundary};
+use super::laws::at;
 use super::sample::times;
 use super::{Finding, Status};
 use crate::field::Field;
@@ -51,10 +51,12 @@ fn fields(problem: &Problem) -> Vec<(String, &Field, Vec<Point>)> {
     for (i, b) in problem.boundary.iter().enumerate() {
         fields.extend(b.fields().into_iter().map(|(key, f)| (format!("boundary[{i}].{key}"), f, on(&b.on))));
     }
-    if let Some(contact) = &problem.contact {
-        fields.push(("contact.gap".to_owned(), &contact.gap, on(&contact.on)));
-        fields.push(("contact.heat.foundation_temperature".to_owned(), &contact.foundation_temperature, on(&contact.on)));
-    }
+    let sides: Vec<Vec<Point>> = problem.contacts.iter().map(|contact| on(&contact.on)).collect();
+    let side = |path: &str| (0..sides.len()).find(|&side| path.starts_with(&format!("{}.", problem.contact_path(side))));
+    fields.extend(problem.contact_fields().into_iter().map(|(path, field)| {
+        let points = side(&path).map_or_else(Vec::new, |side| sides[side].clone());
+        (path, field, points)
+    }));
     fields
 }
 
@@ -80,21 +82,19 @@ fn finite(problem: &Problem) -> Part {
 
 /// g ≥ 0.
 fn gap(problem: &Problem) -> Option<Part> {
-    let contact = problem.contact.as_ref()?;
-    let points: Vec<Point> = boundary(problem, contact)?.points.iter().map(|p| p.x).collect();
-    let levels = if contact.gap.depends_on_time() { times(problem, LEVELS) } else { vec![0.0] };
-    let values = levels.iter().flat_map(|&t| contact.gap.values(&points, t).into_iter().zip(&points).map(move |(g, x)| (g, *x, t)));
-    let (least, x, t) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    let boundary = problem.contact_boundary();
+    let least = problem.contacts.iter().enumerate().filter_map(|(side, contact)| {
+        let points: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
+        let levels = if contact.gap_depends_on_time() { times(problem, LEVELS) } else { vec![0.0] };
+        let values = levels.iter().flat_map(|&t| contact.gaps(&points, t).into_iter().zip(&points).map(move |(g, x)| (g, *x, t)));
+        let (least, x, t) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        Some((least, x, t, levels, format!("{}.{}", problem.contact_path(side), if contact.obstacle.is_some() { "obstacle" } else { "gap" })))
+    });
+    let (least, x, t, levels, place) = least.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
     let when = if levels.len() > 1 { format!(", t = {t} s, of {} time levels", levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
-    Some(Part {
-        status,
-        value: Some(least),
-        message,
-        place: "contact.gap".to_owned(),
-        repair: "a gap that is not negative; a body pressed in from the start has initial.displacement",
-    })
+    Some(Part { status, value: Some(least), message, place, repair: "a gap that is not negative; a body pressed in from the start has initial.displacement" })
 }
 
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.

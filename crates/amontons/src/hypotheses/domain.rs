@@ -85,7 +85,8 @@ pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, FactorErro
     let mesh = &*problem.mesh;
     let graph = Arc::new(Graph::of_mesh(mesh));
     let mass = forms::inner_h(mesh, &graph);
-    let contact = problem.contact.as_ref().and_then(|contact| mesh.facets.get(&contact.on));
+    let contact = problem.contact_facets();
+    let contact = contact.as_ref();
     let mechanics = || {
         let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.

@@ -5,7 +5,7 @@
 
 use super::sample::{Samples, diameter, some};
 use super::{Constants, Finding, Status};
-use crate::contact::{Contact, ContactBoundary, ContactPoint};
+use crate::contact::{Contact, ContactPoint};
 use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
@@ -42,8 +42,11 @@ pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding>
 fn is_worse(found: &Finding, other: &Finding) -> bool {
     let upper = ["H4", "H5"].contains(&found.id.as_str());
     let by_value = if upper { found.value > other.value } else { found.value < other.value };
-    let gravity = |finding: &Finding| ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status);
     gravity(found) > gravity(other) || (gravity(found) == gravity(other) && by_value)
+}
+
+fn gravity(finding: &Finding) -> Option<usize> {
+    ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status)
 }
 
 /// (H1)–(H5) of one material.
@@ -146,17 +149,29 @@ fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, [id, name, uppe
 
 /// (H7), (H8) and the cut-off of φ_L.
 pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> {
-    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else {
-        let none = |id: &str, what: &str| Finding::new(id, Status::Holds, format!("there is no contact: {what}"), "contact");
-        return vec![none("H7", "k_c = 0"), none("H8", "p_ν = p_τ = 0"), none("phi-L", "φ_L does not enter")];
+    let each = tests(problem).enumerate().map(|(side, test)| {
+        let mut findings = vec![exchange(&test, constants), pressure(&test, constants), cut_off(test.contact)];
+        for finding in &mut findings {
+            finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
+        }
+        findings
+    });
+    let worst = |worst: Vec<Finding>, found: Vec<Finding>| {
+        worst.into_iter().zip(found).map(|(worst, found)| if gravity(&found) > gravity(&worst) { found } else { worst }).collect()
     };
-    let places: Vec<Point> = boundary.points.iter().map(|p| p.x).collect();
-    let test = Test { contact, places: some(&places, PLACES).copied().collect(), length: diameter(problem) };
-    vec![exchange(&test, constants), pressure(&test, constants), cut_off(contact)]
+    each.reduce(worst).unwrap_or_else(|| {
+        let none = |id: &str, what: &str| Finding::new(id, Status::Holds, format!("there is no contact: {what}"), "contact");
+        vec![none("H7", "k_c = 0"), none("H8", "p_ν = p_τ = 0"), none("phi-L", "φ_L does not enter")]
+    })
 }
 
-pub(super) fn boundary(problem: &Problem, contact: &Contact) -> Option<ContactBoundary> {
-    Some(ContactBoundary::new(&problem.mesh, problem.mesh.facets.get(&contact.on)?, contact.quadrature))
+/// The laws of every contact, to be tested at some of its points.
+fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
+    let (boundary, length) = (problem.contact_boundary(), diameter(problem));
+    problem.contacts.iter().enumerate().map(move |(side, contact)| {
+        let places: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
+        Test { contact, places: some(&places, PLACES).copied().collect(), length }
+    })
 }
 
 /// The laws of contact, and where they are tested: penetrations of any size below that of the body.
@@ -248,9 +263,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
 
 /// Whether the friction bound of a problem depends on the slip speed, as far as samples tell.
 pub(super) fn slip_speed_matters(problem: &Problem) -> bool {
-    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else { return false };
-    let places: Vec<Point> = boundary.points.iter().map(|p| p.x).collect();
-    depends_on_slip_speed(&Test { contact, places: some(&places, PLACES).copied().collect(), length: diameter(problem) })
+    tests(problem).any(|test| depends_on_slip_speed(&test))
 }
 
 fn depends_on_slip_speed(test: &Test) -> bool {

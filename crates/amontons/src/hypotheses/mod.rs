@@ -170,8 +170,9 @@ impl Constants {
         };
         let (a, b) = (extremes(|m| m.elasticity.constants()), extremes(|m| m.viscosity.constants()));
         let d: Vec<f64> = materials.iter().flat_map(|m| m.conductivity.eigenvalues(problem.mesh.dim)).collect();
-        let contact = problem.contact.as_ref();
-        let lipschitz_nu = contact.and_then(|c| c.normal.lipschitz());
+        // Of several contacts the largest, and none where one has none.
+        let largest =
+            |constant: &dyn Fn(&crate::contact::Contact) -> Option<f64>| problem.contacts.iter().map(constant).reduce(|a, b| Some(a?.max(b?))).flatten();
         Constants {
             m_a: a.0,
             lipschitz_a: a.1,
@@ -179,11 +180,11 @@ impl Constants {
             lipschitz_b: b.1,
             m_d: d.iter().copied().reduce(f64::min).unwrap_or(0.0),
             bound_d: d.iter().fold(0.0, |max, e| e.abs().max(max)),
-            lipschitz_nu,
-            lipschitz_tau: contact.and_then(|c| c.friction.lipschitz(lipschitz_nu)),
-            bound_kc: contact.map(|c| c.heat.conductance_bound()),
-            lipschitz_kc: contact.and_then(|c| c.heat.conductance_lipschitz()),
-            truncation: contact.and_then(|c| c.heat.truncation()),
+            lipschitz_nu: largest(&|c| c.normal.lipschitz()),
+            lipschitz_tau: largest(&|c| c.friction.lipschitz(c.normal.lipschitz())),
+            bound_kc: largest(&|c| Some(c.heat.conductance_bound())),
+            lipschitz_kc: largest(&|c| c.heat.conductance_lipschitz()),
+            truncation: largest(&|c| c.heat.truncation()),
             ..Constants::default()
         }
     }

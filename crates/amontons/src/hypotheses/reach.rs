@@ -14,7 +14,7 @@
 
 use std::sync::Arc;
 
-use super::laws::{at, boundary, norm};
+use super::laws::{at, norm};
 use super::step::heat_acts_at_once;
 use super::{Constants, Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
@@ -33,14 +33,29 @@ const ID: &str = "contact-possible";
 /// Whether a static problem has to be solved for every step.
 pub(super) fn loads_vary(problem: &Problem) -> bool {
     let tractions = problem.boundary.iter().flat_map(|b| b.traction.iter().flatten().chain(&b.pressure));
-    problem.contact.is_some() && problem.body_force.iter().chain(tractions).any(Field::depends_on_time)
+    !problem.contacts.is_empty() && problem.body_force.iter().chain(tractions).any(Field::depends_on_time)
 }
 
 /// `contact-possible`: fails where contact is proved impossible.
 pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
-    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else {
-        return Finding::new(ID, Status::Holds, "there is no contact to be possible", "contact");
-    };
+    // Of several contacts one that can occur stands for all.
+    let gravity = |finding: &Finding| ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status);
+    let each = (0..problem.contacts.len()).filter_map(|side| {
+        let mut finding = possible_on(problem, constants, side)?;
+        finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
+        Some(finding)
+    });
+    each.reduce(|best, found| if gravity(&found) < gravity(&best) { found } else { best })
+        .unwrap_or_else(|| Finding::new(ID, Status::Holds, "there is no contact to be possible", "contact"))
+}
+
+fn possible_on(problem: &Problem, constants: &Constants, side: usize) -> Option<Finding> {
+    let contact = problem.contacts.get(side)?;
+    let boundary = ContactBoundary::new(&problem.mesh, problem.mesh.facets.get(&contact.on)?, contact.quadrature);
+    Some(judge(problem, constants, contact, boundary))
+}
+
+fn judge(problem: &Problem, constants: &Constants, contact: &Contact, boundary: ContactBoundary) -> Finding {
     if contact.normal.lipschitz() == Some(0.0) {
         let message = "the stiffness of the foundation is zero: there is no contact force";
         return Finding::new(ID, Status::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
@@ -52,6 +67,13 @@ pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
     if let Some((x, penetration)) = body.touching(contact) {
         let message = format!("the body touches the foundation at t = 0, at {}", at(&x));
         return Finding::new(ID, Status::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
+    }
+    if contact.obstacle.is_some() {
+        let message = "whether contact can occur is not judged: the direction of contact is that of an obstacle";
+        return Finding::new(ID, Status::NotCovered, message, "contact.obstacle");
+    }
+    if contact.wear.is_some() {
+        return Finding::new(ID, Status::NotCovered, "whether contact can occur is not judged: the gap grows by wear", "contact.wear");
     }
     if let Some((why, place)) = body.not_covered() {
         return Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not judged: {why}"), &place);
@@ -135,7 +157,8 @@ impl<'a> Body<'a> {
     /// The place of largest penetration at t = 0, if the gap is closed somewhere.
     fn touching(&self, contact: &Contact) -> Option<(Point, f64)> {
         let normals = self.normals().map(|terms| terms.iter().map(|&(dof, factor)| factor * self.u[dof]).sum::<f64>());
-        let points = normals.zip(&self.boundary.points).map(|(u_nu, p)| (p.x, u_nu - contact.gap.value(&p.x, 0.0)));
+        let gaps = contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), 0.0);
+        let points = normals.zip(&self.boundary.points).zip(gaps).map(|((u_nu, p), gap)| (p.x, u_nu - gap));
         points.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|(_, r)| *r >= 0.0)
     }
 
@@ -186,7 +209,7 @@ impl<'a> Body<'a> {
         let normals: Vec<Vec<(usize, f64)>> = self.normals().collect();
         let reach = reach(&mut system, &normals, self.space.free.len());
         let load = forms::f(mesh, &problem.body_force, &problem.boundary);
-        let gaps = |t: f64| contact.gap.values(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
+        let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
         let heat = Heat::new(problem, m, &mass, &self.theta, c_f);
         let thermal = norm(&m.expansion, mesh.dim);
@@ -196,7 +219,7 @@ impl<'a> Body<'a> {
         let mut y = (m.density * dot(&self.w, &mass.apply(&self.w)) + energy(&a, &difference(&self.u, &statics))).max(0.0).sqrt();
         let (mut strain, mut theta) = ((energy(&a, &self.u) / m_a).sqrt(), heat.start);
         let mut worst: Option<Bound> = None;
-        let (varies, gap_varies) = (loads_vary(problem), contact.gap.depends_on_time());
+        let (varies, gap_varies) = (loads_vary(problem), contact.gap_depends_on_time());
         let mut gap = gaps(0.0);
         for n in 1..=problem.steps {
             let t = problem.time(n);

@@ -15,7 +15,7 @@
 use std::sync::Arc;
 
 use super::domain::TraceQuotient;
-use super::laws::{boundary, norm, slip_speed_matters};
+use super::laws::{norm, slip_speed_matters};
 use super::{Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
 use crate::forms;
@@ -37,12 +37,17 @@ pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
 }
 
 /// c* of the laws of a contact; none where they have no Lipschitz constants.
+///
+/// Where a law falls by s per length at the most, p_ν + s r does not, and the fall takes s from the normal part, with friction
+/// (s + √(s² + L²))/2, L the Lipschitz constant of the bound of a pressure that falls so.
 fn loss(contact: &Contact) -> Option<f64> {
+    let fall = -contact.normal.least_slope(&[0.0; 3], f64::NEG_INFINITY, f64::INFINITY).min(0.0);
     if contact.friction.is_frictionless() {
-        return Some(0.0);
+        return Some(fall).filter(|fall| fall.is_finite());
     }
-    let l_nu = contact.normal.lipschitz()?;
-    Some(monotonicity_loss(l_nu, contact.friction.lipschitz(Some(l_nu))?, contact.friction.lipschitz(Some(0.0))?))
+    let (l_nu, bound) = (contact.normal.lipschitz()?, &contact.friction);
+    let rising = monotonicity_loss(l_nu, bound.lipschitz(Some(l_nu))?, bound.lipschitz(Some(0.0))?);
+    Some(if fall > 0.0 { rising.max(0.5 * (fall + fall.hypot(bound.lipschitz(Some(fall))?))) } else { rising })
 }
 
 /// The mechanical system of a step for any k: λ_min(S, W).
@@ -120,10 +125,10 @@ pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
 
 /// What there is to compare, or the finding that says why there is nothing.
 fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, f64), Box<Finding>> {
-    let Some((contact, boundary)) = problem.contact.as_ref().and_then(|c| Some((c, boundary(problem, c)?))) else {
+    if problem.contacts.is_empty() {
         return Err(Box::new(Finding::new(id, Status::Holds, "there is no contact: a step is monotone", "contact")));
-    };
-    let Some(loss) = loss(contact) else {
+    }
+    let Some(loss) = problem.contacts.iter().map(loss).try_fold(0.0, |most: f64, loss| Some(most.max(loss?))) else {
         let message = "the step is judged for laws with Lipschitz constants L_ν, L_τ: see (H8)";
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
     };
@@ -135,7 +140,7 @@ fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, f64), Box<Fi
         let message = "a friction bound that depends on the slip speed is not judged";
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact.friction")));
     }
-    Ok((Step::new(problem, boundary), loss))
+    Ok((Step::new(problem, problem.contact_boundary()), loss))
 }
 
 fn not_factorized(id: &str, error: &FactorError) -> Finding {

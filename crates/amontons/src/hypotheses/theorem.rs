@@ -6,7 +6,7 @@ use crate::problem::Problem;
 /// `2.23-printed`: m_a < (L_ν + L_τ) s₁², the second L_ν of the print read as L_τ, and m_d > M_kc s₂².
 pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     let id = "2.23-printed";
-    if problem.contact.is_none() {
+    if problem.contacts.is_empty() {
         return Finding::new(id, Status::NotCovered, "there is no contact, and no constant of a trace to compare with", "contact");
     }
     let (Some(nu), Some(tau), Some(kc)) = (constants.lipschitz_nu, constants.lipschitz_tau, constants.bound_kc) else {
@@ -67,7 +67,7 @@ pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Findi
         let message = "(2.1) has no stress that relaxes besides 𝓔 and 𝓥, and the proof says nothing about it";
         return numbers(Finding::new(id, Status::NotCovered, message, "material"));
     }
-    let cut = problem.contact.as_ref().is_some_and(|c| c.heat.conductance_bound() > 0.0 && c.heat.truncation().is_none());
+    let cut = problem.contacts.iter().any(|c| c.heat.conductance_bound() > 0.0 && c.heat.truncation().is_none());
     let l = if cut { "; L of φ_L only bounds the heat that a change of the gap makes, and without it uniqueness takes a trace in L⁴" } else { "" };
     let message = format!(
         "no inequality between constants is needed: m_b > 0 with Young's and Gronwall's inequalities absorbs the terms of a, p_ν and p_τ whatever their size, and χ is monotone in θ since k_c ≥ 0 and φ_L is nondecreasing{l}"

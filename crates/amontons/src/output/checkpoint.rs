@@ -5,7 +5,7 @@
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 4 |
+//! | 4 | version of the format, little-endian, now 5 |
 //! | 32 | SHA-256 of the fingerprint of the case: its text, and what the files hold that it refers to |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
@@ -22,13 +22,13 @@ use super::files::write_atomically;
 use super::{OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::linalg::{Multipliers, PointState};
-use crate::scheme::{ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport};
+use crate::scheme::{ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport, Surface};
 use crate::tensor::Point;
 
 /// Where the newest checkpoint is in a results folder.
 pub(super) const FILE: &str = "checkpoint/state.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 4;
+const VERSION: u32 = 5;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -102,6 +102,7 @@ struct Body {
     q: Vec<Point>,
     sticks: Vec<bool>,
     branches: Vec<Vec<f64>>,
+    surface: Surface,
     ledger: Ledger,
     counts: Counts,
     work: Work,
@@ -112,6 +113,8 @@ struct Body {
 struct Report {
     newton_mechanics: usize,
     newton_heat: usize,
+    parts: usize,
+    is_ambiguous: bool,
     residual: f64,
     coupling: CouplingReport,
     force: Point,
@@ -121,11 +124,13 @@ struct Report {
 
 #[derive(Serialize, Deserialize)]
 struct ReportPoint {
+    normal: Point,
     penetration: f64,
     pressure: f64,
     bound: f64,
     q: Point,
     slip: Point,
+    wear: f64,
     status: u8,
     temperature: f64,
     flux: f64,
@@ -140,11 +145,13 @@ impl Body {
             let contact = &report.contact;
             let at_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
             let points = at_points.map(|(state, (&temperature, flux))| ReportPoint {
+                normal: state.normal,
                 penetration: state.penetration,
                 pressure: state.pressure,
                 bound: state.bound,
                 q: state.q,
                 slip: state.slip,
+                wear: state.wear,
                 status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
                 temperature,
                 flux: flux.value,
@@ -153,6 +160,8 @@ impl Body {
             Report {
                 newton_mechanics: report.newton_mechanics,
                 newton_heat: report.newton_heat,
+                parts: report.parts,
+                is_ambiguous: report.is_ambiguous,
                 residual: report.residual,
                 coupling: report.coupling,
                 force: contact.force,
@@ -175,6 +184,7 @@ impl Body {
             q: state.multipliers.q,
             sticks: state.multipliers.sticks,
             branches: state.branches,
+            surface: state.surface,
             ledger: state.ledger,
             counts: state.counts,
             work: Work::default(),
@@ -186,6 +196,8 @@ impl Body {
         let report = self.report.map(|report| StepReport {
             newton_mechanics: report.newton_mechanics,
             newton_heat: report.newton_heat,
+            parts: report.parts,
+            is_ambiguous: report.is_ambiguous,
             residual: report.residual,
             coupling: report.coupling,
             contact: ContactReport {
@@ -193,11 +205,13 @@ impl Body {
                     .points
                     .iter()
                     .map(|p| PointState {
+                        normal: p.normal,
                         penetration: p.penetration,
                         pressure: p.pressure,
                         bound: p.bound,
                         q: p.q,
                         slip: p.slip,
+                        wear: p.wear,
                         status: STATUS.get(usize::from(p.status)).copied().unwrap_or(Status::Open),
                     })
                     .collect(),
@@ -215,6 +229,7 @@ impl Body {
             theta: self.theta,
             multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
+            surface: self.surface,
             ledger: self.ledger,
             counts: self.counts,
         };
@@ -244,7 +259,16 @@ impl Checkpoint {
         for branch in &self.state.branches {
             same("displacements of a branch", branch.len(), nodes * dim)?;
         }
-        same("contact points", self.state.multipliers.q.len(), discretization.boundary.points.len())?;
+        let points = discretization.boundary.points.len();
+        for kept in [
+            self.state.multipliers.q.len(),
+            self.state.multipliers.p.len(),
+            self.state.multipliers.sticks.len(),
+            self.state.surface.wear.len(),
+            self.state.surface.friction_work.len(),
+        ] {
+            same("contact points", kept, points)?;
+        }
         same("steps", self.state.step, self.state.step.min(steps))
     }
 }

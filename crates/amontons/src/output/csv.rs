@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::files::write_atomically;
 use super::{ContactSummary, OutputError, Snapshot};
+use crate::contact::Quadrature;
+use crate::problem::Problem;
 
 /// Names of the coordinate directions.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -21,14 +23,37 @@ fn join(values: &[f64]) -> String {
     values.iter().map(number).collect::<Vec<_>>().join(",")
 }
 
-/// Names of the columns of `history.csv`.
+/// Names of the columns of `history.csv`; of several contacts each has columns of its own, ending with `@` and the name of its side.
 #[must_use]
-pub fn history_columns(dim: usize) -> Vec<String> {
+pub fn history_columns(problem: &Problem) -> Vec<String> {
+    let dim = problem.mesh.dim;
     let before = "step,t,kinetic,elastic,viscous_dissipation,friction_dissipation,contact_energy,load_work,thermal_work,scheme_dissipation,\
                   closing_error,heat_content,heat_contact";
     let after = "penetration_max,open,stick,slip,newton_mechanics,newton_heat,heat_prescribed,heat_supplied,heat_coupling,heat_closing_error,\
                  passes,contraction";
-    format!("{before},{},{after}", components("contact_force_", dim)).split(',').map(str::to_owned).collect()
+    let contact = "contact_area,wear_max,wear_volume,wear_dissipation,heat_friction,heat_foundation,heat_surroundings,parts";
+    let [force, center] = ["contact_force_", "contact_center_"].map(|prefix| components(prefix, dim));
+    let mut columns: Vec<String> = format!("{before},{force},{after},{contact},{center}").split(',').map(str::to_owned).collect();
+    let several = problem.contacts.len() > 1;
+    for contact in &problem.contacts {
+        let mut add = |name: &str| columns.push(if several { format!("{name}@{}", contact.on) } else { name.to_owned() });
+        if contact.foundation_heat.is_some() {
+            add("foundation_temperature");
+        }
+        if several {
+            format!("{force},{center},contact_area,heat_flow,penetration_max,pressure_max,open,stick,slip,wear_max,wear_volume").split(',').for_each(add);
+        }
+    }
+    columns
+}
+
+/// Largest depth and volume, force, centre and area of a contact, in the order of the columns of one of several.
+fn side_values(contact: &ContactSummary) -> Vec<f64> {
+    let mut values = [&contact.force[..], &contact.center].concat();
+    values.extend([contact.area, contact.heat_flow, contact.penetration_max, contact.pressure_max]);
+    values.extend([contact.open, contact.stick, contact.slip].map(|count| count as f64));
+    values.extend([contact.wear_max, contact.wear_volume]);
+    values
 }
 
 /// The row of a step, in the order of [`history_columns`]; none at t = 0.
@@ -36,7 +61,7 @@ pub fn history_columns(dim: usize) -> Vec<String> {
 pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     let report = now.report?;
     let (state, ledger) = (now.state, &now.state.ledger);
-    let contact = ContactSummary::new(&report.contact, now.problem.mesh.dim);
+    let contact = ContactSummary::new(now, &report.contact, None);
     let mut values = vec![
         state.step as f64,
         state.t,
@@ -58,6 +83,16 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     values.extend([ledger.heat_prescribed, ledger.heat_supplied, ledger.heat_coupling, ledger.heat_closing_error]);
     // No contraction factor is 0, so that every row has a number in every column.
     values.extend([report.coupling.passes as f64, report.coupling.contraction.unwrap_or_default().mean]);
+    values.extend([contact.area, contact.wear_max, contact.wear_volume, ledger.wear_dissipation]);
+    values.extend([ledger.heat_friction, ledger.heat_foundation, ledger.heat_surroundings, report.parts as f64]);
+    values.extend(&contact.center);
+    let several = now.problem.contacts.len() > 1;
+    for side in 0..now.problem.contacts.len() {
+        values.extend(state.surface.foundation.get(side).copied().flatten());
+        if several {
+            values.extend(side_values(&ContactSummary::new(now, &report.contact, Some(side))));
+        }
+    }
     Some(values)
 }
 
@@ -119,15 +154,16 @@ impl Rows {
     }
 }
 
-/// Writes `contact.csv`: with nodal quadrature `node` is the node, otherwise it counts the contact points from 0.
+/// Writes `contact.csv`: with nodal quadrature `node` is the node, otherwise it counts the contact points from 0. `weight` is the area of a
+/// point, and `side` the name of its side.
 pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputError> {
     let dim = now.problem.mesh.dim;
     let boundary = &now.discretization.boundary;
-    let nodal = now.problem.contact.as_ref().is_some_and(|c| c.quadrature == crate::contact::Quadrature::Nodal);
+    let nodal = |side: usize| now.problem.contacts.get(side).is_some_and(|c| c.quadrature == Quadrature::Nodal);
     write_atomically(path, |out| {
         writeln!(
             out,
-            "node,{},penetration,pressure,{},{},status,temperature,heat_flux",
+            "node,{},penetration,pressure,{},{},status,temperature,heat_flux,weight,wear,friction_work,side",
             components("", dim),
             components("traction_", dim),
             components("slip_velocity_", dim)
@@ -137,11 +173,13 @@ pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputErr
         for (i, ((point, state), (temperature, flux))) in
             boundary.points.iter().zip(&contact.states).zip(contact.temperature.iter().zip(&contact.flux)).enumerate()
         {
-            let node = if nodal { boundary.nodes.get(i).map_or(i, |&node| node as usize) } else { i };
+            let on_node = point.nodes.first().filter(|_| nodal(point.side)).and_then(|(node, _)| boundary.nodes.get(*node));
+            let node = on_node.map_or(i, |&node| node as usize);
+            let kept = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
             let traction = state.q.map(|q| 0.0 - q);
             writeln!(
                 out,
-                "{node},{},{:?},{:?},{},{},{},{temperature:?},{:?}",
+                "{node},{},{:?},{:?},{},{},{},{temperature:?},{:?},{:?},{:?},{:?},{}",
                 join(&point.x[..dim]),
                 state.penetration,
                 state.pressure,
@@ -149,8 +187,17 @@ pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputErr
                 join(&state.slip[..dim]),
                 state.status.name(),
                 flux.value,
+                point.weight,
+                kept(&now.state.surface.wear),
+                kept(&now.state.surface.friction_work),
+                quoted(now.problem.contacts.get(point.side).map_or("", |contact| &contact.on)),
             )?;
         }
         io::Result::Ok(())
     })
+}
+
+/// A name as a field of a table: in quotes where it has a comma, a quote or a line end.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }

@@ -212,7 +212,7 @@ impl Folder {
         }
         write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
         write_inputs(&root, &self.options.inputs)?;
-        self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem.mesh.dim))?);
+        self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);
         self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
         let settings = Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
         self.manifest = Some(Manifest::new(&problem.name, &self.options.fingerprint(), settings));
@@ -225,7 +225,7 @@ impl Folder {
     /// Brings the files back to the step of the checkpoint.
     fn go_on(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, step) = (start.from.problem, start.from.state.step);
-        self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem.mesh.dim), step)?);
+        self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
         self.probes = self.probe_rows(problem, |columns| Rows::reopen(self.path.join(PROBES), columns, step))?;
         self.manifest = Some(Manifest::read(&self.path)?);
         let due = (0..=step).filter(|&n| self.is_due(n)).map(|n| (problem.time(n), fields_file(n)));

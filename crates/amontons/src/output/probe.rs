@@ -3,16 +3,16 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::cells::Tables;
-use super::quantity::{Base, Part, Quantity};
+use super::quantity::{Base, OnContact, Part, Quantity};
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
+use crate::contact::Status;
 use crate::convergence::Locator;
 use crate::element::{Element, Table};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::{Rule, rule};
-use crate::scheme::ContactReport;
-use crate::tensor::Point;
+use crate::tensor::{Point, length};
 
 /// A number, or the components of a vector or tensor, read off a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,9 +81,9 @@ pub enum ProbeError {
     /// A quantity that needs a normal, elsewhere than on a side.
     #[error("{0} elsewhere than on a side")]
     Normal(String),
-    /// A contact pressure elsewhere than on the side that bears contact.
-    #[error("pressure elsewhere than on the side that bears contact")]
-    Pressure,
+    /// A quantity of contact elsewhere than on a side that bears contact.
+    #[error("{0} elsewhere than on a side that bears contact")]
+    Contact(String),
     /// A hoop stress of a body that is not one of revolution.
     #[error("hoop in a body that is not axisymmetric")]
     Hoop,
@@ -103,6 +103,8 @@ pub struct ProbeSet {
 struct Prepared {
     quantity: Quantity,
     take: Option<Take>,
+    /// Which contact it is of, if it is a quantity of one.
+    side: Option<usize>,
     spots: Vec<Spot>,
 }
 
@@ -127,12 +129,12 @@ impl ProbeSet {
         let mesh = &problem.mesh;
         let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
-            let spots = builder.spots(probe).map_err(|error| (i, error))?;
+            let (side, spots) = builder.spots(probe).map_err(|error| (i, error))?;
             let take = match &probe.place {
                 Place::At(_) => None,
                 Place::On(_, take) | Place::Region(_, take) => Some(*take),
             };
-            prepared.push(Prepared { quantity: probe.quantity, take, spots });
+            prepared.push(Prepared { quantity: probe.quantity, take, side, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
         let samples: BTreeSet<Sample> = prepared.iter().flat_map(|p| &p.spots).flat_map(|spot| &spot.samples).map(|(sample, _)| *sample).collect();
@@ -168,9 +170,8 @@ impl ProbeSet {
 
 impl Prepared {
     fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
-        if self.quantity.base == Base::Pressure {
-            let contact = now.report.map(|report| &report.contact);
-            return vec![contact.map_or(f64::NAN, |contact| reduce(self.take, pressures(now, contact)))];
+        if let (Base::Contact(quantity), Some(side)) = (self.quantity.base, self.side) {
+            return vec![reduce(self.take, on_contact(now, quantity, side))];
         }
         let mut all: Vec<(f64, Vec<f64>)> = Vec::with_capacity(self.spots.len());
         for spot in &self.spots {
@@ -192,9 +193,22 @@ impl Prepared {
     }
 }
 
-/// Pressures at the contact points with their weights.
-fn pressures<'a>(now: &'a Snapshot, contact: &'a ContactReport) -> impl Iterator<Item = (f64, f64)> + 'a {
-    now.discretization.boundary.points.iter().zip(&contact.states).map(|(point, state)| (point.weight, state.pressure))
+/// Values at the contact points of a side with their weights; those of a step are not numbers at t = 0.
+fn on_contact<'a>(now: &'a Snapshot, quantity: OnContact, side: usize) -> impl Iterator<Item = (f64, f64)> + 'a {
+    let points = now.discretization.boundary.points.iter().enumerate().filter(move |(_, point)| point.side == side);
+    let value = move |i: usize| -> Option<f64> {
+        let (surface, state) = (&now.state.surface, || now.report.and_then(|report| report.contact.states.get(i)));
+        match quantity {
+            OnContact::Wear => surface.wear.get(i).copied(),
+            OnContact::FrictionWork => surface.friction_work.get(i).copied(),
+            OnContact::Pressure => Some(state()?.pressure),
+            OnContact::Penetration => Some(state()?.penetration),
+            OnContact::FrictionTraction => Some(length(&state()?.q)),
+            OnContact::SlipSpeed => Some(length(&state()?.slip)),
+            OnContact::Touching => Some(f64::from(u8::from(state()?.status != Status::Open))),
+        }
+    };
+    points.map(move |(i, point)| (point.weight, value(i).unwrap_or(f64::NAN)))
 }
 
 /// Mean, extreme or integral of values with their weights; of a single point its value.
@@ -229,8 +243,8 @@ fn integral_degree(element: &Element) -> usize {
 
 /// Where a probe reads in a mesh.
 enum Found<'a> {
-    /// The contact points.
-    Contact,
+    /// The contact points of a contact.
+    Contact(usize),
     Point {
         block: usize,
         cell: usize,
@@ -254,15 +268,16 @@ impl<'a> Builder<'a> {
         Builder { problem, mesh: &problem.mesh, locator: None, recovery: None, stencils: BTreeMap::new() }
     }
 
-    fn spots(&mut self, probe: &Probe) -> Result<Vec<Spot>, ProbeError> {
+    fn spots(&mut self, probe: &Probe) -> Result<(Option<usize>, Vec<Spot>), ProbeError> {
         let quantity = probe.quantity;
-        Ok(match self.check(probe)? {
-            Found::Contact => Vec::new(),
+        let spots = match self.check(probe)? {
+            Found::Contact(side) => return Ok((Some(side), Vec::new())),
             Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             Found::Side(set, take) => self.on(quantity, set, take),
             Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
             Found::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
-        })
+        };
+        Ok((None, spots))
     }
 
     /// Whether the body has the quantity there, and the place in the mesh.
@@ -271,7 +286,7 @@ impl<'a> Builder<'a> {
         let on_side = matches!(probe.place, Place::On(..));
         match (quantity.base, quantity.part) {
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
-            (Base::Pressure, _) if !on_side => return Err(ProbeError::Pressure),
+            (Base::Contact(_), _) if !on_side => return Err(ProbeError::Contact(quantity.name())),
             (_, Part::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
             (_, Part::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
                 return Err(ProbeError::Component { name: quantity.name(), dim: mesh.dim });
@@ -282,10 +297,9 @@ impl<'a> Builder<'a> {
             Place::At(point) => self.find(point),
             Place::On(side, take) => {
                 let set = mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
-                let bears_contact = self.problem.contact.as_ref().is_some_and(|contact| contact.on == *side);
+                let bears_contact = self.problem.contacts.iter().position(|contact| contact.on == *side);
                 match quantity.base {
-                    Base::Pressure if bears_contact => Ok(Found::Contact),
-                    Base::Pressure => Err(ProbeError::Pressure),
+                    Base::Contact(_) => bears_contact.map(Found::Contact).ok_or_else(|| ProbeError::Contact(quantity.name())),
                     _ => Ok(Found::Side(set, *take)),
                 }
             }

@@ -28,8 +28,27 @@ pub enum Base {
     Hoop,
     /// q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// p_ν in Pa at the contact points.
+    /// What is known at the contact points only.
+    Contact(OnContact),
+}
+
+/// A quantity at the contact points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OnContact {
+    /// p_ν in Pa.
     Pressure,
+    /// r in m; negative where the gap is open.
+    Penetration,
+    /// ‖σ_τ‖ in Pa.
+    FrictionTraction,
+    /// ‖w_τ − v_F‖ in m/s.
+    SlipSpeed,
+    /// 1 where there is contact, 0 where the gap is open: its integral is the area of contact.
+    Touching,
+    /// Depth worn off, m.
+    Wear,
+    /// Work of friction since the start, J/m².
+    FrictionWork,
 }
 
 /// What is taken of a vector or tensor.
@@ -76,7 +95,7 @@ const PRINCIPAL: &[(&str, Part)] = &[("", Part::All), ("_1", Part::Component(0))
 const NUMBER: &[(&str, Part)] = &[("", Part::All)];
 
 /// Names with their endings.
-const BASES: [(&str, Base, &[(&str, Part)]); 11] = [
+const BASES: [(&str, Base, &[(&str, Part)]); 17] = [
     ("displacement", Base::Displacement, VECTOR),
     ("velocity", Base::Velocity, VECTOR),
     ("temperature", Base::Temperature, NUMBER),
@@ -87,7 +106,13 @@ const BASES: [(&str, Base, &[(&str, Part)]); 11] = [
     ("principal", Base::Principal, PRINCIPAL),
     ("hoop", Base::Hoop, NUMBER),
     ("heat_flux", Base::HeatFlux, VECTOR),
-    ("pressure", Base::Pressure, NUMBER),
+    ("pressure", Base::Contact(OnContact::Pressure), NUMBER),
+    ("penetration", Base::Contact(OnContact::Penetration), NUMBER),
+    ("friction_traction", Base::Contact(OnContact::FrictionTraction), NUMBER),
+    ("slip_speed", Base::Contact(OnContact::SlipSpeed), NUMBER),
+    ("touching", Base::Contact(OnContact::Touching), NUMBER),
+    ("wear", Base::Contact(OnContact::Wear), NUMBER),
+    ("friction_work", Base::Contact(OnContact::FrictionWork), NUMBER),
 ];
 
 impl Quantity {
@@ -150,7 +175,7 @@ impl Quantity {
                 }
             }
             // It is known at contact points only.
-            Base::Pressure => out.push(f64::NAN),
+            Base::Contact(_) => out.push(f64::NAN),
         }
     }
 

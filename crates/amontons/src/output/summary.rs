@@ -1,5 +1,7 @@
 //! `summary.json`: what a run came to, in a few numbers.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Snapshot, cell_values, strain_norm};
@@ -115,21 +117,62 @@ pub struct ContactSummary {
     pub stick: usize,
     /// Contact points that slip.
     pub slip: usize,
+    /// Area that is in contact, m² (m in two dimensions).
+    #[serde(default)]
+    pub area: f64,
+    /// Centre of pressure Σ ω p₊ x / Σ ω p₊, m, by component; zero where nothing presses.
+    #[serde(default)]
+    pub center: Vec<f64>,
+    /// Largest depth worn off, m.
+    #[serde(default)]
+    pub wear_max: f64,
+    /// ∫ h, the volume worn off, m³ (m² in two dimensions).
+    #[serde(default)]
+    pub wear_volume: f64,
+    /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foundation_temperature: Option<f64>,
+    /// The contacts by the names of their sides, where there are several.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub sides: BTreeMap<String, ContactSummary>,
 }
 
 impl ContactSummary {
-    /// Sums up the contact points of a step in `dim` dimensions.
+    /// Sums up the contact points after a step: all of them, or those of one contact.
     #[must_use]
-    pub fn new(contact: &ContactReport, dim: usize) -> ContactSummary {
-        let count = |status| contact.states.iter().filter(|s| s.status == status).count();
+    pub fn new(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> ContactSummary {
+        let Snapshot { problem, discretization, state, .. } = *now;
+        let (dim, several) = (problem.mesh.dim, problem.contacts.len() > 1);
+        let points = || discretization.boundary.points.iter().enumerate().filter(|(_, point)| side.is_none_or(|side| point.side == side));
+        let states = || points().filter_map(|(i, point)| Some((point, contact.states.get(i)?)));
+        let count = |status| states().filter(|(_, s)| s.status == status).count();
+        let of_all = |values: [f64; 3]| values[..dim].to_vec();
+        let pressing: f64 = states().map(|(point, s)| point.weight * s.pressure.max(0.0)).sum();
+        let moment = |c: usize| states().map(|(point, s)| point.weight * s.pressure.max(0.0) * point.x[c]).sum::<f64>();
+        let wear = || points().filter_map(|(i, point)| Some((point.weight, *state.surface.wear.get(i)?)));
+        let (force, heat_flow) = if side.is_some() {
+            let force = |c: usize| 0.0 - states().map(|(point, s)| point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>();
+            let flow = points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)).sum();
+            ([0, 1, 2].map(force), flow)
+        } else {
+            (contact.force, contact.heat_flow)
+        };
+        let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
+        let only = side.or((!several).then_some(0));
         ContactSummary {
-            force: contact.force[..dim].to_vec(),
-            heat_flow: contact.heat_flow,
-            penetration_max: contact.states.iter().fold(0.0, |max, s| s.penetration.max(max)),
-            pressure_max: contact.states.iter().fold(0.0, |max, s| s.pressure.max(max)),
+            force: of_all(force),
+            heat_flow,
+            penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
+            pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
             open: count(Status::Open),
             stick: count(Status::Stick),
             slip: count(Status::Slip),
+            area: states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight).sum(),
+            center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
+            wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
+            wear_volume: wear().map(|(weight, depth)| weight * depth).sum(),
+            foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
+            sides: sides.map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))).collect(),
         }
     }
 }
@@ -155,6 +198,12 @@ pub struct Solver {
     pub passes_total: usize,
     /// Largest contraction factors of the fixed-point coupling over the steps; 0 where there were none.
     pub contraction_max: Contraction,
+    /// Steps that were made in halves, because one did not converge or could have several solutions.
+    #[serde(default)]
+    pub halved_steps: usize,
+    /// Steps in which there may be several solutions, however short their parts.
+    #[serde(default)]
+    pub ambiguous_steps: usize,
 }
 
 /// Wall-clock times in s, of all sessions of a run.
@@ -209,7 +258,7 @@ impl Summary {
                     velocity_l2: discretization.norm(&discretization.mass, &state.w),
                     temperature_l2: discretization.norm(&discretization.mass, &state.theta),
                 },
-                contact: report.map(|report| ContactSummary::new(&report.contact, dim)),
+                contact: report.map(|report| ContactSummary::new(last, &report.contact, None)),
             },
             solver: Solver {
                 newton_mechanics_total: counts.newton_mechanics_total,
@@ -221,6 +270,8 @@ impl Summary {
                 residual_max: counts.residual_max,
                 passes_total: counts.passes_total,
                 contraction_max: counts.contraction_max,
+                halved_steps: counts.halved_steps,
+                ambiguous_steps: counts.ambiguous_steps,
             },
             energy,
             findings: findings.into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),

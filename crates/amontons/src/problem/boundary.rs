@@ -178,12 +178,16 @@ impl Problem {
 
     /// Sides exist, are named once, and bear no two conditions that exclude each other.
     pub(super) fn check_boundary(&self, faults: &mut Vec<Fault>) {
-        if let Some(contact) = &self.contact
-            && contact.normal.graph() != GraphKind::Function
-            && contact.quadrature == Quadrature::Gauss
-        {
-            let hint = "more points than nodes have no unique pressures";
-            faults.push(Fault::new("contact.quadrature", "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
+        for (side, contact) in self.contacts.iter().enumerate() {
+            let path = self.contact_path(side);
+            if contact.normal.graph() != GraphKind::Function && contact.quadrature == Quadrature::Gauss {
+                let hint = "more points than nodes have no unique pressures";
+                faults.push(Fault::new(format!("{path}.quadrature"), "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
+            }
+            if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
+                let hint = format!("join it with entry {} of the file, which is on the same side", first + 1);
+                faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), "each side in one [[contact]] entry").hint(hint));
+            }
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
@@ -202,7 +206,7 @@ impl Problem {
                     faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a temperature"), "one of the two").hint("drop one of them"));
                 }
             }
-            let heat = self.contact.as_ref().filter(|c| c.on == b.on && c.heat.conductance_bound() > 0.0);
+            let heat = self.contacts.iter().find(|c| c.on == b.on && c.heat.conductance_bound() > 0.0);
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
                     Fault::new(format!("boundary[{i}].temperature"), format!("a temperature on \"{}\"", b.on), "heat exchange or a temperature, not both")
@@ -216,7 +220,8 @@ impl Problem {
     fn check_sides(&self, faults: &mut Vec<Fault>) {
         let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
         let conditions = self.boundary.iter().enumerate().map(|(i, b)| (format!("boundary[{i}].on"), &b.on));
-        for (path, name) in conditions.chain(self.contact.iter().map(|c| ("contact.on".to_owned(), &c.on))) {
+        let contacts = self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.on", self.contact_path(side)), &c.on));
+        for (path, name) in conditions.chain(contacts) {
             if !self.mesh.facets.contains_key(name) {
                 faults.push(unknown(path, name, "facet sets", &known));
             }
@@ -226,7 +231,7 @@ impl Problem {
     /// A displacement, by components or along the normal, and apart from Γ_C.
     fn check_displacement(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         let given = [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
-        let on_contact = self.contact.as_ref().is_some_and(|c| c.on == b.on);
+        let on_contact = self.contacts.iter().any(|c| c.on == b.on);
         for (key, _) in given.iter().filter(|(_, given)| *given && on_contact) {
             faults.push(
                 Fault::new(format!("boundary[{i}].{key}"), format!("a displacement on \"{}\"", b.on), "Γ_D apart from Γ_C")

@@ -7,11 +7,11 @@ use std::sync::Arc;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
 
-use crate::contact::Contact;
+use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;
 use crate::material::{Dilatation, Material, Prony};
-use crate::mesh::Mesh;
 use crate::mesh::defects::{Component, components};
+use crate::mesh::{FacetSet, Mesh};
 
 /// One fault of the data: where, what was found, what was expected, what to try.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,8 +108,8 @@ pub struct Problem {
     pub heat_source: Field,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,
-    /// Contact, if any.
-    pub contact: Option<Contact>,
+    /// Contact of sides with their foundations, each side once.
+    pub contacts: Vec<Contact>,
     /// Initial data.
     pub initial: Initial,
     /// How mechanics and heat are coupled within a step.
@@ -145,6 +145,29 @@ impl Problem {
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
+    }
+
+    /// The place of a contact in the case file: `contact`, or `contact[1]` where there are several.
+    #[must_use]
+    pub fn contact_path(&self, side: usize) -> String {
+        if self.contacts.len() == 1 { "contact".to_owned() } else { format!("contact[{side}]") }
+    }
+
+    /// Γ_C with the contact points of all sides; sides that the mesh does not have are left out.
+    #[must_use]
+    pub fn contact_boundary(&self) -> ContactBoundary {
+        static NONE: FacetSet = FacetSet { blocks: Vec::new() };
+        let sides: Vec<_> = self.contacts.iter().map(|contact| (self.mesh.facets.get(&contact.on).unwrap_or(&NONE), contact.quadrature)).collect();
+        ContactBoundary::on(&self.mesh, &sides)
+    }
+
+    /// The facets of Γ_C; none without contact.
+    #[must_use]
+    pub fn contact_facets(&self) -> Option<FacetSet> {
+        let mut sets = self.contacts.iter().filter_map(|contact| self.mesh.facets.get(&contact.on)).cloned();
+        let mut all = sets.next()?;
+        sets.for_each(|set| all.blocks.extend(set.blocks));
+        Some(all)
     }
 
     /// Checks the data and returns the problem.
@@ -206,11 +229,11 @@ impl Problem {
         // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
-        let exchange = self.contact.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
+        let exchange = self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
         let sides = self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
         for (on, holds) in sides {
             // Of a side that is not there it is not known what it holds: that it is not there is told.
-            let nodes = self.mesh.facets.get(on).map(crate::mesh::FacetSet::node_list);
+            let nodes = self.mesh.facets.get(on).map(FacetSet::node_list);
             let touched = nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
             for part in touched.unwrap_or_else(|| (0..parts.len()).collect::<Vec<usize>>()) {
                 if let Some(part) = held.get_mut(part) {
@@ -264,10 +287,24 @@ impl Problem {
                 check(format!("boundary[{i}].{key}"), field);
             }
         }
-        if let Some(contact) = &self.contact {
-            check("contact.gap".to_owned(), &contact.gap);
-            check("contact.heat.foundation_temperature".to_owned(), &contact.foundation_temperature);
+        for (path, field) in self.contact_fields() {
+            check(path, field);
         }
+    }
+
+    /// The data of contact that may vary in time, with their places.
+    pub(crate) fn contact_fields(&self) -> Vec<(String, &Field)> {
+        let mut all = Vec::new();
+        for (side, contact) in self.contacts.iter().enumerate() {
+            let path = self.contact_path(side);
+            all.push((format!("{path}.gap"), &contact.gap));
+            all.push((format!("{path}.heat.foundation_temperature"), &contact.foundation_temperature));
+            all.extend(contact.foundation_velocity.iter().enumerate().map(|(c, field)| (format!("{path}.foundation_velocity[{c}]"), field)));
+            all.extend(contact.foundation_heat.iter().map(|foundation| (format!("{path}.foundation.surroundings"), &foundation.surroundings)));
+            let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());
+            all.extend(obstacle.map(|(key, field)| (format!("{path}.obstacle.{key}"), field)));
+        }
+        all
     }
 
     /// Vector data have d components.

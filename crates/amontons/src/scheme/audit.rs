@@ -10,8 +10,8 @@ use crate::tensor;
 
 /// The ledger after a step.
 pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
-    let Step { problem, discrete, old, products, .. } = *step;
-    let (k, (rho, _), (c, _)) = (problem.k(), discrete.inertia(), discrete.storage());
+    let Step { problem, discrete, old, products, k, .. } = *step;
+    let ((rho, _), (c, _)) = (discrete.inertia(), discrete.storage());
     let before = &old.ledger;
     let kinetic = 0.5 * rho * dot(&m.w, &m.mass_w);
     let Stored { elastic, relaxed, scheme: elastic_scheme } = stored(step, m);
@@ -19,35 +19,33 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
     let thermal_work = k * dot(&m.w, &m.thermal);
     let mut load_work = k * dot(&m.w, &m.load) + m.support_work;
-    let (mut friction, mut contact_energy, mut pressing, mut damping) = (0.0, 0.0, 0.0, 0.0);
-    if let Some(contact) = &problem.contact {
-        for (i, (point, state)) in discrete.boundary.points.iter().zip(&m.states).enumerate() {
-            friction += k * point.weight * tensor::dot(&state.q, &state.slip);
-            contact_energy += point.weight * contact.normal.potential(&point.x, state.penetration);
-            let w_nu = tensor::dot(&vector_at(discrete, point, &m.w), &point.normal);
-            let (gap_rate, weight) = (m.given.gap_rate[i], k * point.weight);
-            pressing += weight * state.pressure * (w_nu - gap_rate);
-            if contact.normal.graph() == GraphKind::Function {
-                // What the pressure has beyond that at rest dissipates.
-                damping += weight * (state.pressure - contact.normal.pressure(&point.x, state.penetration, 0.0, 0.0).value) * (w_nu - gap_rate);
-            }
-            // A foundation that moves does work on the body.
-            load_work -= weight * state.pressure * gap_rate;
-            if let Some(v_f) = m.given.foundation_velocity.get(i) {
-                load_work -= weight * tensor::dot(&state.q, v_f);
-            }
+    let (mut friction, mut contact_energy, mut pressing, mut damping, mut worn) = (0.0, 0.0, 0.0, 0.0, 0.0);
+    for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
+        let (normal, weight) = (&problem.contacts[point.side].normal, k * point.weight);
+        let w_nu = tensor::dot(&vector_at(discrete, point, &m.w), &state.normal);
+        friction += weight * tensor::dot(&state.q, &state.slip);
+        contact_energy += point.weight * normal.potential(&point.x, state.penetration);
+        pressing += weight * state.pressure * (w_nu - frame.gap_rate);
+        worn += point.weight * state.pressure * state.wear;
+        if normal.graph() == GraphKind::Function {
+            // What the pressure has beyond that at rest dissipates.
+            damping += weight * (state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value) * (w_nu - frame.gap_rate);
         }
+        // A foundation that moves does work on the body.
+        load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
     }
     let viscous = viscous + damping;
-    let compliance_scheme = pressing - damping - (contact_energy - before.contact_energy);
+    let compliance_scheme = pressing - damping - worn - (contact_energy - before.contact_energy);
     let scheme = inertial + elastic_scheme + compliance_scheme;
-    let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + scheme
+    let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + worn + scheme
         - load_work
         - thermal_work;
 
     let heat_content = c * heat.mass_theta.iter().sum::<f64>();
     let amounts = &heat.amounts;
-    let heat_error = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed - amounts.supplied - amounts.coupling;
+    let body = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed - amounts.supplied - amounts.coupling;
+    let foundations = foundations(step, m, heat);
+    let heat_error = body + foundations.error;
     Ledger {
         kinetic,
         elastic,
@@ -57,6 +55,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         load_work: before.load_work + load_work,
         thermal_work: before.thermal_work + thermal_work,
         scheme_dissipation: before.scheme_dissipation + scheme,
+        wear_dissipation: before.wear_dissipation + worn,
         closing_error: before.closing_error + error,
         turned_over: before.turned_over + load_work.abs() + thermal_work.abs(),
         heat_content,
@@ -64,8 +63,16 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_prescribed: before.heat_prescribed + amounts.prescribed,
         heat_supplied: before.heat_supplied + amounts.supplied,
         heat_coupling: before.heat_coupling + amounts.coupling,
+        heat_friction: before.heat_friction + friction,
+        heat_foundation: foundations.content,
+        heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
-        heat_turned_over: before.heat_turned_over + amounts.contact.abs() + amounts.prescribed.abs() + amounts.supplied.abs() + amounts.coupling.abs(),
+        heat_turned_over: before.heat_turned_over
+            + amounts.contact.abs()
+            + amounts.prescribed.abs()
+            + amounts.supplied.abs()
+            + amounts.coupling.abs()
+            + foundations.moved,
     }
 }
 
@@ -80,8 +87,7 @@ struct Stored {
 }
 
 fn stored(step: &Step, m: &Mechanics) -> Stored {
-    let Step { problem, discrete, old, products, .. } = *step;
-    let k = problem.k();
+    let Step { discrete, old, products, k, .. } = *step;
     let change = difference(&m.u, &old.u);
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
@@ -101,5 +107,34 @@ fn stored(step: &Step, m: &Mechanics) -> Stored {
         sum.scheme += 0.5 * dot(&change, &branch.form.apply(&change));
     }
     sum.elastic += branches;
+    sum
+}
+
+/// The foundations with a heat capacity after a step, J.
+#[derive(Default)]
+struct Foundations {
+    content: f64,
+    /// To the surroundings in the step.
+    lost: f64,
+    /// Change of content minus what came in plus what went out, and the absolute amounts.
+    error: f64,
+    moved: f64,
+}
+
+fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
+    let mut sum = Foundations::default();
+    for (side, contact) in step.problem.contacts.iter().enumerate() {
+        let at = |all: &[Option<f64>]| all.get(side).copied().flatten();
+        let (Some(foundation), Some(before), Some(after)) = (&contact.foundation_heat, at(&step.old.surface.foundation), at(&heat.exchange.foundation)) else {
+            continue;
+        };
+        let points = step.discrete.boundary.points.iter().zip(&m.states).zip(&heat.exchange.flux).filter(|((point, _), _)| point.side == side);
+        let received: f64 = points.map(|((point, state), flux)| step.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip))).sum();
+        let lost = step.k * foundation.exchange * (after - foundation.surroundings.value(&[0.0; 3], step.t));
+        sum.content += foundation.capacity * after;
+        sum.lost += lost;
+        sum.error += foundation.capacity * (after - before) - received + lost;
+        sum.moved += received.abs() + lost.abs();
+    }
     sum
 }

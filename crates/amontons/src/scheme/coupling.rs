@@ -262,24 +262,25 @@ struct Tangent {
     mechanics: Vec<Entry>,
     points: Vec<PointTangent>,
     heat: Vec<Entry>,
-    /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q and the slip at each contact point.
+    /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q, the slip and ν at each contact point.
     fluxes: Vec<[f64; 4]>,
     friction: Vec<[Point; 2]>,
+    normals: Vec<Point>,
 }
 
 impl Tangent {
     fn new(coupled: &Coupled, pass: &Pass) -> Tangent {
         let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
         let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
-        let fluxes = pass.heat.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power]).collect();
+        let fluxes = pass.heat.exchange.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power]).collect();
         let friction = pass.mechanics.states.iter().map(|state| [state.q, state.slip]).collect();
-        Tangent { mechanics, points, heat, fluxes, friction }
+        let normals = pass.mechanics.states.iter().map(|state| state.normal).collect();
+        Tangent { mechanics, points, heat, fluxes, friction, normals }
     }
 
     /// δθ − Φ′ δθ.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Vec<f64> {
-        let Step { problem, discrete, .. } = coupled.step;
-        let k = problem.k();
+        let Step { discrete, k, .. } = coupled.step;
         let w = coupled.mechanics.linearised(&self.mechanics, &discrete.m.apply(change));
         let u: Vec<f64> = w.iter().map(|w| k * w).collect();
         let points = discrete.boundary.points.iter().enumerate();
@@ -288,8 +289,8 @@ impl Tangent {
                 let v = vector_at(discrete, point, &w);
                 let force: [f64; 3] = std::array::from_fn(|c| tensor::dot(&self.points[i][c], &v));
                 let [by_penetration, by_pressure, by_slip_speed, by_friction_power] = self.fluxes[i];
-                let [q, slip] = &self.friction[i];
-                let (w_nu, pressure, speed) = (tensor::dot(&v, &point.normal), tensor::dot(&force, &point.normal), length(slip));
+                let ([q, slip], nu) = (&self.friction[i], &self.normals[i]);
+                let (w_nu, pressure, speed) = (tensor::dot(&v, nu), tensor::dot(&force, nu), length(slip));
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);

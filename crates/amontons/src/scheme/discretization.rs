@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
-use crate::field::Field;
+use crate::contact::ContactBoundary;
 use crate::forms::{self, Dilatation};
 use crate::linalg::{BlockMatrix, Graph, dot, mechanical_products};
 use crate::material::{self, Material, TensorLaw};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
-use crate::tensor::{self, Point, Sym, SymMap};
+use crate::tensor::{Sym, SymMap};
 
 /// Everything about the discrete problem that does not change with time.
 #[derive(Debug)]
@@ -126,11 +125,7 @@ impl Discretization {
             }
             materials.iter().map(|m| if law(m).is_linear() { Arc::new(ZERO) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) }).collect()
         };
-        let boundary = problem
-            .contact
-            .as_ref()
-            .and_then(|contact| Some(ContactBoundary::new(&mesh, mesh.facets.get(&contact.on)?, contact.quadrature)))
-            .unwrap_or(ContactBoundary { nodes: Vec::new(), points: Vec::new() });
+        let boundary = problem.contact_boundary();
         Discretization {
             mass: forms::inner_h(&mesh, &graph),
             density: Weight::new(&mesh, &graph, &each(|m| m.density)),
@@ -270,28 +265,6 @@ impl Discretization {
     #[must_use]
     pub fn convected(&self, theta: &[f64]) -> f64 {
         self.convection.as_ref().map_or(0.0, |convection| convection.apply(theta).iter().sum())
-    }
-
-    /// Values of a field at the contact points.
-    #[must_use]
-    pub fn at_contact(&self, field: &Field, t: f64) -> Vec<f64> {
-        let points: Vec<_> = self.boundary.points.iter().map(|p| p.x).collect();
-        field.values(&points, t)
-    }
-
-    /// The tangential velocity of the foundation at the contact points; empty where it is at rest.
-    #[must_use]
-    pub fn foundation_velocity(&self, contact: &Contact, t: f64) -> Vec<Point> {
-        if contact.foundation_velocity.is_empty() {
-            return Vec::new();
-        }
-        let components: Vec<Vec<f64>> = contact.foundation_velocity.iter().map(|field| self.at_contact(field, t)).collect();
-        let tangential = |(i, point): (usize, &PointOnBoundary)| -> Point {
-            let v: Point = std::array::from_fn(|c| components.get(c).map_or(0.0, |values| values[i]));
-            let normal = tensor::dot(&v, &point.normal);
-            std::array::from_fn(|c| v[c] - normal * point.normal[c])
-        };
-        self.boundary.points.iter().enumerate().map(tangential).collect()
     }
 
     /// ‖v‖ in H or L², and ‖ε(v)‖ where `strain` holds the form (ε(·), ε(·)).

@@ -4,52 +4,160 @@ use std::sync::Arc;
 
 use super::audit::audit;
 use super::coupling::{Coupled, Made};
+use super::foundation::{at_rest, frames};
 use super::system::{Products, Step, System, vector_at};
-use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport};
-use crate::linalg::{Backend, Multipliers, dot};
+use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
+use crate::linalg::{Backend, FactorError, Multipliers, dot};
 use crate::problem::Problem;
 use crate::tensor;
 
+/// How often a step is halved that does not converge, or in which there may be several solutions.
+const HALVINGS: usize = 5;
+
 /// Backward Euler for (4.1) and (4.2), coupled as [`Problem::coupling`] says.
+///
+/// A step whose contact iteration does not end is made in two halves, and these again. So is one in which laws that fall may have several
+/// solutions between the state before and the one that was found: the shorter the step, the nearer the solution is to the branch before.
 #[derive(Debug)]
 pub struct BackwardEuler {
     problem: Problem,
     discrete: Discretization,
-    mechanics: System,
-    heat: System,
-    /// Products that one step computes and the next one needs, with the step they belong to.
+    backend: Arc<dyn Backend>,
+    systems: Systems,
+    /// Those of halved steps: k/2, k/4 and so on, kept while steps are halved.
+    halved: Vec<Systems>,
+    /// Factorizations of systems that were given up, of the matrices and of contact systems.
+    given_up: (usize, usize),
+    /// Products that one step computes and the next one needs, with the state they belong to.
     products: Option<Products>,
 }
 
+/// The systems of both half-steps for one length of step.
+#[derive(Debug)]
+struct Systems {
+    k: f64,
+    mechanics: System,
+    heat: System,
+}
+
+impl Systems {
+    /// Laws that are not linear have their tangent at rest here; each step makes its own.
+    fn new(discrete: &Discretization, k: f64, backend: &Arc<dyn Backend>) -> [Result<System, FactorError>; 2] {
+        let rest = vec![0.0; discrete.v.free.len()];
+        let (mechanics, heat) = rayon::join(
+            || System::new(&discrete.mechanical_tangent(k, &rest, &rest), discrete, &discrete.v, backend),
+            || System::new(&discrete.thermal_matrix(k), discrete, &discrete.q, backend),
+        );
+        [mechanics, heat]
+    }
+
+    fn factorizations(&self) -> (usize, usize) {
+        (self.mechanics.factorizations() + self.heat.factorizations(), self.mechanics.condensed.factorizations() + self.heat.condensed.factorizations())
+    }
+}
+
 impl BackwardEuler {
-    /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear.
+    /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear and no step is halved.
     ///
     /// # Errors
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
-        // Laws that are not linear have their tangent at rest here; each step makes its own.
-        let (k, rest) = (problem.k(), vec![0.0; discrete.v.free.len()]);
-        let backends = [Arc::clone(&backend), backend];
-        let (mechanics, heat) = rayon::join(
-            || System::new(&discrete.mechanical_tangent(k, &rest, &rest), &discrete, &discrete.v, &backends[0]),
-            || System::new(&discrete.thermal_matrix(k), &discrete, &discrete.q, &backends[1]),
-        );
+        let k = problem.k();
+        let [mechanics, heat] = Systems::new(&discrete, k, &backend);
         let mechanics = mechanics.map_err(|source| SetupError::Factor { part: "mechanical", source })?;
         let heat = heat.map_err(|source| SetupError::Factor { part: "heat", source })?;
-        Ok(BackwardEuler { problem: problem.clone(), discrete, mechanics, heat, products: None })
+        let systems = Systems { k, mechanics, heat };
+        Ok(BackwardEuler { problem: problem.clone(), discrete, backend, systems, halved: Vec::new(), given_up: (0, 0), products: None })
     }
 
     /// Unknowns of displacement, temperature and on Γ_C.
     #[must_use]
     pub fn unknowns(&self) -> [usize; 3] {
-        [self.mechanics.unknowns.len(), self.heat.unknowns.len(), self.mechanics.condensed.len()]
+        let Systems { mechanics, heat, .. } = &self.systems;
+        [mechanics.unknowns.len(), heat.unknowns.len(), mechanics.condensed.len()]
     }
 
     /// Numbers that both factors store.
     #[must_use]
     pub fn stored(&self) -> usize {
-        self.mechanics.factor.stored() + self.heat.factor.stored()
+        self.systems.mechanics.factor.stored() + self.systems.heat.factor.stored()
+    }
+
+    /// Goes from a state to t, a part 2^−halvings of the step n; in halves where it has to be.
+    fn advance(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
+        let made = self.attempt(old, n, t, halvings);
+        let again = match &made {
+            Ok((_, report)) => report.is_ambiguous,
+            Err(error) => matches!(error, StepError::NotConverged { .. }),
+        };
+        if !again || halvings == HALVINGS {
+            return made;
+        }
+        let middle = old.t + 0.5 * (t - old.t);
+        let halves = self.advance(old, n, middle, halvings + 1).and_then(|(state, first)| {
+            let (state, second) = self.advance(&state, n, t, halvings + 1)?;
+            Ok((state, second.after(&first)))
+        });
+        // A step that was made stands where its halves cannot be.
+        halves.or(made)
+    }
+
+    /// Makes a step, or a part of it, as a whole.
+    fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
+        while self.halved.len() < halvings {
+            let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
+            let [mechanics, heat] =
+                Systems::new(&self.discrete, k, &self.backend).map(|system| system.map_err(|source| StepError::Singular { step: n, t, source }));
+            self.halved.push(Systems { k, mechanics: mechanics?, heat: heat? });
+        }
+        let products = self.products.take().filter(|p| p.t.to_bits() == old.t.to_bits()).unwrap_or_else(|| Products::of(&self.discrete, old));
+        let Self { problem, discrete, systems, halved, .. } = self;
+        let Systems { k, mechanics, heat } = halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
+        let now = Step { problem, discrete, old, products: &products, n, t, k: *k };
+        let Made { mechanics, heat, report, iterations, sweeps } = Coupled::new(now, mechanics, heat).solve()?;
+        let ledger = audit(&now, &mechanics, &heat);
+        if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
+            return Err(StepError::NotFinite { step: n, t, part: "the energy" });
+        }
+        let residual = mechanics.residual.max(heat.residual).max(report.defect.unwrap_or(0.0));
+        let counts = Counts {
+            newton_mechanics_total: old.counts.newton_mechanics_total + iterations[0],
+            newton_mechanics_max: old.counts.newton_mechanics_max.max(iterations[0]),
+            newton_heat_total: old.counts.newton_heat_total + iterations[1],
+            sweeps: old.counts.sweeps + sweeps,
+            residual_max: old.counts.residual_max.max(residual),
+            passes_total: old.counts.passes_total + report.passes,
+            contraction_max: old.counts.contraction_max.max(report.contraction.unwrap_or_default()),
+            ..old.counts
+        };
+        let surface = old.surface.after(now.k, &mechanics.states, heat.exchange.foundation);
+        let report = StepReport {
+            newton_mechanics: iterations[0],
+            newton_heat: iterations[1],
+            parts: 1,
+            is_ambiguous: !mechanics.is_unique,
+            residual,
+            coupling: report,
+            contact: ContactReport {
+                states: mechanics.states,
+                temperature: heat.exchange.temperature,
+                flux: heat.exchange.flux,
+                force: mechanics.force,
+                heat_flow: heat.through_contact,
+            },
+        };
+        self.products = Some(Products {
+            t,
+            mass_w: mechanics.mass_w,
+            a_u: mechanics.a_u,
+            a_w: mechanics.a_w,
+            b_w: mechanics.b_w,
+            mass_theta: heat.mass_theta,
+            d_theta: heat.d_theta,
+        });
+        let (u, w, theta) = (mechanics.u, mechanics.w, heat.theta);
+        Ok((State { step: n, t, u, w, theta, multipliers: mechanics.multipliers, branches: mechanics.branches, surface, ledger, counts }, report))
     }
 }
 
@@ -73,91 +181,52 @@ impl Scheme for BackwardEuler {
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
+        let surface = Surface::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
-        if let Some(contact) = &self.problem.contact {
-            let gap = self.discrete.at_contact(&contact.gap, 0.0);
-            for (point, gap) in self.discrete.boundary.points.iter().zip(gap) {
-                let r = tensor::dot(&vector_at(&self.discrete, point, &u), &point.normal) - gap;
-                contact_energy += point.weight * contact.normal.potential(&point.x, r);
-            }
+        let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
+        for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
+            let r = tensor::dot(&vector_at(&self.discrete, point, &u), &frame.normal) - frame.gap;
+            contact_energy += point.weight * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
+        let heat_foundation: f64 = self
+            .problem
+            .contacts
+            .iter()
+            .zip(&surface.foundation)
+            .map(|(c, theta_f)| c.foundation_heat.as_ref().map_or(0.0, |f| f.capacity) * theta_f.unwrap_or(0.0))
+            .sum();
         let ledger = Ledger {
             kinetic,
             elastic,
             contact_energy,
             turned_over: kinetic + elastic + contact_energy,
             heat_content,
-            heat_turned_over: heat_content.abs(),
+            heat_foundation,
+            heat_turned_over: heat_content.abs() + heat_foundation.abs(),
             ..Ledger::default()
         };
-        let belt = self.problem.contact.as_ref().map_or(Vec::new(), |c| self.discrete.foundation_velocity(c, 0.0));
-        let at_rest = self.discrete.boundary.points.iter().enumerate().map(|(i, point)| {
-            let (v, v_f) = (vector_at(&self.discrete, point, &w), belt.get(i).copied().unwrap_or_default());
-            let normal = tensor::dot(&v, &point.normal);
-            (0..3).all(|c| v[c] - normal * point.normal[c] - v_f[c] == 0.0)
-        });
-        let multipliers = Multipliers::free(at_rest.collect());
-        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, ledger, counts: Counts::default() })
+        let multipliers = Multipliers::free(at_rest(&self.problem, &self.discrete, &u, &w));
+        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, surface, ledger, counts: Counts::default() })
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
-        let step = old.step + 1;
-        let t = self.problem.time(step);
-        let products = self.products.take().filter(|p| p.step == old.step).unwrap_or_else(|| Products::of(&self.discrete, old));
-        let Self { problem, discrete, mechanics, heat, .. } = self;
-        let now = Step { problem, discrete, old, products: &products, n: step, t };
-        let Made { mechanics, heat, report, iterations, sweeps } = Coupled::new(now, mechanics, heat).solve()?;
-        let ledger = audit(&now, &mechanics, &heat);
-        if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
-            return Err(StepError::NotFinite { step, t, part: "the energy" });
+        let n = old.step + 1;
+        let (mut state, report) = self.advance(old, n, self.problem.time(n), 0)?;
+        if report.parts > 1 {
+            state.counts.halved_steps += 1;
+        } else {
+            for systems in self.halved.drain(..) {
+                let (matrices, contacts) = systems.factorizations();
+                self.given_up = (self.given_up.0 + matrices, self.given_up.1 + contacts);
+            }
         }
-        let counts = Counts {
-            newton_mechanics_total: old.counts.newton_mechanics_total + iterations[0],
-            newton_mechanics_max: old.counts.newton_mechanics_max.max(iterations[0]),
-            newton_heat_total: old.counts.newton_heat_total + iterations[1],
-            sweeps: old.counts.sweeps + sweeps,
-            residual_max: old.counts.residual_max.max(mechanics.residual).max(heat.residual).max(report.defect.unwrap_or(0.0)),
-            passes_total: old.counts.passes_total + report.passes,
-            contraction_max: old.counts.contraction_max.max(report.contraction.unwrap_or_default()),
-        };
-        let report = StepReport {
-            newton_mechanics: iterations[0],
-            newton_heat: iterations[1],
-            residual: mechanics.residual.max(heat.residual).max(report.defect.unwrap_or(0.0)),
-            coupling: report,
-            contact: ContactReport {
-                states: mechanics.states,
-                temperature: heat.temperature,
-                flux: heat.flux,
-                force: mechanics.force,
-                heat_flow: heat.through_contact,
-            },
-        };
-        self.products = Some(Products {
-            step,
-            mass_w: mechanics.mass_w,
-            a_u: mechanics.a_u,
-            a_w: mechanics.a_w,
-            b_w: mechanics.b_w,
-            mass_theta: heat.mass_theta,
-            d_theta: heat.d_theta,
-        });
-        let state = State {
-            step,
-            t,
-            u: mechanics.u,
-            w: mechanics.w,
-            theta: heat.theta,
-            multipliers: mechanics.multipliers,
-            branches: mechanics.branches,
-            ledger,
-            counts,
-        };
+        state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
         Ok((state, report))
     }
 
     fn factorizations(&self) -> (usize, usize) {
-        (self.mechanics.factorizations() + self.heat.factorizations(), self.mechanics.condensed.factorizations() + self.heat.condensed.factorizations())
+        let all = std::iter::once(&self.systems).chain(&self.halved).map(Systems::factorizations);
+        all.fold(self.given_up, |sum, (matrices, contacts)| (sum.0 + matrices, sum.1 + contacts))
     }
 }

@@ -1,9 +1,9 @@
 //! The heat half-step (4.2).
 
 use super::StepError;
+use super::foundation::temperatures;
 use super::system::{REFINE, Step, System, at_nodes};
-use crate::contact::Flux;
-use crate::linalg::{Entry, HeatStep, PointState, max_abs};
+use crate::linalg::{Entry, Exchange, HeatStep, Lumped, PointState, max_abs};
 
 /// What the heat half-step found.
 pub(super) struct Heat {
@@ -13,9 +13,8 @@ pub(super) struct Heat {
     /// Heat supplied in the load and e(u, ·) of the displacement that the half-step was made with.
     pub supply: Vec<f64>,
     pub coupling: Vec<f64>,
-    /// Temperature of the body and heat flux at the contact points.
-    pub temperature: Vec<f64>,
-    pub flux: Vec<Flux>,
+    /// The contact points, and the foundations that warm up.
+    pub exchange: Exchange,
     /// ∫_{Γ_C} q·ν in W.
     pub through_contact: f64,
     /// Newton iterations on Γ_C, and sweeps.
@@ -72,7 +71,7 @@ impl Begun {
 
     /// The right-hand side for the increment over θ at hand.
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
-        let storage = step.discrete.storage().0 / step.problem.k();
+        let storage = step.discrete.storage().0 / step.k;
         let right: Vec<f64> = (0..self.supply.len())
             .map(|i| self.supply[i] + self.coupling[i] - storage * (self.mass_theta[i] - step.products.mass_theta[i]) - self.d_theta[i])
             .collect();
@@ -82,8 +81,8 @@ impl Begun {
 
     /// Solves (4.2) at the contact that the mechanical half-step has found.
     pub fn solve(mut self, step: &Step, system: &mut System, states: &[PointState]) -> Result<Heat, StepError> {
-        let Step { problem, discrete, products, .. } = *step;
-        let (k, (c, storage_form)) = (problem.k(), discrete.storage());
+        let Step { discrete, products, k, .. } = *step;
+        let (c, storage_form) = discrete.storage();
         let given = Given::new(step, &self.theta);
         let (mut iterations, mut sweeps) = (0, 0);
         let mut previous = f64::INFINITY;
@@ -91,20 +90,19 @@ impl Begun {
             let reduced = std::mem::take(&mut self.reduced);
             let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = &mut self;
             let guess = system.contact_of(theta);
-            let (at_points, newton) = system
+            let (exchange, newton) = system
                 .expand(reduced, theta, |condensed, unknown, r| {
-                    let Some(on_boundary) = given.on_boundary(step, unknown, states) else { return Ok((Vec::new(), (Vec::new(), 0))) };
+                    let Some(on_boundary) = given.on_boundary(step, unknown, states) else { return Ok((Vec::new(), (Exchange::default(), 0))) };
                     let solved = on_boundary.solve(condensed, r, &guess)?;
-                    let fluxes = on_boundary.fluxes(&solved.x);
-                    Ok((solved.x, (fluxes, solved.iterations)))
+                    let exchange = on_boundary.exchange(&solved.x);
+                    Ok((solved.x, (exchange, solved.iterations)))
                 })
                 .map_err(|why| step.not_converged("heat", why))?;
             iterations += newton;
             sweeps += 2;
             step.finite(theta, "heat")?;
             [*mass_theta, *d_theta] = [storage_form.apply(theta), discrete.apply_d(theta)];
-            let (temperature, flux): (Vec<f64>, Vec<_>) = at_points.into_iter().unzip();
-            let values: Vec<f64> = flux.iter().map(|flux| flux.value).collect();
+            let values: Vec<f64> = exchange.flux.iter().map(|flux| flux.value).collect();
             let chi = on_nodes(step, &values);
             let heat_flow = discrete.boundary.points.iter().zip(&values).fold(0.0, |sum, (point, flux)| sum + point.weight * flux);
             // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
@@ -136,8 +134,7 @@ impl Begun {
                 d_theta,
                 supply,
                 coupling,
-                temperature,
-                flux,
+                exchange,
                 through_contact: heat_flow,
                 iterations,
                 sweeps,
@@ -153,7 +150,7 @@ impl Heat {
     /// The derivative of χ in θ at the solution: the entries it adds to S.
     pub fn contact_tangent(&self, step: &Step, system: &System, states: &[PointState]) -> Vec<Entry> {
         let given = Given::new(step, &self.theta);
-        given.on_boundary(step, system.on_contact(), states).map_or_else(Vec::new, |on_boundary| on_boundary.tangent(self.flux.iter()))
+        given.on_boundary(step, system.on_contact(), states).map_or_else(Vec::new, |on_boundary| on_boundary.tangent(&self.exchange))
     }
 }
 
@@ -161,18 +158,33 @@ impl Heat {
 struct Given {
     prescribed: Vec<f64>,
     foundation: Vec<f64>,
+    lumped: Vec<Option<Lumped>>,
 }
 
 impl Given {
     fn new(step: &Step, theta: &[f64]) -> Given {
-        let foundation = step.problem.contact.as_ref().map_or(Vec::new(), |c| step.discrete.at_contact(&c.foundation_temperature, step.t));
-        Given { prescribed: at_nodes(step.discrete, 1, theta), foundation }
+        let lumped = step.problem.contacts.iter().zip(&step.old.surface.foundation).map(|(contact, before)| {
+            let (foundation, before) = (contact.foundation_heat.as_ref()?, (*before)?);
+            let surroundings = foundation.surroundings.value(&[0.0; 3], step.t);
+            Some(Lumped { storage: foundation.capacity / step.k, before, exchange: foundation.exchange, surroundings })
+        });
+        Given { prescribed: at_nodes(step.discrete, 1, theta), foundation: temperatures(step), lumped: lumped.collect() }
     }
 
     /// The problem on Γ_C; none without contact.
     fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>], states: &'a [PointState]) -> Option<HeatStep<'a>> {
-        let contact = step.problem.contact.as_ref()?;
-        Some(HeatStep { contact, boundary: &step.discrete.boundary, unknown, theta_prescribed: &self.prescribed, foundation: &self.foundation, states })
+        if step.problem.contacts.is_empty() {
+            return None;
+        }
+        Some(HeatStep {
+            contacts: &step.problem.contacts,
+            boundary: &step.discrete.boundary,
+            unknown,
+            theta_prescribed: &self.prescribed,
+            foundation: &self.foundation,
+            lumped: &self.lumped,
+            states,
+        })
     }
 }
 

@@ -30,6 +30,9 @@ pub struct Ledger {
     pub thermal_work: f64,
     /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ.
     pub scheme_dissipation: f64,
+    /// Σ k Σ ω p ḣ, what is lost with the material that wears off.
+    #[serde(default)]
+    pub wear_dissipation: f64,
     /// Left minus right side of the identity, accumulated.
     pub closing_error: f64,
     /// Energy at the start plus the absolute work done since: what closing errors are compared with.
@@ -44,7 +47,16 @@ pub struct Ledger {
     pub heat_supplied: f64,
     /// Σ k ∫ 𝓡:ε(u), heat of the deformation.
     pub heat_coupling: f64,
-    /// Change of content minus what came in plus what went out, accumulated.
+    /// Heat that friction made, in the body and in the foundation.
+    #[serde(default)]
+    pub heat_friction: f64,
+    /// Σ C θ_F at t, over the foundations with a heat capacity.
+    #[serde(default)]
+    pub heat_foundation: f64,
+    /// Heat that these lost to the surroundings.
+    #[serde(default)]
+    pub heat_surroundings: f64,
+    /// Change of content minus what came in plus what went out, of the body and of the foundations with a heat capacity, accumulated.
     pub heat_closing_error: f64,
     /// Heat at the start plus the absolute amounts moved since.
     pub heat_turned_over: f64,

@@ -2,8 +2,9 @@
 
 use super::Discretization;
 use super::StepError;
+use super::foundation::frames;
 use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, scalars_at};
-use crate::linalg::{Entry, MechanicalStep, Multipliers, PointState, PointTangent, max_abs};
+use crate::linalg::{Entry, Frame, MechanicalStep, Multipliers, PointState, PointTangent, max_abs};
 use crate::tensor::Point;
 
 /// What the mechanical half-step found.
@@ -15,6 +16,8 @@ pub(super) struct Mechanics {
     pub branches: Vec<Vec<f64>>,
     pub relaxing: Vec<f64>,
     pub states: Vec<PointState>,
+    /// Whether there is one solution between the state before and this one, as far as laws that fall are concerned.
+    pub is_unique: bool,
     /// Newton iterations on Γ_C, and sweeps.
     pub iterations: usize,
     pub sweeps: usize,
@@ -41,11 +44,8 @@ pub(super) struct Mechanics {
 pub(super) struct Given {
     u_old: Vec<f64>,
     w_prescribed: Vec<f64>,
-    /// g(t_n) at the contact points in m, and its mean rate in the step, m/s.
-    pub gap: Vec<f64>,
-    pub gap_rate: Vec<f64>,
-    /// Tangential v_F(t_n) at the contact points, m/s; empty for a foundation at rest.
-    pub foundation_velocity: Vec<Point>,
+    /// The foundation at the contact points.
+    pub frames: Vec<Frame>,
     /// The temperature that the half-step is made with, at the contact points.
     temperature: Vec<f64>,
 }
@@ -54,31 +54,28 @@ impl Given {
     /// At the prescribed values in `w`; without a temperature.
     fn new(step: &Step, w: &[f64]) -> Given {
         let Step { problem, discrete, old, t, .. } = *step;
-        let gap_at = |t: f64| problem.contact.as_ref().map_or(Vec::new(), |c| discrete.at_contact(&c.gap, t));
-        let (gap, gap_old) = (gap_at(t), gap_at(old.t));
         Given {
             u_old: at_nodes(discrete, discrete.mesh.dim, &old.u),
             w_prescribed: at_nodes(discrete, discrete.mesh.dim, w),
-            gap_rate: gap.iter().zip(&gap_old).map(|(new, old)| (new - old) / problem.k()).collect(),
-            gap,
-            foundation_velocity: problem.contact.as_ref().map_or(Vec::new(), |c| discrete.foundation_velocity(c, t)),
+            frames: frames(problem, discrete, &old.u, &old.surface.wear, [old.t, t]),
             temperature: Vec::new(),
         }
     }
 
     /// The problem on Γ_C; none without contact.
     fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>]) -> Option<MechanicalStep<'a>> {
+        if step.problem.contacts.is_empty() {
+            return None;
+        }
         Some(MechanicalStep {
-            contact: step.problem.contact.as_ref()?,
+            contacts: &step.problem.contacts,
             boundary: &step.discrete.boundary,
             unknown,
             dim: step.discrete.mesh.dim,
-            k: step.problem.k(),
+            k: step.k,
             u_old: &self.u_old,
             w_prescribed: &self.w_prescribed,
-            gap: &self.gap,
-            gap_rate: &self.gap_rate,
-            foundation_velocity: &self.foundation_velocity,
+            frames: &self.frames,
             temperature: &self.temperature,
         })
     }
@@ -112,7 +109,7 @@ impl Mechanics {
         let mut is_stale = !discrete.is_linear();
         loop {
             if is_stale {
-                let tangent = discrete.mechanical_tangent(step.problem.k(), &step.displacement(&now.w), &now.w);
+                let tangent = discrete.mechanical_tangent(step.k, &step.displacement(&now.w), &now.w);
                 system.refactorize(&tangent).map_err(|source| step.singular(source))?;
             }
             let right = now.right(step, &load, &thermal);
@@ -159,8 +156,12 @@ impl Mechanics {
             let Balanced { iterate, states, residual, scale, force, support_work } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
             let u = step.displacement(&w);
+            let on_boundary = given.on_boundary(step, system.on_contact());
+            let is_unique = on_boundary
+                .is_none_or(|on_boundary| on_boundary.is_unique(&system.condensed, [&system.contact_of(&step.old.w), &system.contact_of(&w)], &multipliers));
             return Ok(Mechanics {
                 u,
+                is_unique,
                 w,
                 multipliers,
                 branches,
@@ -221,14 +222,14 @@ impl Iterate {
 
     /// The right-hand side for the increment over the velocity, the contact apart.
     fn right(&self, step: &Step, load: &[f64], thermal: &[f64]) -> Vec<f64> {
-        let inertia = step.discrete.inertia().0 / step.problem.k();
+        let inertia = step.discrete.inertia().0 / step.k;
         let relaxing = |i: usize| self.relaxing.get(i).copied().unwrap_or(0.0);
         (0..load.len()).map(|i| load[i] + thermal[i] - inertia * (self.mass_w[i] - step.products.mass_w[i]) - self.b_w[i] - self.a_u[i] - relaxing(i)).collect()
     }
 
     /// What is left of (4.1) tested with every basis function, with contact points in these states; at prescribed nodes it is the reaction.
     fn balance(self, step: &Step, load: &[f64], thermal: &[f64], states: Vec<PointState>) -> Result<Balanced, StepError> {
-        let (discrete, k) = (step.discrete, step.problem.k());
+        let (discrete, k) = (step.discrete, step.k);
         let (force, contact_force) = contact_forces(discrete, &states);
         let mut rest: Vec<f64> = self.right(step, load, thermal).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
@@ -251,8 +252,7 @@ struct Begun {
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − u_{n−1})/k.
     fn new(step: &Step) -> Begun {
-        let Step { discrete, old, products, t, .. } = *step;
-        let k = step.problem.k();
+        let Step { discrete, old, products, t, k, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
         discrete.v.prescribe(t, &mut w);
@@ -288,7 +288,7 @@ fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, V
     let (mut resultant, mut forces) = ([0.0; 3], vec![0.0; discrete.v.free.len()]);
     for (point, state) in discrete.boundary.points.iter().zip(states) {
         for c in 0..dim {
-            let traction = state.pressure * point.normal[c] + state.q[c];
+            let traction = state.pressure * state.normal[c] + state.q[c];
             resultant[c] -= point.weight * traction;
             for &(node, value) in &point.nodes {
                 forces[discrete.boundary.nodes[node] as usize * dim + c] += point.weight * value * traction;

@@ -4,6 +4,7 @@ mod audit;
 mod coupling;
 mod discretization;
 mod euler;
+mod foundation;
 mod heat;
 mod ledger;
 mod mechanics;
@@ -11,6 +12,7 @@ mod system;
 
 pub use discretization::Discretization;
 pub use euler::BackwardEuler;
+pub use foundation::Surface;
 pub use ledger::Ledger;
 pub use system::{ACCEPTED, REFINE};
 
@@ -35,6 +37,8 @@ pub struct State {
     pub multipliers: Multipliers,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: Vec<Vec<f64>>,
+    /// What Γ_C and the foundation keep.
+    pub surface: Surface,
     /// Energies and flows since the start.
     pub ledger: Ledger,
     /// Newton iterations since the start.
@@ -58,6 +62,10 @@ pub struct Counts {
     pub passes_total: usize,
     /// Largest contraction factors of the fixed-point coupling over the steps; 0 where none was seen.
     pub contraction_max: Contraction,
+    /// Steps that were made in halves.
+    pub halved_steps: usize,
+    /// Steps in which there may be several solutions.
+    pub ambiguous_steps: usize,
 }
 
 /// What happened in one step.
@@ -67,12 +75,35 @@ pub struct StepReport {
     pub newton_mechanics: usize,
     /// Newton iterations on Γ_C, heat.
     pub newton_heat: usize,
+    /// Parts that the step was made in: more than one where it was halved.
+    pub parts: usize,
+    /// Whether laws that fall may have several solutions between the state before and this one, however short the parts.
+    pub is_ambiguous: bool,
     /// Residual of (4.1), (4.2), complementarity and cone, relative to the largest term.
     pub residual: f64,
     /// How the half-steps were coupled.
     pub coupling: CouplingReport,
     /// The contact points.
     pub contact: ContactReport,
+}
+
+impl StepReport {
+    /// The report of two parts of a step in turn.
+    fn after(self, first: &StepReport) -> StepReport {
+        StepReport {
+            newton_mechanics: first.newton_mechanics + self.newton_mechanics,
+            newton_heat: first.newton_heat + self.newton_heat,
+            parts: first.parts + self.parts,
+            is_ambiguous: first.is_ambiguous || self.is_ambiguous,
+            residual: first.residual.max(self.residual),
+            coupling: CouplingReport {
+                passes: first.coupling.passes + self.coupling.passes,
+                contraction: [first.coupling.contraction, self.coupling.contraction].into_iter().flatten().reduce(Contraction::max),
+                defect: [first.coupling.defect, self.coupling.defect].into_iter().flatten().reduce(f64::max),
+            },
+            contact: self.contact,
+        }
+    }
 }
 
 /// How the half-steps of a step were coupled.

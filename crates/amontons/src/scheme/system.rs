@@ -24,20 +24,21 @@ pub(super) struct Step<'a> {
     pub products: &'a Products,
     /// n.
     pub n: usize,
-    /// t_n in s.
+    /// t_n in s, and the length k of the step.
     pub t: f64,
+    pub k: f64,
 }
 
 impl Step<'_> {
     /// u_{n−1} + k w.
     pub fn displacement(&self, w: &[f64]) -> Vec<f64> {
-        let k = self.problem.k();
+        let k = self.k;
         self.old.u.iter().zip(w).map(|(u, w)| u + k * w).collect()
     }
 
     /// z_n = (z_{n−1} + k w)/(1 + k/τ) of each branch that relaxes.
     pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
-        let k = self.problem.k();
+        let k = self.k;
         let branches = self.discrete.branches.iter().zip(&self.old.branches);
         branches.map(|(branch, z)| z.iter().zip(w).map(|(z, w)| branch.factor(k) * (z + k * w)).collect()).collect()
     }
@@ -86,7 +87,8 @@ impl Step<'_> {
 /// Products of a state with the forms, which one step computes and the next one needs.
 #[derive(Debug)]
 pub(super) struct Products {
-    pub step: usize,
+    /// t_n of the state.
+    pub t: f64,
     /// (ρ·, ·), or (·, ·) where the density is the same everywhere.
     pub mass_w: Vec<f64>,
     pub a_u: Vec<f64>,
@@ -102,7 +104,7 @@ impl Products {
     pub fn of(discrete: &Discretization, state: &State) -> Products {
         let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w);
         let (mass_theta, d_theta) = (discrete.storage().1.apply(&state.theta), discrete.apply_d(&state.theta));
-        Products { step: state.step, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
+        Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
 }
 

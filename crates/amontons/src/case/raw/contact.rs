@@ -3,7 +3,36 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Datum;
+use super::{Datum, Obstacle};
+
+/// Contact of one side: `[contact]`; of several: `[[contact]]`.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a table, or an array of tables")]
+pub(in crate::case) enum Contacts {
+    /// Of one side.
+    One(Box<Contact>),
+    /// Of several sides.
+    Several(Vec<Contact>),
+}
+
+impl Contacts {
+    /// The contacts with their paths.
+    pub fn all(self) -> Vec<(String, Contact)> {
+        match self {
+            Contacts::One(contact) => vec![("contact".to_owned(), *contact)],
+            Contacts::Several(all) => all.into_iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect(),
+        }
+    }
+
+    /// Their sides.
+    pub fn sides(&self) -> Vec<&str> {
+        match self {
+            Contacts::One(contact) => vec![&contact.on],
+            Contacts::Several(all) => all.iter().map(|contact| contact.on.as_str()).collect(),
+        }
+    }
+}
 
 /// Contact of one side with a foundation: (2.8)–(2.10).
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -12,8 +41,13 @@ pub(in crate::case) struct Contact {
     /// Name of the side that is Γ_C.
     pub on: String,
     /// Gap g to the foundation along the outward normal, in m.
+    ///
+    /// With an obstacle what is added to the distance from it.
     #[serde(default)]
     pub gap: Datum,
+    /// Shape of a rigid foundation that is not told by the gap alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obstacle: Option<Obstacle>,
     /// Velocity v_F of the foundation in m/s, one entry a component, of which the tangential part counts; empty for a foundation at rest. Slip is w_τ − v_F.
     #[serde(default)]
     pub foundation_velocity: Vec<Datum>,
@@ -32,6 +66,51 @@ pub(in crate::case) struct Contact {
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub frictional_heat: f64,
+    /// Heat capacity of the foundation; without it its temperature is prescribed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub foundation: Option<Foundation>,
+    /// Wear of the contact, by which the gap grows.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wear: Option<Wear>,
+}
+
+/// A foundation with one temperature, which the heat from the contact and from friction raises.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Foundation {
+    /// Heat capacity of the foundation in J/K, per unit of thickness in two dimensions.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub heat_capacity: f64,
+    /// Temperature at t = 0 in K; without it `heat.foundation_temperature`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<f64>,
+    /// Heat exchange with the surroundings in W/K, per unit of thickness in two dimensions.
+    #[serde(default)]
+    #[schemars(range(min = 0.0))]
+    pub exchange: f64,
+    /// Temperature of the surroundings in K, a number or an expression in t; without it the temperature at t = 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surroundings: Option<Datum>,
+}
+
+/// Wear by its law.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
+pub(in crate::case) enum Wear {
+    /// The depth grows at the rate coefficient · p · ‖w_τ‖.
+    Archard {
+        /// Wear coefficient in 1/Pa: Archard's number over the hardness.
+        #[schemars(range(min = 0.0))]
+        coefficient: f64,
+    },
+    /// Archard's law with a coefficient by the temperature of the body, linear between the points of a table and constant outside.
+    ArchardTemperature {
+        /// Temperatures in K, each larger than the one before.
+        temperature: Vec<f64>,
+        /// Wear coefficients in 1/Pa.
+        #[schemars(inner(range(min = 0.0)))]
+        coefficient: Vec<f64>,
+    },
 }
 
 /// Where the integrals over Γ_C are evaluated.

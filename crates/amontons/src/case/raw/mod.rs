@@ -9,6 +9,7 @@ mod contact;
 mod data;
 mod material;
 mod mesh;
+mod obstacle;
 mod probe;
 mod verify;
 
@@ -18,10 +19,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::case) use boundary::{Boundary, Support};
-pub(in crate::case) use contact::{Contact, Friction, HeatTerm, Normal, Quadrature};
+pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
 pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Material, Orientation, Region, StressState, Tensor, Viscosity};
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
+pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
 
@@ -52,9 +54,9 @@ pub(in crate::case) struct Case {
     /// and without a heat inflow is insulated.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
-    /// Contact with a foundation.
+    /// Contact of a side with its foundation, or of several sides, one entry a side.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub contact: Option<Contact>,
+    pub contact: Option<Contacts>,
     /// State at t = 0.
     #[serde(default)]
     pub initial: Initial,

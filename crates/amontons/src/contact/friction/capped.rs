@@ -25,6 +25,9 @@ impl FrictionLaw for Capped {
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
         self.law.lipschitz(l_nu)
     }
+    fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
+        self.law.least_slope(at, from, to)
+    }
     fn is_frictionless(&self) -> bool {
         self.cap == 0.0 || self.law.is_frictionless()
     }

@@ -84,6 +84,11 @@ pub trait FrictionLaw: Debug + Send + Sync {
     fn bound(&self, at: &ContactPoint) -> Bound;
     /// L_τ of (H8) in Pa/m where the pressure has the Lipschitz constant `l_nu`; none if unbounded, or if the bound does not vanish with the pressure.
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64>;
+    /// Least ∂s/∂‖w_τ‖ in Pa s/m between two slip speeds, the first the smaller, at a point in other respects as given; the drop of a bound
+    /// when slip starts is none. Zero stands for any law that does not fall.
+    fn least_slope(&self, _at: &ContactPoint, _from: f64, _to: f64) -> f64 {
+        0.0
+    }
     /// Whether the bound is always zero.
     fn is_frictionless(&self) -> bool {
         false

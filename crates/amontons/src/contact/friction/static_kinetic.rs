@@ -36,6 +36,9 @@ impl FrictionLaw for StaticKinetic {
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
         l_nu.map(|l| self.at_rest.max(self.kinetic) * l)
     }
+    fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
+        [from, to].map(|slip_speed| self.bound(&ContactPoint { slip_speed, ..*at }).by_slip_speed).into_iter().fold(0.0, f64::min)
+    }
     fn is_frictionless(&self) -> bool {
         self.at_rest == 0.0 && self.kinetic == 0.0
     }

@@ -47,6 +47,13 @@ impl FrictionLaw for Tabulated {
         }
         l_nu.map(|l| most * l)
     }
+    fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
+        if self.variable != Variable::SlipSpeed {
+            return 0.0;
+        }
+        let pieces = self.coefficient.points().windows(2).zip(self.coefficient.slopes());
+        at.pressure * pieces.filter(|(ends, _)| ends[0].0 < to && from < ends[1].0).map(|(_, slope)| slope).fold(0.0, f64::min)
+    }
     fn is_frictionless(&self) -> bool {
         self.coefficient.largest() == 0.0
     }

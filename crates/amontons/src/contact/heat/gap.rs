@@ -22,7 +22,7 @@ impl HeatLaw for GapConduction {
         let (phi, width) = (phi_l(at, self.truncation), (-at.penetration).max(0.0) + self.roughness);
         let h = self.conductivity / width;
         let by_penetration = if at.penetration < 0.0 { h / width * phi.0 } else { 0.0 };
-        Flux { value: h * phi.0, by_temperature: h * phi.1, by_penetration, ..Flux::default() }
+        Flux { value: h * phi.0, by_temperature: h * phi.1, by_foundation: -h * phi.1, by_penetration, ..Flux::default() }
     }
     fn conductance_bound(&self) -> f64 {
         self.conductivity / self.roughness

@@ -29,6 +29,8 @@ pub struct Flux {
     pub value: f64,
     /// ∂(q·ν)/∂θ in W/(m² K).
     pub by_temperature: f64,
+    /// ∂(q·ν)/∂θ_F in W/(m² K), not positive.
+    pub by_foundation: f64,
     /// ∂(q·ν)/∂r, the penetration, in W/m³, at fixed pressure.
     pub by_penetration: f64,
     /// ∂(q·ν)/∂p, the pressure, in W/N.
@@ -39,7 +41,7 @@ pub struct Flux {
     pub by_friction_power: f64,
 }
 
-/// The heat flux from the body into the foundation, nondecreasing in θ.
+/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F.
 pub trait HeatLaw: Debug + Send + Sync {
     /// The flux at a point.
     fn flux(&self, at: &ContactPoint) -> Flux;

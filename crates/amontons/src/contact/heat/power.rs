@@ -23,7 +23,13 @@ impl HeatLaw for PowerConductance {
             return Flux::default();
         }
         let (phi, secant) = (phi_l(at, self.truncation), self.coefficient * r.powf(self.exponent - 1.0));
-        Flux { value: secant * r * phi.0, by_temperature: secant * r * phi.1, by_penetration: self.exponent * secant * phi.0, ..Flux::default() }
+        Flux {
+            value: secant * r * phi.0,
+            by_temperature: secant * r * phi.1,
+            by_foundation: -secant * r * phi.1,
+            by_penetration: self.exponent * secant * phi.0,
+            ..Flux::default()
+        }
     }
     fn conductance_bound(&self) -> f64 {
         if self.coefficient == 0.0 { 0.0 } else { f64::INFINITY }

@@ -23,7 +23,7 @@ impl HeatLaw for PressureConductance {
             return Flux::default();
         }
         let (phi, h) = (phi_l(at, self.truncation), self.coefficient * at.pressure.powf(self.exponent));
-        Flux { value: h * phi.0, by_temperature: h * phi.1, by_pressure: self.exponent * h / at.pressure * phi.0, ..Flux::default() }
+        Flux { value: h * phi.0, by_temperature: h * phi.1, by_foundation: -h * phi.1, by_pressure: self.exponent * h / at.pressure * phi.0, ..Flux::default() }
     }
     fn conductance_bound(&self) -> f64 {
         if self.coefficient == 0.0 { 0.0 } else { f64::INFINITY }

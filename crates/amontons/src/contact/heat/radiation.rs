@@ -25,7 +25,7 @@ impl HeatLaw for Radiation {
         let factor = self.constant * self.emissivity;
         // a⁴ − b⁴ without cancellation where the temperatures are close.
         let difference = (body - foundation) * (body + foundation) * (body * body + foundation * foundation);
-        Flux { value: factor * difference, by_temperature: 4.0 * factor * body.powi(3), ..Flux::default() }
+        Flux { value: factor * difference, by_temperature: 4.0 * factor * body.powi(3), by_foundation: -4.0 * factor * foundation.powi(3), ..Flux::default() }
     }
     fn conductance_bound(&self) -> f64 {
         // The slope grows with the temperature.

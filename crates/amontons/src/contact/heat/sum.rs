@@ -17,6 +17,7 @@ impl HeatLaw for Sum {
         self.laws.iter().map(|law| law.flux(at)).fold(Flux::default(), |sum, flux| Flux {
             value: sum.value + flux.value,
             by_temperature: sum.by_temperature + flux.by_temperature,
+            by_foundation: sum.by_foundation + flux.by_foundation,
             by_penetration: sum.by_penetration + flux.by_penetration,
             by_pressure: sum.by_pressure + flux.by_pressure,
             by_slip_speed: sum.by_slip_speed + flux.by_slip_speed,

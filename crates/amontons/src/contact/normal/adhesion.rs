@@ -36,6 +36,18 @@ impl NormalLaw for Adhesion {
         let released = if r < -bond && self.release > 0.0 { 0.5 * self.strength * (self.release - left * left / self.release) } else { 0.0 };
         0.5 * self.stiffness * held * held + released
     }
+    fn least_slope(&self, _x: &Point, from: f64, to: f64) -> f64 {
+        let bond = self.strength / self.stiffness;
+        if from >= -bond {
+            self.stiffness
+        } else if to <= -bond - self.release || self.strength == 0.0 {
+            0.0
+        } else if self.release > 0.0 {
+            -self.strength / self.release
+        } else {
+            f64::NEG_INFINITY
+        }
+    }
     fn lipschitz(&self) -> Option<f64> {
         (self.strength == 0.0 || self.release > 0.0).then(|| self.stiffness.max(self.strength / self.release.max(f64::MIN_POSITIVE)))
     }

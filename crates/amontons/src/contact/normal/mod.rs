@@ -60,10 +60,49 @@ pub trait NormalLaw: Debug + Send + Sync {
     fn potential(&self, x: &Point, r: f64) -> f64;
     /// L_ν of (H8) in Pa/m; none for a multivalued graph and where slopes are not bounded.
     fn lipschitz(&self) -> Option<f64>;
+    /// Least slope in Pa/m between two penetrations, the first the smaller; −∞ across a drop. Zero stands for any law that does not fall.
+    fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
+        0.0
+    }
     /// The kind of graph.
     fn graph(&self) -> GraphKind {
         GraphKind::Function
     }
+}
+
+/// Most iterations of [`worn`]; every third halves the interval.
+const ITERATIONS: usize = 200;
+
+/// Solves p ∈ G(z − (λ + λ_w) p₊, ṙ), λ_w p₊ the depth in m that wears off in a step: where the law is a function, by Newton's method within
+/// [0, z/λ_w], where the difference of both sides changes its sign.
+#[must_use]
+pub fn worn(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_wear]: [f64; 2]) -> Pressure {
+    let fresh = law.pressure(x, z, rate, lambda);
+    if by_wear <= 0.0 || fresh.value <= 0.0 {
+        return fresh;
+    }
+    if law.graph() != GraphKind::Function {
+        return law.pressure(x, z, rate, lambda + by_wear);
+    }
+    // Without penetration there is no pressure, so p = z/λ_w is too large; where the law rises, its value at z is too.
+    let (mut below, mut above, mut p) = (0.0, z / by_wear, fresh.value.min(z / by_wear));
+    let mut worn = fresh;
+    for iteration in 0..ITERATIONS {
+        let at = law.pressure(x, z - by_wear * p, rate, 0.0);
+        let (excess, yielding) = (p - at.value, 1.0 + by_wear * at.slope);
+        worn = Pressure { value: p, slope: at.slope / yielding, by_rate: at.by_rate / yielding };
+        let newton = p - excess / yielding;
+        if above - below <= 4.0 * f64::EPSILON * above || (newton - p).abs() <= 2.0 * f64::EPSILON * p {
+            break;
+        }
+        if excess > 0.0 {
+            above = p;
+        } else {
+            below = p;
+        }
+        p = if newton > below && newton < above && iteration % 3 < 2 { newton } else { 0.5 * (below + above) };
+    }
+    worn
 }
 
 /// Sample laws, each with a penetration typical of it, for tests that hold for every law.

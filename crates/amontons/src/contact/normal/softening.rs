@@ -45,6 +45,16 @@ impl NormalLaw for Softening {
         let (rising, falling, after) = (r.clamp(0.0, top), (r - top).clamp(0.0, end - top), (r - end).max(0.0));
         0.5 * self.stiffness * rising * rising + falling * (self.peak - 0.5 * self.softening * falling) + self.residual * after
     }
+    fn least_slope(&self, _x: &Point, from: f64, to: f64) -> f64 {
+        let [top, end] = self.corners();
+        if to > top && from < end {
+            -self.softening
+        } else if from > 0.0 && to <= top {
+            self.stiffness
+        } else {
+            0.0
+        }
+    }
     fn lipschitz(&self) -> Option<f64> {
         Some(self.stiffness.max(self.softening))
     }

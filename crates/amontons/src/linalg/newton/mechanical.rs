@@ -1,8 +1,8 @@
 //! The mechanical step on Γ_C.
 
-use super::point::{Kinematics, Local, Multiplier, PointState, PointTangent};
+use super::point::{Frame, Kinematics, Local, Multiplier, PointState, PointTangent};
 use super::{ITERATIONS, NotConverged, SHORTEST_STEP, Solved, TOLERANCE};
-use crate::contact::{Contact, ContactBoundary, GraphKind, PointOnBoundary, Status};
+use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, PointOnBoundary, Status};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::sparse::max_abs;
 use crate::tensor::{Point, dot, length};
@@ -47,8 +47,8 @@ impl Multipliers {
 
 /// What is known of a mechanical step on Γ_C before it is solved.
 pub struct MechanicalStep<'a> {
-    /// The laws.
-    pub contact: &'a Contact,
+    /// The laws of each side.
+    pub contacts: &'a [Contact],
     /// The contact points.
     pub boundary: &'a ContactBoundary,
     /// Unknown of (contact node, component), none where prescribed.
@@ -61,12 +61,8 @@ pub struct MechanicalStep<'a> {
     pub u_old: &'a [f64],
     /// Velocities at the contact nodes, those that are prescribed filled in.
     pub w_prescribed: &'a [f64],
-    /// g(t_n) at the contact points, m.
-    pub gap: &'a [f64],
-    /// (g(t_n) − g(t_{n−1}))/k at the contact points, m/s.
-    pub gap_rate: &'a [f64],
-    /// v_F(t_n) at the contact points, m/s, tangential; empty for a foundation at rest.
-    pub foundation_velocity: &'a [Point],
+    /// The foundation at each contact point.
+    pub frames: &'a [Frame],
     /// Temperature of the body at the contact points that the step is made with, K.
     pub temperature: &'a [f64],
 }
@@ -84,26 +80,29 @@ impl MechanicalStep<'_> {
         v
     }
 
+    /// Whether the pressure is a function of the penetration at a point.
+    fn is_function(&self, point: &PointOnBoundary) -> bool {
+        self.contacts[point.side].normal.graph() == GraphKind::Function
+    }
+
     fn local(&self, i: usize, w: &[f64], multiplier: &Multiplier, rho: f64) -> Local {
-        let point = &self.boundary.points[i];
+        let (point, frame) = (&self.boundary.points[i], &self.frames[i]);
         let v = self.velocity(point, w);
-        let nu = &point.normal;
+        let nu = &frame.normal;
         let w_nu = dot(&v, nu);
-        let mut slip: Point = std::array::from_fn(|c| v[c] - w_nu * nu[c]);
-        if let Some(v_f) = self.foundation_velocity.get(i) {
-            slip = std::array::from_fn(|c| slip[c] - v_f[c]);
-        }
+        let slip: Point = std::array::from_fn(|c| v[c] - w_nu * nu[c] - frame.velocity[c]);
         let mut u_nu = 0.0;
         for &(node, value) in &point.nodes {
             for c in 0..self.dim {
                 u_nu += value * self.u_old[node * self.dim + c] * nu[c];
             }
         }
-        let penetration = u_nu + self.k * w_nu - self.gap[i];
-        let rate = w_nu - self.gap_rate[i];
+        let penetration = u_nu + self.k * w_nu - frame.gap;
+        let rate = w_nu - frame.gap_rate;
         // That of r₊, so that the pressure does not jump where the gap closes within the step.
         let rate = if penetration <= 0.0 { 0.0 } else { rate.min(penetration / self.k) };
-        Local::new(self.contact, point, self.k, &Kinematics { penetration, rate, slip, temperature: self.temperature[i] }, multiplier, rho)
+        let at = Kinematics { normal: *nu, penetration, rate, slip, temperature: self.temperature[i] };
+        Local::new(&self.contacts[point.side], point, self.k, &at, multiplier, rho)
     }
 
     /// The states of the contact points, the multipliers as they are.
@@ -114,8 +113,8 @@ impl MechanicalStep<'_> {
                 let mut state = self.local(i, w, &multipliers.at(i), 0.0).state;
                 if state.bound > 0.0 {
                     // At the bound to round-off, and moving: slip.
-                    let q =
-                        self.contact.friction.cone(&self.boundary.points[i].x, &self.boundary.points[i].normal).map_or(state.q, |cone| cone.inverse(&state.q));
+                    let point = &self.boundary.points[i];
+                    let q = self.contacts[point.side].friction.cone(&point.x, &state.normal).map_or(state.q, |cone| cone.inverse(&state.q));
                     let at_bound = length(&q) >= state.bound * (1.0 - 1e-9);
                     state.status = if at_bound { Status::Slip } else { Status::Stick };
                 }
@@ -130,7 +129,7 @@ impl MechanicalStep<'_> {
             for &(node, value) in &point.nodes {
                 for c in 0..self.dim {
                     if let Some(u) = self.unknown[node * self.dim + c] {
-                        out[u as usize] += point.weight * value * (local.state.pressure * point.normal[c] + local.state.q[c]);
+                        out[u as usize] += point.weight * value * (local.state.pressure * local.state.normal[c] + local.state.q[c]);
                     }
                 }
             }
@@ -256,8 +255,10 @@ impl MechanicalStep<'_> {
         for (point, local) in self.boundary.points.iter().zip(&locals) {
             errors.extend((0..3).map(|c| point.weight * (local.state.q[c] - local.projected[c])));
         }
-        if self.contact.normal.graph() != GraphKind::Function {
-            errors.extend(self.boundary.points.iter().zip(&locals).map(|(point, local)| point.weight * (local.state.pressure - local.pressed)));
+        for (point, local) in self.boundary.points.iter().zip(&locals) {
+            if !self.is_function(point) {
+                errors.push(point.weight * (local.state.pressure - local.pressed));
+            }
         }
         let merit = errors.iter().map(|e| e * e).sum();
         let residual = max_abs(&errors);
@@ -265,17 +266,16 @@ impl MechanicalStep<'_> {
         let sizes: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w.abs() + guess.abs()).collect();
         let mut floor = f64::EPSILON * condensed.magnitude(&sizes);
         for (i, (point, local)) in self.boundary.points.iter().zip(&locals).enumerate() {
-            let mut size = self.gap[i].abs();
+            let frame = &self.frames[i];
+            let mut size = frame.gap.abs();
             for &(node, value) in &point.nodes {
                 for c in 0..self.dim {
-                    size += (value * point.normal[c]).abs() * self.u_old[node * self.dim + c].abs();
+                    size += (value * frame.normal[c]).abs() * self.u_old[node * self.dim + c].abs();
                 }
             }
-            size += self.k * dot(&self.velocity(point, w), &point.normal).abs();
+            size += self.k * dot(&self.velocity(point, w), &frame.normal).abs();
             floor = floor.max(f64::EPSILON * point.weight * local.p_slope.abs() / self.k * size);
-            if let Some(v_f) = self.foundation_velocity.get(i) {
-                floor = floor.max(f64::EPSILON * point.weight * right.rho[i] * length(v_f));
-            }
+            floor = floor.max(f64::EPSILON * point.weight * right.rho[i] * length(&frame.velocity));
         }
         Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
     }
@@ -283,9 +283,54 @@ impl MechanicalStep<'_> {
     /// The derivative of the contact forces in the velocity at a solution: its entries, and its value at each point.
     pub fn tangent(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointTangent>) {
         let rho = self.rho(condensed);
-        let points = self.boundary.points.iter().enumerate();
-        let tangents: Vec<PointTangent> = points.map(|(i, point)| self.local(i, w, &multipliers.at(i), rho[i]).linear(point, rho[i], self.dim).1).collect();
+        let tangents: Vec<PointTangent> = rho.iter().enumerate().map(|(i, &rho)| self.local(i, w, &multipliers.at(i), rho).linear(rho, self.dim).1).collect();
         (self.boundary.points.iter().zip(&tangents).flat_map(|(point, tangent)| self.entries(point, tangent)).collect(), tangents)
+    }
+
+    /// Whether the step has one solution between two velocities: S with the least slopes that the laws have between them is positive definite,
+    /// so that the forces are strictly monotone there. Where no law falls that is taken for granted; of friction, the fall with the slip
+    /// speed counts, and not the drop from rest, after which a point that sticks goes on sticking as long as it can.
+    #[must_use]
+    pub fn is_unique(&self, condensed: &Condensed, [from, to]: [&[f64]; 2], multipliers: &Multipliers) -> bool {
+        let slopes: Vec<[f64; 2]> = (0..self.boundary.points.len())
+            .map(|i| {
+                let point = &self.boundary.points[i];
+                let contact = &self.contacts[point.side];
+                let (before, after) = (self.local(i, from, &multipliers.at(i), 0.0).state, self.local(i, to, &multipliers.at(i), 0.0).state);
+                let frame = &self.frames[i];
+                // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
+                let start = before.penetration - self.k * (dot(&self.velocity(point, from), &frame.normal) - frame.gap_rate);
+                let normal = self.k * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
+                let speeds = [length(&before.slip), length(&after.slip)];
+                let seen = ContactPoint {
+                    x: point.x,
+                    penetration: after.penetration,
+                    pressure: after.pressure.max(0.0),
+                    temperature: self.temperature[i],
+                    ..ContactPoint::default()
+                };
+                [normal, contact.friction.least_slope(&seen, speeds[0].min(speeds[1]), speeds[0].max(speeds[1]))]
+            })
+            .collect();
+        if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
+            return true;
+        }
+        if slopes.iter().flatten().any(|slope| !slope.is_finite()) {
+            return false;
+        }
+        let mut matrix = condensed.operator().clone();
+        for ((point, frame), [normal, tangential]) in self.boundary.points.iter().zip(self.frames).zip(&slopes) {
+            let tangent: PointTangent = std::array::from_fn(|c| {
+                std::array::from_fn(|e| {
+                    let along = frame.normal[c] * frame.normal[e];
+                    normal * along + tangential * (f64::from(u8::from(c == e)) - along)
+                })
+            });
+            for (row, col, value) in self.entries(point, &tangent) {
+                matrix[(row as usize, col as usize)] += value;
+            }
+        }
+        matrix.llt(faer::Side::Lower).is_ok()
     }
 
     /// The entries of ω Nᵀ · N for one point.
@@ -311,7 +356,7 @@ impl MechanicalStep<'_> {
         let mut entries = Vec::new();
         let mut b = now.rest.clone();
         for (i, point) in self.boundary.points.iter().enumerate() {
-            let (force, tangent) = now.locals[i].linear(point, right.rho[i], self.dim);
+            let (force, tangent) = now.locals[i].linear(right.rho[i], self.dim);
             for &(node, value) in &point.nodes {
                 for c in 0..self.dim {
                     if let Some(row) = self.unknown[node * self.dim + c] {
@@ -326,10 +371,9 @@ impl MechanicalStep<'_> {
 
     /// The multipliers of the linearised laws after the step δw.
     fn multipliers_after(&self, right: &Right, now: &Evaluation, step: &[f64]) -> Multipliers {
-        let is_function = self.contact.normal.graph() == GraphKind::Function;
         let mut after = Multipliers::free(now.locals.iter().map(|local| local.sticks).collect());
         for (i, point) in self.boundary.points.iter().enumerate() {
-            let (force, tangent) = now.locals[i].linear(point, right.rho[i], self.dim);
+            let (force, tangent) = now.locals[i].linear(right.rho[i], self.dim);
             let mut moved = [0.0; 3];
             for &(node, value) in &point.nodes {
                 for c in 0..self.dim {
@@ -337,9 +381,10 @@ impl MechanicalStep<'_> {
                 }
             }
             let f: Point = std::array::from_fn(|c| force[c] + dot(&tangent[c], &moved));
-            let normal = dot(&f, &point.normal);
-            after.q[i] = std::array::from_fn(|c| f[c] - normal * point.normal[c]);
-            if !is_function {
+            let nu = &self.frames[i].normal;
+            let normal = dot(&f, nu);
+            after.q[i] = std::array::from_fn(|c| f[c] - normal * nu[c]);
+            if !self.is_function(point) {
                 after.p[i] = normal;
             }
         }
@@ -350,9 +395,7 @@ impl MechanicalStep<'_> {
     fn settled(&self, end: Evaluation) -> Iterate {
         let Evaluation { mut at, locals, .. } = end;
         at.multipliers.sticks = locals.iter().map(|local| local.sticks).collect();
-        if self.contact.normal.graph() != GraphKind::Function {
-            at.multipliers.p = locals.iter().map(|local| local.pressed).collect();
-        }
+        at.multipliers.p = self.boundary.points.iter().zip(&locals).map(|(point, local)| if self.is_function(point) { 0.0 } else { local.pressed }).collect();
         at
     }
 }

@@ -20,9 +20,9 @@ mod heat;
 mod mechanical;
 mod point;
 
-pub use heat::HeatStep;
+pub use heat::{Exchange, HeatStep, Lumped};
 pub use mechanical::{MechanicalStep, Multipliers};
-pub use point::{PointState, PointTangent};
+pub use point::{Frame, PointState, PointTangent};
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.

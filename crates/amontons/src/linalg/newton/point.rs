@@ -1,15 +1,30 @@
 //! The laws at one contact point, linearised, the multipliers eliminated.
 
-use crate::contact::{Bound, Cone, Contact, ContactPoint, GraphKind, PointOnBoundary, Pressure, Status};
+use crate::contact::{Bound, Cone, Contact, ContactPoint, GraphKind, PointOnBoundary, Pressure, Status, worn};
 use crate::tensor::{Point, dot, length};
 
 /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ. The error of one iteration is of the order of its inverse and
 /// vanishes with the iterations, because each starts from the multiplier of the one before.
 const STICK: f64 = (1u64 << 27) as f64;
 
+/// What the foundation is at one contact point in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Unit normal ν of the contact, towards the foundation: that of the body, or the opposite of the normal of the obstacle.
+    pub normal: Point,
+    /// g(t_n) in m, with what has worn off before the step.
+    pub gap: f64,
+    /// Mean rate of g in the step but for wear, m/s.
+    pub gap_rate: f64,
+    /// v_F(t_n) in m/s, tangential.
+    pub velocity: Point,
+}
+
 /// State of one contact point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointState {
+    /// Unit normal ν of the contact, towards the foundation.
+    pub normal: Point,
     /// Penetration r = u_ν − g in m.
     pub penetration: f64,
     /// Pressure p in Pa.
@@ -20,6 +35,8 @@ pub struct PointState {
     pub q: Point,
     /// Slip velocity w_τ − v_F in m/s.
     pub slip: Point,
+    /// Depth that wears off in the step, m.
+    pub wear: f64,
     /// Open, stick or slip.
     pub status: Status,
 }
@@ -38,7 +55,9 @@ pub(super) struct Multiplier {
 
 /// What moves a point: its kinematics at an iterate.
 pub(super) struct Kinematics {
-    /// r in m, the rate of r₊ in m/s, and whether the rate changes with w_ν.
+    /// ν.
+    pub normal: Point,
+    /// r but for what wears off in the step, m, and the rate of r₊ in m/s.
     pub penetration: f64,
     pub rate: f64,
     /// w_τ − v_F in m/s.
@@ -62,6 +81,9 @@ pub(super) struct Local {
     s_normal: f64,
     s_speed: f64,
     s_change: f64,
+    /// Derivative of the pressure with respect to ‖w_τ‖, and what of it the bound follows.
+    p_speed: f64,
+    follows: f64,
     /// z = q + ρ w_τ, scaled where the cone is not round, and the projection of q + ρ w_τ onto the cone.
     z: Point,
     pub projected: Point,
@@ -73,8 +95,14 @@ impl Local {
     pub fn new(contact: &Contact, point: &PointOnBoundary, k: f64, at: &Kinematics, multiplier: &Multiplier, rho: f64) -> Local {
         let graph = contact.normal.graph();
         let lambda = if graph == GraphKind::Function { 0.0 } else { k / rho };
+        let speed = length(&at.slip);
+        let seen = ContactPoint { x: point.x, penetration: at.penetration, temperature: at.temperature, ..ContactPoint::default() };
+        // What wears off makes the contact softer: λ_w p₊ = k κ ‖w_τ‖ p₊ is the depth.
+        let wear_by_speed = contact.wear.as_ref().map_or(0.0, |law| k * law.coefficient(&seen));
+        let by_wear = wear_by_speed * speed;
         let Pressure { value: pressed, slope, by_rate } = if graph == GraphKind::Function || rho > 0.0 {
-            contact.normal.pressure(&point.x, at.penetration + if lambda > 0.0 { lambda * multiplier.p } else { 0.0 }, at.rate, lambda)
+            let z = at.penetration + if lambda > 0.0 { lambda * multiplier.p } else { 0.0 };
+            worn(contact.normal.as_ref(), &point.x, z, at.rate, [lambda, by_wear])
         } else {
             Pressure { value: multiplier.p, ..Pressure::default() }
         };
@@ -85,16 +113,12 @@ impl Local {
             _ if pressed > 0.0 => (pressed, 1.0),
             _ => (0.0, 0.0),
         };
-        let seen = ContactPoint {
-            x: point.x,
-            penetration: at.penetration,
-            pressure: load,
-            slip_speed: if multiplier.sticks { 0.0 } else { length(&at.slip) },
-            temperature: at.temperature,
-            ..ContactPoint::default()
-        };
+        let pressure = if graph == GraphKind::Function { pressed } else { multiplier.p };
+        let wear = by_wear * pressure.max(0.0);
+        let penetration = at.penetration - wear;
+        let seen = ContactPoint { penetration, pressure: load, slip_speed: if multiplier.sticks { 0.0 } else { speed }, ..seen };
         let s: Bound = contact.friction.bound(&seen);
-        let cone = contact.friction.cone(&point.x, &point.normal);
+        let cone = contact.friction.cone(&point.x, &at.normal);
         let q = &multiplier.q;
         let z: Point = match &cone {
             None => std::array::from_fn(|c| q[c] + rho * at.slip[c]),
@@ -112,12 +136,11 @@ impl Local {
             (false, _) if pressed == 0.0 => Status::Open,
             (false, _) => Status::Slip,
         };
-        let pressure = if graph == GraphKind::Function { pressed } else { multiplier.p };
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); s follows p + δp.
         let yielding = (1.0 - slope * lambda).max(STICK.recip());
         let follows = sign * s.by_pressure;
         Local {
-            state: PointState { penetration: at.penetration, pressure, bound: s.value, q: *q, slip: at.slip, status },
+            state: PointState { normal: at.normal, penetration, pressure, bound: s.value, q: *q, slip: at.slip, wear, status },
             sticks: if s.value > 0.0 { sticks } else { multiplier.sticks },
             pressed,
             p_slope,
@@ -125,6 +148,9 @@ impl Local {
             s_normal: k * s.by_penetration + follows * p_slope / yielding,
             s_speed: s.by_slip_speed,
             s_change: follows * (pressed - pressure) * (yielding.recip() - 1.0),
+            // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no direction.
+            p_speed: if sticks { 0.0 } else { -wear_by_speed * pressed.max(0.0) * slope / yielding },
+            follows,
             z,
             projected: cone.map_or(projected, |cone| cone.apply(&projected)),
             cone,
@@ -132,9 +158,9 @@ impl Local {
     }
 
     /// Force p ν + q on the foundation and its derivative in the velocity, laws linearised.
-    pub fn linear(&self, point: &PointOnBoundary, rho: f64, dim: usize) -> (Point, PointTangent) {
-        let nu = &point.normal;
+    pub fn linear(&self, rho: f64, dim: usize) -> (Point, PointTangent) {
         let state = &self.state;
+        let nu = &state.normal;
         let pressure = state.pressure + (self.pressed - state.pressure) / self.yielding;
         let stiffness = self.p_slope / self.yielding;
         let mut force: Point = std::array::from_fn(|c| pressure * nu[c]);
@@ -142,6 +168,14 @@ impl Local {
         for c in 0..dim {
             for e in 0..dim {
                 tangent[c][e] = stiffness * nu[c] * nu[e];
+            }
+        }
+        let speed = length(&state.slip);
+        if self.p_speed != 0.0 && speed > 0.0 {
+            for c in 0..dim {
+                for e in 0..dim {
+                    tangent[c][e] += self.p_speed * nu[c] * state.slip[e] / speed;
+                }
             }
         }
         if state.bound > 0.0 {
@@ -202,7 +236,7 @@ impl Local {
         let speed = length(&state.slip);
         for c in 0..dim {
             for e in 0..dim {
-                let in_speed = if speed > 0.0 { self.s_speed * state.slip[e] / speed } else { 0.0 };
+                let in_speed = if speed > 0.0 { (self.s_speed + self.follows * self.p_speed) * state.slip[e] / speed } else { 0.0 };
                 tangent[c][e] += n[c] * (self.s_normal * nu[e] + in_speed);
             }
         }

@@ -1,0 +1,217 @@
+//! The nearest point of the surface φ = 0: y + μ ∇φ(y) = x, φ(y) = 0.
+//!
+//! Iterates stay on the surface: a step in the tangent plane, then back along ∇φ. The step is Newton's for the system above, second derivatives from
+//! differences of the exact first ones, and the gradient's of ‖x − y‖²/2 where the second variation is not positive; it is
+//! halved until y comes nearer. So the distance falls from step to step, and where it falls no more the point is nearest among its neighbours:
+//! where x − y is normal to the surface, or at an edge. Then φ is looked at on spheres around x within that distance:
+//! where it has another sign than at x there is a nearer part of the surface, from which the descent starts again.
+
+use super::{Nearest, across, minus, perpendicular, plus};
+use crate::expression::Expression;
+use crate::tensor::{Point, dot, length};
+
+/// A function of space at one time.
+pub(super) struct Level<'a> {
+    pub of: &'a Expression,
+    /// The axes that it depends on: along the others the surface does not change.
+    pub axes: &'a [usize],
+    pub t: f64,
+}
+
+/// The function at a point.
+#[derive(Clone, Copy)]
+struct At {
+    y: Point,
+    /// φ.
+    value: f64,
+    /// ‖∇φ‖.
+    steepness: f64,
+    /// ∇φ/‖∇φ‖.
+    normal: Point,
+}
+
+impl At {
+    /// x − y, split into its part along the normal and the rest.
+    fn split(&self, x: &Point) -> (f64, Point) {
+        let gap = minus(x, &self.y);
+        (dot(&gap, &self.normal), across(&gap, &self.normal))
+    }
+
+    fn distance(&self, x: &Point) -> f64 {
+        length(&minus(x, &self.y))
+    }
+
+    /// Lengths below this are lost in the rounding of coordinates.
+    fn round_off(&self, x: &Point) -> f64 {
+        8.0 * f64::EPSILON * largest(x).max(largest(&self.y))
+    }
+}
+
+fn largest(v: &Point) -> f64 {
+    v.iter().fold(0.0, |m, c| m.max(c.abs()))
+}
+
+impl Level<'_> {
+    /// What of the surface is nearest to `x`; none if nothing is found.
+    pub fn nearest(&self, x: &Point) -> Option<Nearest> {
+        let value = self.value(x);
+        if value.is_nan() {
+            return None;
+        }
+        let outside = value >= 0.0;
+        let start = self.onto_surface(x).or_else(|| self.search(x, outside))?;
+        let mut foot = self.slide(x, start)?;
+        // Each time nearer; a surface has few parts that are nearest in turn.
+        for _ in 0..50 {
+            let distance = foot.distance(x);
+            let Some(next) = self.crossing(x, outside, &[0.25, 0.5, 0.75, 0.999].map(|part| part * distance)).and_then(|y| self.onto_surface(&y)) else {
+                break;
+            };
+            match self.slide(x, next) {
+                Some(next) if next.distance(x) < distance => foot = next,
+                _ => break,
+            }
+        }
+        let (along, rest) = foot.split(x);
+        let distance = foot.distance(x);
+        if length(&rest) <= 1e-6 * distance + foot.round_off(x) {
+            return Some(Nearest { distance: along, normal: foot.normal });
+        }
+        // At an edge.
+        let signed = if outside { distance } else { -distance };
+        Some(Nearest { distance: signed, normal: minus(x, &foot.y).map(|c| c / signed) })
+    }
+
+    fn value(&self, y: &Point) -> f64 {
+        self.of.value(y, self.t)
+    }
+
+    /// The function at a point where it has a direction.
+    fn at(&self, y: Point) -> Option<At> {
+        let d = self.of.derivatives(&y, self.t);
+        let steepness = length(&d.by_x);
+        let normal = d.by_x.map(|c| c / steepness);
+        (d.value.is_finite() && steepness.is_finite() && normal.iter().all(|c| c.is_finite())).then_some(At { y, value: d.value, steepness, normal })
+    }
+
+    /// From a point along ∇φ to the surface: Newton's method, the step halved until |φ| falls.
+    fn onto_surface(&self, from: &Point) -> Option<At> {
+        let mut at = self.at(*from)?;
+        for _ in 0..200 {
+            let step = -at.value / at.steepness;
+            let seen = f64::EPSILON * largest(&at.y);
+            if step.abs() <= seen {
+                return Some(at);
+            }
+            let mut parts = (0..40).map(|halvings| 0.5f64.powi(halvings)).take_while(|part| part * step.abs() > seen);
+            let shorter = |part: f64| self.at(plus(&at.y, part * step, &at.normal)).filter(|next| next.value.abs() < at.value.abs());
+            let Some(next) = parts.find_map(shorter) else { break };
+            at = next;
+        }
+        // |φ| falls no more: the zero is as near as rounding lets it be seen, else there is none.
+        let beyond = |part: f64| self.value(&plus(&at.y, -part * at.value / at.steepness, &at.normal)) * at.value <= 0.0;
+        [1.0, 2.0, 4.0, 8.0].into_iter().any(beyond).then_some(at)
+    }
+
+    /// Along the surface to the point nearest to `x`.
+    fn slide(&self, x: &Point, start: At) -> Option<At> {
+        let mut at = start;
+        for _ in 0..500 {
+            let (along, rest) = at.split(x);
+            if length(&rest) <= at.round_off(x) {
+                return Some(at);
+            }
+            let newton = self.newton(x, &at, along, &rest).and_then(|step| self.nearer(x, &at, &rest, &step));
+            match newton.or_else(|| self.nearer(x, &at, &rest, &rest)) {
+                Some(next) => at = next,
+                None => return Some(at),
+            }
+        }
+        None
+    }
+
+    /// A point of the surface that is nearer to `x`, a step or a part of it away.
+    fn nearer(&self, x: &Point, at: &At, rest: &Point, step: &Point) -> Option<At> {
+        let (before, slope) = (at.distance(x).powi(2), dot(step, rest));
+        // What of the square of the distance may be rounding.
+        let noise = 1e-12 * before + 4.0 * before.sqrt() * at.round_off(x);
+        let close = dot(rest, rest) <= noise;
+        let reached = |part: f64| {
+            let next = self.onto_surface(&plus(&at.y, part, step))?;
+            let after = next.distance(x).powi(2);
+            let falls = after < before - 1e-4 * part * slope;
+            // Close to the end the distance does not tell which point is nearer, but the angle does.
+            let turns = close && after <= before + noise && length(&next.split(x).1) <= 0.5 * length(rest);
+            (falls || turns).then_some(next)
+        };
+        (0..50).find_map(|halvings| reached(0.5f64.powi(halvings)))
+    }
+
+    /// The step s in the tangent plane with s + λ H s = r, r the part of x − y in that plane, λ the part across and H the tangential part of ∇²φ/‖∇φ‖;
+    /// none where I + λH is not positive.
+    fn newton(&self, x: &Point, at: &At, along: f64, rest: &Point) -> Option<Point> {
+        let h = 1e-5 * largest(x).max(largest(&at.y));
+        // In a plane one tangent, in space two.
+        let tangents = if self.axes.len() == 2 {
+            vec![super::unit(rest)?]
+        } else {
+            let first = perpendicular(&at.normal);
+            let ([a, b, c], [d, e, f]) = (at.normal, first);
+            vec![first, [b * f - c * e, c * d - a * f, a * e - b * d]]
+        };
+        let gradient = |s: f64, e: &Point| self.of.derivatives(&plus(&at.y, s, e), self.t).by_x;
+        let images: Vec<Point> = tangents.iter().map(|e| plus(e, 0.5 * along / (h * at.steepness), &minus(&gradient(h, e), &gradient(-h, e)))).collect();
+        let entry = |i: usize, j: usize| 0.5 * (dot(&tangents[i], &images[j]) + dot(&tangents[j], &images[i]));
+        let a = entry(0, 0);
+        if tangents.len() == 1 {
+            return (a > 0.0).then(|| rest.map(|c| c / a));
+        }
+        let (b, d) = (entry(0, 1), entry(1, 1));
+        let determinant = a * d - b * b;
+        let [r, s] = [0, 1].map(|i| dot(&tangents[i], rest));
+        let along_first = tangents[0].map(|c| c * (d * r - b * s) / determinant);
+        (a > 0.0 && determinant > 0.0).then(|| plus(&along_first, (a * s - b * r) / determinant, &tangents[1]))
+    }
+
+    /// A point next to the surface on a ray from `x`: where φ has another sign at one of the radii, which grow, than at `x`.
+    fn crossing(&self, x: &Point, outside: bool, radii: &[f64]) -> Option<Point> {
+        let rays = rays(self.axes);
+        let across = |value: f64| if outside { value < 0.0 } else { value > 0.0 };
+        let mut values = vec![0.0; rays.len()];
+        for &radius in radii {
+            let points: Vec<Point> = rays.iter().map(|ray| plus(x, radius, ray)).collect();
+            self.of.values(&points, self.t, &mut values);
+            let Some(ray) = rays.iter().zip(&values).find(|(_, value)| across(**value)).map(|(ray, _)| ray) else { continue };
+            let (mut near, mut far) = (0.0, radius);
+            // Close enough for Newton's method.
+            for _ in 0..30 {
+                let middle = 0.5 * (near + far);
+                if across(self.value(&plus(x, middle, ray))) {
+                    far = middle;
+                } else {
+                    near = middle;
+                }
+            }
+            return Some(plus(x, far, ray));
+        }
+        None
+    }
+
+    /// A point of the surface, looked for far and wide where ∇φ does not lead to one.
+    fn search(&self, x: &Point, outside: bool) -> Option<At> {
+        let size = largest(x);
+        let radii = (-40..=40).map(|power| 2f64.powi(power) * if size > 0.0 { size } else { 1.0 });
+        let mut crossings = radii.filter_map(|radius| self.crossing(x, outside, &[radius]));
+        crossings.find_map(|y| self.onto_surface(&y))
+    }
+}
+
+/// Unit vectors in the space of some axes: towards the points of a lattice of five a direction, 16 in a plane and 98 in space.
+fn rays(axes: &[usize]) -> Vec<Point> {
+    let mut points: Vec<[i8; 3]> = vec![[0; 3]];
+    for &axis in axes {
+        points = points.iter().flat_map(|p| [-2, -1, 0, 1, 2].map(|c| [0, 1, 2].map(|d| if d == axis { c } else { p[d] }))).collect();
+    }
+    // A point of even numbers is behind another one.
+    points.iter().filter(|p| p.iter().any(|c| c % 2 != 0)).filter_map(|p| super::unit(&p.map(f64::from))).collect()
+}

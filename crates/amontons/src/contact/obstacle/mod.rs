@@ -1,0 +1,242 @@
+//! Rigid surfaces that may move: what of them is nearest to a point, one shape a file.
+//!
+//! An obstacle gives (2.8)–(2.10) their geometry: contact acts along ν = −n, n the normal of the obstacle at the point of it that
+//! is nearest, and the gap is the distance there. Both are functions of the place alone, whatever the mesh of the body is.
+
+mod cylinder;
+mod descent;
+mod plane;
+mod sphere;
+mod surface;
+mod wave;
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+pub use cylinder::Cylinder;
+pub use plane::Plane;
+pub use sphere::Sphere;
+pub use surface::Surface;
+pub use wave::Wave;
+
+use crate::field::Field;
+use crate::tensor::{Point, dot, length};
+
+/// A rigid obstacle that the body may touch.
+#[derive(Clone, Debug)]
+pub struct Obstacle {
+    /// Its surface.
+    pub shape: Arc<dyn Shape>,
+    /// Whether distances and normals are those at x + u_{n−1}, anew in each step; else they are those at x, for small displacements.
+    pub updated: bool,
+}
+
+impl Obstacle {
+    /// What is nearest to a point at a time.
+    #[must_use]
+    pub fn nearest(&self, x: &Point, t: f64) -> Nearest {
+        self.shape.nearest(x, t)
+    }
+
+    /// Place of a point that moves with the obstacle: its rate is the velocity of the obstacle.
+    #[must_use]
+    pub fn place(&self, t: f64) -> Point {
+        self.shape.place(t)
+    }
+
+    /// Whether it may move or change its shape.
+    #[must_use]
+    pub fn depends_on_time(&self) -> bool {
+        self.shape.depends_on_time()
+    }
+
+    /// The data that may vary in time, by their keys.
+    #[must_use]
+    pub fn fields(&self) -> Vec<(&'static str, &Field)> {
+        self.shape.fields()
+    }
+}
+
+/// What of an obstacle is nearest to a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Nearest {
+    /// Distance in m, negative inside the obstacle; NaN where there is no nearest point.
+    pub distance: f64,
+    /// Unit normal out of the obstacle at the nearest point of its surface, which is the gradient of the distance.
+    pub normal: Point,
+}
+
+impl Nearest {
+    /// No nearest point.
+    pub const NONE: Nearest = Nearest { distance: f64::NAN, normal: [f64::NAN; 3] };
+}
+
+/// The surface of an obstacle. In two dimensions points have z = 0, and so have normals.
+pub trait Shape: Debug + Send + Sync {
+    /// What is nearest to a point at a time; of several points equally near the same in each call.
+    fn nearest(&self, x: &Point, t: f64) -> Nearest;
+    /// Place in m of a point that moves with the obstacle; zero where it has none.
+    fn place(&self, _t: f64) -> Point {
+        [0.0; 3]
+    }
+    /// The data that may vary in time, by their keys.
+    fn fields(&self) -> Vec<(&'static str, &Field)> {
+        Vec::new()
+    }
+    /// Whether what is nearest may change with time.
+    fn depends_on_time(&self) -> bool {
+        self.fields().iter().any(|(_, field)| field.depends_on_time())
+    }
+}
+
+/// What is wrong with a datum of a shape.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ShapeFault {
+    /// A length is not positive.
+    #[error("{value:?}, expected a positive number")]
+    NotPositive {
+        /// Its key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A number is infinite or not a number.
+    #[error("{value}, expected a finite number")]
+    NotFinite {
+        /// Its key.
+        key: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A vector is zero or has components that are not finite.
+    #[error("{}, expected a direction", if .vector.iter().all(|c| *c == 0.0) { "zero".to_owned() } else { format!("{vector:?}") })]
+    NoDirection {
+        /// Its key.
+        key: &'static str,
+        /// The vector.
+        vector: Point,
+    },
+    /// The direction of a wave is that of its normal.
+    #[error("a direction along the normal, expected one across it")]
+    AlongNormal {
+        /// The direction.
+        direction: Point,
+    },
+    /// The place of an obstacle that would move as a whole depends on where it is looked at.
+    #[error("an expression in space, expected a number or an expression in t: the obstacle moves as a whole")]
+    InSpace {
+        /// The key of the component.
+        key: &'static str,
+    },
+    /// The level of a surface is the same everywhere.
+    #[error("an expression that is the same everywhere, expected one in space, positive outside the obstacle and negative inside")]
+    Level,
+}
+
+impl ShapeFault {
+    /// The key of the datum.
+    #[must_use]
+    pub fn key(&self) -> &'static str {
+        match self {
+            ShapeFault::NotPositive { key, .. } | ShapeFault::NotFinite { key, .. } | ShapeFault::NoDirection { key, .. } | ShapeFault::InSpace { key } => key,
+            ShapeFault::AlongNormal { .. } => "direction",
+            ShapeFault::Level => "level",
+        }
+    }
+}
+
+/// What is wrong with a shape, all at once.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}", .0.iter().map(|fault| format!("{}: {fault}", fault.key())).collect::<Vec<_>>().join("\n"))]
+pub struct ShapeFaults(pub Vec<ShapeFault>);
+
+/// Collects what is wrong.
+#[derive(Default)]
+struct Checks(Vec<ShapeFault>);
+
+impl Checks {
+    fn positive(&mut self, key: &'static str, value: f64) -> f64 {
+        if !(value.is_finite() && value > 0.0) {
+            self.0.push(ShapeFault::NotPositive { key, value });
+        }
+        value
+    }
+
+    /// The unit vector along `vector`.
+    fn unit(&mut self, key: &'static str, vector: Point) -> Point {
+        unit(&vector).unwrap_or_else(|| {
+            self.0.push(ShapeFault::NoDirection { key, vector });
+            vector
+        })
+    }
+
+    /// Components that may depend on time.
+    fn moving(&mut self, keys: [&'static str; 3], components: Point3) -> Point3 {
+        let in_space = keys.into_iter().zip(&components).filter(|(_, field)| field.depends_on_space());
+        self.0.extend(in_space.map(|(key, _)| ShapeFault::InSpace { key }));
+        components
+    }
+
+    fn result<T>(self, shape: T) -> Result<T, ShapeFaults> {
+        if self.0.is_empty() { Ok(shape) } else { Err(ShapeFaults(self.0)) }
+    }
+}
+
+/// The coordinates in m of a point that may move; those beyond the dimension are zero.
+pub type Point3 = [Field; 3];
+
+const POINT: [&str; 3] = ["point[0]", "point[1]", "point[2]"];
+const CENTER: [&str; 3] = ["center[0]", "center[1]", "center[2]"];
+
+fn keyed<'a>(keys: [&'static str; 3], components: &'a Point3) -> Vec<(&'static str, &'a Field)> {
+    keys.into_iter().zip(components).collect()
+}
+
+fn at(components: &Point3, t: f64) -> Point {
+    [0, 1, 2].map(|c| components[c].value(&[0.0; 3], t))
+}
+
+fn minus(a: &Point, b: &Point) -> Point {
+    [0, 1, 2].map(|c| a[c] - b[c])
+}
+
+/// a + s b.
+fn plus(a: &Point, s: f64, b: &Point) -> Point {
+    [0, 1, 2].map(|c| a[c] + s * b[c])
+}
+
+/// The unit vector along `v`; none of a vector that is zero or not finite.
+fn unit(v: &Point) -> Option<Point> {
+    // The square of a short vector would underflow.
+    let largest = v.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    let scaled = v.map(|c| c / largest);
+    let length = length(&scaled);
+    (v.iter().all(|c| c.is_finite()) && length.is_finite()).then(|| scaled.map(|c| c / length))
+}
+
+/// The part of `v` across the unit vector `n`.
+fn across(v: &Point, n: &Point) -> Point {
+    plus(v, -dot(v, n), n)
+}
+
+/// A unit vector across the unit vector `n`, in the plane z = 0 where `n` is along z.
+fn perpendicular(n: &Point) -> Point {
+    let axis = if n[0].abs() <= n[1].abs() { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    unit(&across(&axis, n)).unwrap_or(axis)
+}
+
+/// The nearest point of a round surface, `from` the vector to the point from the centre or axis; on the centre or axis, where all points are equally near, it
+/// is the one in direction `otherwise`.
+fn round(from: &Point, radius: f64, inside: bool, otherwise: Point) -> Nearest {
+    if from.iter().any(|c| c.is_nan()) {
+        return Nearest::NONE;
+    }
+    let distance = length(from) - radius;
+    let normal = unit(from).unwrap_or(otherwise);
+    // A hollow one has its matter outside.
+    if inside { Nearest { distance: -distance, normal: normal.map(|c| -c) } } else { Nearest { distance, normal } }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and some numbers are exact")]
+mod tests;

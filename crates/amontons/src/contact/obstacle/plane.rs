@@ -1,0 +1,36 @@
+//! A half-space.
+
+use super::{Checks, Nearest, POINT, Point3, Shape, ShapeFaults, at, keyed, minus};
+use crate::field::Field;
+use crate::tensor::{Point, dot};
+
+/// The half-space n·(x − p) < 0, which moves with p.
+#[derive(Clone, Debug)]
+pub struct Plane {
+    point: Point3,
+    normal: Point,
+}
+
+impl Plane {
+    /// The half-space below the plane through `point` with the normal `normal`, of any length.
+    ///
+    /// # Errors
+    /// When the normal is zero or the point depends on space.
+    pub fn new(point: Point3, normal: Point) -> Result<Plane, ShapeFaults> {
+        let mut checks = Checks::default();
+        let plane = Plane { point: checks.moving(POINT, point), normal: checks.unit("normal", normal) };
+        checks.result(plane)
+    }
+}
+
+impl Shape for Plane {
+    fn nearest(&self, x: &Point, t: f64) -> Nearest {
+        Nearest { distance: dot(&minus(x, &self.place(t)), &self.normal), normal: self.normal }
+    }
+    fn place(&self, t: f64) -> Point {
+        at(&self.point, t)
+    }
+    fn fields(&self) -> Vec<(&'static str, &Field)> {
+        keyed(POINT, &self.point)
+    }
+}

@@ -1,0 +1,37 @@
+//! A ball, or the space around a socket.
+
+use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, at, keyed, minus, round};
+use crate::field::Field;
+use crate::tensor::Point;
+
+/// The ball ‖x − c‖ < R, or ‖x − c‖ > R around a socket that the body is within; in two dimensions a disc.
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    center: Point3,
+    radius: f64,
+    inside: bool,
+}
+
+impl Sphere {
+    /// The ball around `center` with `radius` in m; with `inside` the socket of this radius.
+    ///
+    /// # Errors
+    /// When the radius is not positive or the centre depends on space.
+    pub fn new(center: Point3, radius: f64, inside: bool) -> Result<Sphere, ShapeFaults> {
+        let mut checks = Checks::default();
+        let sphere = Sphere { center: checks.moving(CENTER, center), radius: checks.positive("radius", radius), inside };
+        checks.result(sphere)
+    }
+}
+
+impl Shape for Sphere {
+    fn nearest(&self, x: &Point, t: f64) -> Nearest {
+        round(&minus(x, &self.place(t)), self.radius, self.inside, [1.0, 0.0, 0.0])
+    }
+    fn place(&self, t: f64) -> Point {
+        at(&self.center, t)
+    }
+    fn fields(&self) -> Vec<(&'static str, &Field)> {
+        keyed(CENTER, &self.center)
+    }
+}
