@@ -287,6 +287,22 @@ impl BlockMatrix {
         }
     }
 
+    /// What the last bits of x make of A x: the largest sum of ε |A| |x| in a row. Where large terms cancel, as those of a body that has moved
+    /// far, A x is known to this and no better.
+    #[must_use]
+    pub fn round_off(&self, x: &[f64]) -> f64 {
+        let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
+        let at = |node: usize, c: usize| x.get(node * self.cols * components + c).map_or(0.0, |x| x.abs());
+        let mut largest: f64 = 0.0;
+        for i in 0..self.graph.len() {
+            for (r, part) in (0..self.rows).flat_map(|r| (0..components).map(move |part| (r, part))) {
+                let term = |(j, block): (usize, &[f64])| (0..self.cols).map(|c| block[r * self.cols + c].abs() * at(j, c * components + part)).sum::<f64>();
+                largest = largest.max(self.row(i).map(term).sum());
+            }
+        }
+        f64::EPSILON * largest
+    }
+
     /// Largest absolute difference to the transpose of `other` over the largest entry.
     #[must_use]
     pub fn asymmetry(&self, other: &BlockMatrix) -> f64 {

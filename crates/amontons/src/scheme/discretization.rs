@@ -245,6 +245,16 @@ impl Discretization {
         [mass_w, self.with_laws(a_u, &self.elasticity, u), Vec::new(), self.with_laws(b_w, &self.viscosity, w)]
     }
 
+    /// What the last bits of u and w make of a(u, ·) and b(w, ·).
+    #[must_use]
+    pub fn mechanical_round_off(&self, u: &[f64], w: &[f64]) -> f64 {
+        let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[Arc<dyn TensorLaw>], at: &[f64]| {
+            let tangent = if laws.is_empty() { 0.0 } else { forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at).round_off(at) };
+            form.round_off(at) + boundary.map_or(0.0, |boundary| boundary.round_off(at)) + tangent
+        };
+        of(&self.a, self.springs.as_ref(), &self.elasticity, u) + of(&self.b, self.dashpots.as_ref(), &self.viscosity, w)
+    }
+
     /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none where one of these has no potential.
     #[must_use]
     pub fn stored_energy(&self, u: &[f64]) -> Option<f64> {

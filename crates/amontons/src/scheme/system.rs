@@ -11,6 +11,8 @@ use crate::tensor::Point;
 
 /// Largest relative residual of a step that is accepted.
 pub const ACCEPTED: f64 = 1e-10;
+/// Roundings of a state, each of half a last bit or less, that a residual may have: those of u and of the terms made of it.
+const ROUNDINGS: f64 = 2.0;
 /// Relative residual above which another pass of sweeps is made.
 pub const REFINE: f64 = 1e-11;
 
@@ -68,9 +70,13 @@ impl Step<'_> {
         if relative.is_nan() { Err(StepError::NotFinite { step: self.n, t: self.t, part }) } else { Ok(relative) }
     }
 
-    /// The relative residual, if it is small enough to be a result.
-    pub fn accept(&self, residual: f64, part: &'static str) -> Result<f64, StepError> {
-        if residual > ACCEPTED { Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED }) } else { Ok(residual) }
+    /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the last bits of the state
+    /// make of it (`round_off`).
+    pub fn accept(&self, residual: f64, scale: f64, part: &'static str, round_off: impl FnOnce() -> f64) -> Result<f64, StepError> {
+        if residual <= ACCEPTED || residual * scale <= ROUNDINGS * round_off() {
+            return Ok(residual);
+        }
+        Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED })
     }
 
     /// A tangent that could not be factorized.
