@@ -108,7 +108,9 @@ impl ContactBoundary {
                 Quadrature::Nodal => nodal_points(mesh, set, local),
                 Quadrature::Gauss => gauss_points(mesh, set, local),
             };
-            on_side.iter_mut().for_each(|point| point.side = side);
+            for point in &mut on_side {
+                point.side = side;
+            }
             points.append(&mut on_side);
         }
         ContactBoundary { nodes, points }

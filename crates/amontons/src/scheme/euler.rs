@@ -42,7 +42,8 @@ struct Systems {
 
 impl Systems {
     /// Laws that are not linear have their tangent at rest here; each step makes its own.
-    fn new(discrete: &Discretization, k: f64, backend: &Arc<dyn Backend>) -> [Result<System, FactorError>; 2] {
+    /// The mechanical system and that of heat.
+    fn factorize(discrete: &Discretization, k: f64, backend: &Arc<dyn Backend>) -> [Result<System, FactorError>; 2] {
         let rest = vec![0.0; discrete.v.free.len()];
         let (mechanics, heat) = rayon::join(
             || System::new(&discrete.mechanical_tangent(k, &rest, &rest), discrete, &discrete.v, backend),
@@ -64,7 +65,7 @@ impl BackwardEuler {
     pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
         let k = problem.k();
-        let [mechanics, heat] = Systems::new(&discrete, k, &backend);
+        let [mechanics, heat] = Systems::factorize(&discrete, k, &backend);
         let mechanics = mechanics.map_err(|source| SetupError::Factor { part: "mechanical", source })?;
         let heat = heat.map_err(|source| SetupError::Factor { part: "heat", source })?;
         let systems = Systems { k, mechanics, heat };
@@ -108,7 +109,7 @@ impl BackwardEuler {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
             let [mechanics, heat] =
-                Systems::new(&self.discrete, k, &self.backend).map(|system| system.map_err(|source| StepError::Singular { step: n, t, source }));
+                Systems::factorize(&self.discrete, k, &self.backend).map(|system| system.map_err(|source| StepError::Singular { step: n, t, source }));
             self.halved.push(Systems { k, mechanics: mechanics?, heat: heat? });
         }
         let products = self.products.take().filter(|p| p.t.to_bits() == old.t.to_bits()).unwrap_or_else(|| Products::of(&self.discrete, old));

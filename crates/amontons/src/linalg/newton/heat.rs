@@ -120,7 +120,7 @@ impl HeatStep<'_> {
                 low = theta_f;
             }
             let next = if newton > low && newton < high && iteration % 3 < 2 { newton } else { 0.5 * (low + high) };
-            if next == theta_f {
+            if next.to_bits() == theta_f.to_bits() {
                 break;
             }
             theta_f = next;
