@@ -69,7 +69,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
 }
 
 fn row(name: &str, value: &str) -> String {
-    format!("  {name:<18}{value}")
+    format!("  {name:<17} {value}")
 }
 
 /// Sizes of a valid case and the verdicts on it, for reading.

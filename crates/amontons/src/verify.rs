@@ -261,7 +261,9 @@ fn interpolate(times: &[f64], values: &[f64], t: f64) -> Option<f64> {
     }
     let (t0, t1) = (times[after - 1], times[after]);
     let share = ((t - t0) / (t1 - t0)).clamp(0.0, 1.0);
-    Some(values.get(after - 1)? * (1.0 - share) + values.get(after)? * share)
+    // What is not known at t = 0 does not count at the end of the first step.
+    let part = |value: f64, share: f64| if share > 0.0 { value * share } else { 0.0 };
+    Some(part(*values.get(after - 1)?, 1.0 - share) + part(*values.get(after)?, share))
 }
 
 impl Sink for Recorder {

@@ -142,7 +142,7 @@ pub struct Supernodal;
 
 impl Backend for Supernodal {
     fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
-        Ok(Box::new(SupernodalFactor::new(matrix, unknowns)?))
+        Ok(Box::new(SupernodalFactor::held(matrix, unknowns)?))
     }
 }
 
@@ -221,13 +221,40 @@ struct SupernodalFactor {
 }
 
 impl SupernodalFactor {
-    fn new(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<SupernodalFactor, FactorError> {
+    /// The factor; of a body that only contact holds, that of K with a multiple of the identity added at the contact unknowns. These are
+    /// last, so the multiple is in S as it is, and is taken off again: S is singular then, S + J with the contact forces is not.
+    fn held(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<SupernodalFactor, FactorError> {
+        let free = match SupernodalFactor::new(matrix, unknowns, 0.0) {
+            Err(error @ FactorError::NotPositive { .. }) if unknowns.interior < unknowns.len() => error,
+            done => return done,
+        };
+        let (components, _) = matrix.block_shape();
+        let diagonal = unknowns
+            .contact()
+            .iter()
+            .map(|&dof| matrix.get(dof as usize / components, dof as usize % components, dof as usize / components, dof as usize % components));
+        let shift = diagonal.sum::<f64>() / (unknowns.len() - unknowns.interior) as f64;
+        let mut factor = SupernodalFactor::new(matrix, unknowns, shift).map_err(|_| free)?;
+        for i in 0..factor.condensed.nrows() {
+            factor.condensed[(i, i)] -= shift;
+        }
+        Ok(factor)
+    }
+
+    /// The factor of K with `shift` times the identity added at the contact unknowns.
+    fn new(matrix: &BlockMatrix, unknowns: &Unknowns, shift: f64) -> Result<SupernodalFactor, FactorError> {
         let size = unknowns.len();
         if size == 0 {
             return Ok(SupernodalFactor { values: Vec::new(), root: Task::default(), size, interior: 0, condensed: Mat::new() });
         }
         let memory = || FactorError::Memory { size };
-        let upper = upper_columns(matrix, unknowns);
+        let mut upper = upper_columns(matrix, unknowns);
+        if shift > 0.0 {
+            for column in unknowns.interior..size {
+                // The diagonal is the last entry of a column.
+                upper.values[upper.start[column + 1] as usize - 1] += shift;
+            }
+        }
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,

@@ -291,16 +291,22 @@ impl BlockMatrix {
     /// far, A x is known to this and no better.
     #[must_use]
     pub fn round_off(&self, x: &[f64]) -> f64 {
+        f64::EPSILON * max_abs(&self.magnitude(x))
+    }
+
+    /// |A| |x|: the sizes of what the sums A x are made of.
+    #[must_use]
+    pub fn magnitude(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let at = |node: usize, c: usize| x.get(node * self.cols * components + c).map_or(0.0, |x| x.abs());
-        let mut largest: f64 = 0.0;
+        let mut sizes = Vec::with_capacity(self.graph.len() * self.rows * components);
         for i in 0..self.graph.len() {
             for (r, part) in (0..self.rows).flat_map(|r| (0..components).map(move |part| (r, part))) {
                 let term = |(j, block): (usize, &[f64])| (0..self.cols).map(|c| block[r * self.cols + c].abs() * at(j, c * components + part)).sum::<f64>();
-                largest = largest.max(self.row(i).map(term).sum());
+                sizes.push(self.row(i).map(term).sum());
             }
         }
-        f64::EPSILON * largest
+        sizes
     }
 
     /// Largest absolute difference to the transpose of `other` over the largest entry.

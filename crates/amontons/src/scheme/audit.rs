@@ -8,6 +8,9 @@ use crate::contact::GraphKind;
 use crate::linalg::dot;
 use crate::tensor;
 
+/// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
+const TELLING: f64 = 1e-11;
+
 /// The ledger after a step.
 pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let Step { problem, discrete, old, products, k, .. } = *step;
@@ -41,11 +44,21 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         - load_work
         - thermal_work;
 
+    // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its terms closes.
+    let mut turned_over = load_work.abs() + thermal_work.abs();
+    if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
+        turned_over += explained(error, k * absolute(&m.w, &discrete.a.magnitude(&step.sizes(&m.w))));
+    }
+
     let heat_content = c * heat.mass_theta.iter().sum::<f64>();
     let amounts = &heat.amounts;
     let body = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed - amounts.supplied - amounts.coupling;
     let foundations = foundations(step, m, heat);
     let heat_error = body + foundations.error;
+    let mut heat_moved = amounts.contact.abs() + amounts.prescribed.abs() + amounts.supplied.abs() + amounts.coupling.abs() + foundations.moved;
+    if (before.heat_closing_error + heat_error).abs() > TELLING * (before.heat_turned_over + heat_moved) {
+        heat_moved += explained(heat_error, k * discrete.d.magnitude(&heat.theta).iter().sum::<f64>());
+    }
     Ledger {
         kinetic,
         elastic,
@@ -57,7 +70,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         scheme_dissipation: before.scheme_dissipation + scheme,
         wear_dissipation: before.wear_dissipation + worn,
         closing_error: before.closing_error + error,
-        turned_over: before.turned_over + load_work.abs() + thermal_work.abs(),
+        turned_over: before.turned_over + turned_over,
         heat_content,
         heat_contact: before.heat_contact + amounts.contact,
         heat_prescribed: before.heat_prescribed + amounts.prescribed,
@@ -67,13 +80,18 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
-        heat_turned_over: before.heat_turned_over
-            + amounts.contact.abs()
-            + amounts.prescribed.abs()
-            + amounts.supplied.abs()
-            + amounts.coupling.abs()
-            + foundations.moved,
+        heat_turned_over: before.heat_turned_over + heat_moved,
     }
+}
+
+/// The size of terms that cancel, where their round-off is the error; else nothing, and the error stands out.
+fn explained(error: f64, size: f64) -> f64 {
+    if error.abs() <= 4.0 * f64::EPSILON * size { size } else { 0.0 }
+}
+
+/// Σ |a_i| b_i.
+fn absolute(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a.abs() * b).sum()
 }
 
 /// The energy that the body stores after a step, and what it dissipates in one besides viscosity.

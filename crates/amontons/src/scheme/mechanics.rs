@@ -151,7 +151,7 @@ impl Mechanics {
                 now = next.iterate;
                 continue;
             }
-            step.accept(residual, next.scale, "mechanics", || discrete.mechanical_round_off(&step.displacement(&next.iterate.w), &next.iterate.w))?;
+            step.accept(residual, next.scale, "mechanics", || discrete.mechanical_round_off(&step.sizes(&next.iterate.w), &next.iterate.w))?;
             let branches = step.branches(&next.iterate.w);
             let Balanced { iterate, states, residual, scale, force, support_work } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;

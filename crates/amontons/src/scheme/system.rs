@@ -38,6 +38,11 @@ impl Step<'_> {
         self.old.u.iter().zip(w).map(|(u, w)| u + k * w).collect()
     }
 
+    /// |u_{n−1}| + k |w|, the sizes of what u_n is the sum of.
+    pub fn sizes(&self, w: &[f64]) -> Vec<f64> {
+        self.old.u.iter().zip(w).map(|(u, w)| u.abs() + self.k * w.abs()).collect()
+    }
+
     /// z_n = (z_{n−1} + k w)/(1 + k/τ) of each branch that relaxes.
     pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
         let k = self.k;
