@@ -20,6 +20,10 @@ const PRODUCTS: usize = 400;
 /// Passes of the iteration over what the one before has left.
 const PASSES: usize = 3;
 
+/// Share of b in the round-off of S x above which a solution is looked at, and the share of b that it may leave.
+const SUSPICIOUS: f64 = 1e-8;
+const LEFT: f64 = 1e-2;
+
 /// An entry that the boundary term adds to S: row, column, value.
 pub type Entry = (u32, u32, f64);
 
@@ -35,6 +39,8 @@ pub type Entry = (u32, u32, f64);
 #[derive(Debug)]
 pub struct Condensed {
     s: Mat<f64>,
+    /// Its largest entry.
+    largest: f64,
     /// First unknown of each node, and their number.
     nodes: Vec<usize>,
     is_large: bool,
@@ -46,11 +52,12 @@ impl Condensed {
     /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
     #[must_use]
     pub fn new(s: Mat<f64>, nodes: Vec<usize>) -> Condensed {
-        Condensed { is_large: s.nrows() >= LARGE, s, nodes, kept: VecDeque::new(), factorizations: 0 }
+        Condensed { is_large: s.nrows() >= LARGE, largest: s.norm_max(), s, nodes, kept: VecDeque::new(), factorizations: 0 }
     }
 
     /// Goes over to another operator; factors of the one before are of no use.
     pub fn replace(&mut self, s: Mat<f64>) {
+        self.largest = s.norm_max();
         self.s = s;
         self.kept.clear();
     }
@@ -107,8 +114,21 @@ impl Condensed {
         y
     }
 
-    /// Solves (S + J) x = b in place, J the sum of the entries.
-    pub fn solve(&mut self, entries: &[Entry], b: &mut [f64]) {
+    /// Solves (S + J) x = b in place, J the sum of the entries. Returns whether it did: a solution that leaves much of b is that of a
+    /// singular matrix.
+    pub fn solve(&mut self, entries: &[Entry], b: &mut [f64]) -> bool {
+        let right = b.to_vec();
+        self.solve_unchecked(entries, b);
+        // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
+        let suspicious = f64::EPSILON * self.largest * max_abs(b) > SUSPICIOUS * max_abs(&right);
+        if !suspicious && !max_abs(b).is_nan() {
+            return true;
+        }
+        let left: Vec<f64> = self.sum(entries, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
+        max_abs(&left) <= LEFT * max_abs(&right)
+    }
+
+    fn solve_unchecked(&mut self, entries: &[Entry], b: &mut [f64]) {
         if self.is_large {
             b.copy_from_slice(&self.iterate(entries, b));
             return;

@@ -25,11 +25,15 @@ impl Backend for Dense {
                 l[(j, upper.rows[k] as usize)] = upper.values[k];
             }
         }
+        // The contact unknowns are last and stay: S need not be positive definite where contact alone holds the body.
         for j in 0..size {
-            for k in 0..j {
+            for k in 0..j.min(unknowns.interior) {
                 for i in j..size {
                     l[(i, j)] -= l[(i, k)] * l[(j, k)];
                 }
+            }
+            if j >= unknowns.interior {
+                continue;
             }
             if l[(j, j)].is_nan() || l[(j, j)] <= 0.0 {
                 return Err(FactorError::NotPositive { pivot: j, size });
@@ -60,8 +64,8 @@ impl Factor for DenseFactor {
     }
     fn condensed(&self) -> Mat<f64> {
         let n = self.l.nrows() - self.interior;
-        let l = self.l.submatrix(self.interior, self.interior, n, n);
-        l * l.transpose()
+        let s = self.l.submatrix(self.interior, self.interior, n, n);
+        Mat::from_fn(n, n, |i, j| s[(i.max(j), i.min(j))])
     }
     fn stored(&self) -> usize {
         self.l.nrows() * (self.l.nrows() + 1) / 2

@@ -150,6 +150,9 @@ impl Backend for Supernodal {
 /// bound by memory traffic, so fewer zeros than a factorization alone would take.
 const RELAX: &[(usize, f64)] = &[(4, 0.5), (16, 0.15)];
 
+/// Share of its diagonal entry below which a pivot of Γ_C is none: a motion that contact alone can hold.
+const VANISHING: f64 = 1e-13;
+
 /// Upper triangle in elimination order by compressed columns.
 pub(super) struct UpperColumns {
     pub start: Vec<u32>,
@@ -281,7 +284,17 @@ impl SupernodalFactor {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(memory()) };
         let tree = Tree::new(symbolic, unknowns.interior);
         let root = tree.root(size);
-        let condensed = tree.condensed(&values, size);
+        let l = tree.trailing(&values, size);
+        // A pivot that is round-off of its diagonal entry is as good as none.
+        let vanishes = |i: &usize| {
+            let at = unknowns.interior + i;
+            l[(*i, *i)].powi(2) <= VANISHING * upper.values[upper.start[at + 1] as usize - 1]
+        };
+        if let Some(index) = (0..l.nrows()).find(vanishes).filter(|_| shift == 0.0) {
+            return Err(FactorError::NotPositive { pivot: unknowns.interior + index, size });
+        }
+        let mut condensed = Mat::<f64>::zeros(l.nrows(), l.nrows());
+        faer::linalg::matmul::matmul(condensed.as_mut(), faer::Accum::Replace, l.as_ref(), l.as_ref().transpose(), 1.0, Par::Seq);
         Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed })
     }
 }
@@ -432,8 +445,8 @@ impl<'a> Tree<'a> {
         Task { children, begin: start, own, panels, ancestors: Vec::new(), touched: ancestors.len() }
     }
 
-    /// S = L_CC L_CCᵀ from the trailing columns.
-    fn condensed(&self, values: &[f64], size: usize) -> Mat<f64> {
+    /// The trailing columns L_CC, of which S = L_CC L_CCᵀ.
+    fn trailing(&self, values: &[f64], size: usize) -> Mat<f64> {
         let n = size - self.interior;
         let mut l = Mat::<f64>::zeros(n, n);
         for s in 0..self.symbolic.n_supernodes() {
@@ -447,9 +460,7 @@ impl<'a> Tree<'a> {
                 }
             }
         }
-        let mut s = Mat::<f64>::zeros(n, n);
-        faer::linalg::matmul::matmul(s.as_mut(), faer::Accum::Replace, l.as_ref(), l.as_ref().transpose(), 1.0, Par::Seq);
-        s
+        l
     }
 }
 

@@ -111,15 +111,15 @@ impl Begun {
             let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
             discrete.q.mask(&mut rest);
             let storage = c / k * max_abs(mass_theta).max(max_abs(&products.mass_theta));
-            let terms = [&*d_theta, coupling, supply, &chi].map(|term| max_abs(term));
-            let scale = terms.into_iter().fold(storage, f64::max);
+            let driven = [&*coupling, supply, &chi].map(|term| max_abs(term)).into_iter().fold(storage, f64::max);
+            let scale = driven.max(max_abs(d_theta));
             let residual = step.relative(max_abs(&rest), scale, "heat")?;
             if residual > REFINE && residual < 0.5 * previous {
                 previous = residual;
                 self.reduced = system.reduce(&self.right(step)?);
                 continue;
             }
-            let residual = step.accept(residual, scale, "heat", || discrete.d.round_off(theta))?;
+            let residual = step.accept([residual, scale, driven], "heat", || discrete.d.round_off(theta))?;
             let sum = |v: &[f64]| v.iter().sum::<f64>();
             let amounts = Amounts {
                 supplied: k * (sum(supply) - discrete.convected(theta)),

@@ -151,9 +151,9 @@ impl Mechanics {
                 now = next.iterate;
                 continue;
             }
-            step.accept(residual, next.scale, "mechanics", || discrete.mechanical_round_off(&step.sizes(&next.iterate.w), &next.iterate.w))?;
+            step.accept([residual, next.scale, next.driven], "mechanics", || discrete.mechanical_round_off(&step.sizes(&next.iterate.w), &next.iterate.w))?;
             let branches = step.branches(&next.iterate.w);
-            let Balanced { iterate, states, residual, scale, force, support_work } = next;
+            let Balanced { iterate, states, residual, scale, force, support_work, .. } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
             let u = step.displacement(&w);
             let on_boundary = given.on_boundary(step, system.on_contact());
@@ -210,6 +210,8 @@ struct Balanced {
     states: Vec<PointState>,
     residual: f64,
     scale: f64,
+    /// The largest of the terms that are known: loads, heat, contact, inertia.
+    driven: f64,
     force: Point,
     support_work: f64,
 }
@@ -235,10 +237,10 @@ impl Iterate {
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
         discrete.v.mask(&mut rest);
         let inertia = discrete.inertia().0 / k * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
-        let terms = [self.b_w.as_slice(), &self.a_u, thermal, load, &contact_force, &self.relaxing].map(max_abs);
-        let scale = terms.into_iter().fold(inertia, f64::max);
+        let driven = [thermal, load, &contact_force].map(max_abs).into_iter().fold(inertia, f64::max);
+        let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing].map(max_abs).into_iter().fold(driven, f64::max);
         let residual = step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate: self, states, residual, scale, force, support_work })
+        Ok(Balanced { iterate: self, states, residual, scale, driven, force, support_work })
     }
 }
 

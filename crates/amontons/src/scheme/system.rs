@@ -13,6 +13,8 @@ use crate::tensor::Point;
 pub const ACCEPTED: f64 = 1e-10;
 /// Roundings of a state, each of half a last bit or less, that a residual may have: those of u and of the terms made of it.
 const ROUNDINGS: f64 = 2.0;
+/// Largest share of it in what acts on the body.
+const BESIDE: f64 = 1e-4;
 /// Relative residual above which another pass of sweeps is made.
 pub const REFINE: f64 = 1e-11;
 
@@ -76,9 +78,13 @@ impl Step<'_> {
     }
 
     /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the last bits of the state
-    /// make of it (`round_off`).
-    pub fn accept(&self, residual: f64, scale: f64, part: &'static str, round_off: impl FnOnce() -> f64) -> Result<f64, StepError> {
-        if residual <= ACCEPTED || residual * scale <= ROUNDINGS * round_off() {
+    /// make of it (`round_off`), as long as that is small beside what acts on the body (`driven`), if something does.
+    pub fn accept(&self, [residual, scale, driven]: [f64; 3], part: &'static str, round_off: impl FnOnce() -> f64) -> Result<f64, StepError> {
+        if residual <= ACCEPTED {
+            return Ok(residual);
+        }
+        let round_off = round_off();
+        if residual * scale <= ROUNDINGS * round_off && (driven == 0.0 || round_off <= BESIDE * driven) {
             return Ok(residual);
         }
         Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED })

@@ -141,7 +141,9 @@ impl HeatStep<'_> {
             }
             let entries = self.tangent(&now.exchange);
             let mut step: Vec<f64> = now.errors.iter().map(|e| -e).collect();
-            condensed.solve(&entries, &mut step);
+            if !condensed.solve(&entries, &mut step) {
+                return Err(NotConverged { iterations: iteration + 1, residual: now.residual / now.scale, pattern: [0; 3] });
+            }
             let mut alpha = 1.0;
             loop {
                 let trial = self.evaluate(condensed, r, guess, now.theta.iter().zip(&step).map(|(t, s)| t + alpha * s).collect());

@@ -211,7 +211,10 @@ impl MechanicalStep<'_> {
             if let Some((beta, _)) = right.proximal {
                 entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.operator()[(i, i)])));
             }
-            condensed.solve(&entries, &mut step);
+            if !condensed.solve(&entries, &mut step) {
+                // Nothing holds the body at this iterate, as where all points are open; a proximal step does.
+                return Err(now.failure(iteration + 1));
+            }
             let after = self.multipliers_after(right, &now, &step);
             let mut alpha = 1.0;
             loop {
