@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use amontons::hypotheses::{Certificate, Finding};
-use amontons::output::{Outcome, Summary};
+use amontons::output::{ContactSummary, Outcome, Summary};
 use amontons::problem::Problem;
 use serde_json::{Value, json};
 
@@ -54,10 +54,10 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     lines.push(row("temperature", &format!("{:.5e} … {:.5e} K", end.temperature_min, end.temperature_max)));
     lines.push(row("von Mises stress", &format!("up to {:.5e} Pa", end.von_mises_max)));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
-        let force = contact.force.iter().map(|f| format!("{f:.6e}")).collect::<Vec<_>>().join(", ");
-        lines.push(row("contact", &format!("{} open, {} stick, {} slip", contact.open, contact.stick, contact.slip)));
-        lines.push(row("contact force", &format!("({force}) N, pressure up to {:.5e} Pa", contact.pressure_max)));
-        lines.push(row("heat through it", &format!("{:.5e} W", contact.heat_flow)));
+        lines.extend(touching("contact", contact));
+        for (side, contact) in &contact.sides {
+            lines.extend(touching(&format!("on \"{side}\""), contact));
+        }
     }
     lines.push(row(
         "energy closes to",
@@ -70,6 +70,21 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
 
 fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
+}
+
+/// Contact on one side or on all, what there is of wear and of a foundation that warms up included.
+fn touching(name: &str, contact: &ContactSummary) -> Vec<String> {
+    let force = contact.force.iter().map(|f| format!("{f:.6e}")).collect::<Vec<_>>().join(", ");
+    let mut lines = vec![
+        row(name, &format!("{} open, {} stick, {} slip; area {:.5e}", contact.open, contact.stick, contact.slip, contact.area)),
+        row("contact force", &format!("({force}) N, pressure up to {:.5e} Pa", contact.pressure_max)),
+        row("heat through it", &format!("{:.5e} W", contact.heat_flow)),
+    ];
+    if contact.wear_max > 0.0 {
+        lines.push(row("wear", &format!("up to {:.5e} m deep, volume {:.5e}", contact.wear_max, contact.wear_volume)));
+    }
+    lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &format!("{theta:.5e} K"))));
+    lines
 }
 
 /// Sizes of a valid case and the verdicts on it, for reading.
