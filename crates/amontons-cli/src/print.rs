@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use amontons::hypotheses::{Certificate, Finding};
-use amontons::output::{ContactSummary, Outcome, Summary};
+use amontons::output::{ContactSummary, Outcome, Solver, Summary};
 use amontons::problem::Problem;
 use serde_json::{Value, json};
 
@@ -63,9 +63,20 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         "energy closes to",
         &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error),
     ));
+    lines.extend(halved(&summary.solver));
     lines.extend(failing(&summary.findings));
     lines.push(row("results", &folder.display().to_string()));
     lines.join("\n") + "\n"
+}
+
+/// What is to be known where steps were made in halves.
+fn halved(solver: &Solver) -> Option<String> {
+    let Solver { halved_steps, ambiguous_steps, .. } = *solver;
+    let ambiguous = match ambiguous_steps {
+        0 => "none of them with several solutions left".to_owned(),
+        some => format!("{some} of all may have had several solutions"),
+    };
+    (halved_steps > 0 || ambiguous_steps > 0).then(|| row("made in halves", &format!("{halved_steps} steps, {ambiguous}")))
 }
 
 fn row(name: &str, value: &str) -> String {

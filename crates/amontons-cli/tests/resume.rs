@@ -37,7 +37,12 @@ impl<F: FnMut() -> Result<(), OutputError>> Sink for At<F> {
 }
 
 fn small_case() -> Case {
-    let overrides = ["mesh.n=8", &format!("time.steps={STEPS}"), "output.every=3"].map(str::to_owned);
+    small_case_with(&[])
+}
+
+fn small_case_with(further: &[&str]) -> Case {
+    let steps = format!("time.steps={STEPS}");
+    let overrides: Vec<String> = ["mesh.n=8", &steps, "output.every=3"].iter().chain(further).map(|&o| o.to_owned()).collect();
     case::read(paper().as_ref(), &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -93,6 +98,27 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
         assert_eq!(manifest["sessions"][0]["to_step"], step);
         assert_eq!(manifest["sessions"][1]["from_step"], step);
         // A run that is done stays as it is.
+        assert_code(&resume(&broken, &[]), 0);
+        assert_same_results(&whole, &broken);
+    }
+}
+
+/// So does one with halved steps, which are told at the end.
+#[test]
+fn halved_steps_go_on_to_the_same_bits() {
+    let layer = "contact.normal={law='softening', stiffness=1e4, peak=1, softening=5e3, residual=0.5}";
+    let folder = tempdir().expect("a folder");
+    let whole = folder.path().join("whole");
+    let ended = run_paper(&whole, STEPS, &["--set", layer]);
+    assert_code(&ended, 0);
+    let solver = summary(&whole)["solver"].clone();
+    let halved = solver["halved_steps"].as_u64().expect("a count");
+    assert!(halved > 0 && solver["ambiguous_steps"].is_u64(), "{solver}");
+    let told = format!("made in halves    {halved} steps");
+    assert!(common::stdout(&ended).contains(&told), "{}", common::stdout(&ended));
+    for step in [1, 2, STEPS / 2, STEPS - 1] {
+        let broken = folder.path().join(format!("broken-{step}"));
+        interrupted(&small_case_with(&[layer]), &broken, step);
         assert_code(&resume(&broken, &[]), 0);
         assert_same_results(&whole, &broken);
     }
@@ -248,4 +274,65 @@ fn ctrl_c_leaves_a_checkpoint() {
     assert_code(&resume(&broken, &["--quiet"]), 0);
     assert_code(&start(&whole).wait_with_output().expect("the end"), 0);
     assert_same_results(&whole, &broken);
+}
+
+/// A body that slides into a corner: a ball that moves, wear, foundations that warm up, two contacts with laws of their own.
+const CORNER: &str = r#"
+name = "corner"
+[mesh]
+kind = "rectangle"
+size = [1.0, 0.8]
+n = [5, 4]
+[time]
+end = 0.5
+steps = 12
+[material]
+density = 1
+heat_capacity = 1
+expansion = 0.1
+coupling = 0.1
+conductivity = 0.5
+elasticity = { law = "isotropic", young = 20.0, poisson = 0.2 }
+viscosity = { law = "lame", first = 1, second = 1 }
+[load]
+body_force = [4, -6]
+[[contact]]
+on = "bottom"
+obstacle = { shape = "sphere", center = ["0.5 - 0.5*t", "-4 + 0.05*t"], radius = 4, geometry = "updated" }
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.3 }
+wear = { law = "archard", coefficient = 0.02 }
+heat = { law = "pressure", coefficient = 0.1, foundation_temperature = 5 }
+frictional_heat = 0.4
+foundation = { heat_capacity = 0.3, exchange = 0.2, surroundings = "3*t" }
+[[contact]]
+on = "right"
+quadrature = "gauss"
+gap = -0.01
+normal = { law = "compliance", stiffness = 500.0 }
+friction = { law = "coulomb", coefficient = 0.1 }
+wear = { law = "archard-temperature", temperature = [0, 2], coefficient = [0.02, 0.06] }
+foundation = { heat_capacity = 0.5 }
+frictional_heat = 0.7
+"#;
+
+#[test]
+fn wear_and_warm_foundations_go_on_to_the_same_bits() {
+    let case = case::parse(&case::Source::new("corner.toml", CORNER), &[]).unwrap_or_else(|error| panic!("{error}"));
+    for step in [1, 6] {
+        let folder = tempdir().expect("a folder");
+        let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
+        let mut sink = folder_of(&case, &whole, Duration::from_mins(1));
+        run::run(&case.problem, &Settings::default(), &mut [&mut sink]).expect("a run");
+        interrupted(&case, &broken, step);
+        assert_code(&resume(&broken, &[]), 0);
+        assert_same_results(&whole, &broken);
+        // There is something to keep: depths, and two temperatures that have left those of the start.
+        let contact = &summary(&broken)["final"]["contact"];
+        assert!(contact["wear_max"].as_f64().expect("a depth") > 1e-4);
+        for (side, start) in [("bottom", 5.0), ("right", 0.0)] {
+            let temperature = contact["sides"][side]["foundation_temperature"].as_f64().expect("a temperature");
+            assert!((temperature - start).abs() > 1e-3, "{side}: {temperature}");
+        }
+    }
 }

@@ -323,6 +323,7 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
         slope_between(bound.by_pressure, s(|at, h| at.pressure += h), 1e-6 * p, 1e-5, &format!("{law:?}: in pressure"));
         slope_between(bound.by_penetration, s(|at, h| at.penetration += h), 1e-6 * p / l_nu, 1e-5 * l_nu, &format!("{law:?}: in penetration"));
         slope_between(bound.by_slip_speed, s(|at, h| at.slip_speed += h), 1e-6, 1e-4 * p, &format!("{law:?}: in slip speed"));
+        slope_between(bound.by_temperature, s(|at, h| at.temperature += h), 1e-6, 1e-4 * p, &format!("{law:?}: in temperature"));
         let faster = ContactPoint { slip_speed: at.slip_speed + random.number().abs(), ..*at };
         let (least, rise) = (law.least_slope(at, at.slip_speed, faster.slip_speed), law.bound(&faster).value - bound.value);
         let slack = 1e-12 * (bound.value + p);
@@ -341,7 +342,7 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
     }
 }
 
-/// The coefficient is a number that is not negative, whatever the point.
+/// The coefficient is a number that is not negative, whatever the point, and has the slope in the temperature that it claims.
 ///
 /// # Panics
 /// When the law breaks the contract.
@@ -351,6 +352,8 @@ pub fn assert_wear_law(law: &dyn WearLaw) {
         let at = ContactPoint { temperature: 1e3 * random.number(), pressure: random.number().abs(), ..ContactPoint::default() };
         let coefficient = law.coefficient(&at);
         assert!(coefficient.is_finite() && coefficient >= 0.0, "{law:?}: coefficient {coefficient:e} at {at:?}");
+        let warmer = |h: f64| law.coefficient(&ContactPoint { temperature: at.temperature + h, ..at });
+        slope_between(law.by_temperature(&at), warmer, 1e-4, 1e-6 * coefficient, &format!("{law:?}: in temperature"));
     }
 }
 
@@ -452,149 +455,4 @@ pub fn assert_backend(backend: &dyn Backend) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
-    use crate::material::Constants;
-    use crate::tensor::{Point, SymMap};
-
-    #[test]
-    fn every_element_keeps_its_contract() {
-        for element in crate::element::ALL {
-            assert_element(element);
-        }
-    }
-
-    #[test]
-    fn every_tensor_law_keeps_its_contract() {
-        for (dim, law) in crate::material::samples() {
-            assert_tensor_law(law.as_ref(), dim, 1e-3);
-        }
-        for (dim, law) in crate::material::isotropic_samples() {
-            assert_isotropic(law.as_ref(), dim, 1e-3);
-        }
-    }
-
-    #[test]
-    #[should_panic(expected = "turned argument")]
-    fn a_law_with_a_direction_is_not_isotropic() {
-        for (dim, law) in crate::material::samples().into_iter().skip(crate::material::isotropic_samples().len()).filter(|(dim, _)| *dim > 1) {
-            assert_isotropic(law.as_ref(), dim, 1e-3);
-        }
-    }
-
-    #[test]
-    fn every_contact_law_keeps_its_contract() {
-        for (law, r) in crate::contact::normal_samples() {
-            assert_normal_law(law.as_ref(), r);
-        }
-        for law in crate::contact::friction_samples() {
-            assert_friction_law(law.as_ref(), 2.0);
-        }
-        for (law, r) in crate::contact::heat_samples() {
-            assert_heat_law(law.as_ref(), r);
-        }
-        for law in crate::contact::wear_samples() {
-            assert_wear_law(law.as_ref());
-        }
-    }
-
-    #[test]
-    fn every_backend_keeps_its_contract() {
-        for backend in crate::linalg::backends() {
-            assert_backend(backend.as_ref());
-        }
-    }
-
-    /// A law that declares a monotonicity twice its own.
-    #[derive(Debug)]
-    struct Boastful(Isotropic);
-    impl TensorLaw for Boastful {
-        fn value(&self, x: &Point, xi: &Sym) -> Sym {
-            self.0.value(x, xi)
-        }
-        fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
-            self.0.tangent(x, xi)
-        }
-        fn constants(&self) -> Constants {
-            let c = self.0.constants();
-            Constants { monotonicity: 2.0 * c.monotonicity, ..c }
-        }
-    }
-
-    #[test]
-    #[should_panic(expected = "declared m")]
-    fn a_law_with_wrong_constants_is_caught() {
-        assert_tensor_law(&Boastful(Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress)), 2, 1.0);
-    }
-
-    /// A compliance that declares half its stiffness.
-    #[derive(Debug)]
-    struct Soft(Compliance);
-    impl NormalLaw for Soft {
-        fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
-            self.0.pressure(x, z, rate, lambda)
-        }
-        fn potential(&self, x: &Point, r: f64) -> f64 {
-            self.0.potential(x, r)
-        }
-        fn lipschitz(&self) -> Option<f64> {
-            self.0.lipschitz().map(|l| 0.5 * l)
-        }
-    }
-
-    #[test]
-    #[should_panic(expected = "declared L = ")]
-    fn a_normal_law_with_a_wrong_constant_is_caught() {
-        assert_normal_law(&Soft(Compliance { stiffness: 1e4 }), 1e-4);
-    }
-
-    /// Coulomb friction that declares half its coefficient.
-    #[derive(Debug)]
-    struct Smooth(Coulomb);
-    impl FrictionLaw for Smooth {
-        fn bound(&self, at: &ContactPoint) -> Bound {
-            self.0.bound(at)
-        }
-        fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
-            self.0.lipschitz(l_nu).map(|l| 0.5 * l)
-        }
-    }
-
-    #[test]
-    #[should_panic(expected = "declared L_τ")]
-    fn a_friction_law_with_a_wrong_constant_is_caught() {
-        assert_friction_law(&Smooth(Coulomb { coefficient: 0.3 }), 2.0);
-    }
-
-    /// A ramp that declares wrong constants.
-    #[derive(Debug)]
-    struct Conducting(Ramp, f64, f64);
-    impl HeatLaw for Conducting {
-        fn flux(&self, at: &ContactPoint) -> Flux {
-            self.0.flux(at)
-        }
-        fn conductance_bound(&self) -> f64 {
-            self.1 * self.0.conductance_bound()
-        }
-        fn conductance_lipschitz(&self) -> Option<f64> {
-            self.0.conductance_lipschitz().map(|l| self.2 * l)
-        }
-    }
-
-    fn ramp() -> Ramp {
-        Ramp { conductance: 30.0, width: 0.5, truncation: None }
-    }
-
-    #[test]
-    #[should_panic(expected = "declared M_kc")]
-    fn a_heat_law_with_a_wrong_bound_is_caught() {
-        assert_heat_law(&Conducting(ramp(), 0.5, 1.0), 0.5);
-    }
-
-    #[test]
-    #[should_panic(expected = "declared L_kc")]
-    fn a_heat_law_with_a_wrong_constant_is_caught() {
-        assert_heat_law(&Conducting(ramp(), 1.0, 0.5), 0.5);
-    }
-}
+mod tests;

@@ -38,9 +38,9 @@ fn blocks(text: &str) -> Vec<String> {
     blocks
 }
 
-#[test]
-fn every_block_of_the_guide_to_bodies_is_a_case() {
-    let path = file("book/src/meshes.md");
+/// Reads every block of a chapter; the numbers of those that include a case and of parts of cases.
+fn read(chapter: &str) -> (usize, usize) {
+    let path = file(&format!("book/src/{chapter}"));
     let text = std::fs::read_to_string(&path).expect("the chapter");
     let (mut included, mut parts) = (0, 0);
     for block in blocks(&text) {
@@ -57,5 +57,27 @@ fn every_block_of_the_guide_to_bodies_is_a_case() {
         }
         parts += 1;
     }
-    assert_eq!((included, parts), (1, 7), "blocks that include a case, and parts of cases");
+    (included, parts)
+}
+
+#[test]
+fn every_block_of_the_guides_is_a_case() {
+    assert_eq!(read("meshes.md"), (1, 7), "blocks that include a case, and parts of cases");
+    assert_eq!(read("contact.md"), (1, 8), "blocks that include a case, and parts of cases");
+}
+
+/// The tables of the chapter on contact name every law of the case file's schema, and no other.
+#[test]
+fn the_tables_of_contact_name_every_law() {
+    let text = std::fs::read_to_string(file("book/src/contact.md")).expect("the chapter");
+    let schema = case::schema();
+    for (heading, definition) in [("## Pressure", "Normal"), ("## Friction", "Friction"), ("## Heat", "Heat")] {
+        let section = text.split(heading).nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
+        let mut told: Vec<&str> = section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).filter(|name| *name != "law").collect();
+        let variants = schema["$defs"][definition]["oneOf"].as_array().expect("the laws");
+        let mut laws: Vec<&str> = variants.iter().filter_map(|variant| variant["properties"]["law"]["const"].as_str()).collect();
+        told.sort_unstable();
+        laws.sort_unstable();
+        assert_eq!(told, laws, "{heading}");
+    }
 }

@@ -572,3 +572,26 @@ proptest! {
         }
     }
 }
+
+// Several contacts, and foundations with a heat capacity.
+spoiled! {
+    contact_twice_on_a_side: "[contact]  " => "[[contact]]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]  "
+        "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected each side in one [[contact]] entry; join it with entry 1 of the file, which is on the same side";
+    contact_unknown_key_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nfrction = 1 #"
+        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of foundation, foundation_velocity, friction, frictional_heat, gap, heat, normal, obstacle, on, quadrature, wear; did you mean `friction`?";
+    contact_law_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nwear = { law = \"archard\", coefficient = -1 } #"
+        "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's number over the hardness)";
+    foundation_surroundings_in_space: "" => "" set "contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }"
+        "--set contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }: contact.foundation.surroundings: found an expression in space, expected a number or an expression in t; a foundation with a heat capacity has one temperature";
+    foundation_temperature_in_space: "" => "" set "contact.foundation={ heat_capacity = 1 }" set "contact.heat.foundation_temperature='x'"
+        "--set contact.heat.foundation_temperature='x': contact.heat.foundation_temperature: found an expression in space, expected a number or an expression in t; a foundation with a heat capacity has one temperature";
+    foundation_temperature_wrong: "" => "" set "contact.foundation={ heat_capacity = 1 }" set "contact.heat.foundation_temperature='x +'"
+        "--set contact.heat.foundation_temperature='x +': contact.heat.foundation_temperature: found the end of the expression, expected a number, a variable, a function or `(`";
+    foundation_without_capacity: "" => "" set "contact.foundation={ heat_capacity = 0, exchange = -1 }"
+        "--set contact.foundation={ heat_capacity = 0, exchange = -1 }: contact.foundation.exchange: found -1, expected a number ≥ 0 (heat exchange with the surroundings in W/K, per unit of thickness in two dimensions)"
+        "--set contact.foundation={ heat_capacity = 0, exchange = -1 }: contact.foundation.heat_capacity: found 0, expected a number > 0 (heat capacity of the foundation in J/K, per unit of thickness in two dimensions)";
+    wear_table_falls: "" => "" set "contact.wear={ law = 'archard-temperature', temperature = [1, 0], coefficient = [1, 1] }"
+        "--set contact.wear={ law = 'archard-temperature', temperature = [1, 0], coefficient = [1, 1] }: contact.wear.temperature: found 0.0 after 1.0, expected larger and larger arguments";
+    wear_table_lengths: "" => "" set "contact.wear={ law = 'archard-temperature', temperature = [0, 1], coefficient = [1] }"
+        "--set contact.wear={ law = 'archard-temperature', temperature = [0, 1], coefficient = [1] }: contact.wear.coefficient: found 2 arguments and 1 values, expected as many";
+}

@@ -116,7 +116,7 @@ fn labels_have_units_unless_the_case_has_none() {
     let panels = [Panel { title: "", run: &run }];
     let labels =
         |kind: Kind, dimensionless: bool| texts(&plot::picture(kind, &panels, &Options { dimensionless, ..Options::default() }).expect("a picture").svg());
-    let expected: [(Kind, &[&str]); 5] = [
+    let expected: [(Kind, &[&str]); 6] = [
         (Kind::Deformed, &["x (m)", "y (m)", "paper: deformed mesh at t = 1 s", "foundation"]),
         (Kind::Temperature, &["θ (K)"]),
         (Kind::VonMises, &["σvM (Pa)"]),
@@ -124,7 +124,11 @@ fn labels_have_units_unless_the_case_has_none() {
             Kind::Contact,
             &["pressure pν (Pa)", "slip velocity along s (m/s)", "heat flux q·ν out of the body (W/m2)", "arc length s along ΓC (m)", "open", "stick", "slip"],
         ),
-        (Kind::History, &["contact force (N/m)", "time t (s)", "kinetic", "friction", "contact points"]),
+        (Kind::Wear, &["paper: wear at t = 1 s", "friction work since the start (×10−3 J/m2)", "arc length s along ΓC (m)"]),
+        (
+            Kind::History,
+            &["contact force (N/m)", "time t (s)", "kinetic", "friction", "contact points", "power of friction (×10−3 W/m)", "area of contact (m)"],
+        ),
     ];
     for (kind, words) in expected {
         let found = labels(kind, false);
@@ -132,7 +136,7 @@ fn labels_have_units_unless_the_case_has_none() {
             assert!(found.iter().any(|label| label == word), "{kind:?} has no label {word:?}: {found:?}");
         }
         let bare = labels(kind, true);
-        for unit in ["(m)", "(K)", "Pa)", "m/s", "W/m", "N/m", "J/m", "(s)", "1 s"] {
+        for unit in ["(m)", "(K)", "Pa)", "m/s", "W/m", "W/m)", "N/m", "J/m", "J/m2)", "(s)", "1 s"] {
             assert!(!bare.iter().any(|label| label.ends_with(unit)), "{kind:?} has the unit {unit} without dimensions: {bare:?}");
         }
     }
@@ -201,7 +205,7 @@ fn contact_at_gauss_points_and_runs_without_contact() {
     let run = Run::read(&dir).expect("a run");
     assert_eq!(run.contact.len(), 16);
     assert!(run.contact.iter().all(|row| row.bound.is_some_and(|b| (b - 0.2 * row.pressure).abs() < 1e-15)));
-    assert_eq!(plot::folder(&dir, &Options::default()).expect("pictures").len(), 10);
+    assert_eq!(plot::folder(&dir, &Options::default()).expect("pictures").len(), 12);
 
     let text = fs::read_to_string(dir.join("case.toml")).expect("the case");
     let mut case: toml::Table = text.parse().expect("TOML");
@@ -412,4 +416,24 @@ fn names_with_signs_of_xml_are_escaped() {
     run.name = "a<b> & \"c\" \u{7} 漢".to_owned();
     let svg = plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture").svg();
     assert!(texts(&svg)[0].starts_with("a<b> & \"c\"  漢: temperature"), "{:?}", texts(&svg)[0]);
+}
+
+/// What a run has no wear, no friction and no warm foundation of is not drawn; a power is the slope of the work, a temperature bears its side.
+#[test]
+fn histories_show_what_there_is() {
+    let labels = |history: &[(&str, [f64; 2])]| {
+        let history: History = history.iter().map(|(name, column)| ((*name).to_owned(), column.to_vec())).collect();
+        let run = Run { history, dimension: 3, snapshot: None, ..by_hand(1, |x, _| x) };
+        texts(&plot::picture(Kind::History, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture").svg())
+    };
+    let rest = [("t", [1.0, 3.0]), ("slip", [4.0, 4.0]), ("wear_max", [0.0; 2]), ("friction_dissipation", [0.0; 2])];
+    let added = ["power of friction", "temperature of the foundation", "largest depth worn off", "area of contact", "volume worn off"];
+    let plain = labels(&rest);
+    assert!(!plain.iter().any(|label| added.iter().any(|word| label.starts_with(word))), "{plain:?}");
+    // 20 J within 10 ms are 2 kW, those since the start 26 W.
+    let worn = [("t", [1.0, 1.01]), ("slip", [4.0, 4.0]), ("friction_dissipation", [7.0, 27.0]), ("wear_max", [1.0, 2.0])];
+    let found = labels(&[&worn[..], &[("foundation_temperature@left", [5.0, 6.0]), ("heat_foundation", [1.0, 2.0])]].concat());
+    for word in ["power of friction (W)", "2000", "temperature of the foundation (K)", "left", "largest depth worn off (m)", "content of the foundation"] {
+        assert!(found.iter().any(|label| label == word), "no {word}: {found:?}");
+    }
 }

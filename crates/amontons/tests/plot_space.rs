@@ -82,7 +82,12 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
 fn cube() -> Run {
     let mesh = Mesh::box_([1.0; 3], [2; 3], Elements::Q1).expect("a mesh");
     let surface = Surface::of_mesh(&mesh).expect("a surface");
-    let contact = mesh.points.iter().filter(|p| p[2] == 0.0).map(|p| SolidContact { x: *p, pressure: 1.0 + p[0], status: Status::Stick }).collect();
+    let contact = mesh
+        .points
+        .iter()
+        .filter(|p| p[2] == 0.0)
+        .map(|p| SolidContact { x: *p, pressure: 1.0 + p[0], status: Status::Stick, wear: 3.0 * p[1], friction_work: 0.0 })
+        .collect();
     let solid = Solid {
         surface,
         displacement: vec![[0.0; 3]; mesh.points.len()],
@@ -122,6 +127,24 @@ fn contact_points_are_drawn_where_they_are() {
     let picture = plot::picture(Kind::Contact, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
     let svg = picture.svg();
     assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa"));
+}
+
+/// Wear and friction work each with its own bar, and only what there is of them.
+#[test]
+fn wear_is_drawn_where_there_is_some() {
+    let svg = |run: &Run| plot::picture(Kind::Wear, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg();
+    let mut run = cube();
+    assert!(Kind::Wear.is_in(&run));
+    let worn = svg(&run);
+    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m") && !has_text(&worn, "friction work"), "wear alone");
+    let change = |run: &mut Run, f: fn(&mut SolidContact)| run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f);
+    change(&mut run, |row| row.friction_work = 5.0 + row.x[0]);
+    let both = svg(&run);
+    assert!(has_text(&both, "min 0, max 3 m") && has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m2"));
+    change(&mut run, |row| (row.wear, row.friction_work) = (0.0, 0.0));
+    assert!(!Kind::Wear.is_in(&run));
+    let error = plot::picture(Kind::Wear, &[Panel { title: "", run: &run }], &Options::default()).err().expect("an error");
+    assert!(error.to_string().contains("`wear`"), "{error}");
 }
 
 #[test]

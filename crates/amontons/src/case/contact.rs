@@ -30,7 +30,8 @@ impl Build<'_> {
             None if laws.is_empty() => Arc::new(Insulated),
             None => Arc::new(Sum { laws }),
         };
-        let start = foundation_temperature.clone();
+        let foundation_temperature =
+            foundation_temperature.map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
             gap: self.field(&format!("{path}.gap"), &raw.gap, &points),
             quadrature: match raw.quadrature {
@@ -40,9 +41,8 @@ impl Build<'_> {
             normal: self.normal(path, raw.normal),
             friction: self.friction(path, raw.friction),
             heat,
-            foundation_temperature: foundation_temperature
-                .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points)),
-            foundation_heat: self.foundation_heat(path, raw.foundation, start),
+            foundation_heat: self.foundation_heat(path, raw.foundation, &foundation_temperature),
+            foundation_temperature,
             wear: raw.wear.map(|wear| self.wear(path, wear)),
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
@@ -50,14 +50,17 @@ impl Build<'_> {
         }
     }
 
-    fn foundation_heat(&mut self, path: &str, raw: Option<raw::Foundation>, prescribed: Option<raw::Datum>) -> Option<LumpedFoundation> {
+    fn foundation_heat(&mut self, path: &str, raw: Option<raw::Foundation>, prescribed: &Field) -> Option<LumpedFoundation> {
         let raw = raw?;
-        let surroundings = raw.surroundings.or(raw.temperature.map(raw::Datum::Number)).or(prescribed).unwrap_or_default();
         let at = format!("{path}.foundation.surroundings");
-        let surroundings = self.field(&at, &surroundings, &[]);
-        if surroundings.depends_on_space() {
-            self.note(&at, At::Value, "an expression in space", "a number or an expression in t", None);
+        let surroundings = raw.surroundings.map(|datum| self.field(&at, &datum, &[]));
+        for (at, field) in [(format!("{path}.heat.foundation_temperature"), Some(prescribed)), (at, surroundings.as_ref())] {
+            if field.is_some_and(Field::depends_on_space) {
+                let hint = "a foundation with a heat capacity has one temperature";
+                self.note(&at, At::Value, "an expression in space", "a number or an expression in t", Some(hint));
+            }
         }
+        let surroundings = surroundings.unwrap_or_else(|| raw.temperature.unwrap_or_else(|| prescribed.value(&[0.0; 3], 0.0)).into());
         Some(LumpedFoundation { capacity: raw.heat_capacity, temperature: raw.temperature, exchange: raw.exchange, surroundings })
     }
 

@@ -11,6 +11,8 @@ use super::{ContactPoint, PiecewiseLinear};
 pub trait WearLaw: Debug + Send + Sync {
     /// κ ≥ 0 in 1/Pa.
     fn coefficient(&self, at: &ContactPoint) -> f64;
+    /// ∂κ/∂θ in 1/(Pa K).
+    fn by_temperature(&self, at: &ContactPoint) -> f64;
 }
 
 /// Archard's law with a coefficient by the temperature.
@@ -27,6 +29,12 @@ impl WearLaw for Archard {
         match self {
             Archard::Constant(coefficient) => *coefficient,
             Archard::ByTemperature(table) => table.held(at.temperature).0,
+        }
+    }
+    fn by_temperature(&self, at: &ContactPoint) -> f64 {
+        match self {
+            Archard::Constant(_) => 0.0,
+            Archard::ByTemperature(table) => table.held(at.temperature).1,
         }
     }
 }

@@ -166,7 +166,7 @@ pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> 
 }
 
 /// The laws of every contact, to be tested at some of its points.
-fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
+pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     let (boundary, length) = (problem.contact_boundary(), diameter(problem));
     problem.contacts.iter().enumerate().map(move |(side, contact)| {
         let places: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
@@ -175,10 +175,10 @@ fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
 }
 
 /// The laws of contact, and where they are tested: penetrations of any size below that of the body.
-struct Test<'a> {
-    contact: &'a Contact,
-    places: Vec<Point>,
-    length: f64,
+pub(super) struct Test<'a> {
+    pub(super) contact: &'a Contact,
+    pub(super) places: Vec<Point>,
+    pub(super) length: f64,
 }
 
 impl Test<'_> {
@@ -259,11 +259,6 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
     }
     let message = format!("p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration");
     finding(Status::Holds, message, "contact")
-}
-
-/// Whether the friction bound of a problem depends on the slip speed, as far as samples tell.
-pub(super) fn slip_speed_matters(problem: &Problem) -> bool {
-    tests(problem).any(|test| depends_on_slip_speed(&test))
 }
 
 fn depends_on_slip_speed(test: &Test) -> bool {

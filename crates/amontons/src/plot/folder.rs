@@ -105,7 +105,15 @@ impl Case {
 fn contact_in_space(table: &Table) -> Result<Vec<SolidContact>, PlotError> {
     let [x, y, z] = [table.numbers("x")?, table.numbers("y")?, table.numbers("z")?];
     let (pressure, status) = (table.numbers("pressure")?, statuses(table)?);
-    Ok((0..x.len()).map(|i| SolidContact { x: [x[i], y[i], z[i]], pressure: pressure[i], status: status[i] }).collect())
+    let [wear, friction_work] = worn(table, x.len())?;
+    let row = |i: usize| SolidContact { x: [x[i], y[i], z[i]], pressure: pressure[i], status: status[i], wear: wear[i], friction_work: friction_work[i] };
+    Ok((0..x.len()).map(row).collect())
+}
+
+/// Wear and friction work, zero in a table without them.
+fn worn(table: &Table, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
+    let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
+    Ok([column("wear")?, column("friction_work")?])
 }
 
 /// The states of the contact points.
@@ -130,6 +138,7 @@ fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotE
     let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
     let (temperature, heat_flux) = (table.numbers("temperature")?, table.numbers("heat_flux")?);
     let status = statuses(table)?;
+    let [wear, friction_work] = worn(table, x.len())?;
     let bound = if table.has("bound") { Some(table.numbers("bound")?) } else { None };
     let row = |i: usize| ContactRow {
         x: x[i],
@@ -141,6 +150,8 @@ fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotE
         status: status[i],
         temperature: temperature[i],
         heat_flux: heat_flux[i],
+        wear: wear[i],
+        friction_work: friction_work[i],
     };
     Ok((0..x.len()).map(row).collect())
 }

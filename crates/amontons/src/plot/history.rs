@@ -1,4 +1,4 @@
-//! Histories: energies, works, contact and heat over time.
+//! Histories: energies, works, contact, heat and wear over time.
 
 use super::charts::{self, Area, Chart, Column, Series};
 use super::color::LINES;
@@ -81,9 +81,65 @@ fn chart_list(run: &Run, options: &Options) -> Vec<Chart> {
     if has_contact {
         charts.push(chart("contact force", unit("N"), &[("contact_force_x", "x"), ("contact_force_y", "y"), ("contact_force_z", "z")]));
         charts.push(status_chart(history));
-        charts.push(chart("heat", unit("J"), &[("heat_content", "content"), ("heat_contact", "left through Γ_{C} since the start")]));
+        let is_lumped = has(history, "heat_foundation");
+        let of_foundation = if is_lumped { &[("heat_foundation", "content of the foundation")][..] } else { &[] };
+        let heat = [&[("heat_content", "content"), ("heat_contact", "left through Γ_{C} since the start")], of_foundation].concat();
+        charts.push(chart("heat", unit("J"), &heat));
+        charts.extend(surface_charts(run, options));
     } else {
         charts.push(chart("heat", unit("J"), &[("heat_content", "content")]));
+    }
+    charts
+}
+
+/// Whether a column has values other than zero.
+fn has(history: &History, name: &str) -> bool {
+    history.get(name).is_some_and(|column| column.iter().any(|v| *v != 0.0))
+}
+
+/// What friction, wear and the heat of the foundation are over time, where there is something to show.
+fn surface_charts(run: &Run, options: &Options) -> Vec<Chart> {
+    let history = &run.history;
+    let chart = |quantity: &str, unit: &str, series: Vec<Series>| Chart {
+        quantity: quantity.to_owned(),
+        unit: if options.dimensionless { String::new() } else { unit.to_owned() },
+        areas: Vec::new(),
+        series,
+        zero: true,
+    };
+    let line = |label: &str, color: usize, pieces: Vec<[f64; 2]>| Series {
+        label: label.to_owned(),
+        stroke: Stroke::new(LINES[color % LINES.len()], 1.6),
+        pieces: vec![pieces],
+    };
+    let [area, volume] = match run.dimension {
+        1 => ["", "m"],
+        2 => ["m", "m^{2}"],
+        _ => ["m^{2}", "m^{3}"],
+    };
+    let mut charts = Vec::new();
+    if has(history, "friction_dissipation") {
+        // The mean over each step, from the works since the start.
+        let mut before = [0.0; 2];
+        let power = points(history, "friction_dissipation").into_iter().map(|now| {
+            let mean = (now[1] - before[1]) / (now[0] - before[0]);
+            before = now;
+            [now[0], if mean.is_finite() { mean } else { 0.0 }]
+        });
+        charts.push(chart("power of friction", &per_thickness("W", run.dimension), vec![line("", 1, power.collect())]));
+    }
+    let foundation = |name: &&String| name.starts_with("foundation_temperature");
+    let lines = history.keys().filter(foundation).enumerate();
+    let lines: Vec<Series> = lines.map(|(i, name)| line(name.split_once('@').map_or("", |(_, side)| side), i, points(history, name))).collect();
+    if !lines.is_empty() {
+        charts.push(chart("temperature of the foundation", "K", lines));
+    }
+    for (name, quantity, unit) in
+        [("contact_area", "area of contact", area), ("wear_max", "largest depth worn off", "m"), ("wear_volume", "volume worn off", volume)]
+    {
+        if has(history, name) {
+            charts.push(chart(quantity, unit, vec![line("", 0, points(history, name))]));
+        }
     }
     charts
 }

@@ -132,13 +132,15 @@ pub enum Kind {
     VonMises,
     /// Pressure, friction, slip velocity, gap, temperature and heat flux along Γ_C; pressure and states on that of a body in space.
     Contact,
-    /// Energies, works, contact force, contact states and heat over time.
+    /// Depth worn off and work of friction on Γ_C, what there is of them.
+    Wear,
+    /// Energies, works, contact force, contact states, heat, friction power, wear and the temperature of the foundation over time.
     History,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 5] = [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::History];
+    pub const ALL: [Kind; 6] = [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::Wear, Kind::History];
 
     /// Name of the picture's files, without extension.
     #[must_use]
@@ -148,16 +150,18 @@ impl Kind {
             Kind::Temperature => "temperature",
             Kind::VonMises => "von-mises",
             Kind::Contact => "contact",
+            Kind::Wear => "wear",
             Kind::History => "history",
         }
     }
 
-    /// Whether a run has what the picture shows: the fields of a body that is plane or in space, contact, or rows of its history.
+    /// Whether a run has what the picture shows: the fields of a body that is plane or in space, contact, wear or friction work, or rows of its history.
     #[must_use]
     pub fn is_in(self, run: &Run) -> bool {
         match self {
             Kind::Deformed | Kind::Temperature | Kind::VonMises => run.snapshot.is_some() || run.solid.is_some(),
             Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty() || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty()),
+            Kind::Wear => Kind::Contact.is_in(run) && run.worn().contains(&true),
             Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
         }
     }
@@ -202,11 +206,11 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
         return Err(PlotError::Data(format!("there is no run for the picture `{}`", kind.file_name())));
     }
     match kind {
-        Kind::Contact if in_space > 0 => footprint::draw(panels, options),
+        Kind::Contact | Kind::Wear if in_space > 0 => footprint::draw(kind, panels, options),
         Kind::Deformed | Kind::Temperature | Kind::VonMises if in_space > 0 => Ok(oblique::draw(kind, panels, options)),
         Kind::Deformed => deformed::draw(panels, options),
         Kind::Temperature | Kind::VonMises => Ok(field::draw(kind, panels, options)),
-        Kind::Contact => profiles::draw(panels, options),
+        Kind::Contact | Kind::Wear => profiles::draw(kind, panels, options),
         Kind::History => history::draw(panels, options),
     }
 }

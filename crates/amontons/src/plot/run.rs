@@ -39,6 +39,15 @@ pub struct Snapshot {
     pub von_mises: Vec<f64>,
 }
 
+impl Run {
+    /// Whether a contact point has worn, and whether friction has done work at one.
+    pub(super) fn worn(&self) -> [bool; 2] {
+        let solid = self.solid.iter().flat_map(|solid| &solid.contact).map(|row| [row.wear, row.friction_work]);
+        let all: Vec<[f64; 2]> = self.contact.iter().map(|row| [row.wear, row.friction_work]).chain(solid).collect();
+        [0, 1].map(|i| all.iter().any(|values| values[i] != 0.0))
+    }
+}
+
 impl Snapshot {
     /// Checks that there is a finite value a node and a cell.
     ///
@@ -90,6 +99,10 @@ pub struct SolidContact {
     pub pressure: f64,
     /// Open, stick or slip.
     pub status: Status,
+    /// Depth worn off, m.
+    pub wear: f64,
+    /// Work of friction since the start, J/m².
+    pub friction_work: f64,
 }
 
 impl Solid {
@@ -102,8 +115,12 @@ impl Solid {
         fits("displacement", self.displacement.as_flattened(), 3 * nodes)?;
         fits("temperature", &self.temperature, nodes)?;
         fits("von Mises stress", &self.von_mises, cells)?;
-        let pressures: Vec<f64> = self.contact.iter().flat_map(|row| row.x.into_iter().chain([row.pressure])).collect();
-        fits("contact pressure", &pressures, 4 * self.contact.len())
+        let of = |value: fn(&SolidContact) -> f64| self.contact.iter().map(value).collect::<Vec<f64>>();
+        let places: Vec<f64> = self.contact.iter().flat_map(|row| row.x).collect();
+        fits("place of the contact points", &places, 3 * self.contact.len())?;
+        fits("contact pressure", &of(|row| row.pressure), self.contact.len())?;
+        fits("wear", &of(|row| row.wear), self.contact.len())?;
+        fits("friction work", &of(|row| row.friction_work), self.contact.len())
     }
 }
 
@@ -139,6 +156,10 @@ pub struct ContactRow {
     pub temperature: f64,
     /// q·ν in W/m².
     pub heat_flux: f64,
+    /// Depth worn off, m.
+    pub wear: f64,
+    /// Work of friction since the start, J/m².
+    pub friction_work: f64,
 }
 
 /// Columns of numbers by the names of `history.csv`, one row a step.
@@ -301,6 +322,8 @@ mod tests {
             status: Status::Open,
             temperature: 0.0,
             heat_flux: 0.0,
+            wear: 0.0,
+            friction_work: 0.0,
         }
     }
 

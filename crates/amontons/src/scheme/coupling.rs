@@ -7,9 +7,9 @@
 
 use super::heat::{self, Heat, on_nodes};
 use super::mechanics::Mechanics;
-use super::system::{ACCEPTED, Step, System, difference, vector_at};
+use super::system::{ACCEPTED, Step, System, difference, on_degrees, scalars_at, vector_at};
 use super::{Contraction, CouplingReport, StepError};
-use crate::linalg::{Entry, PointTangent, dot, gmres, max_abs};
+use crate::linalg::{Entry, PointDerivative, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
@@ -109,7 +109,7 @@ impl<'a> Coupled<'a> {
         Ok(self.count(Pass { mechanics, heat }))
     }
 
-    /// By how much (4.1) with θ_n in m and (4.2) with u_n in e fail, relative to their largest terms.
+    /// By how much (4.1) with θ_n in m and in the laws of contact, and (4.2) with u_n in e, fail, relative to their largest terms.
     fn defect(&self, pass: &Pass) -> Result<f64, StepError> {
         let Step { discrete, .. } = self.step;
         let change = |new: Vec<f64>, old: &[f64], space: &Space| {
@@ -117,7 +117,9 @@ impl<'a> Coupled<'a> {
             space.mask(&mut change);
             max_abs(&change)
         };
-        let force = change(discrete.m.apply(&pass.heat.theta), &pass.mechanics.thermal, &discrete.v);
+        let contact = pass.mechanics.contact_change(&self.step, self.mechanics, &pass.heat.exchange.temperature);
+        let force: Vec<f64> = discrete.m.apply(&pass.heat.theta).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
+        let force = change(force, &pass.mechanics.thermal, &discrete.v);
         let supply = change(discrete.e.apply(&pass.mechanics.u), &pass.heat.coupling, &discrete.q);
         let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
         Ok(force.max(self.step.relative(supply, pass.heat.scale, "heat")?))
@@ -260,7 +262,7 @@ impl Progress {
 /// The derivative of both half-steps at a solution.
 struct Tangent {
     mechanics: Vec<Entry>,
-    points: Vec<PointTangent>,
+    points: Vec<PointDerivative>,
     heat: Vec<Entry>,
     /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q, the slip and ν at each contact point.
     fluxes: Vec<[f64; 4]>,
@@ -281,20 +283,25 @@ impl Tangent {
     /// δθ − Φ′ δθ.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Vec<f64> {
         let Step { discrete, k, .. } = coupled.step;
-        let w = coupled.mechanics.linearised(&self.mechanics, &discrete.m.apply(change));
+        let warmer = scalars_at(discrete, change);
+        let contact = on_degrees(discrete, self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)));
+        let right: Vec<f64> = discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
+        let w = coupled.mechanics.linearised(&self.mechanics, &right);
         let u: Vec<f64> = w.iter().map(|w| k * w).collect();
         let points = discrete.boundary.points.iter().enumerate();
         let chi: Vec<f64> = points
             .map(|(i, point)| {
                 let v = vector_at(discrete, point, &w);
-                let force: [f64; 3] = std::array::from_fn(|c| tensor::dot(&self.points[i][c], &v));
+                let derivative = &self.points[i];
+                let force: [f64; 3] = std::array::from_fn(|c| tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]);
+                let wear = tensor::dot(&derivative.wear, &v) + derivative.wear_by_temperature * warmer[i];
                 let [by_penetration, by_pressure, by_slip_speed, by_friction_power] = self.fluxes[i];
                 let ([q, slip], nu) = (&self.friction[i], &self.normals[i]);
                 let (w_nu, pressure, speed) = (tensor::dot(&v, nu), tensor::dot(&force, nu), length(slip));
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                by_penetration * k * w_nu + by_pressure * pressure + by_slip_speed * in_speed + by_friction_power * power
+                by_penetration * (k * w_nu - wear) + by_pressure * pressure + by_slip_speed * in_speed + by_friction_power * power
             })
             .collect();
         let chi = on_nodes(&coupled.step, &chi);

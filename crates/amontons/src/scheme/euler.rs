@@ -100,8 +100,8 @@ impl BackwardEuler {
             let (state, second) = self.advance(&state, n, t, halvings + 1)?;
             Ok((state, second.after(&first)))
         });
-        // A step that was made stands where its halves cannot be.
-        halves.or(made)
+        // A step that was made stands where its halves cannot be; of one that was not, the first part that cannot be made is named.
+        halves.or_else(|first| made.map_err(|_| first))
     }
 
     /// Makes a step, or a part of it, as a whole.

@@ -3,8 +3,8 @@
 use super::Discretization;
 use super::StepError;
 use super::foundation::frames;
-use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, scalars_at};
-use crate::linalg::{Entry, Frame, MechanicalStep, Multipliers, PointState, PointTangent, max_abs};
+use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, on_degrees, scalars_at};
+use crate::linalg::{Entry, Frame, MechanicalStep, Multipliers, PointDerivative, PointState, max_abs};
 use crate::tensor::Point;
 
 /// What the mechanical half-step found.
@@ -104,6 +104,9 @@ impl Mechanics {
         let thermal = discrete.m.apply(theta);
         let Begun { mut now, load, mut given } = from.map_or_else(|| Begun::new(step), Begun::from);
         given.temperature = scalars_at(discrete, theta);
+        let foundation: Vec<f64> =
+            given.frames.iter().flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity)).collect();
+        step.finite(&foundation, "the foundation")?;
         let (mut newton, mut sweeps, mut passes) = (0, 0, 0);
         let mut previous = f64::INFINITY;
         let mut is_stale = !discrete.is_linear();
@@ -151,14 +154,16 @@ impl Mechanics {
                 now = next.iterate;
                 continue;
             }
-            step.accept([residual, next.scale, next.driven], "mechanics", || discrete.mechanical_round_off(&step.sizes(&next.iterate.w), &next.iterate.w))?;
+            step.accept([residual, next.scale, next.driven, next.contact], "mechanics", || {
+                discrete.mechanical_round_off(&step.sizes(&next.iterate.w), &next.iterate.w)
+            })?;
             let branches = step.branches(&next.iterate.w);
             let Balanced { iterate, states, residual, scale, force, support_work, .. } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
             let u = step.displacement(&w);
             let on_boundary = given.on_boundary(step, system.on_contact());
-            let is_unique = on_boundary
-                .is_none_or(|on_boundary| on_boundary.is_unique(&system.condensed, [&system.contact_of(&step.old.w), &system.contact_of(&w)], &multipliers));
+            let (between, on_branches) = ([&step.old.w, &w].map(|w| system.contact_of(w)), [&step.old.multipliers, &multipliers]);
+            let is_unique = on_boundary.is_none_or(|on_boundary| on_boundary.is_unique(&system.condensed, [&between[0], &between[1]], on_branches));
             return Ok(Mechanics {
                 u,
                 is_unique,
@@ -184,8 +189,17 @@ impl Mechanics {
         }
     }
 
-    /// The derivative of the contact forces at the solution: the entries it adds to S, and what each contact point sees.
-    pub fn contact_tangent(&self, step: &Step, system: &System) -> (Vec<Entry>, Vec<PointTangent>) {
+    /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
+    pub fn contact_change(&self, step: &Step, system: &System, temperature: &[f64]) -> Vec<f64> {
+        let w = system.contact_of(&self.w);
+        let forces =
+            |given: &Given| given.on_boundary(step, system.on_contact()).map_or_else(Vec::new, |laws| laws.forces(&system.condensed, &w, &self.multipliers));
+        let (now, then) = (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
+        on_degrees(step.discrete, now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c])))
+    }
+
+    /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point sees.
+    pub fn contact_tangent(&self, step: &Step, system: &System) -> (Vec<Entry>, Vec<PointDerivative>) {
         let on_boundary = self.given.on_boundary(step, system.on_contact());
         on_boundary.map_or_else(Default::default, |on_boundary| on_boundary.tangent(&system.condensed, &system.contact_of(&self.w), &self.multipliers))
     }
@@ -210,8 +224,9 @@ struct Balanced {
     states: Vec<PointState>,
     residual: f64,
     scale: f64,
-    /// The largest of the terms that are known: loads, heat, contact, inertia.
+    /// The largest of the terms that are known: loads, heat, inertia; and of the contact forces.
     driven: f64,
+    contact: f64,
     force: Point,
     support_work: f64,
 }
@@ -237,10 +252,10 @@ impl Iterate {
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
         discrete.v.mask(&mut rest);
         let inertia = discrete.inertia().0 / k * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
-        let driven = [thermal, load, &contact_force].map(max_abs).into_iter().fold(inertia, f64::max);
-        let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing].map(max_abs).into_iter().fold(driven, f64::max);
+        let (driven, contact) = ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), max_abs(&contact_force));
+        let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing].map(max_abs).into_iter().fold(driven.max(contact), f64::max);
         let residual = step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate: self, states, residual, scale, driven, force, support_work })
+        Ok(Balanced { iterate: self, states, residual, scale, driven, contact, force, support_work })
     }
 }
 
@@ -286,16 +301,12 @@ impl From<&Mechanics> for Begun {
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
 fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, Vec<f64>) {
-    let dim = discrete.mesh.dim;
-    let (mut resultant, mut forces) = ([0.0; 3], vec![0.0; discrete.v.free.len()]);
+    let force = |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
+    let mut resultant = [0.0; 3];
     for (point, state) in discrete.boundary.points.iter().zip(states) {
-        for c in 0..dim {
-            let traction = state.pressure * state.normal[c] + state.q[c];
-            resultant[c] -= point.weight * traction;
-            for &(node, value) in &point.nodes {
-                forces[discrete.boundary.nodes[node] as usize * dim + c] += point.weight * value * traction;
-            }
+        for (sum, force) in resultant.iter_mut().zip(force(state)).take(discrete.mesh.dim) {
+            *sum -= point.weight * force;
         }
     }
-    (resultant, forces)
+    (resultant, on_degrees(discrete, states.iter().map(force)))
 }

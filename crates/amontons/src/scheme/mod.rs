@@ -212,13 +212,13 @@ pub enum StepError {
         contraction: Option<Contraction>,
     },
     /// A number is infinite or not a number.
-    #[error("step {step} (t = {t:.6e} s): {part} has values that are not finite; the data grow beyond what a number can hold")]
+    #[error("step {step} (t = {t:.6e} s): {part} has values that are not finite: data that grow beyond what a number can hold, or are not defined there")]
     NotFinite {
         /// The step n that failed.
         step: usize,
         /// t_n in s.
         t: f64,
-        /// `mechanics`, `heat` or `the data`.
+        /// `mechanics`, `heat`, `the data`, or `the foundation`: its gap, velocity, or nearest point.
         part: &'static str,
     },
 }

@@ -79,11 +79,13 @@ impl Step<'_> {
 
     /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the last bits of the state
     /// make of it (`round_off`), as long as that is small beside what acts on the body (`driven`), if something does.
-    pub fn accept(&self, [residual, scale, driven]: [f64; 3], part: &'static str, round_off: impl FnOnce() -> f64) -> Result<f64, StepError> {
+    /// A contact force that is no more than that round-off is none.
+    pub fn accept(&self, [residual, scale, driven, contact]: [f64; 4], part: &'static str, round_off: impl FnOnce() -> f64) -> Result<f64, StepError> {
         if residual <= ACCEPTED {
             return Ok(residual);
         }
         let round_off = round_off();
+        let driven = if contact > ROUNDINGS * round_off { driven.max(contact) } else { driven };
         if residual * scale <= ROUNDINGS * round_off && (driven == 0.0 || round_off <= BESIDE * driven) {
             return Ok(residual);
         }
@@ -229,6 +231,20 @@ pub(super) fn at_nodes(discrete: &Discretization, components: usize, values: &[f
 pub(super) fn scalars_at(discrete: &Discretization, values: &[f64]) -> Vec<f64> {
     let boundary = &discrete.boundary;
     boundary.points.iter().map(|point| point.nodes.iter().map(|&(node, value)| value * values[boundary.nodes[node] as usize]).sum()).collect()
+}
+
+/// Σ ω Nᵀ · of vectors at the contact points, over all degrees of freedom.
+pub(super) fn on_degrees(discrete: &Discretization, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
+    let (boundary, dim) = (&discrete.boundary, discrete.mesh.dim);
+    let mut sum = vec![0.0; discrete.v.free.len()];
+    for (point, vector) in boundary.points.iter().zip(vectors) {
+        for &(node, value) in &point.nodes {
+            for c in 0..dim {
+                sum[boundary.nodes[node] as usize * dim + c] += point.weight * value * vector[c];
+            }
+        }
+    }
+    sum
 }
 
 /// The vector of a field over all degrees of freedom at a contact point.

@@ -32,6 +32,8 @@ pub struct Bound {
     pub by_pressure: f64,
     /// ∂s/∂‖w_τ‖, the slip speed, in Pa s/m.
     pub by_slip_speed: f64,
+    /// ∂s/∂θ, the temperature of the body, in Pa/K.
+    pub by_temperature: f64,
 }
 
 /// The friction cone where it is not round: ‖D⁻¹ q‖ ≤ s with D = Σ μ_i e_i ⊗ e_i, e_i orthonormal in the tangent plane.

@@ -31,7 +31,7 @@ impl FrictionLaw for StaticKinetic {
             None => (0.0, 0.0),
         };
         let mu = self.kinetic + left;
-        Bound { value: mu * at.pressure, by_pressure: mu, by_slip_speed: slope * at.pressure, by_penetration: 0.0 }
+        Bound { value: mu * at.pressure, by_pressure: mu, by_slip_speed: slope * at.pressure, ..Bound::default() }
     }
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
         l_nu.map(|l| self.at_rest.max(self.kinetic) * l)

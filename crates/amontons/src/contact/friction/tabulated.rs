@@ -35,7 +35,13 @@ impl FrictionLaw for Tabulated {
         };
         let (mu, slope) = self.coefficient.held(argument);
         let by = |variable: Variable| if variable == self.variable { slope * at.pressure } else { 0.0 };
-        Bound { value: mu * at.pressure, by_pressure: mu + by(Variable::Pressure), by_slip_speed: by(Variable::SlipSpeed), by_penetration: 0.0 }
+        Bound {
+            value: mu * at.pressure,
+            by_pressure: mu + by(Variable::Pressure),
+            by_slip_speed: by(Variable::SlipSpeed),
+            by_temperature: by(Variable::Temperature),
+            by_penetration: 0.0,
+        }
     }
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
         let mut most = self.coefficient.largest();

@@ -1,6 +1,6 @@
 //! The mechanical step on Γ_C.
 
-use super::point::{Frame, Kinematics, Local, Multiplier, PointState, PointTangent};
+use super::point::{Frame, Kinematics, Local, Multiplier, PointDerivative, PointState, PointTangent};
 use super::{ITERATIONS, NotConverged, SHORTEST_STEP, Solved, TOLERANCE};
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, PointOnBoundary, Status};
 use crate::linalg::condensed::{Condensed, Entry};
@@ -278,41 +278,58 @@ impl MechanicalStep<'_> {
             }
             size += self.k * dot(&self.velocity(point, w), &frame.normal).abs();
             floor = floor.max(f64::EPSILON * point.weight * local.p_slope.abs() / self.k * size);
-            floor = floor.max(f64::EPSILON * point.weight * right.rho[i] * length(&frame.velocity));
+            // So is the slip of a point that sticks; to one that slips it is a direction.
+            if local.sticks {
+                floor = floor.max(f64::EPSILON * point.weight * right.rho[i] * length(&frame.velocity));
+            }
         }
         Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
     }
 
-    /// The derivative of the contact forces in the velocity at a solution: its entries, and its value at each point.
-    pub fn tangent(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointTangent>) {
+    /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at each point.
+    pub fn tangent(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointDerivative>) {
         let rho = self.rho(condensed);
-        let tangents: Vec<PointTangent> = rho.iter().enumerate().map(|(i, &rho)| self.local(i, w, &multipliers.at(i), rho).linear(rho, self.dim).1).collect();
-        (self.boundary.points.iter().zip(&tangents).flat_map(|(point, tangent)| self.entries(point, tangent)).collect(), tangents)
+        let points: Vec<PointDerivative> =
+            rho.iter().enumerate().map(|(i, &rho)| self.local(i, w, &multipliers.at(i), rho).derivative(rho, self.dim)).collect();
+        (self.boundary.points.iter().zip(&points).flat_map(|(point, derivative)| self.entries(point, &derivative.force)).collect(), points)
     }
 
-    /// Whether the step has one solution between two velocities: S with the least slopes that the laws have between them is positive definite,
-    /// so that the forces are strictly monotone there. Where no law falls that is taken for granted; of friction, the fall with the slip
-    /// speed counts, and not the drop from rest, after which a point that sticks goes on sticking as long as it can.
+    /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the cone, in Pa. At a solution
+    /// that is the force p ν + q.
     #[must_use]
-    pub fn is_unique(&self, condensed: &Condensed, [from, to]: [&[f64]; 2], multipliers: &Multipliers) -> bool {
+    pub fn forces(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
+        let of = |(i, &rho): (usize, &f64)| {
+            let local = self.local(i, w, &multipliers.at(i), rho);
+            std::array::from_fn(|c| local.pressed * local.state.normal[c] + local.projected[c])
+        };
+        self.rho(condensed).iter().enumerate().map(of).collect()
+    }
+
+    /// Whether the falls of the laws leave the step one solution between two velocities: S with the least slopes that the laws have between
+    /// them is positive definite. Where no law falls that is taken for granted, and so is what friction takes by following the pressure. Of
+    /// friction, the fall with the slip speed counts, and not the drop from rest, after which a point that sticks goes on sticking as long as
+    /// it can. Proof: book, chapter 2.
+    #[must_use]
+    pub fn is_unique(&self, condensed: &Condensed, [from, to]: [&[f64]; 2], multipliers: [&Multipliers; 2]) -> bool {
         let slopes: Vec<[f64; 2]> = (0..self.boundary.points.len())
             .map(|i| {
                 let point = &self.boundary.points[i];
                 let contact = &self.contacts[point.side];
-                let (before, after) = (self.local(i, from, &multipliers.at(i), 0.0).state, self.local(i, to, &multipliers.at(i), 0.0).state);
+                let (before, after) = (self.local(i, from, &multipliers[1].at(i), 0.0).state, self.local(i, to, &multipliers[1].at(i), 0.0).state);
                 let frame = &self.frames[i];
                 // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
                 let start = before.penetration - self.k * (dot(&self.velocity(point, from), &frame.normal) - frame.gap_rate);
                 let normal = self.k * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
-                let speeds = [length(&before.slip), length(&after.slip)];
-                let seen = ContactPoint {
-                    x: point.x,
-                    penetration: after.penetration,
-                    pressure: after.pressure.max(0.0),
-                    temperature: self.temperature[i],
-                    ..ContactPoint::default()
+                // The largest load in between: a fall with the slip speed grows with it.
+                let pressure = match contact.normal.graph() {
+                    GraphKind::Function => after.pressure.max(contact.normal.pressure(&point.x, start, 0.0, 0.0).value).max(0.0),
+                    GraphKind::Multivalued => after.pressure.max(0.0),
+                    GraphKind::Bilateral => after.pressure.abs(),
                 };
-                [normal, contact.friction.least_slope(&seen, speeds[0].min(speeds[1]), speeds[0].max(speeds[1]))]
+                let seen = ContactPoint { x: point.x, penetration: after.penetration, pressure, temperature: self.temperature[i], ..ContactPoint::default() };
+                // The slip of a point that sticks is round-off, or the change of v_F that it follows.
+                let [before, after] = [(&before, multipliers[0]), (&after, multipliers[1])].map(|(state, m)| if m.sticks[i] { [0.0; 3] } else { state.slip });
+                [normal, contact.friction.least_slope(&seen, slowest(&before, &after), length(&before).max(length(&after)))]
             })
             .collect();
         if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
@@ -401,6 +418,14 @@ impl MechanicalStep<'_> {
         at.multipliers.p = self.boundary.points.iter().zip(&locals).map(|(point, local)| if self.is_function(point) { 0.0 } else { local.pressed }).collect();
         at
     }
+}
+
+/// Least length of the vectors between two: where slip turns round it stops in between.
+fn slowest(from: &Point, to: &Point) -> f64 {
+    let change: Point = std::array::from_fn(|c| to[c] - from[c]);
+    let squared = dot(&change, &change);
+    let part = if squared > 0.0 { (-dot(from, &change) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    length(&std::array::from_fn(|c| from[c] + part * change[c]))
 }
 
 /// S (w − guess) + Σ ω Nᵀ (p ν + q) = r: the increment is solved for, so that the round-off of the

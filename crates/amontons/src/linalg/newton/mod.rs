@@ -22,7 +22,7 @@ mod point;
 
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use mechanical::{MechanicalStep, Multipliers};
-pub use point::{Frame, PointState, PointTangent};
+pub use point::{Frame, PointDerivative, PointState, PointTangent};
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.

@@ -44,6 +44,19 @@ pub struct PointState {
 /// Derivative of the force p ν + q on the foundation in the velocity at a contact point, Pa s/m, rows the force.
 pub type PointTangent = [[f64; 3]; 3];
 
+/// Derivatives at a contact point, the multipliers eliminated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointDerivative {
+    /// Of the force p ν + q in the velocity.
+    pub force: PointTangent,
+    /// Of the force in the temperature of the body, Pa/K.
+    pub force_by_temperature: Point,
+    /// Of the depth that wears off in the step in the velocity, s.
+    pub wear: Point,
+    /// Of that depth in the temperature, m/K.
+    pub wear_by_temperature: f64,
+}
+
 /// The multipliers of one point.
 #[derive(Clone, Copy)]
 pub(super) struct Multiplier {
@@ -84,6 +97,11 @@ pub(super) struct Local {
     /// Derivative of the pressure with respect to ‖w_τ‖, and what of it the bound follows.
     p_speed: f64,
     follows: f64,
+    /// Derivatives of s at fixed pressure and of the pressure with respect to the temperature.
+    s_theta: f64,
+    p_theta: f64,
+    /// k κ, and k times its derivative in the temperature.
+    wear_rate: [f64; 2],
     /// z = q + ρ w_τ, scaled where the cone is not round, and the projection of q + ρ w_τ onto the cone.
     z: Point,
     pub projected: Point,
@@ -98,7 +116,8 @@ impl Local {
         let speed = length(&at.slip);
         let seen = ContactPoint { x: point.x, penetration: at.penetration, temperature: at.temperature, ..ContactPoint::default() };
         // What wears off makes the contact softer: λ_w p₊ = k κ ‖w_τ‖ p₊ is the depth.
-        let wear_by_speed = contact.wear.as_ref().map_or(0.0, |law| k * law.coefficient(&seen));
+        let wear_rate = contact.wear.as_ref().map_or([0.0; 2], |law| [k * law.coefficient(&seen), k * law.by_temperature(&seen)]);
+        let wear_by_speed = wear_rate[0];
         let by_wear = wear_by_speed * speed;
         let Pressure { value: pressed, slope, by_rate } = if graph == GraphKind::Function || rho > 0.0 {
             let z = at.penetration + if lambda > 0.0 { lambda * multiplier.p } else { 0.0 };
@@ -138,6 +157,8 @@ impl Local {
         };
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); s follows p + δp.
         let yielding = (1.0 - slope * lambda).max(STICK.recip());
+        // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no direction.
+        let by_depth = if sticks { 0.0 } else { -pressed.max(0.0) * slope / yielding };
         let follows = sign * s.by_pressure;
         Local {
             state: PointState { normal: at.normal, penetration, pressure, bound: s.value, q: *q, slip: at.slip, wear, status },
@@ -148,9 +169,11 @@ impl Local {
             s_normal: k * s.by_penetration + follows * p_slope / yielding,
             s_speed: s.by_slip_speed,
             s_change: follows * (pressed - pressure) * (yielding.recip() - 1.0),
-            // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no direction.
-            p_speed: if sticks { 0.0 } else { -wear_by_speed * pressed.max(0.0) * slope / yielding },
+            p_speed: wear_by_speed * by_depth,
             follows,
+            s_theta: s.by_temperature,
+            p_theta: wear_rate[1] * speed * by_depth,
+            wear_rate,
             z,
             projected: cone.map_or(projected, |cone| cone.apply(&projected)),
             cone,
@@ -188,6 +211,36 @@ impl Local {
             }
         }
         (force, tangent)
+    }
+
+    /// The direction in which the bound acts: that of slip, and none where the point sticks.
+    fn direction(&self) -> Point {
+        if self.state.status != Status::Slip || self.state.bound <= 0.0 {
+            return [0.0; 3];
+        }
+        let z_length = length(&self.z);
+        let n = self.z.map(|c| c / z_length);
+        self.cone.map_or(n, |cone| cone.apply(&n))
+    }
+
+    /// The derivatives at a solution of the step.
+    pub fn derivative(&self, rho: f64, dim: usize) -> PointDerivative {
+        let force = self.linear(rho, dim).1;
+        let (state, n) = (&self.state, self.direction());
+        let in_bound = self.s_theta + self.follows * self.p_theta;
+        let force_by_temperature = std::array::from_fn(|c| self.p_theta * state.normal[c] + in_bound * n[c]);
+        let speed = length(&state.slip);
+        let (mut wear, mut wear_by_temperature) = ([0.0; 3], 0.0);
+        if state.pressure > 0.0 && state.status == Status::Slip && speed > 0.0 {
+            // That of k κ ‖w_τ‖ p.
+            let [rate, by_temperature] = self.wear_rate;
+            for (e, wear) in wear.iter_mut().enumerate() {
+                let pressure: f64 = (0..3).map(|c| state.normal[c] * force[c][e]).sum();
+                *wear = rate * (state.pressure * state.slip[e] / speed + speed * pressure);
+            }
+            wear_by_temperature = by_temperature * speed * state.pressure + rate * speed * self.p_theta;
+        }
+        PointDerivative { force, force_by_temperature, wear, wear_by_temperature }
     }
 
     /// q of the linearised law and its derivative in the velocity. With the cone D, all but the derivatives of s is that of the disc in

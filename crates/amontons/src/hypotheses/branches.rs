@@ -1,0 +1,100 @@
+//! Laws of contact that fall, with which a step may have several solutions (book, chapter 2).
+
+use super::laws::tests;
+use super::sample::Samples;
+use super::{Finding, Status};
+use crate::contact::{Contact, ContactPoint, GraphKind};
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// Pressures and rates that a law is asked at, at each point.
+const SAMPLES: usize = 64;
+
+/// By how much the laws of a contact fall; all zero where none does.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Falls {
+    /// s in Pa/m: the slopes of p_ν are −s or more; infinite across a drop.
+    pub pressure: f64,
+    /// f in s/m: the slopes of the friction bound in the slip speed are −f p or more, as far as samples tell.
+    pub with_speed: f64,
+    /// By how much of p the bound drops when slip starts, as far as samples tell.
+    pub at_start: f64,
+}
+
+impl Falls {
+    /// Those of a contact with points at `places`; `stress` is the largest pressure to ask friction at, Pa.
+    fn of(contact: &Contact, places: &[Point], stress: f64) -> Falls {
+        let pressure = places.iter().map(|x| -contact.normal.least_slope(x, f64::NEG_INFINITY, f64::INFINITY).min(0.0)).fold(0.0, f64::max);
+        let mut falls = Falls { pressure, ..Falls::default() };
+        if contact.friction.is_frictionless() {
+            return falls;
+        }
+        let mut random = Samples::default();
+        for x in places {
+            for _ in 0..SAMPLES {
+                let at = ContactPoint { x: *x, pressure: random.spread(stress, 12.0).abs(), ..ContactPoint::default() };
+                let bound = |slip_speed: f64| contact.friction.bound(&ContactPoint { slip_speed, ..at }).value;
+                falls.with_speed = falls.with_speed.max(-contact.friction.least_slope(&at, 0.0, f64::INFINITY) / at.pressure);
+                falls.at_start = falls.at_start.max((bound(0.0) - bound(f64::MIN_POSITIVE)) / at.pressure);
+            }
+        }
+        falls
+    }
+
+    fn any(self) -> bool {
+        self.pressure > 0.0 || self.with_speed > 0.0 || self.at_start > 0.0
+    }
+}
+
+/// The falls of the laws of every contact.
+pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
+    let stiffness = problem.materials.iter().flat_map(|m| [m.elasticity.constants().lipschitz, m.viscosity.constants().lipschitz]);
+    let stress = stiffness.filter(|s| s.is_finite()).fold(0.0, f64::max);
+    let stress = if stress > 0.0 { stress } else { 1.0 };
+    tests(problem).map(|test| Falls::of(test.contact, &test.places, stress)).collect()
+}
+
+/// Whether the pressure of a contact depends on the rate of the penetration, as far as samples tell.
+pub(super) fn rate_matters(problem: &Problem) -> bool {
+    tests(problem).any(|test| {
+        let mut random = Samples::default();
+        let at = |x: &Point, r: f64, rate: f64| test.contact.normal.pressure(x, r, rate, 0.0).value;
+        test.contact.normal.graph() == GraphKind::Function
+            && test.places.iter().any(|x| {
+                (0..SAMPLES).any(|_| {
+                    let (r, rate) = (random.spread(test.length, 12.0).abs(), random.spread(test.length, 12.0).abs());
+                    at(x, r, rate).to_bits() != at(x, r, 0.0).to_bits()
+                })
+            })
+    })
+}
+
+/// `branches`: that a law falls, by how much, and what a run does about it; none where no law falls.
+pub(super) fn branches(problem: &Problem) -> Option<Finding> {
+    let all = falls(problem);
+    let side = all.iter().position(|falls| falls.any())?;
+    let falls = all[side];
+    let mut causes = Vec::new();
+    if falls.pressure.is_infinite() {
+        causes.push("the pressure drops from one value to another, which no step is too short for".to_owned());
+    } else if falls.pressure > 0.0 {
+        causes.push(format!("the pressure falls by up to s = {:.6e} Pa/m", falls.pressure));
+    }
+    if falls.with_speed > 0.0 {
+        causes.push(format!("friction falls with the slip speed by up to {:.6e} s/m of the pressure", falls.with_speed));
+    }
+    if falls.at_start > 0.0 {
+        let drop = falls.at_start;
+        causes.push(format!(
+            "friction drops by {drop:.6e} of the pressure when slip starts: in between a point may stick or slip in any step, and does what it did before as long as it can"
+        ));
+    }
+    let mut message = format!("a step may have several solutions: {}", causes.join("; "));
+    if falls.pressure > 0.0 || falls.with_speed > 0.0 {
+        message += ". A run follows the branch of the step before: steps that may leave it are halved up to 5 times, and those that then still may are counted in solver.ambiguous_steps";
+    }
+    let part = if falls.pressure > 0.0 { "normal" } else { "friction" };
+    let value = [falls.pressure, falls.with_speed, falls.at_start].into_iter().find(|fall| *fall > 0.0).filter(|fall| fall.is_finite());
+    let place = format!("{}.{part}", problem.contact_path(side));
+    Some(Finding::new("branches", Status::NotCovered, message, &place).numbers(value, Some(0.0)))
+}
