@@ -11,6 +11,7 @@
 
 use std::sync::Arc;
 
+use crate::contact::obstacle::Shape;
 use crate::contact::{ContactPoint, FrictionLaw, GraphKind, HeatLaw, NormalLaw, WearLaw, worn};
 use crate::element::{Element, MAX_NODES, Table};
 use crate::forms;
@@ -19,7 +20,7 @@ use crate::linalg::{Backend, Graph, Unknowns};
 use crate::material::{Isotropic, StressState, TensorLaw};
 use crate::mesh::{Diagonal, FacetMap, Mesh};
 use crate::quadrature::rule;
-use crate::tensor::{Rotation, Sym, mandel_len};
+use crate::tensor::{Point, Rotation, Sym, length, mandel_len};
 
 fn samples() -> Samples {
     Samples::default()
@@ -355,6 +356,32 @@ pub fn assert_wear_law(law: &dyn WearLaw) {
         let warmer = |h: f64| law.coefficient(&ContactPoint { temperature: at.temperature + h, ..at });
         slope_between(law.by_temperature(&at), warmer, 1e-4, 1e-6 * coefficient, &format!("{law:?}: in temperature"));
     }
+}
+
+/// The surface of an obstacle in `dim` dimensions: at points of a box of side 2 `size` around `about` the normal is of unit length and the gradient of
+/// the distance, and the point that it leads to, by the distance, lies on the surface. Points where two parts of the surface are nearly equally near have no gradient; one in ten may be
+/// such.
+///
+/// # Panics
+/// When the shape breaks the contract.
+pub fn assert_shape(shape: &dyn Shape, about: &Point, size: f64, dim: usize) {
+    let mut random = samples();
+    let (mut kinks, points) = (0, 100);
+    for _ in 0..points {
+        let x: Point = std::array::from_fn(|c| if c < dim { about[c] + size * random.number() } else { 0.0 });
+        let found = shape.nearest(&x, 0.0);
+        near(length(&found.normal), 1.0, 1e-14, &format!("{shape:?}: length of the normal at {x:?}"));
+        let foot: Point = std::array::from_fn(|c| x[c] - found.distance * found.normal[c]);
+        near(shape.nearest(&foot, 0.0).distance, 0.0, 1e-12 * (size + found.distance.abs()), &format!("{shape:?}: distance of the nearest point to {x:?}"));
+        let h = 1e-5 * size;
+        let gradient: Point = std::array::from_fn(|c| {
+            let moved = |h: f64| shape.nearest(&std::array::from_fn(|d| if c == d { x[d] + h } else { x[d] }), 0.0).distance;
+            if c < dim { (moved(h) - moved(-h)) / (2.0 * h) } else { 0.0 }
+        });
+        kinks += usize::from((0..3).any(|c| (gradient[c] - found.normal[c]).abs() > 1e-4));
+    }
+    assert!(10 * kinks <= points, "{shape:?}: the normal is not the gradient of the distance at {kinks} of {points} points");
+    assert!(shape.fields().iter().all(|(_, field)| !field.depends_on_time()) || shape.depends_on_time(), "{shape:?}: data that move, a shape that does not");
 }
 
 /// (H7) as far as it is claimed: a flux from warm to cold, nondecreasing in θ, with the slopes, the bound and the Lipschitz constant it claims;

@@ -47,6 +47,44 @@ fn every_contact_law_keeps_its_contract() {
 }
 
 #[test]
+fn every_shape_keeps_its_contract() {
+    use crate::contact::obstacle::{Cylinder, Plane, Shape, Sphere, Surface, Wave};
+    use crate::expression::Expression;
+    use crate::field::Field;
+    let fixed = |p: [f64; 3]| p.map(Field::Constant);
+    let level = Expression::parse("x^2/4 + y^2 - 1").unwrap();
+    let about = [0.3, 2.5, 0.2];
+    for dim in [2, 3] {
+        let shapes: [Box<dyn Shape>; 6] = [
+            Box::new(Plane::new(fixed([0.1, 0.2, 0.0]), [0.3, 1.0, 0.0]).unwrap()),
+            Box::new(Sphere::new(fixed([0.0; 3]), 1.2, false).unwrap()),
+            Box::new(Sphere::new(fixed([0.0; 3]), 5.0, true).unwrap()),
+            Box::new(Cylinder::new(fixed([0.1, 0.0, 0.0]), [0.0, 0.0, 1.0], 0.9, false).unwrap()),
+            Box::new(Wave::new(fixed([0.0; 3]), [0.0, 1.0, 0.0], [1.0, 0.0, 0.0], 0.1, 1.0).unwrap()),
+            Box::new(Surface::new(level.clone()).unwrap()),
+        ];
+        for shape in shapes {
+            assert_shape(shape.as_ref(), &about, 1.0, dim);
+        }
+    }
+}
+
+/// A plane whose distance is that along y.
+#[derive(Debug)]
+struct Slanted;
+impl crate::contact::obstacle::Shape for Slanted {
+    fn nearest(&self, x: &Point, _t: f64) -> crate::contact::obstacle::Nearest {
+        crate::contact::obstacle::Nearest { distance: x[1] - 0.5 * x[0], normal: [-0.5 / 1.25f64.sqrt(), 1.0 / 1.25f64.sqrt(), 0.0] }
+    }
+}
+
+#[test]
+#[should_panic(expected = "distance of the nearest point")]
+fn a_gap_that_is_no_distance_is_caught() {
+    assert_shape(&Slanted, &[0.0, 1.0, 0.0], 1.0, 2);
+}
+
+#[test]
 fn every_backend_keeps_its_contract() {
     for backend in crate::linalg::backends() {
         assert_backend(backend.as_ref());
