@@ -1,6 +1,7 @@
 //! Every law, element and backend keeps its contract, and laws that do not are caught.
 
 use super::*;
+use crate::contact::obstacle::{Nearest, Shape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
 use crate::material::Constants;
 use crate::tensor::{Point, SymMap};
@@ -48,7 +49,7 @@ fn every_contact_law_keeps_its_contract() {
 
 #[test]
 fn every_shape_keeps_its_contract() {
-    use crate::contact::obstacle::{Cylinder, Plane, Shape, Sphere, Surface, Wave};
+    use crate::contact::obstacle::{Cylinder, Plane, Sphere, Surface, Wave};
     use crate::expression::Expression;
     use crate::field::Field;
     let fixed = |p: [f64; 3]| p.map(Field::Constant);
@@ -72,9 +73,9 @@ fn every_shape_keeps_its_contract() {
 /// A plane whose distance is that along y.
 #[derive(Debug)]
 struct Slanted;
-impl crate::contact::obstacle::Shape for Slanted {
-    fn nearest(&self, x: &Point, _t: f64) -> crate::contact::obstacle::Nearest {
-        crate::contact::obstacle::Nearest { distance: x[1] - 0.5 * x[0], normal: [-0.5 / 1.25f64.sqrt(), 1.0 / 1.25f64.sqrt(), 0.0] }
+impl Shape for Slanted {
+    fn nearest(&self, x: &Point, _t: f64) -> Nearest {
+        Nearest { distance: x[1] - 0.5 * x[0], normal: [-0.5 / 1.25f64.sqrt(), 1.0 / 1.25f64.sqrt(), 0.0] }
     }
 }
 

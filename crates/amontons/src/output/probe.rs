@@ -6,7 +6,7 @@ use super::cells::Tables;
 use super::quantity::{Base, OnContact, Part, Quantity};
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
-use crate::contact::Status;
+use crate::contact::{ContactBoundary, Status};
 use crate::convergence::Locator;
 use crate::element::{Element, Table};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
@@ -103,8 +103,8 @@ pub struct ProbeSet {
 struct Prepared {
     quantity: Quantity,
     take: Option<Take>,
-    /// Which contact it is of, if it is a quantity of one.
-    side: Option<usize>,
+    /// Contact points with their weights, for a quantity of contact.
+    contact: Vec<(usize, f64)>,
     spots: Vec<Spot>,
 }
 
@@ -129,12 +129,12 @@ impl ProbeSet {
         let mesh = &problem.mesh;
         let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
-            let (side, spots) = builder.spots(probe).map_err(|error| (i, error))?;
+            let (contact, spots) = builder.spots(probe).map_err(|error| (i, error))?;
             let take = match &probe.place {
                 Place::At(_) => None,
                 Place::On(_, take) | Place::Region(_, take) => Some(*take),
             };
-            prepared.push(Prepared { quantity: probe.quantity, take, side, spots });
+            prepared.push(Prepared { quantity: probe.quantity, take, contact, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
         let samples: BTreeSet<Sample> = prepared.iter().flat_map(|p| &p.spots).flat_map(|spot| &spot.samples).map(|(sample, _)| *sample).collect();
@@ -170,8 +170,10 @@ impl ProbeSet {
 
 impl Prepared {
     fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
-        if let (Base::Contact(quantity), Some(side)) = (self.quantity.base, self.side) {
-            return vec![reduce(self.take, on_contact(now, quantity, side))];
+        if let Base::Contact(quantity) = self.quantity.base {
+            let all: Vec<(f64, Vec<f64>)> = self.contact.iter().map(|&(i, weight)| (weight, self.quantity.parts(dim, &on_contact(now, quantity, i)))).collect();
+            let count = self.quantity.columns(dim).len();
+            return (0..count).map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c])))).collect();
         }
         let mut all: Vec<(f64, Vec<f64>)> = Vec::with_capacity(self.spots.len());
         for spot in &self.spots {
@@ -193,22 +195,20 @@ impl Prepared {
     }
 }
 
-/// Values at the contact points of a side with their weights; those of a step are not numbers at t = 0.
-fn on_contact<'a>(now: &'a Snapshot, quantity: OnContact, side: usize) -> impl Iterator<Item = (f64, f64)> + 'a {
-    let points = now.discretization.boundary.points.iter().enumerate().filter(move |(_, point)| point.side == side);
-    let value = move |i: usize| -> Option<f64> {
-        let (surface, state) = (&now.state.surface, || now.report.and_then(|report| report.contact.states.get(i)));
-        match quantity {
-            OnContact::Wear => surface.wear.get(i).copied(),
-            OnContact::FrictionWork => surface.friction_work.get(i).copied(),
-            OnContact::Pressure => Some(state()?.pressure),
-            OnContact::Penetration => Some(state()?.penetration),
-            OnContact::FrictionTraction => Some(length(&state()?.q)),
-            OnContact::SlipSpeed => Some(length(&state()?.slip)),
-            OnContact::Touching => Some(f64::from(u8::from(state()?.status != Status::Open))),
-        }
-    };
-    points.map(move |(i, point)| (point.weight, value(i).unwrap_or(f64::NAN)))
+/// The value at a contact point, a number in the first component; that of a step is not a number at t = 0.
+fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point {
+    let (surface, state) = (&now.state.surface, now.report.and_then(|report| report.contact.states.get(i)));
+    let number = |value: Option<f64>| [value.unwrap_or(f64::NAN), 0.0, 0.0];
+    let vector = |value: Option<Point>| value.unwrap_or([f64::NAN; 3]);
+    match quantity {
+        OnContact::Wear => number(surface.wear.get(i).copied()),
+        OnContact::FrictionWork => number(surface.friction_work.get(i).copied()),
+        OnContact::Pressure => number(state.map(|state| state.pressure)),
+        OnContact::Penetration => number(state.map(|state| state.penetration)),
+        OnContact::Touching => number(state.map(|state| f64::from(u8::from(state.status != Status::Open)))),
+        OnContact::Traction => vector(state.map(|state| state.q.map(|q| 0.0 - q))),
+        OnContact::SlipVelocity => vector(state.map(|state| state.slip)),
+    }
 }
 
 /// Mean, extreme or integral of values with their weights; of a single point its value.
@@ -243,8 +243,8 @@ fn integral_degree(element: &Element) -> usize {
 
 /// Where a probe reads in a mesh.
 enum Found<'a> {
-    /// The contact points of a contact.
-    Contact(usize),
+    /// Contact points with their weights.
+    Contact(Vec<(usize, f64)>),
     Point {
         block: usize,
         cell: usize,
@@ -259,25 +259,26 @@ struct Builder<'a> {
     problem: &'a Problem,
     mesh: &'a Mesh,
     locator: Option<Locator<'a>>,
+    boundary: Option<ContactBoundary>,
     recovery: Option<Recovery<'a>>,
     stencils: BTreeMap<(usize, u32), Stencil>,
 }
 
 impl<'a> Builder<'a> {
     fn new(problem: &'a Problem) -> Builder<'a> {
-        Builder { problem, mesh: &problem.mesh, locator: None, recovery: None, stencils: BTreeMap::new() }
+        Builder { problem, mesh: &problem.mesh, locator: None, boundary: None, recovery: None, stencils: BTreeMap::new() }
     }
 
-    fn spots(&mut self, probe: &Probe) -> Result<(Option<usize>, Vec<Spot>), ProbeError> {
+    fn spots(&mut self, probe: &Probe) -> Result<(Vec<(usize, f64)>, Vec<Spot>), ProbeError> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
-            Found::Contact(side) => return Ok((Some(side), Vec::new())),
+            Found::Contact(points) => return Ok((points, Vec::new())),
             Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             Found::Side(set, take) => self.on(quantity, set, take),
             Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
             Found::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
         };
-        Ok((None, spots))
+        Ok((Vec::new(), spots))
     }
 
     /// Whether the body has the quantity there, and the place in the mesh.
@@ -286,7 +287,6 @@ impl<'a> Builder<'a> {
         let on_side = matches!(probe.place, Place::On(..));
         match (quantity.base, quantity.part) {
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
-            (Base::Contact(_), _) if !on_side => return Err(ProbeError::Contact(quantity.name())),
             (_, Part::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
             (_, Part::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
                 return Err(ProbeError::Component { name: quantity.name(), dim: mesh.dim });
@@ -294,20 +294,57 @@ impl<'a> Builder<'a> {
             _ => {}
         }
         match &probe.place {
+            Place::At(point) if matches!(quantity.base, Base::Contact(_)) => self.on_contact(point).ok_or_else(|| ProbeError::Contact(quantity.name())),
             Place::At(point) => self.find(point),
             Place::On(side, take) => {
                 let set = mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
-                let bears_contact = self.problem.contacts.iter().position(|contact| contact.on == *side);
-                match quantity.base {
-                    Base::Contact(_) => bears_contact.map(Found::Contact).ok_or_else(|| ProbeError::Contact(quantity.name())),
+                match (quantity.base, self.problem.contacts.iter().position(|contact| contact.on == *side)) {
+                    (Base::Contact(_), Some(side)) => {
+                        let points = self.boundary().points.iter().enumerate();
+                        Ok(Found::Contact(points.filter(|(_, point)| point.side == side).map(|(i, point)| (i, point.weight)).collect()))
+                    }
+                    (Base::Contact(_), None) => Err(ProbeError::Contact(quantity.name())),
                     _ => Ok(Found::Side(set, *take)),
                 }
             }
+            Place::Region(..) if matches!(quantity.base, Base::Contact(_)) => Err(ProbeError::Contact(quantity.name())),
             Place::Region(name, take) => {
                 let region = mesh.regions.iter().position(|known| known == name).ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?;
                 Ok(Found::Region(region, *take))
             }
         }
+    }
+
+    fn boundary(&mut self) -> &ContactBoundary {
+        self.boundary.get_or_insert_with(|| self.problem.contact_boundary())
+    }
+
+    /// Contact points that a value at a point of Γ_C is interpolated from: those of the nodes of the cell there, by its shape functions; with Gauss
+    /// quadrature, and where a node has none, the nearest one. None for a point that is not on Γ_C.
+    fn on_contact(&mut self, point: &Point) -> Option<Found<'a>> {
+        let mesh = self.mesh;
+        let (block, cell, x) = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point)?;
+        let (element, nodes) = (mesh.blocks[block].element, mesh.blocks[block].cells().nth(cell)?);
+        let mut values = vec![0.0; nodes.len()];
+        (element.shape_functions)(&x, &mut values);
+        let boundary = self.boundary();
+        let on_contact = |node: u32| boundary.nodes.binary_search(&node).ok();
+        let elsewhere: f64 = nodes.iter().zip(&values).filter(|(node, _)| on_contact(**node).is_none()).map(|(_, value)| value.abs()).sum();
+        if elsewhere > 1e-6 {
+            return None;
+        }
+        // A point of a node alone stands for it.
+        let point_of = |node: usize| boundary.points.iter().position(|point| matches!(point.nodes[..], [(own, _)] if own == node));
+        let weights: Option<Vec<(usize, f64)>> = nodes
+            .iter()
+            .zip(&values)
+            .filter(|(_, value)| value.abs() > 1e-9)
+            .filter_map(|(&node, &value)| Some((on_contact(node)?, value)))
+            .map(|(node, value)| Some((point_of(node)?, value)))
+            .collect();
+        let away = |at: &Point| length(&std::array::from_fn(|c| at[c] - point[c]));
+        let nearest = || boundary.points.iter().enumerate().min_by(|(_, a), (_, b)| away(&a.x).total_cmp(&away(&b.x))).map(|(i, _)| vec![(i, 1.0)]);
+        weights.filter(|weights| !weights.is_empty()).or_else(nearest).map(Found::Contact)
     }
 
     fn find(&mut self, point: &Point) -> Result<Found<'a>, ProbeError> {

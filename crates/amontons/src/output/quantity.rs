@@ -39,10 +39,10 @@ pub enum OnContact {
     Pressure,
     /// r in m; negative where the gap is open.
     Penetration,
-    /// ‖σ_τ‖ in Pa.
-    FrictionTraction,
-    /// ‖w_τ − v_F‖ in m/s.
-    SlipSpeed,
+    /// σ_τ in Pa, what friction does to the body.
+    Traction,
+    /// w_τ − v_F in m/s.
+    SlipVelocity,
     /// 1 where there is contact, 0 where the gap is open: its integral is the area of contact.
     Touching,
     /// Depth worn off, m.
@@ -81,6 +81,8 @@ const VECTOR: &[(&str, Part)] = &[
     ("_magnitude", Part::Magnitude),
     ("_normal", Part::Normal),
 ];
+const TANGENTIAL: &[(&str, Part)] =
+    &[("", Part::All), ("_x", Part::Component(0)), ("_y", Part::Component(1)), ("_z", Part::Component(2)), ("_magnitude", Part::Magnitude)];
 const TENSOR: &[(&str, Part)] = &[
     ("", Part::All),
     ("_xx", Part::Component(0)),
@@ -108,8 +110,8 @@ const BASES: [(&str, Base, &[(&str, Part)]); 17] = [
     ("heat_flux", Base::HeatFlux, VECTOR),
     ("pressure", Base::Contact(OnContact::Pressure), NUMBER),
     ("penetration", Base::Contact(OnContact::Penetration), NUMBER),
-    ("friction_traction", Base::Contact(OnContact::FrictionTraction), NUMBER),
-    ("slip_speed", Base::Contact(OnContact::SlipSpeed), NUMBER),
+    ("traction", Base::Contact(OnContact::Traction), TANGENTIAL),
+    ("slip_velocity", Base::Contact(OnContact::SlipVelocity), TANGENTIAL),
     ("touching", Base::Contact(OnContact::Touching), NUMBER),
     ("wear", Base::Contact(OnContact::Wear), NUMBER),
     ("friction_work", Base::Contact(OnContact::FrictionWork), NUMBER),
@@ -140,7 +142,7 @@ impl Quantity {
             return vec![""];
         }
         let parts = BASES.iter().find(|(_, base, _)| *base == self.base).map_or(NUMBER, |(.., parts)| parts);
-        let most = if matches!(self.base, Base::Displacement | Base::Velocity | Base::HeatFlux) { dim } else { usize::MAX };
+        let most = if self.is_vector() { dim } else { usize::MAX };
         let components = parts.iter().filter(|(_, part)| matches!(part, Part::Component(c) if *c < most)).map(|(ending, _)| *ending);
         if parts.len() == 1 { vec![""] } else { components.collect() }
     }
@@ -152,7 +154,18 @@ impl Quantity {
 
     /// Whether it is a vector of the body, which has as many components as the body has dimensions.
     pub(super) fn is_vector(self) -> bool {
-        matches!(self.base, Base::Displacement | Base::Velocity | Base::HeatFlux)
+        matches!(self.base, Base::Displacement | Base::Velocity | Base::HeatFlux | Base::Contact(OnContact::Traction | OnContact::SlipVelocity))
+    }
+
+    /// What is taken of a vector, or of a number in its place.
+    pub(super) fn parts(self, dim: usize, v: &Point) -> Vec<f64> {
+        let mut out = Vec::new();
+        if self.is_vector() {
+            self.of_vector(dim, v, &[0.0; 3], &mut out);
+        } else {
+            out.push(v[0]);
+        }
+        out
     }
 
     /// Its value at a place where fields at the nodes have these values, and where the body has these point values; ν is the
