@@ -213,7 +213,8 @@ fn what_a_step_satisfies_with_everything_at_once() {
         }
         println!("{dim}-d, {coupling}: pressed {pressed:?}, slipped {slipped:?}, worst {worst:?}");
         assert!(pressed.iter().chain(&slipped).all(|&n| n > 20), "all laws act: {pressed:?} {slipped:?}");
-        assert!(worst[0] < 1e-13, "energy and heat: {:e}", worst[0]);
+        // Residuals below 1e-11 are not refined, and do as much work.
+        assert!(worst[0] < 1e-12, "energy and heat: {:e}", worst[0]);
         // A step is accepted with a residual of 1e-10 of its largest term, some tens here.
         assert!(worst[1] < 1e-10, "forces and moments: {:e}", worst[1]);
         assert!(worst[2] < 1e-13, "kinematics: {:e}", worst[2]);
