@@ -310,6 +310,7 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
         let at_rest = law.bound(&ContactPoint { slip_speed: 0.0, ..at }).value;
         let creeping = law.bound(&ContactPoint { slip_speed: 1e-12, ..at }).value;
         assert!(at_rest >= creeping * (1.0 - 1e-9), "{law:?}: the bound rises from {at_rest:e} to {creeping:e} when slip starts");
+        assert!(law.drops_from_rest() || at_rest <= creeping * (1.0 + 1e-9) + 1e-300, "{law:?}: the bound drops from {at_rest:e} to {creeping:e}, unsaid");
         if law.is_frictionless() {
             near(bound.value, 0.0, 0.0, &format!("{law:?}: bound of a law without friction"));
         }

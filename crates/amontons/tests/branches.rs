@@ -328,6 +328,30 @@ fn a_stuck_point_slips_at_static_friction_and_not_before() {
     assert!(unique.status == "not-covered" && unique.message.contains("two solutions"), "{}", unique.message);
 }
 
+/// A belt with v_F = 0.05 t² carries a body of mass 1 along up to the static friction: (v_F(t_n) − v_F(t_{n−1}))/k = 0.1 t_n − 0.05 k ≤ μ_s holds up to
+/// t = 2. From there the body has the acceleration μ_k.
+#[test]
+fn a_belt_that_speeds_up_carries_a_body_along_up_to_static_friction() {
+    for friction in ["static=0.2, kinetic=0.1", "static=0.2, kinetic=0.1, cap=100"] {
+        let problem = column(&[
+            "time.end=4",
+            "time.steps=400",
+            "material.viscosity.second=0",
+            "material.elasticity.young=2e-12",
+            &format!("contact.friction={{law='static-kinetic', {friction}}}"),
+            "contact.frictional_heat=0",
+            "contact.foundation_velocity=['0.05*t^2', 0]",
+        ]);
+        let (states, reports) = run(&problem);
+        for n in 1..=400 {
+            let t = 0.01 * n as f64;
+            let w = if n <= 200 { 0.05 * t * t } else { 0.2 + 0.1 * (t - 2.0) };
+            near(states[n].w[0], w, 1e-10, &format!("w at t = {t}, {friction}"));
+            assert!(reports[n - 1].parts == 1, "{} parts at t = {t}", reports[n - 1].parts);
+        }
+    }
+}
+
 /// p = 0 up to r = a and P beyond it, without the values between: a step that would end in them has no solution.
 #[derive(Debug)]
 struct Stair {

@@ -28,7 +28,8 @@ impl Build<'_> {
                 let found = format!("\"{}\"", probe.name.escape_debug());
                 self.note(&format!("{path}.name"), At::Value, found, "a name of letters, digits, `_`, `-` and `.`", None);
             } else if probes.iter().any(|other| other.name == probe.name) || matches!(probe.name.as_str(), "step" | "t") {
-                self.note(&format!("{path}.name"), At::Value, format!("\"{}\" again", probe.name), "a name of its own for each column of probes.csv", None);
+                let found = format!("\"{}\" again", probe.name);
+                self.note(&format!("{path}.name"), At::Value, found, "a name of its own for each column of probes.csv, which begin with step and t", None);
             }
             let target = Target { path, at: probe.at.as_ref(), on: probe.on.as_ref(), region: probe.region.as_ref(), take: probe.take };
             if let Some(place) = self.probe_place(&target, problem)

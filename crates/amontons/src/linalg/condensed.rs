@@ -1,6 +1,7 @@
 //! Systems (S + J) x = b on Γ_C: with the factors of the last few J kept, or for a large Γ_C without a factor.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 
 use faer::linalg::solvers::{PartialPivLu, Solve};
 use faer::prelude::*;
@@ -38,7 +39,7 @@ pub type Entry = (u32, u32, f64);
 /// a facet): a few dozen products, whatever the contact pattern.
 #[derive(Debug)]
 pub struct Condensed {
-    s: Mat<f64>,
+    s: Arc<Mat<f64>>,
     /// Its largest entry.
     largest: f64,
     /// First unknown of each node, and their number.
@@ -51,12 +52,13 @@ pub struct Condensed {
 impl Condensed {
     /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
     #[must_use]
-    pub fn new(s: Mat<f64>, nodes: Vec<usize>) -> Condensed {
+    pub fn new(s: impl Into<Arc<Mat<f64>>>, nodes: Vec<usize>) -> Condensed {
+        let s = s.into();
         Condensed { is_large: s.nrows() >= LARGE, largest: s.norm_max(), s, nodes, kept: VecDeque::new(), factorizations: 0 }
     }
 
     /// Goes over to another operator; factors of the one before are of no use.
-    pub fn replace(&mut self, s: Mat<f64>) {
+    pub fn replace(&mut self, s: Arc<Mat<f64>>) {
         self.largest = s.norm_max();
         self.s = s;
         self.kept.clear();
@@ -96,6 +98,13 @@ impl Condensed {
     #[must_use]
     pub fn magnitude(&self, x: &[f64]) -> f64 {
         max_abs(&self.product(x, |s, x| (s * x).abs()))
+    }
+
+    /// A bound on [`Condensed::magnitude`] that takes no product.
+    #[must_use]
+    pub fn magnitude_bound(&self, x: &[f64]) -> f64 {
+        // Twice, for the round-off of either sum.
+        2.0 * self.largest * x.iter().map(|x| x.abs()).sum::<f64>()
     }
 
     /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
@@ -144,7 +153,7 @@ impl Condensed {
                 &self.kept[0].1
             }
             None => {
-                let mut matrix = self.s.clone();
+                let mut matrix = Mat::clone(&self.s);
                 for &(i, j, value) in entries {
                     matrix[(i as usize, j as usize)] += value;
                 }
@@ -248,5 +257,6 @@ mod tests {
         assert!(max_abs(&difference) < 1e-10 * max_abs(&x), "{:e}", max_abs(&difference));
         let (small, large) = (factor.apply(&b), iteration.apply(&b));
         assert_eq!(small, large, "products in parts have the bits of those in one");
+        assert!(factor.magnitude(&b) <= factor.magnitude_bound(&b));
     }
 }

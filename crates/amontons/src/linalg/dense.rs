@@ -1,6 +1,10 @@
-//! A dense backend: small systems, and the reference of the sparse one.
+//! A dense backend: small systems, and the reference of the sparse one; the product L Lᵀ.
 
-use faer::Mat;
+use std::sync::Arc;
+
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
+use rayon::prelude::*;
 
 use super::factor::{Backend, Factor, FactorError, Unknowns, upper_columns};
 use super::sparse::BlockMatrix;
@@ -62,12 +66,61 @@ impl Factor for DenseFactor {
             x[j] = (x[j] - sum) / self.l[(j, j)];
         }
     }
-    fn condensed(&self) -> Mat<f64> {
+    fn condensed(&self) -> Arc<Mat<f64>> {
         let n = self.l.nrows() - self.interior;
         let s = self.l.submatrix(self.interior, self.interior, n, n);
-        Mat::from_fn(n, n, |i, j| s[(i.max(j), i.min(j))])
+        Arc::new(Mat::from_fn(n, n, |i, j| s[(i.max(j), i.min(j))]))
     }
     fn stored(&self) -> usize {
         self.l.nrows() * (self.l.nrows() + 1) / 2
+    }
+}
+
+/// Columns of L Lᵀ that are computed at once, whatever the number of threads: the order of summation must not depend on it.
+const PART: usize = 256;
+/// Rows of the lower half that are copied at once.
+const STRIP: usize = 64;
+
+/// L Lᵀ of a lower triangular L: n³/3 operations for the lower half, and none for what is zero above the diagonal of L.
+pub(super) fn gram(l: &Mat<f64>) -> Mat<f64> {
+    let n = l.nrows();
+    let mut s = Mat::<f64>::zeros(n, n);
+    if n == 0 {
+        return s;
+    }
+    s.par_col_chunks_mut(PART).enumerate().for_each(|(part, columns)| {
+        let (first, width) = (part * PART, columns.ncols());
+        let right = l.submatrix(first, 0, width, first + width).transpose();
+        matmul(columns.subrows_mut(first, n - first), Accum::Replace, l.submatrix(first, 0, n - first, first + width), right, 1.0, Par::Seq);
+    });
+    for strip in (0..n).step_by(STRIP) {
+        for i in 0..n {
+            for j in strip.max(i + 1)..(strip + STRIP).min(n) {
+                s[(i, j)] = s[(j, i)];
+            }
+        }
+    }
+    s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of whole numbers, whose product is exact, it is the product; of others it has the same bits on one thread and on three.
+    #[test]
+    fn the_product_with_the_transpose() -> Result<(), rayon::ThreadPoolBuildError> {
+        for n in [0, 1, 5, PART, 2 * PART + 37] {
+            let whole = |i: usize, j: usize| if i >= j { ((i * 7 + j * 5) % 11) as f64 - 5.0 } else { 0.0 };
+            let s = gram(&Mat::from_fn(n, n, whole));
+            for (i, j) in (0..n).step_by(3).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                let exact: f64 = (0..n).map(|k| whole(i, k) * whole(j, k)).sum();
+                assert!((s[(i, j)] - exact).abs() == 0.0, "n = {n}, ({i}, {j}): {}, expected {exact}", s[(i, j)]);
+            }
+            let l = Mat::from_fn(n, n, |i, j| if i >= j { ((i + 3 * j) as f64).sin() } else { 0.0 });
+            let on = |threads: usize| Ok::<_, rayon::ThreadPoolBuildError>(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(|| gram(&l)));
+            assert_eq!(on(1)?, on(3)?, "n = {n}");
+        }
+        Ok(())
     }
 }

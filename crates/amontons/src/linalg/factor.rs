@@ -7,6 +7,7 @@
 //! bound on the time of a step.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
@@ -16,7 +17,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Par, Side};
 use rayon::prelude::*;
 
-use super::dense::Dense;
+use super::dense::{Dense, gram};
 use super::ordering::nested_dissection;
 use super::sparse::BlockMatrix;
 use crate::tensor::Point;
@@ -124,8 +125,8 @@ pub trait Factor: Debug + Send + Sync {
     fn forward(&self, r: &mut [f64]);
     /// Expands: takes the contact entries as solved and returns the interior ones.
     fn backward(&self, x: &mut [f64]);
-    /// The condensed operator S = K_CC − K_CI K_II⁻¹ K_IC.
-    fn condensed(&self) -> Mat<f64>;
+    /// The condensed operator S = K_CC − K_CI K_II⁻¹ K_IC, shared: on a large Γ_C a copy is as large as the factor.
+    fn condensed(&self) -> Arc<Mat<f64>>;
     /// Numbers that the factor stores; a sweep reads them once.
     fn stored(&self) -> usize;
 }
@@ -220,7 +221,7 @@ struct SupernodalFactor {
     root: Task,
     size: usize,
     interior: usize,
-    condensed: Mat<f64>,
+    condensed: Arc<Mat<f64>>,
 }
 
 impl SupernodalFactor {
@@ -238,8 +239,9 @@ impl SupernodalFactor {
             .map(|&dof| matrix.get(dof as usize / components, dof as usize % components, dof as usize / components, dof as usize % components));
         let shift = diagonal.sum::<f64>() / (unknowns.len() - unknowns.interior) as f64;
         let mut factor = SupernodalFactor::new(matrix, unknowns, shift).map_err(|_| free)?;
-        for i in 0..factor.condensed.nrows() {
-            factor.condensed[(i, i)] -= shift;
+        let condensed = Arc::make_mut(&mut factor.condensed);
+        for i in 0..condensed.nrows() {
+            condensed[(i, i)] -= shift;
         }
         Ok(factor)
     }
@@ -248,7 +250,7 @@ impl SupernodalFactor {
     fn new(matrix: &BlockMatrix, unknowns: &Unknowns, shift: f64) -> Result<SupernodalFactor, FactorError> {
         let size = unknowns.len();
         if size == 0 {
-            return Ok(SupernodalFactor { values: Vec::new(), root: Task::default(), size, interior: 0, condensed: Mat::new() });
+            return Ok(SupernodalFactor { values: Vec::new(), root: Task::default(), size, interior: 0, condensed: Arc::new(Mat::new()) });
         }
         let memory = || FactorError::Memory { size };
         let mut upper = upper_columns(matrix, unknowns);
@@ -293,9 +295,7 @@ impl SupernodalFactor {
         if let Some(index) = (0..l.nrows()).find(vanishes).filter(|_| shift == 0.0) {
             return Err(FactorError::NotPositive { pivot: unknowns.interior + index, size });
         }
-        let mut condensed = Mat::<f64>::zeros(l.nrows(), l.nrows());
-        faer::linalg::matmul::matmul(condensed.as_mut(), faer::Accum::Replace, l.as_ref(), l.as_ref().transpose(), 1.0, Par::Seq);
-        Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed })
+        Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed: Arc::new(gram(&l)) })
     }
 }
 
@@ -311,8 +311,8 @@ impl Factor for SupernodalFactor {
         let (interior, contact) = x.split_at_mut(self.interior);
         self.root.backward(&self.values, interior, contact);
     }
-    fn condensed(&self) -> Mat<f64> {
-        self.condensed.clone()
+    fn condensed(&self) -> Arc<Mat<f64>> {
+        Arc::clone(&self.condensed)
     }
     fn stored(&self) -> usize {
         debug_assert!(self.size >= self.interior);

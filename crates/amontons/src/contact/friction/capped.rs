@@ -28,6 +28,9 @@ impl FrictionLaw for Capped {
     fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
         self.law.least_slope(at, from, to)
     }
+    fn drops_from_rest(&self) -> bool {
+        self.law.drops_from_rest()
+    }
     fn is_frictionless(&self) -> bool {
         self.cap == 0.0 || self.law.is_frictionless()
     }

@@ -91,6 +91,10 @@ pub trait FrictionLaw: Debug + Send + Sync {
     fn least_slope(&self, _at: &ContactPoint, _from: f64, _to: f64) -> f64 {
         0.0
     }
+    /// Whether the bound drops when slip starts: that of a slip speed of zero may be above those of the slowest slip.
+    fn drops_from_rest(&self) -> bool {
+        false
+    }
     /// Whether the bound is always zero.
     fn is_frictionless(&self) -> bool {
         false

@@ -39,6 +39,9 @@ impl FrictionLaw for StaticKinetic {
     fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
         [from, to].map(|slip_speed| self.bound(&ContactPoint { slip_speed, ..*at }).by_slip_speed).into_iter().fold(0.0, f64::min)
     }
+    fn drops_from_rest(&self) -> bool {
+        self.decay_speed.is_none() && self.at_rest > self.kinetic
+    }
     fn is_frictionless(&self) -> bool {
         self.at_rest == 0.0 && self.kinetic == 0.0
     }

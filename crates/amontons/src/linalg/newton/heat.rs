@@ -210,13 +210,15 @@ impl HeatStep<'_> {
         let errors: Vec<f64> = (0..theta.len()).map(|i| inner[i] + heat[i] - r[i]).collect();
         // θ − guess and θ − θ_F are differences of larger numbers.
         let sizes: Vec<f64> = theta.iter().zip(guess).map(|(theta, guess)| theta.abs() + guess.abs()).collect();
-        let mut floor = f64::EPSILON * condensed.magnitude(&sizes);
+        let residual = max_abs(&errors);
+        // A residual beyond the bound is no round-off, whatever the product.
+        let mut floor = if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) { 0.0 } else { f64::EPSILON * condensed.magnitude(&sizes) };
         for (i, (point, flux)) in self.boundary.points.iter().zip(&exchange.flux).enumerate() {
             let theta_f = exchange.foundation[point.side].unwrap_or(self.foundation[i]);
             floor = floor.max(f64::EPSILON * point.weight * flux.by_temperature * (exchange.temperature[i].abs() + theta_f.abs()));
         }
         let merit = errors.iter().map(|e| e * e).sum();
-        HeatEvaluation { residual: max_abs(&errors), errors, merit, scale, tolerance: (TOLERANCE * scale).max(floor), theta, exchange }
+        HeatEvaluation { residual, errors, merit, scale, tolerance: (TOLERANCE * scale).max(floor), theta, exchange }
     }
 }
 

@@ -40,7 +40,7 @@ impl Multipliers {
         }
     }
 
-    fn at(&self, i: usize) -> Multiplier {
+    pub(super) fn at(&self, i: usize) -> Multiplier {
         Multiplier { p: self.p[i], q: self.q[i], sticks: self.sticks[i] }
     }
 }
@@ -85,7 +85,18 @@ impl MechanicalStep<'_> {
         self.contacts[point.side].normal.graph() == GraphKind::Function
     }
 
-    fn local(&self, i: usize, w: &[f64], multiplier: &Multiplier, rho: f64) -> Local {
+    /// Whether the bound of a point drops when slip starts: then the iteration stays on the branch that it starts on, because what its
+    /// iterates overshoot would let a point go that can stick.
+    fn drops(&self, i: usize) -> bool {
+        self.contacts[self.boundary.points[i].side].friction.drops_from_rest()
+    }
+
+    /// The branches of an iterate, but where bounds drop as they were.
+    fn branches(&self, locals: &[Local], before: &[bool]) -> Vec<bool> {
+        locals.iter().zip(before).enumerate().map(|(i, (local, before))| if self.drops(i) { *before } else { local.sticks }).collect()
+    }
+
+    pub(super) fn local(&self, i: usize, w: &[f64], multiplier: &Multiplier, rho: f64) -> Local {
         let (point, frame) = (&self.boundary.points[i], &self.frames[i]);
         let v = self.velocity(point, w);
         let nu = &frame.normal;
@@ -136,12 +147,13 @@ impl MechanicalStep<'_> {
         }
     }
 
-    /// ρ of each point: the diagonal of S over the weight of its nodes.
+    /// ρ of each point: the diagonal of S over the weight of its nodes. Absolute values of the shape functions weigh and average: those of quadratic
+    /// facets take either sign, and at the vertices of a triangle they integrate to zero, so that ∫ N would leave the sign of ρ to round-off.
     fn rho(&self, condensed: &Condensed) -> Vec<f64> {
         let mut weight = vec![0.0; self.boundary.nodes.len()];
         for point in &self.boundary.points {
             for &(node, value) in &point.nodes {
-                weight[node] += point.weight * value;
+                weight[node] += point.weight * value.abs();
             }
         }
         let of_node = |node: usize| {
@@ -149,7 +161,11 @@ impl MechanicalStep<'_> {
                 (0..self.dim).filter_map(|c| self.unknown[node * self.dim + c]).map(|u| condensed.operator()[(u as usize, u as usize)]).collect();
             diagonal.iter().sum::<f64>() / (diagonal.len().max(1) as f64 * weight[node])
         };
-        self.boundary.points.iter().map(|p| p.nodes.iter().map(|&(node, value)| value * of_node(node)).sum()).collect()
+        let of_point = |point: &PointOnBoundary| {
+            let [sum, share] = point.nodes.iter().fold([0.0; 2], |[sum, share], &(node, value)| [sum + value.abs() * of_node(node), share + value.abs()]);
+            sum / share
+        };
+        self.boundary.points.iter().map(of_point).collect()
     }
 
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced
@@ -158,21 +174,73 @@ impl MechanicalStep<'_> {
     /// # Errors
     /// When the iteration does not end; the multipliers are then as they were.
     pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64], multipliers: &mut Multipliers) -> Result<Solved, NotConverged> {
-        let right = Right { r, guess, rho: self.rho(condensed), proximal: None };
-        let start = Iterate { w: guess.to_vec(), multipliers: multipliers.clone() };
-        let (end, iterations) = match self.iterate(condensed, &right, start) {
-            Ok(done) => done,
-            Err(failed) => self.approach(condensed, right, &failed, &multipliers.sticks)?,
-        };
-        *multipliers = end.multipliers;
-        Ok(Solved { x: end.w, iterations })
+        let rho = self.rho(condensed);
+        let mut start = Iterate { w: guess.to_vec(), multipliers: multipliers.clone() };
+        let mut iterations = 0;
+        let mut let_go = vec![false; rho.len()];
+        loop {
+            let held = start.multipliers.sticks.clone();
+            let right = Right { r, guess, rho: rho.clone(), proximal: None };
+            let (mut end, done) = self.on_branches(condensed, right, start)?;
+            iterations += done;
+            let sticks: Vec<bool> = rho.iter().enumerate().map(|(i, &rho)| self.local(i, &end.w, &end.multipliers.at(i), rho).sticks).collect();
+            // A point is held at most once in a step, at first or when its slip has turned round through rest, and let go at most once, when it slips
+            // under its static bound.
+            let mut branches = sticks.clone();
+            let mut changed = false;
+            for i in (0..sticks.len()).filter(|&i| self.drops(i)) {
+                branches[i] = held[i];
+                if held[i] && !sticks[i] {
+                    (branches[i], let_go[i], changed) = (false, true, true);
+                } else if !held[i] && !sticks[i] && !let_go[i] && dot(&end.multipliers.q[i], &multipliers.q[i]) < 0.0 {
+                    (branches[i], changed) = (true, true);
+                }
+            }
+            if !changed {
+                end.multipliers.sticks = sticks;
+                *multipliers = end.multipliers;
+                return Ok(Solved { x: end.w, iterations });
+            }
+            end.multipliers.sticks = branches;
+            start = end;
+        }
+    }
+
+    /// Solves the step with the bounds that drop when slip starts on the branches of `start`.
+    fn on_branches(&self, condensed: &mut Condensed, right: Right, start: Iterate) -> Result<(Iterate, usize), NotConverged> {
+        if self.is_convex() {
+            let (w, before) = self.descend(condensed, &right);
+            let start = Iterate { w, ..start };
+            return match self.iterate(condensed, &right, start.clone()) {
+                Ok((end, after)) => Ok((end, before + after)),
+                Err(failed) => self.approach(condensed, right, start, before + failed.iterations),
+            };
+        }
+        let held = start.multipliers.sticks.clone();
+        match self.iterate(condensed, &right, start) {
+            Ok(done) => Ok(done),
+            Err(failed) => self.begin_again(condensed, right, failed, &held),
+        }
+    }
+
+    /// Starts again where the body rests without friction, and if that fails too, approaches the solution.
+    fn begin_again(&self, condensed: &mut Condensed, right: Right, mut failed: NotConverged, sticks: &[bool]) -> Result<(Iterate, usize), NotConverged> {
+        let mut start = Iterate { w: right.guess.to_vec(), multipliers: Multipliers::free(sticks.to_vec()) };
+        if self.rises() {
+            let (w, before) = self.descend(condensed, &right);
+            failed.iterations += before;
+            start.w = w;
+            match self.iterate(condensed, &right, start.clone()) {
+                Ok((end, done)) => return Ok((end, failed.iterations + done)),
+                Err(why) => failed.iterations += why.iterations,
+            }
+        }
+        self.approach(condensed, right, start, failed.iterations)
     }
 
     /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one
     /// solution when β is large; the anchor follows it, and β falls as the steps succeed.
-    fn approach(&self, condensed: &mut Condensed, mut right: Right, failed: &NotConverged, sticks: &[bool]) -> Result<(Iterate, usize), NotConverged> {
-        let mut iterations = failed.iterations;
-        let mut reached = Iterate { w: right.guess.to_vec(), multipliers: Multipliers::free(sticks.to_vec()) };
+    fn approach(&self, condensed: &mut Condensed, mut right: Right, mut reached: Iterate, mut iterations: usize) -> Result<(Iterate, usize), NotConverged> {
         let mut beta = 1.0;
         while iterations < APPROACH {
             right.proximal = Some((beta, reached.w.clone()));
@@ -207,6 +275,9 @@ impl MechanicalStep<'_> {
             if now.converged() {
                 return Ok((self.settled(now), iteration));
             }
+            if iteration == 0 {
+                now.hold();
+            }
             let (mut entries, mut step) = self.linearise(right, &now);
             if let Some((beta, _)) = right.proximal {
                 entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.operator()[(i, i)])));
@@ -228,6 +299,9 @@ impl MechanicalStep<'_> {
                 }
                 alpha *= 0.5;
                 if alpha < SHORTEST_STEP {
+                    if right.is_round_off(condensed, &now.at.w, now.residual) {
+                        return Ok((self.settled(now), iteration));
+                    }
                     if leaps == LEAPS {
                         return Err(now.failure(iteration + 1));
                     }
@@ -265,10 +339,17 @@ impl MechanicalStep<'_> {
         }
         let merit = errors.iter().map(|e| e * e).sum();
         let residual = max_abs(&errors);
-        // w − guess and the penetration u_ν + k w_ν − g are differences of larger numbers.
+        let tight = TOLERANCE * scale;
+        let tolerance = if residual > tight { tight.max(self.round_off(condensed, right, w, &locals, residual)) } else { tight };
+        Evaluation { at, locals, rest, merit, residual, scale, tolerance }
+    }
+
+    /// What the round-off of the terms makes of the residual: w − guess and the penetration u_ν + k w_ν − g are differences of larger numbers.
+    fn round_off(&self, condensed: &Condensed, right: &Right, w: &[f64], locals: &[Local], residual: f64) -> f64 {
         let sizes: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w.abs() + guess.abs()).collect();
-        let mut floor = f64::EPSILON * condensed.magnitude(&sizes);
-        for (i, (point, local)) in self.boundary.points.iter().zip(&locals).enumerate() {
+        // A residual beyond the bound is no round-off, whatever the product, which costs as much as S (w − guess).
+        let mut floor = if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) { 0.0 } else { f64::EPSILON * condensed.magnitude(&sizes) };
+        for (i, (point, local)) in self.boundary.points.iter().zip(locals).enumerate() {
             let frame = &self.frames[i];
             let mut size = frame.gap.abs();
             for &(node, value) in &point.nodes {
@@ -283,7 +364,7 @@ impl MechanicalStep<'_> {
                 floor = floor.max(f64::EPSILON * point.weight * right.rho[i] * length(&frame.velocity));
             }
         }
-        Evaluation { at, locals, rest, merit, residual, scale, tolerance: (TOLERANCE * scale).max(floor) }
+        floor
     }
 
     /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at each point.
@@ -354,7 +435,7 @@ impl MechanicalStep<'_> {
     }
 
     /// The entries of ω Nᵀ · N for one point.
-    fn entries(&self, point: &PointOnBoundary, tangent: &PointTangent) -> Vec<Entry> {
+    pub(super) fn entries(&self, point: &PointOnBoundary, tangent: &PointTangent) -> Vec<Entry> {
         let mut entries = Vec::with_capacity(point.nodes.len().pow(2) * self.dim.pow(2));
         for &(na, va) in &point.nodes {
             for c in 0..self.dim {
@@ -391,7 +472,7 @@ impl MechanicalStep<'_> {
 
     /// The multipliers of the linearised laws after the step δw.
     fn multipliers_after(&self, right: &Right, now: &Evaluation, step: &[f64]) -> Multipliers {
-        let mut after = Multipliers::free(now.locals.iter().map(|local| local.sticks).collect());
+        let mut after = Multipliers::free(self.branches(&now.locals, &now.at.multipliers.sticks));
         for (i, point) in self.boundary.points.iter().enumerate() {
             let (force, tangent) = now.locals[i].linear(right.rho[i], self.dim);
             let mut moved = [0.0; 3];
@@ -414,7 +495,7 @@ impl MechanicalStep<'_> {
     /// An iterate that has converged: pressures on the graph itself, and the branches that were found.
     fn settled(&self, end: Evaluation) -> Iterate {
         let Evaluation { mut at, locals, .. } = end;
-        at.multipliers.sticks = locals.iter().map(|local| local.sticks).collect();
+        at.multipliers.sticks = self.branches(&locals, &at.multipliers.sticks);
         at.multipliers.p = self.boundary.points.iter().zip(&locals).map(|(point, local)| if self.is_function(point) { 0.0 } else { local.pressed }).collect();
         at
     }
@@ -430,13 +511,22 @@ fn slowest(from: &Point, to: &Point) -> f64 {
 
 /// S (w − guess) + Σ ω Nᵀ (p ν + q) = r: the increment is solved for, so that the round-off of the
 /// sweeps is relative to the change within a step and not to the velocity.
-struct Right<'a> {
-    r: &'a [f64],
-    guess: &'a [f64],
+pub(super) struct Right<'a> {
+    pub r: &'a [f64],
+    pub guess: &'a [f64],
     /// ρ of each contact point.
-    rho: Vec<f64>,
+    pub rho: Vec<f64>,
     /// β and the anchor of a proximal step of [`MechanicalStep::approach`].
     proximal: Option<(f64, Vec<f64>)>,
+}
+
+impl Right<'_> {
+    /// Whether a residual is no more than the round-off of S (w − guess): a sum of n terms has √n/2 last bits of theirs, and never less than one.
+    pub fn is_round_off(&self, condensed: &Condensed, w: &[f64], residual: f64) -> bool {
+        let sizes: Vec<f64> = w.iter().zip(self.guess).map(|(w, guess)| w.abs() + guess.abs()).collect();
+        let bits = f64::EPSILON * (0.5 * (w.len() as f64).sqrt()).max(1.0);
+        residual <= bits * condensed.magnitude_bound(&sizes) && residual <= bits * condensed.magnitude(&sizes)
+    }
 }
 
 /// Contact velocities and multipliers.
@@ -464,6 +554,17 @@ impl Evaluation {
             pattern[local.state.status as usize] += 1;
         }
         NotConverged { iterations, residual: self.residual / self.scale, pattern }
+    }
+
+    /// Takes points that stuck as sticking: where the foundation has changed its velocity the iterate slips by the change, which says
+    /// nothing of the solution.
+    fn hold(&mut self) {
+        for (local, sticks) in self.locals.iter_mut().zip(&self.at.multipliers.sticks) {
+            if *sticks && local.state.bound > 0.0 {
+                local.state.status = Status::Stick;
+                local.sticks = true;
+            }
+        }
     }
 
     fn converged(&self) -> bool {

@@ -16,6 +16,7 @@
 //! until the residual decreases; where that ends at a kink, a full step leaves it. After a few of those
 //! the solution is approached by proximal steps, each of which has one solution.
 
+mod descent;
 mod heat;
 mod mechanical;
 mod point;
