@@ -18,8 +18,10 @@ const LARGE: usize = 2000;
 /// Residual of the iteration, and most products with S that it makes. Newton's method meets what is left.
 const TOLERANCE: f64 = 1e-13;
 const PRODUCTS: usize = 400;
-/// Passes of the iteration over what the one before has left.
+/// Passes of the iteration over what the one before has left, and what each leaves of it: to ask for all in one pass would be to iterate on the round-off
+/// of the residuals.
 const PASSES: usize = 3;
+const PASS: f64 = 1e-7;
 
 /// Share of b in the round-off of S x above which a solution is looked at, and the share of b that it may leave.
 const SUSPICIOUS: f64 = 1e-8;
@@ -174,7 +176,8 @@ impl Condensed {
         let mut rest = b.to_vec();
         for _ in 0..PASSES {
             let before = max_abs(&rest);
-            let solved = gmres(|y| self.sum(entries, &precondition(&blocks, y)), &rest, TOLERANCE, PRODUCTS);
+            let wanted = (TOLERANCE * max_abs(b) / before).max(PASS);
+            let solved = gmres(|y| self.sum(entries, &precondition(&blocks, y)), &rest, wanted, PRODUCTS);
             x.iter_mut().zip(precondition(&blocks, &solved.x)).for_each(|(x, change)| *x += change);
             rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
             if max_abs(&rest) <= TOLERANCE * max_abs(b) || max_abs(&rest) > 0.1 * before {

@@ -10,8 +10,9 @@ use faer::{Mat, Side};
 use rayon::prelude::*;
 
 use super::condensed::Condensed;
-use super::factor::{Backend, Factor, FactorError, Supernodal, Unknowns};
+use super::factor::{Backend, Factor, FactorError, Unknowns};
 use super::sparse::{BlockMatrix, dot};
+use super::supernodal::Supernodal;
 
 /// Residual at which the iteration ends, relative to the eigenvalue.
 const TOLERANCE: f64 = 1e-12;

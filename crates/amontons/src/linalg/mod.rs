@@ -9,12 +9,14 @@ mod krylov;
 mod newton;
 mod ordering;
 mod sparse;
+mod supernodal;
 
 pub use condensed::{Condensed, Entry};
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, System, largest};
-pub use factor::{Backend, Factor, FactorError, Supernodal, Unknowns, backends};
+pub use factor::{Backend, Factor, FactorError, Unknowns, backends};
 pub use krylov::{Krylov, gmres};
 pub use newton::{Exchange, Frame, HeatStep, Lumped, MechanicalStep, Multipliers, NotConverged, PointDerivative, PointState, PointTangent, Solved, TOLERANCE};
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
+pub use supernodal::Supernodal;
