@@ -140,7 +140,8 @@ impl Condensed {
     }
 
     fn solve_unchecked(&mut self, entries: &[Entry], b: &mut [f64]) {
-        if self.is_large {
+        // S alone is solved with over and over, by eigenvalue problems; S + J changes with the contact pattern.
+        if self.is_large && !entries.is_empty() {
             b.copy_from_slice(&self.iterate(entries, b));
             return;
         }
