@@ -11,6 +11,7 @@ use amontons::hypotheses;
 use amontons::output::{Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
+use amontons::scheme::StepError;
 use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, Common, Format};
@@ -115,6 +116,9 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     }
     let kept = format!("results up to step {}, t = {} s, are in {out}", summary.steps, summary.time);
     Some(match error {
+        RunError::Step { source: StepError::Residual { .. }, .. } => format!(
+            "{kept}; what is left is the round-off of the displacement or temperature, if stiffnesses or conductances of the case lie more than about 1e9 apart: bring them nearer, or hold the body where it drifts"
+        ),
         RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
         _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),
     })

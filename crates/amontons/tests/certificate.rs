@@ -495,3 +495,30 @@ fn verdicts_do_not_depend_on_the_unit_of_length() {
     near(bound(&millimetre), 1e3 * bound(&metre).expect("a bound"), 1e-10);
     near(millimetre.constants.s1, metre.constants.s1.expect("a constant") * 1e3f64.sqrt(), 1e-10);
 }
+
+/// A rigid foundation has no penetration to conduct by; one that gives way down to a stop has.
+#[test]
+fn a_conductance_of_the_penetration_on_a_rigid_foundation() {
+    let ramp = "{law='ramp', conductance=1, width=1e-5, foundation_temperature=0}";
+    let power = "{law='power', coefficient=1, exponent=1, foundation_temperature=0}";
+    let pressure = "{law='pressure', coefficient=1, foundation_temperature=0}";
+    let beside = "{law='sum', laws=[{law='ramp', conductance=1, width=1e-5}, {law='gap', conductivity=1, roughness=1}], foundation_temperature=0}";
+    let (rigid, tied) = ("{law='signorini'}", "{law='bilateral'}");
+    let (soft, stop) = ("{law='compliance', stiffness=1e4}", "{law='stop', stiffness=1e4, depth=1e-3}");
+    for (normal, heat, expected) in [
+        (rigid, ramp, true),
+        (rigid, power, true),
+        (tied, ramp, true),
+        (rigid, pressure, false),
+        (rigid, beside, false),
+        (rigid, "{law='none'}", false),
+        (stop, ramp, false),
+        ("{law='stop', stiffness=0, depth=1e-3}", ramp, false),
+        (soft, ramp, false),
+    ] {
+        let found = findings(&small(&[&format!("contact.normal={normal}"), &format!("contact.heat={heat}")]));
+        let told = found.iter().find(|f| f.id == "contact-heat");
+        assert_eq!(told.is_some_and(|f| f.fails() && f.place == "contact.heat"), expected, "{normal}, {heat}: {told:?}");
+        assert_eq!(told.is_some(), expected);
+    }
+}

@@ -5,7 +5,7 @@
 
 use super::sample::{Samples, diameter, some};
 use super::{Constants, Finding, Status};
-use crate::contact::{Contact, ContactPoint};
+use crate::contact::{Contact, ContactPoint, GraphKind};
 use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
@@ -270,6 +270,29 @@ fn depends_on_slip_speed(test: &Test) -> bool {
             test.contact.friction.bound(&at).value.to_bits() != test.contact.friction.bound(&slipping).value.to_bits()
         })
     })
+}
+
+/// `contact-heat`: that a foundation which gives no way has a conductance of the penetration, which is zero or round-off there; none elsewhere.
+pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
+    let side = tests(problem).position(|test| {
+        let heat = test.contact.heat.as_ref();
+        // Of any pressure, at rest: what a closed contact has without penetration.
+        let closed = |x: &Point| {
+            (-12..=12).all(|decade| heat.flux(&ContactPoint { x: *x, pressure: 10f64.powi(decade), ..ContactPoint::default() }).by_temperature == 0.0)
+        };
+        // p ∈ G(z − λp) leaves no penetration, however small λ.
+        let rigid = |x: &Point| {
+            (-12..=12).all(|decade| {
+                let lambda = 10f64.powi(decade);
+                test.length - lambda * test.contact.normal.pressure(x, test.length, 0.0, lambda).value <= 1e-9 * test.length
+            })
+        };
+        test.contact.normal.graph() != GraphKind::Function && heat.conductance_bound() > 0.0 && test.places.iter().any(|x| rigid(x) && closed(x))
+    })?;
+    let message =
+        "the foundation is rigid and the conductance is one of the penetration, which is round-off where contact is closed: the heat through it means nothing";
+    let place = format!("{}.heat", problem.contact_path(side));
+    Some(Finding::new("contact-heat", Status::Fails, message, &place).repair("a conductance of the pressure, law = \"pressure\", or a compliant foundation"))
 }
 
 /// φ_L of (2.10) is cut off at ±L.

@@ -7,6 +7,7 @@
 //! | `2.23-printed` | both inequalities of (2.23) as they are printed | eigenvalues on the mesh |
 //! | `2.23-needed` | what the proof of Theorem 3.1 needs instead | closed forms |
 //! | `step-unique`, `time-step` | one solution of a step of (4.1), and the number of steps that ensures it | an eigenvalue on Γ_C |
+//! | `contact-heat` | that a rigid foundation conducts by the penetration, which it has none of; none where it does not | the laws |
 //! | `branches` | that a law of contact falls, so that a step may have several solutions; none where no law does | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
@@ -232,6 +233,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings.extend(laws::contact(problem, constants));
     findings.push(theorem::needed(problem, constants, &findings));
     findings.extend(branches::branches(problem));
+    findings.extend(laws::rigid_conductance(problem));
     findings.push(quality::cells(&problem.mesh));
     findings
 }
