@@ -479,7 +479,7 @@ fn faults_of_probes_have_their_places() {
     case(
         &twice,
         &[
-            (6, "8: probe[1].name: found \"a\" again, expected a name of its own for each column of probes.csv"),
+            (6, "8: probe[1].name: found \"a\" again, expected a name of its own for each column of probes.csv, which begin with step and t"),
             (9, "1: probe[1].take: found `take` of the value at a point, expected `take` with `on` or `region`"),
         ],
     );
