@@ -273,6 +273,48 @@ fn the_same_bits_on_one_thread_and_on_two() {
     }
 }
 
+/// Of large contact boundaries, too: with a factor on Γ_C, and above 2000 unknowns without.
+#[test]
+fn the_same_bits_on_a_large_boundary() {
+    for n in [19, 26] {
+        let text = LARGE.replace("SIDE", &n.to_string());
+        let problem = problem(&text, &[]);
+        let [one, two] = [1, 2].map(|threads| with_threads(Some(threads), || solve(&problem)).expect("threads"));
+        assert!(one.reports[0].contact.states.iter().filter(|s| s.pressure > 0.0).count() > 100);
+        assert_eq!(one.states, two.states, "{n} × {n} facets");
+    }
+}
+
+const LARGE: &str = r#"
+name = "large"
+[mesh]
+kind = "box"
+size = [1.0, 0.2, 1.0]
+n = [SIDE, 2, SIDE]
+elements = "Q1"
+[time]
+end = 0.5
+steps = 1
+[material]
+density = 1
+heat_capacity = 1
+expansion = 0
+coupling = 0
+conductivity = 1
+elasticity = { law = "isotropic", young = 2.0, poisson = 0.3 }
+viscosity = { law = "lame", first = 0.1, second = 0.1 }
+[load]
+body_force = ["0.5*sin(3*z)", -1, "0.3*cos(2*x)"]
+[[boundary]]
+on = "top"
+displacement = [0, "-0.02*t", 0]
+[contact]
+on = "bottom"
+gap = "0.003*sin(5*x)*cos(4*z) + 0.003"
+normal = { law = "compliance", stiffness = 1e4 }
+friction = { law = "coulomb", coefficient = 0.3 }
+"#;
+
 /// What is measured in other units is the same.
 #[test]
 fn results_do_not_depend_on_the_units() {

@@ -3,11 +3,11 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use faer::linalg::solvers::{PartialPivLu, Solve};
-use faer::prelude::*;
+use faer::Mat;
 use rayon::prelude::*;
 
 use super::krylov::gmres;
+use super::lu::Lu;
 use super::sparse::max_abs;
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
@@ -47,7 +47,7 @@ pub struct Condensed {
     /// First unknown of each node, and their number.
     nodes: Vec<usize>,
     is_large: bool,
-    kept: VecDeque<(Vec<Entry>, PartialPivLu<f64>)>,
+    kept: VecDeque<(Vec<Entry>, Lu)>,
     factorizations: usize,
 }
 
@@ -162,12 +162,11 @@ impl Condensed {
                 }
                 self.factorizations += 1;
                 self.kept.truncate(KEPT - 1);
-                self.kept.push_front((entries.to_vec(), matrix.partial_piv_lu()));
+                self.kept.push_front((entries.to_vec(), Lu::new(matrix)));
                 &self.kept[0].1
             }
         };
-        let n = b.len();
-        lu.solve_in_place(MatMut::from_column_major_slice_mut(b, n, 1));
+        lu.solve(b);
     }
 
     /// The same by GMRES, preconditioned from the right.
@@ -198,7 +197,7 @@ impl Condensed {
     }
 
     /// The blocks of S + J on the diagonal, a node each, factorized.
-    fn blocks(&self, entries: &[Entry]) -> Vec<(usize, PartialPivLu<f64>)> {
+    fn blocks(&self, entries: &[Entry]) -> Vec<(usize, Lu)> {
         let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.len());
         let mut blocks: Vec<(usize, Mat<f64>)> = self
             .nodes
@@ -213,16 +212,15 @@ impl Condensed {
                 block[(i - *first, j - *first)] += value;
             }
         }
-        blocks.into_iter().map(|(first, block)| (first, block.partial_piv_lu())).collect()
+        blocks.into_iter().map(|(first, block)| (first, Lu::new(block))).collect()
     }
 }
 
 /// The solution of the systems on the diagonal.
-fn precondition(blocks: &[(usize, PartialPivLu<f64>)], y: &[f64]) -> Vec<f64> {
+fn precondition(blocks: &[(usize, Lu)], y: &[f64]) -> Vec<f64> {
     let mut x = y.to_vec();
     for (first, lu) in blocks {
-        let n = lu.U().ncols();
-        lu.solve_in_place(MatMut::from_column_major_slice_mut(&mut x[*first..first + n], n, 1));
+        lu.solve(&mut x[*first..first + lu.size()]);
     }
     x
 }

@@ -6,6 +6,7 @@ mod dense;
 mod eigen;
 mod factor;
 mod krylov;
+mod lu;
 mod newton;
 mod ordering;
 mod sparse;

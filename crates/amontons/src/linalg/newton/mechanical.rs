@@ -4,6 +4,7 @@ use super::point::{Frame, Kinematics, Local, Multiplier, PointDerivative, PointS
 use super::{ITERATIONS, NotConverged, SHORTEST_STEP, Solved, TOLERANCE};
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, PointOnBoundary, Status};
 use crate::linalg::condensed::{Condensed, Entry};
+use crate::linalg::lu::is_positive_definite;
 use crate::linalg::sparse::max_abs;
 use crate::tensor::{Point, dot, length};
 
@@ -431,7 +432,7 @@ impl MechanicalStep<'_> {
                 matrix[(row as usize, col as usize)] += value;
             }
         }
-        matrix.llt(faer::Side::Lower).is_ok()
+        is_positive_definite(matrix)
     }
 
     /// The entries of ω Nᵀ · N for one point.

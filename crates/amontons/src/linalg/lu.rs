@@ -1,0 +1,77 @@
+//! Dense factorizations on one thread: of the parallel ones the order of summation, and with it the last bits, is that of the number of threads.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt;
+use faer::linalg::lu::partial_pivoting::{factor, solve};
+use faer::perm::PermRef;
+use faer::{Mat, MatMut, Par, Spec};
+
+/// A = P⁻¹ L U with partial pivoting.
+#[derive(Debug)]
+pub(super) struct Lu {
+    /// L below the diagonal, which is one, and U.
+    factors: Mat<f64>,
+    /// The rows in the order of the pivots, and back.
+    forward: Vec<usize>,
+    backward: Vec<usize>,
+}
+
+impl Lu {
+    /// Factorizes a square matrix; a singular one has solutions that are not finite, or leave much of the right-hand side.
+    pub fn new(mut factors: Mat<f64>) -> Lu {
+        let n = factors.nrows();
+        let (mut forward, mut backward) = (vec![0; n], vec![0; n]);
+        let mut buffer = MemBuffer::new(factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()));
+        factor::lu_in_place(factors.as_mut(), &mut forward, &mut backward, Par::Seq, MemStack::new(&mut buffer), Spec::default());
+        Lu { factors, forward, backward }
+    }
+
+    /// Rows of A.
+    pub fn size(&self) -> usize {
+        self.factors.nrows()
+    }
+
+    /// Solves A x = b in place.
+    pub fn solve(&self, b: &mut [f64]) {
+        let n = self.factors.nrows();
+        let rows = PermRef::new_checked(&self.forward, &self.backward, n);
+        let mut buffer = MemBuffer::new(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
+        let x = MatMut::from_column_major_slice_mut(b, n, 1);
+        solve::solve_in_place(self.factors.as_ref(), self.factors.as_ref(), rows, x, Par::Seq, MemStack::new(&mut buffer));
+    }
+}
+
+/// Whether a symmetric matrix, its lower half given, is positive definite.
+pub(super) fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
+    let mut buffer = MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Spec::default()));
+    llt::factor::cholesky_in_place(matrix.as_mut(), llt::factor::LltRegularization::default(), Par::Seq, MemStack::new(&mut buffer), Spec::default()).is_ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn solutions_and_definiteness() {
+        let n = 40;
+        let entry = |i: usize, j: usize| ((7 * i + 3 * j + 1) as f64).sin() + if (i + 5) % n == j { 4.0 } else { 0.0 };
+        let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
+        let mut b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect();
+        Lu::new(Mat::from_fn(n, n, entry)).solve(&mut b);
+        assert!(b.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-12), "{b:?}");
+        // 2 on the diagonal, −1 beside it: eigenvalues 2 − 2 cos(πk/(n+1)).
+        let least = 2.0 - 2.0 * (std::f64::consts::PI / (n + 1) as f64).cos();
+        for (shift, expected) in [(0.99 * least, true), (1.01 * least, false)] {
+            let matrix = Mat::from_fn(n, n, |i, j| {
+                if i == j {
+                    2.0 - shift
+                } else if i.abs_diff(j) == 1 {
+                    -1.0
+                } else {
+                    0.0
+                }
+            });
+            assert_eq!(is_positive_definite(matrix), expected);
+        }
+    }
+}
