@@ -95,7 +95,7 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     let resumed = from.is_some();
     let Checkpoint { mut state, mut report, work: before } = match from {
         Some(checkpoint) => {
-            checkpoint.check(scheme.discretization(), problem.steps)?;
+            checkpoint.check(scheme.discretization(), problem)?;
             checkpoint
         }
         None => Checkpoint { state: scheme.initial()?, report: None, work: Work::default() },

@@ -45,7 +45,8 @@ fn is_worse(found: &Finding, other: &Finding) -> bool {
     gravity(found) > gravity(other) || (gravity(found) == gravity(other) && by_value)
 }
 
-fn gravity(finding: &Finding) -> Option<usize> {
+/// How bad the verdict of a finding is.
+pub(super) fn gravity(finding: &Finding) -> Option<usize> {
     ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status)
 }
 

@@ -14,7 +14,7 @@
 
 use std::sync::Arc;
 
-use super::laws::{at, norm};
+use super::laws::{at, gravity, norm};
 use super::step::heat_acts_at_once;
 use super::{Constants, Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
@@ -39,7 +39,6 @@ pub(super) fn loads_vary(problem: &Problem) -> bool {
 /// `contact-possible`: fails where contact is proved impossible.
 pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
     // Of several contacts one that can occur stands for all.
-    let gravity = |finding: &Finding| ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status);
     let each = (0..problem.contacts.len()).filter_map(|side| {
         let mut finding = possible_on(problem, constants, side)?;
         finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);

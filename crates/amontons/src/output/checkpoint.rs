@@ -22,6 +22,7 @@ use super::files::write_atomically;
 use super::{OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::linalg::{Multipliers, PointState};
+use crate::problem::Problem;
 use crate::scheme::{ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport, Surface};
 use crate::tensor::Point;
 
@@ -248,8 +249,8 @@ impl Checkpoint {
         decode(&path, &bytes, case).map(Body::into_checkpoint)
     }
 
-    /// Whether the checkpoint is one of a problem with this discretization and so many steps.
-    pub(crate) fn check(&self, discretization: &Discretization, steps: usize) -> Result<(), CheckpointError> {
+    /// Whether the checkpoint is one of a problem with this discretization.
+    pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
         let same = |what, found, expected| if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) };
         same("displacements", self.state.u.len(), nodes * dim)?;
@@ -269,7 +270,8 @@ impl Checkpoint {
         ] {
             same("contact points", kept, points)?;
         }
-        same("steps", self.state.step, self.state.step.min(steps))
+        same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
+        same("steps", self.state.step, self.state.step.min(problem.steps))
     }
 }
 

@@ -80,7 +80,7 @@ impl HeatStep<'_> {
         let foundation: Vec<Option<f64>> =
             self.lumped.iter().enumerate().map(|(side, lumped)| lumped.map(|lumped| self.foundation_temperature(side, &lumped, &temperature))).collect();
         let flux = points.iter().enumerate().map(|(i, point)| {
-            let theta_f = foundation[point.side].unwrap_or(self.foundation[i]);
+            let theta_f = foundation.get(point.side).copied().flatten().unwrap_or(self.foundation[i]);
             self.contacts[point.side].heat.flux(&self.at(i, temperature[i], theta_f))
         });
         Exchange { flux: flux.collect(), temperature, foundation }
@@ -214,7 +214,7 @@ impl HeatStep<'_> {
         // A residual beyond the bound is no round-off, whatever the product.
         let mut floor = if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) { 0.0 } else { f64::EPSILON * condensed.magnitude(&sizes) };
         for (i, (point, flux)) in self.boundary.points.iter().zip(&exchange.flux).enumerate() {
-            let theta_f = exchange.foundation[point.side].unwrap_or(self.foundation[i]);
+            let theta_f = exchange.foundation.get(point.side).copied().flatten().unwrap_or(self.foundation[i]);
             floor = floor.max(f64::EPSILON * point.weight * flux.by_temperature * (exchange.temperature[i].abs() + theta_f.abs()));
         }
         let merit = errors.iter().map(|e| e * e).sum();
