@@ -12,7 +12,7 @@
 use std::sync::Arc;
 
 use crate::contact::obstacle::Shape;
-use crate::contact::{ContactPoint, FrictionLaw, GraphKind, HeatLaw, NormalLaw, WearLaw, worn};
+use crate::contact::{ContactPoint, FrictionLaw, GraphKind, HeatLaw, NormalLaw, WearLaw, resolvent};
 use crate::element::{Element, MAX_NODES, Table};
 use crate::forms;
 use crate::hypotheses::Samples;
@@ -253,7 +253,7 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
         assert!(mean >= least - 1e-9 * (least.abs() + size / r), "{law:?}: least slope {least:e} between {low:e} and {high:e}, but the mean is {mean:e}");
         // What wears off makes it softer: p = G(r − λ p₊), with the slope that it has.
         let by_wear = r / size * 10f64.powf(3.0 * random.number());
-        let rubbed = |h: f64| worn(law, &x, a + h, 0.0, [0.0, by_wear]);
+        let rubbed = |h: f64| resolvent(law, &x, a + h, 0.0, [0.0, by_wear]);
         let value = rubbed(0.0).value;
         near(value, p(a - by_wear * value.max(0.0), 0.0).value, 1e-12 * size, &format!("{law:?}: worn by {by_wear:e} p at {a:e}"));
         if least >= 0.0 && law.least_slope(&x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0 {

@@ -32,6 +32,7 @@ pub mod expression;
 pub mod field;
 pub mod forms;
 pub mod hypotheses;
+pub mod inclusion;
 pub mod linalg;
 pub mod material;
 pub mod mesh;

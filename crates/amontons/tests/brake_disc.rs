@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 use amontons::case::{self, Source};
 use amontons::contact::{ContactBoundary, PointOnBoundary, Quadrature, Status};
 use amontons::element::Table;
-use amontons::linalg::PointState;
+use amontons::inclusion::PointState;
 use amontons::mesh::CellMap;
 use amontons::output::Memory;
 use amontons::problem::Problem;

@@ -13,6 +13,7 @@ const LAYERS: &[&[&str]] = &[
     &["material", "contact", "space"],
     &["problem"],
     &["linalg"],
+    &["inclusion"],
     &["forms"],
     &["hypotheses"],
     &["scheme"],

@@ -2,7 +2,7 @@
 //!
 //! A law is a pure function: it sees the state of one point of Γ_C and returns a pressure, a
 //! friction bound or a heat flux with slopes. The projection onto the friction cone, the
-//! elimination of the multipliers and all that couples points belongs to [`crate::linalg`].
+//! elimination of the multipliers and all that couples points belongs to [`crate::inclusion`].
 
 mod boundary;
 mod foundation;
@@ -19,7 +19,7 @@ pub use friction::{Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orth
 pub use heat::{Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum};
 pub use normal::{
     Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable, PressureTableFault, Signorini, Softening,
-    Stop, worn,
+    Stop, resolvent,
 };
 pub use obstacle::Obstacle;
 pub use table::{PiecewiseLinear, TableFault};

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::krylov::gmres;
 use super::lu::Lu;
 use super::sparse::max_abs;
+use super::turn::{Turn, turned};
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
 const KEPT: usize = 8;
@@ -41,9 +42,14 @@ pub type Entry = (u32, u32, f64);
 /// a facet): a few dozen products, whatever the contact pattern.
 #[derive(Debug)]
 pub struct Condensed {
+    /// S in the axes of space, and in the bases of the nodes that are turned.
+    straight: Arc<Mat<f64>>,
     s: Arc<Mat<f64>>,
-    /// Its largest entry.
+    turns: Vec<Turn>,
+    /// The largest entry of S.
     largest: f64,
+    /// Mean of the diagonal of S over the unknowns of its node, for each unknown: the same in every basis.
+    scale: Vec<f64>,
     /// First unknown of each node, and their number.
     nodes: Vec<usize>,
     is_large: bool,
@@ -56,14 +62,49 @@ impl Condensed {
     #[must_use]
     pub fn new(s: impl Into<Arc<Mat<f64>>>, nodes: Vec<usize>) -> Condensed {
         let s = s.into();
-        Condensed { is_large: s.nrows() >= LARGE, largest: s.norm_max(), s, nodes, kept: VecDeque::new(), factorizations: 0 }
+        let scale = scale(&s, &nodes);
+        let (is_large, largest) = (s.nrows() >= LARGE, s.norm_max());
+        Condensed { is_large, largest, scale, straight: Arc::clone(&s), s, turns: Vec::new(), nodes, kept: VecDeque::new(), factorizations: 0 }
     }
 
     /// Goes over to another operator; factors of the one before are of no use.
     pub fn replace(&mut self, s: Arc<Mat<f64>>) {
         self.largest = s.norm_max();
-        self.s = s;
+        self.scale = scale(&s, &self.nodes);
+        (self.straight, self.s) = (Arc::clone(&s), s);
+        self.turns.clear();
         self.kept.clear();
+    }
+
+    /// Takes the unknowns of some nodes in other bases: from here on S, products, solutions and entries are in these.
+    pub fn turn(&mut self, turns: &[Turn]) {
+        if self.turns != turns {
+            self.turns = turns.to_vec();
+            self.s = if turns.is_empty() { Arc::clone(&self.straight) } else { Arc::new(turned(&self.straight, turns)) };
+            self.kept.clear();
+        }
+    }
+
+    /// The nodes that are turned.
+    #[must_use]
+    pub fn turns(&self) -> &[Turn] {
+        &self.turns
+    }
+
+    /// The scale of S at each unknown: the mean of its diagonal over the node.
+    #[must_use]
+    pub fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    /// S + J, J the sum of the entries.
+    #[must_use]
+    pub fn with(&self, entries: &[Entry]) -> Mat<f64> {
+        let mut matrix = Mat::clone(&self.s);
+        for &(i, j, value) in entries {
+            matrix[(i as usize, j as usize)] += value;
+        }
+        matrix
     }
 
     /// Number of unknowns on Γ_C.
@@ -156,10 +197,7 @@ impl Condensed {
                 &self.kept[0].1
             }
             None => {
-                let mut matrix = Mat::clone(&self.s);
-                for &(i, j, value) in entries {
-                    matrix[(i as usize, j as usize)] += value;
-                }
+                let matrix = self.with(entries);
                 self.factorizations += 1;
                 self.kept.truncate(KEPT - 1);
                 self.kept.push_front((entries.to_vec(), Lu::new(matrix)));
@@ -214,6 +252,17 @@ impl Condensed {
         }
         blocks.into_iter().map(|(first, block)| (first, Lu::new(block))).collect()
     }
+}
+
+/// The mean of the diagonal over the unknowns of the node, for each unknown.
+fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
+    let mut scale = Vec::with_capacity(s.nrows());
+    for (node, &first) in nodes.iter().enumerate() {
+        let end = nodes.get(node + 1).copied().unwrap_or(s.nrows());
+        let mean = (first..end).map(|i| s[(i, i)]).sum::<f64>() / (end - first).max(1) as f64;
+        scale.resize(end, mean);
+    }
+    scale
 }
 
 /// The solution of the systems on the diagonal.

@@ -42,7 +42,8 @@ impl Lu {
 }
 
 /// Whether a symmetric matrix, its lower half given, is positive definite.
-pub(super) fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
+#[must_use]
+pub fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
     let mut buffer = MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Spec::default()));
     llt::factor::cholesky_in_place(matrix.as_mut(), llt::factor::LltRegularization::default(), Par::Seq, MemStack::new(&mut buffer), Spec::default()).is_ok()
 }

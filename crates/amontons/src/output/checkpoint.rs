@@ -21,7 +21,7 @@ use sha2::{Digest, Sha256};
 use super::files::write_atomically;
 use super::{OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
-use crate::linalg::{Multipliers, PointState};
+use crate::inclusion::{Multipliers, PointState};
 use crate::problem::Problem;
 use crate::scheme::{ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport, Surface};
 use crate::tensor::Point;

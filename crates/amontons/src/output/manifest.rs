@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use super::OutputError;
 use super::files::write_json;
-use crate::linalg::TOLERANCE;
+use crate::inclusion::TOLERANCE;
 use crate::scheme::{ACCEPTED, REFINE};
 
 /// Name of the file in a results folder.

@@ -9,7 +9,8 @@ use super::heat::{self, Heat, on_nodes};
 use super::mechanics::Mechanics;
 use super::system::{ACCEPTED, Step, System, difference, on_degrees, scalars_at, vector_at};
 use super::{Contraction, CouplingReport, StepError};
-use crate::linalg::{Entry, PointDerivative, dot, gmres, max_abs};
+use crate::inclusion::PointDerivative;
+use crate::linalg::{Entry, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
@@ -271,7 +272,7 @@ struct Tangent {
 }
 
 impl Tangent {
-    fn new(coupled: &Coupled, pass: &Pass) -> Tangent {
+    fn new(coupled: &mut Coupled, pass: &Pass) -> Tangent {
         let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
         let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
         let fluxes = pass.heat.exchange.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power]).collect();

@@ -7,7 +7,8 @@ use super::coupling::{Coupled, Made};
 use super::foundation::{at_rest, frames};
 use super::system::{Products, Step, System, vector_at};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
-use crate::linalg::{Backend, FactorError, Multipliers, dot};
+use crate::inclusion::Multipliers;
+use crate::linalg::{Backend, FactorError, dot};
 use crate::problem::Problem;
 use crate::tensor;
 

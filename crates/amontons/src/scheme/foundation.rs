@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Discretization;
 use super::system::{Step, vector_at};
 use crate::contact::{Contact, PointOnBoundary};
-use crate::linalg::{Frame, PointState};
+use crate::inclusion::{Frame, PointState};
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
 

@@ -3,7 +3,8 @@
 use super::StepError;
 use super::foundation::temperatures;
 use super::system::{REFINE, Step, System, at_nodes};
-use crate::linalg::{Entry, Exchange, HeatStep, Lumped, PointState, max_abs};
+use crate::inclusion::{Exchange, HeatStep, Lumped, PointState};
+use crate::linalg::{Entry, max_abs};
 
 /// What the heat half-step found.
 pub(super) struct Heat {
@@ -93,8 +94,7 @@ impl Begun {
             let (exchange, newton) = system
                 .expand(reduced, theta, |condensed, unknown, r| {
                     let Some(on_boundary) = given.on_boundary(step, unknown, states) else { return Ok((Vec::new(), (Exchange::default(), 0))) };
-                    let solved = on_boundary.solve(condensed, r, &guess)?;
-                    let exchange = on_boundary.exchange(&solved.x);
+                    let (solved, exchange) = on_boundary.solve(condensed, r, &guess)?;
                     Ok((solved.x, (exchange, solved.iterations)))
                 })
                 .map_err(|why| step.not_converged("heat", why))?;

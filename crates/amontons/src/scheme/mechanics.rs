@@ -4,7 +4,8 @@ use super::Discretization;
 use super::StepError;
 use super::foundation::frames;
 use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, on_degrees, scalars_at};
-use crate::linalg::{Entry, Frame, MechanicalStep, Multipliers, PointDerivative, PointState, max_abs};
+use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
+use crate::linalg::{Entry, max_abs};
 use crate::tensor::Point;
 
 /// What the mechanical half-step found.
@@ -72,8 +73,8 @@ impl Given {
             boundary: &step.discrete.boundary,
             unknown,
             dim: step.discrete.mesh.dim,
-            k: step.k,
-            u_old: &self.u_old,
+            rule: Rule::backward_euler(step.k),
+            u_bar: &self.u_old,
             w_prescribed: &self.w_prescribed,
             frames: &self.frames,
             temperature: &self.temperature,
@@ -161,9 +162,10 @@ impl Mechanics {
             let Balanced { iterate, states, residual, scale, force, support_work, .. } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
             let u = step.displacement(&w);
-            let on_boundary = given.on_boundary(step, system.on_contact());
             let (between, on_branches) = ([&step.old.w, &w].map(|w| system.contact_of(w)), [&step.old.multipliers, &multipliers]);
-            let is_unique = on_boundary.is_none_or(|on_boundary| on_boundary.is_unique(&system.condensed, [&between[0], &between[1]], on_branches));
+            let System { condensed, on_contact, .. } = system;
+            let on_boundary = given.on_boundary(step, on_contact);
+            let is_unique = on_boundary.is_none_or(|on_boundary| on_boundary.is_unique(condensed, [&between[0], &between[1]], on_branches));
             return Ok(Mechanics {
                 u,
                 is_unique,
@@ -199,9 +201,10 @@ impl Mechanics {
     }
 
     /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point sees.
-    pub fn contact_tangent(&self, step: &Step, system: &System) -> (Vec<Entry>, Vec<PointDerivative>) {
-        let on_boundary = self.given.on_boundary(step, system.on_contact());
-        on_boundary.map_or_else(Default::default, |on_boundary| on_boundary.tangent(&system.condensed, &system.contact_of(&self.w), &self.multipliers))
+    pub fn contact_tangent(&self, step: &Step, system: &mut System) -> (Vec<Entry>, Vec<PointDerivative>) {
+        let w = system.contact_of(&self.w);
+        let System { condensed, on_contact, .. } = system;
+        self.given.on_boundary(step, on_contact).map_or_else(Default::default, |on_boundary| on_boundary.tangent(condensed, &w, &self.multipliers))
     }
 }
 

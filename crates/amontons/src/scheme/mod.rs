@@ -17,7 +17,8 @@ pub use ledger::Ledger;
 pub use system::{ACCEPTED, REFINE};
 
 use crate::contact::Flux;
-use crate::linalg::{FactorError, Multipliers, NotConverged, PointState};
+use crate::inclusion::{Multipliers, NotConverged, PointState};
+use crate::linalg::FactorError;
 use crate::problem::Coupling;
 
 /// The state at a time t_n: what the next step starts from.

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
 use crate::contact::PointOnBoundary;
-use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, NotConverged, Unknowns};
+use crate::inclusion::NotConverged;
+use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, Unknowns};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
@@ -136,7 +137,7 @@ pub(super) struct System {
     factorizations: usize,
     pub condensed: Condensed,
     /// Contact unknown of each degree of freedom of the contact nodes.
-    on_contact: Vec<Option<u32>>,
+    pub on_contact: Vec<Option<u32>>,
 }
 
 impl System {
@@ -203,7 +204,11 @@ impl System {
         let mut x = self.reduce(right);
         let (_, contact) = x.split_at_mut(self.unknowns.interior);
         if !contact.is_empty() {
+            // The entries are in the bases of the contact points.
+            let turns = self.condensed.turns().to_vec();
+            turns.iter().for_each(|turn| turn.forward(contact));
             self.condensed.solve(entries, contact);
+            turns.iter().for_each(|turn| turn.back(contact));
         }
         self.factor.backward(&mut x);
         let mut values = vec![0.0; right.len()];

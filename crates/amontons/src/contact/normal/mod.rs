@@ -52,7 +52,7 @@ pub enum GraphKind {
 ///
 /// Those that (H8) covers are functions of r alone, not negative, nondecreasing, and zero for r ≤ 0.
 pub trait NormalLaw: Debug + Send + Sync {
-    /// Solves p ∈ G(z − λ p, ṙ) for p; the slopes are those of the solution. A function is evaluated with λ = 0, so z = r.
+    /// Solves p ∈ G(z − λ p, ṙ) for p; the slopes are those of the solution. A function is evaluated with λ = 0, so z = r; [`resolvent`] solves it for others.
     ///
     /// The rate is that of r₊, (r₊ⁿ − r₊ⁿ⁻¹)/k: with ṙ itself a damped law would jump when the gap closes within a step.
     fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure;
@@ -70,29 +70,33 @@ pub trait NormalLaw: Debug + Send + Sync {
     }
 }
 
-/// Most iterations of [`worn`]; every third halves the interval.
+/// Most iterations of [`resolvent`]; every third halves the interval.
 const ITERATIONS: usize = 200;
 
-/// Solves p ∈ G(z − (λ + λ_w) p₊, ṙ), λ_w p₊ the depth in m that wears off in a step: where the law is a function, by Newton's method within
-/// [0, z/λ_w], where the difference of both sides changes its sign.
+/// Solves p ∈ G(z − λ p − λ_w p₊, ṙ), λ_w p₊ the depth in m that wears off in a step, for a law that does not fall or with λ = λ_w = 0: where
+/// the law is a function, by Newton's method between zero and its value at z, where the difference of both sides changes its sign.
 #[must_use]
-pub fn worn(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_wear]: [f64; 2]) -> Pressure {
-    let fresh = law.pressure(x, z, rate, lambda);
-    if by_wear <= 0.0 || fresh.value <= 0.0 {
-        return fresh;
-    }
+pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_wear]: [f64; 2]) -> Pressure {
     if law.graph() != GraphKind::Function {
-        return law.pressure(x, z, rate, lambda + by_wear);
+        let fresh = law.pressure(x, z, rate, lambda);
+        return if by_wear <= 0.0 || fresh.value <= 0.0 { fresh } else { law.pressure(x, z, rate, lambda + by_wear) };
     }
-    // Without penetration there is no pressure, so p = z/λ_w is too large; where the law rises, its value at z is too.
-    let (mut below, mut above, mut p) = (0.0, z / by_wear, fresh.value.min(z / by_wear));
-    let mut worn = fresh;
+    let fresh = law.pressure(x, z, rate, 0.0);
+    let lambda = if fresh.value > 0.0 { lambda + by_wear } else { lambda };
+    if lambda <= 0.0 || fresh.value == 0.0 {
+        return Pressure { slope: fresh.slope / (1.0 + lambda * fresh.slope), ..fresh };
+    }
+    // A law that falls presses harder at a smaller penetration, but not without one.
+    let falls = law.least_slope(x, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
+    let (mut below, mut above) = (fresh.value.min(0.0), if falls { z / lambda } else { fresh.value.max(0.0) });
+    let mut p = fresh.value / (1.0 + lambda * fresh.slope);
+    let mut found = fresh;
     for iteration in 0..ITERATIONS {
-        let at = law.pressure(x, z - by_wear * p, rate, 0.0);
-        let (excess, yielding) = (p - at.value, 1.0 + by_wear * at.slope);
-        worn = Pressure { value: p, slope: at.slope / yielding, by_rate: at.by_rate / yielding };
+        let at = law.pressure(x, z - lambda * p, rate, 0.0);
+        let (excess, yielding) = (p - at.value, 1.0 + lambda * at.slope);
+        found = Pressure { value: p, slope: at.slope / yielding, by_rate: at.by_rate / yielding };
         let newton = p - excess / yielding;
-        if above - below <= 4.0 * f64::EPSILON * above || (newton - p).abs() <= 2.0 * f64::EPSILON * p {
+        if above - below <= 4.0 * f64::EPSILON * above.abs().max(below.abs()) || (newton - p).abs() <= 2.0 * f64::EPSILON * p.abs() {
             break;
         }
         if excess > 0.0 {
@@ -102,7 +106,7 @@ pub fn worn(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_wear]
         }
         p = if newton > below && newton < above && iteration % 3 < 2 { newton } else { 0.5 * (below + above) };
     }
-    worn
+    found
 }
 
 /// Sample laws, each with a penetration typical of it, for tests that hold for every law.

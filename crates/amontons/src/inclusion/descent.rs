@@ -3,38 +3,39 @@
 //! With pressures that do not fall and q = ρ w_τ in place of friction,
 //!
 //! ```text
-//!     F(w) = S (w − guess) − r + Σ ω Nᵀ (p ν + ρ w_τ)
+//!     F(w) = S (w − ŵ) − r + Σ ω Nᵀ (p ν + ρ w_τ)
 //! ```
 //!
 //! is the gradient of a convex energy. Newton's direction d goes down it, whatever the contact pattern, and along d the rate of the energy, F·d, rises: where it
 //! changes its sign is found by bisection. Where nothing holds the body, as when all points are open, a small multiple of the diagonal of S
 //! gives a direction, as long as it may be, and the search along it ends where the body touches.
 
-use super::mechanical::{MechanicalStep, Multipliers, Right};
-use super::point::Local;
-use super::{ITERATIONS, TOLERANCE};
-use crate::contact::GraphKind;
-use crate::linalg::condensed::{Condensed, Entry};
-use crate::linalg::sparse::max_abs;
-use crate::tensor::Point;
+use super::mechanical::Mechanical;
+use super::newton::Right;
+use super::normal::Response;
+use super::point::{Laws, Multiplier};
+use super::{ITERATIONS, STIFF, TOLERANCE};
+use crate::contact::{Contact, GraphKind};
+use crate::linalg::{Condensed, Entry, dot, max_abs};
 
 /// Share of the diagonal of S that holds a body that nothing holds.
-const HOLD: f64 = 1.0 / (1 << 27) as f64;
+const HOLD: f64 = 1.0 / STIFF;
 /// Shares of the rate of the energy at the start of a search between which it ends: still falling by half, and as good as not rising.
 const ENOUGH: [f64; 2] = [-0.5, 1e-3];
 /// Evaluations in a search; the first 60 decades and more of step lengths go in tenths.
 const SEARCH: usize = 100;
 
-impl MechanicalStep<'_> {
+impl Mechanical<'_> {
     /// Whether no pressure falls with the penetration.
     pub(super) fn rises(&self) -> bool {
-        self.boundary.points.iter().all(|p| self.contacts[p.side].normal.least_slope(&p.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0)
+        let points = self.step.boundary.points.iter().enumerate();
+        points.into_iter().all(|(i, p)| self.contact(i).normal.least_slope(&p.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0)
     }
 
     /// Whether the minimum of the energy is the solution: pressures are functions that do not fall, without friction or wear.
     pub(super) fn is_convex(&self) -> bool {
-        let is_plain = |c: &crate::contact::Contact| c.normal.graph() == GraphKind::Function && c.friction.is_frictionless() && c.wear.is_none();
-        self.contacts.iter().all(is_plain) && self.rises()
+        let is_plain = |c: &Contact| c.normal.graph() == GraphKind::Function && c.friction.is_frictionless() && c.wear.is_none();
+        self.step.contacts.iter().all(is_plain) && self.rises()
     }
 
     /// The minimum of the energy, or what is reached of it, and the Newton iterations.
@@ -46,8 +47,8 @@ impl MechanicalStep<'_> {
             if left <= TOLERANCE * now.scale || right.is_round_off(condensed, &w, left) {
                 return (w, iteration);
             }
-            let Some(step) = self.downhill(condensed, right, &now) else { return (w, iteration) };
-            let start = product(&now.f, &step);
+            let Some(step) = self.downhill(condensed, &now) else { return (w, iteration) };
+            let start = dot(&now.f, &step);
             let Some((next, there)) = self.search(condensed, right, [&w, &step], start) else { return (w, iteration) };
             (w, now) = (next, there);
         }
@@ -55,15 +56,15 @@ impl MechanicalStep<'_> {
     }
 
     /// Newton's direction; none where there is none that leads down.
-    fn downhill(&self, condensed: &mut Condensed, right: &Right, now: &Gradient) -> Option<Vec<f64>> {
-        let mut entries = self.curvature(right, now);
+    fn downhill(&self, condensed: &mut Condensed, now: &Gradient) -> Option<Vec<f64>> {
+        let mut entries = self.curvature(now);
         let mut step: Vec<f64> = now.f.iter().map(|f| -f).collect();
         if !condensed.solve(&entries, &mut step) {
-            entries.extend((0..step.len()).map(|i| (i as u32, i as u32, HOLD * condensed.operator()[(i, i)])));
+            entries.extend((0..step.len()).map(|i| (i as u32, i as u32, HOLD * condensed.scale()[i])));
             step = now.f.iter().map(|f| -f).collect();
             condensed.solve(&entries, &mut step);
         }
-        (product(&now.f, &step) < 0.0).then_some(step)
+        (dot(&now.f, &step) < 0.0).then_some(step)
     }
 
     /// The point on a direction where the energy has fallen far enough.
@@ -72,7 +73,7 @@ impl MechanicalStep<'_> {
         for _ in 0..SEARCH {
             let there: Vec<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
             let gradient = self.gradient(condensed, right, &there);
-            let share = product(&gradient.f, step) / start.abs();
+            let share = dot(&gradient.f, step) / start.abs();
             if (ENOUGH[0]..=ENOUGH[1]).contains(&share) {
                 return Some((there, gradient));
             }
@@ -92,42 +93,55 @@ impl MechanicalStep<'_> {
     }
 
     fn gradient(&self, condensed: &Condensed, right: &Right, w: &[f64]) -> Gradient {
-        let free = Multipliers::free(vec![false; right.rho.len()]);
-        let locals: Vec<Local> = (0..right.rho.len()).map(|i| self.local(i, w, &free.at(i), right.rho[i])).collect();
+        let free = Multiplier::default();
+        let laws: Vec<Laws> = (0..self.interface.len()).map(|i| self.laws_with(i, w, &free, self.in_energy(i))).collect();
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let mut f = condensed.apply(&increment);
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);
         let mut forces = vec![0.0; w.len()];
-        for (i, (point, local)) in self.boundary.points.iter().zip(&locals).enumerate() {
-            let drag = self.drag(right, i);
-            let force: Point = std::array::from_fn(|c| local.pressed * local.state.normal[c] + drag * local.state.slip[c]);
-            for &(node, value) in &point.nodes {
-                for (c, force) in force.iter().enumerate().take(self.dim) {
-                    if let Some(u) = self.unknown[node * self.dim + c] {
-                        forces[u as usize] += point.weight * value * force;
-                    }
-                }
-            }
+        for (i, laws) in laws.iter().enumerate() {
+            let [q1, q2] = laws.friction.slip.map(|slip| self.drag(i) * slip);
+            self.interface.scatter(i, &[laws.normal.pressed, q1, q2], &mut forces);
         }
         scale = scale.max(max_abs(&forces));
         f.iter_mut().zip(&forces).for_each(|(f, force)| *f += force);
-        Gradient { f, scale, locals }
+        Gradient { f, scale, laws }
+    }
+
+    /// How the energy takes a pressure: as the function that it is; that of a graph with p = 0, which is smooth.
+    fn in_energy(&self, i: usize) -> Response {
+        if self.contact(i).normal.graph() == GraphKind::Function { Response::Function } else { self.response[i] }
+    }
+
+    /// The multipliers that go with the minimum of the energy.
+    pub(super) fn at_minimum(&self, w: &[f64], sticks: &[bool]) -> Vec<Multiplier> {
+        let of = |(i, &sticks): (usize, &bool)| {
+            let free = Multiplier { sticks, ..Multiplier::default() };
+            match self.in_energy(i) {
+                Response::Function => Multiplier { p: self.laws_with(i, w, &free, Response::Function).normal.pressed, ..free },
+                _ => free,
+            }
+        };
+        sticks.iter().enumerate().map(of).collect()
     }
 
     /// ρ where there is friction, else zero.
-    fn drag(&self, right: &Right, i: usize) -> f64 {
-        if self.contacts[self.boundary.points[i].side].friction.is_frictionless() { 0.0 } else { right.rho[i] }
+    fn drag(&self, i: usize) -> f64 {
+        if self.contact(i).friction.is_frictionless() { 0.0 } else { self.rho[i] }
     }
 
-    fn curvature(&self, right: &Right, now: &Gradient) -> Vec<Entry> {
-        let of = |i: usize| {
-            let (local, drag) = (&now.locals[i], self.drag(right, i));
-            let nu = &local.state.normal;
-            let unit = |c: usize, e: usize| f64::from(u8::from(c == e));
-            std::array::from_fn(|c| std::array::from_fn(|e| (local.p_slope - drag) * nu[c] * nu[e] + drag * unit(c, e)))
-        };
-        self.boundary.points.iter().enumerate().flat_map(|(i, point)| self.entries(point, &of(i))).collect()
+    fn curvature(&self, now: &Gradient) -> Vec<Entry> {
+        let mut entries = Vec::new();
+        for (i, laws) in now.laws.iter().enumerate() {
+            let mut tangent = [[0.0; 3]; 3];
+            tangent[0][0] = laws.normal.slope;
+            for a in 1..self.step.dim {
+                tangent[a][a] = self.drag(i);
+            }
+            self.interface.entries(i, &tangent, &mut entries);
+        }
+        entries
     }
 }
 
@@ -135,9 +149,5 @@ impl MechanicalStep<'_> {
 struct Gradient {
     f: Vec<f64>,
     scale: f64,
-    locals: Vec<Local>,
-}
-
-fn product(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
+    laws: Vec<Laws>,
 }

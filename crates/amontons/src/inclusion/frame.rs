@@ -1,0 +1,54 @@
+//! The foundation at a contact point, and the state of the point.
+
+use crate::contact::Status;
+use crate::tensor::Point;
+
+/// What the foundation is at one contact point in a step.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Frame {
+    /// Unit normal ν of the contact, towards the foundation: that of the body, or the opposite of the normal of the obstacle.
+    pub normal: Point,
+    /// g(t_n) in m, with what has worn off before the step.
+    pub gap: f64,
+    /// Mean rate of g in the step but for wear, m/s.
+    pub gap_rate: f64,
+    /// v_F(t_n) in m/s, tangential.
+    pub velocity: Point,
+}
+
+/// State of one contact point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointState {
+    /// Unit normal ν of the contact, towards the foundation.
+    pub normal: Point,
+    /// Penetration r = u_ν − g in m.
+    pub penetration: f64,
+    /// Pressure p in Pa.
+    pub pressure: f64,
+    /// Friction bound s in Pa.
+    pub bound: f64,
+    /// q = −σ_τ in Pa.
+    pub q: Point,
+    /// Slip velocity w_τ − v_F in m/s.
+    pub slip: Point,
+    /// Depth that wears off in the step, m.
+    pub wear: f64,
+    /// Open, stick or slip.
+    pub status: Status,
+}
+
+/// Derivative of the force p ν + q on the foundation in the velocity at a contact point, Pa s/m, rows the force.
+pub type PointTangent = [[f64; 3]; 3];
+
+/// Derivatives at a contact point, the multipliers eliminated.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PointDerivative {
+    /// Of the force p ν + q in the velocity.
+    pub force: PointTangent,
+    /// Of the force in the temperature of the body, Pa/K.
+    pub force_by_temperature: Point,
+    /// Of the depth that wears off in the step in the velocity, s.
+    pub wear: Point,
+    /// Of that depth in the temperature, m/K.
+    pub wear_by_temperature: f64,
+}

@@ -1,0 +1,126 @@
+//! (2.9) at one contact point: q = Π(q + ρ w_τ) onto the friction cone, linearised, in d − 1 tangential components.
+
+use super::STIFF;
+use crate::contact::Cone;
+
+/// A tangential vector by its components along t₁ and t₂.
+pub(super) type Tangential = [f64; 2];
+
+/// The factor D of a cone that is not round and its inverse, in the tangent basis: ‖D⁻¹ q‖ ≤ s. None for a round cone.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    factor: [Tangential; 2],
+    inverse: [Tangential; 2],
+}
+
+impl Shape {
+    /// The cone in the basis of a contact point.
+    pub fn new(cone: &Cone, tangents: [&crate::tensor::Point; 2]) -> Shape {
+        let of = |map: &dyn Fn(&crate::tensor::Point) -> crate::tensor::Point| {
+            std::array::from_fn(|a| std::array::from_fn(|b| crate::tensor::dot(tangents[a], &map(tangents[b]))))
+        };
+        Shape { factor: of(&|v| cone.apply(v)), inverse: of(&|v| cone.inverse(v)) }
+    }
+}
+
+fn map(matrix: &[Tangential; 2], v: &Tangential) -> Tangential {
+    std::array::from_fn(|a| matrix[a][0] * v[0] + matrix[a][1] * v[1])
+}
+
+/// Friction at an iterate. In q̃ = D⁻¹ q and w̃ = D w_τ the cone is round; with a round cone these are q and w_τ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Friction {
+    /// q, the multiplier, Pa.
+    pub q: Tangential,
+    /// w_τ − v_F in m/s.
+    pub slip: Tangential,
+    /// Bound s in Pa.
+    pub bound: f64,
+    /// Whether q̃ + ρ w̃ lies inside the cone.
+    pub sticks: bool,
+    /// Π(q + ρ w_τ), which is q at a solution.
+    pub projected: Tangential,
+    rho: f64,
+    z: Tangential,
+    z_length: f64,
+    shape: Option<Shape>,
+}
+
+impl Friction {
+    /// Projects onto the cone with the bound s.
+    pub fn new(q: Tangential, slip: Tangential, rho: f64, bound: f64, shape: Option<Shape>) -> Friction {
+        let (round_q, round_slip) = shape.map_or((q, slip), |s| (map(&s.inverse, &q), map(&s.factor, &slip)));
+        let z: Tangential = std::array::from_fn(|a| round_q[a] + rho * round_slip[a]);
+        let z_length = z[0].hypot(z[1]);
+        let sticks = z_length <= bound;
+        let round = if sticks { z } else { z.map(|c| c * (bound / z_length)) };
+        let projected = shape.map_or(round, |s| map(&s.factor, &round));
+        Friction { q, slip, bound, sticks, projected, rho, z, z_length, shape }
+    }
+
+    /// Slip speed ‖w_τ − v_F‖ in m/s.
+    pub fn speed(&self) -> f64 {
+        self.slip[0].hypot(self.slip[1])
+    }
+
+    /// ‖D⁻¹ q‖ in Pa, at most the bound.
+    pub fn size(&self) -> f64 {
+        let [a, b] = self.shape.map_or(self.q, |s| map(&s.inverse, &self.q));
+        a.hypot(b)
+    }
+
+    /// The direction of slip; none at rest.
+    pub fn along(&self) -> Tangential {
+        let speed = self.speed();
+        if speed > 0.0 { self.slip.map(|c| c / speed) } else { [0.0; 2] }
+    }
+
+    /// The direction in which the bound acts on q: D z/‖z‖ where the point slips.
+    pub fn direction(&self) -> Tangential {
+        if self.sticks || self.bound <= 0.0 {
+            return [0.0; 2];
+        }
+        let n = self.z.map(|c| c / self.z_length);
+        self.shape.map_or(n, |s| map(&s.factor, &n))
+    }
+
+    /// q of the linearised law at an unchanged velocity, and its derivative in the slip at a fixed bound. `change` is what the linearised
+    /// normal law adds to the bound, `in_space` says that slip has more than one direction.
+    ///
+    /// A point that sticks is held by the stiffness 2²⁷ ρ that starts from the multiplier of the last iterate, exact in the limit. Across the
+    /// direction n of slip the projection turns: δq = s/‖z‖ (δq + ρ δw) is solved for δq.
+    pub fn linear(&self, change: f64, in_space: bool) -> (Tangential, [Tangential; 2]) {
+        let (q, slip, projected) = self
+            .shape
+            .map_or((self.q, self.slip, self.projected), |s| (map(&s.inverse, &self.q), map(&s.factor, &self.slip), map(&s.inverse, &self.projected)));
+        let (mut force, mut tangent) = ([0.0; 2], [[0.0; 2]; 2]);
+        if self.sticks {
+            let stiffness = STIFF * self.rho;
+            for a in 0..2 {
+                force[a] = q[a] + stiffness * slip[a];
+                tangent[a][a] = stiffness;
+            }
+        } else {
+            let n = self.z.map(|c| c / self.z_length);
+            let beyond = self.z_length - self.bound;
+            let turn = (self.bound * self.rho / beyond).min(STIFF * self.rho);
+            let along = q[0] * n[0] + q[1] * n[1];
+            for a in 0..2 {
+                force[a] = (self.bound + change) * n[a];
+                if in_space {
+                    let across = q[a] - along * n[a];
+                    let lag = (projected[a] - q[a]) - (self.bound - along) * n[a];
+                    force[a] += across + lag * self.z_length / beyond;
+                    for b in 0..2 {
+                        tangent[a][b] = turn * (f64::from(u8::from(a == b)) - n[a] * n[b]);
+                    }
+                }
+            }
+        }
+        let Some(shape) = &self.shape else { return (force, tangent) };
+        // D T D: rows, then columns; D is symmetric.
+        let columns: [Tangential; 2] = tangent.map(|row| map(&shape.factor, &row));
+        let rows: [Tangential; 2] = std::array::from_fn(|a| std::array::from_fn(|b| shape.factor[a][0] * columns[0][b] + shape.factor[a][1] * columns[1][b]));
+        (map(&shape.factor, &force), rows)
+    }
+}

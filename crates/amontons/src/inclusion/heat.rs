@@ -1,0 +1,301 @@
+//! The heat step on Γ_C: conductance, radiation, heat of friction and foundations with a heat capacity.
+//!
+//! The flux Q = q·ν of a point is a multiplier as the pressure is: Q = H(θ + λ (Q − H)), H the law, so that a perfect conductance is no
+//! harder than a small one, and its round-off is that of S θ and not that of h (θ − θ_F).
+
+use super::frame::PointState;
+use super::interface::Interface;
+use super::newton::{Iterate, Right, Term, iterate};
+use super::{NotConverged, STIFF, Solved};
+use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux};
+use crate::linalg::{Condensed, Entry};
+use crate::tensor::{dot, length};
+
+/// What is known of a heat step on Γ_C before it is solved.
+pub struct HeatStep<'a> {
+    /// The laws of each side.
+    pub contacts: &'a [Contact],
+    /// The contact points.
+    pub boundary: &'a ContactBoundary,
+    /// Unknown of each contact node, none where prescribed.
+    pub unknown: &'a [Option<u32>],
+    /// Temperatures at the contact nodes, those that are prescribed filled in, K.
+    pub theta_prescribed: &'a [f64],
+    /// θ_F(t_n) at the contact points where it is prescribed, K.
+    pub foundation: &'a [f64],
+    /// What each side's foundation with a heat capacity starts from; none where θ_F is prescribed.
+    pub lumped: &'a [Option<Lumped>],
+    /// States of the contact points at u_n.
+    pub states: &'a [PointState],
+}
+
+/// A foundation with a heat capacity in a step: C/k (θ_F − θ_F,n−1) + H (θ_F − θ_∞) is what it receives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lumped {
+    /// C/k in W/K.
+    pub storage: f64,
+    /// θ_F at t_{n−1}, K.
+    pub before: f64,
+    /// H in W/K.
+    pub exchange: f64,
+    /// θ_∞(t_n) in K.
+    pub surroundings: f64,
+}
+
+/// The contact points at given temperatures of the body.
+#[derive(Clone, Debug, Default)]
+pub struct Exchange {
+    /// Temperature of the body at each point, K.
+    pub temperature: Vec<f64>,
+    /// Heat flux q·ν at each point.
+    pub flux: Vec<Flux>,
+    /// θ_F of each foundation with a heat capacity; none where it is prescribed.
+    pub foundation: Vec<Option<f64>>,
+}
+
+/// Most iterations for the temperature at which a law has a flux; every third halves the interval.
+const INVERSE: usize = 200;
+
+/// The heat term of a step.
+struct Thermal<'a> {
+    step: &'a HeatStep<'a>,
+    interface: Interface,
+    /// λ of each point in K m²/W; zero where nothing is unknown.
+    lambda: Vec<f64>,
+}
+
+/// The law of one point at an iterate.
+#[derive(Clone, Copy, Debug, Default)]
+struct Law {
+    /// θ of the body and θ_F in K.
+    temperature: f64,
+    foundation: f64,
+    /// Q, the multiplier, and J = H(θ + λ (Q − J)), which is Q at a solution, W/m².
+    flux: f64,
+    passed: f64,
+    /// H with its slopes at the temperature where it is J.
+    law: Flux,
+    /// 1/(1 + λ ∂H/∂θ): the slopes of J are those of H times this.
+    softening: f64,
+}
+
+impl Law {
+    /// Flux of the linearised law at an unchanged temperature, and its slopes in θ and θ_F: δQ = (J − Q + ∂J/∂θ δθ + ∂J/∂θ_F δθ_F)/(1 − λ ∂J/∂θ).
+    fn linear(&self) -> [f64; 3] {
+        let yielding = self.softening.max(STIFF.recip());
+        let slope = self.softening / yielding;
+        [self.flux + (self.passed - self.flux) / yielding, slope * self.law.by_temperature, slope * self.law.by_foundation]
+    }
+}
+
+impl HeatStep<'_> {
+    /// What the laws see at a point.
+    fn at(&self, i: usize, temperature: f64, foundation: f64) -> ContactPoint {
+        let state = &self.states[i];
+        ContactPoint {
+            x: self.boundary.points[i].x,
+            penetration: state.penetration,
+            pressure: state.pressure,
+            slip_speed: length(&state.slip),
+            friction_power: dot(&state.q, &state.slip),
+            temperature,
+            foundation_temperature: foundation,
+        }
+    }
+
+    /// Solves the step: `guess` is where the iteration starts, `r` the reduced right-hand side for the increment of the temperature over the
+    /// guess. Returns the temperatures on Γ_C and the exchange there.
+    ///
+    /// # Errors
+    /// When the iteration does not end.
+    pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64]) -> Result<(Solved, Exchange), NotConverged> {
+        condensed.turn(&[]);
+        let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
+        let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
+        let lambda = rho.iter().map(|rho| if *rho > 0.0 { rho.recip() } else { 0.0 }).collect();
+        let term = Thermal { step: self, interface, lambda };
+        let right = Right { r, guess, proximal: None };
+        let start = Iterate { x: guess.to_vec(), multipliers: term.start(guess) };
+        let (end, iterations) = iterate(&term, condensed, &right, start, 0)?;
+        let exchange = term.exchange(&end.x, &end.multipliers);
+        Ok((Solved { x: end.x, iterations }, exchange))
+    }
+
+    /// The derivative of Σ ω Nᵀ q·ν in θ at a solution. A foundation with a heat capacity follows all of its contact points: with
+    /// c = Σ ω Nᵀ ∂(q·ν)/∂θ_F and r = Σ ω N ∂(q·ν)/∂θ, it adds c rᵀ over the slope of its balance.
+    #[must_use]
+    pub fn tangent(&self, exchange: &Exchange) -> Vec<Entry> {
+        let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
+        let slopes: Vec<[f64; 2]> = exchange.flux.iter().map(|flux| [flux.by_temperature, flux.by_foundation]).collect();
+        let mut entries = Vec::new();
+        self.add_entries(&interface, &slopes, &mut entries);
+        entries
+    }
+
+    /// Adds the entries of fluxes with these slopes in θ and θ_F.
+    fn add_entries(&self, interface: &Interface, slopes: &[[f64; 2]], entries: &mut Vec<Entry>) {
+        for (i, [by_temperature, _]) in slopes.iter().enumerate() {
+            let mut tangent = [[0.0; 3]; 3];
+            tangent[0][0] = *by_temperature;
+            interface.entries(i, &tangent, entries);
+        }
+        for (side, lumped) in self.lumped.iter().enumerate() {
+            let Some(lumped) = lumped else { continue };
+            let slope = lumped.slope(interface, side, slopes);
+            let (mut by_foundation, mut by_body): (Vec<(u32, f64)>, Vec<(u32, f64)>) = Default::default();
+            for (i, [of_body, of_foundation]) in slopes.iter().enumerate().filter(|(i, _)| interface.rows[*i].side == side) {
+                if *of_body != 0.0 || *of_foundation != 0.0 {
+                    by_foundation.extend(interface.scaled_row(i, *of_foundation));
+                    by_body.extend(interface.scaled_row(i, *of_body));
+                }
+            }
+            for &(row, c) in &by_foundation {
+                entries.extend(by_body.iter().map(|&(col, r)| (row, col, c * r / slope)));
+            }
+        }
+    }
+}
+
+impl Lumped {
+    /// The slope of the balance of heat in θ_F: C/k + H − Σ ω ∂(q·ν)/∂θ_F.
+    fn slope(&self, interface: &Interface, side: usize, slopes: &[[f64; 2]]) -> f64 {
+        let rows = interface.rows.iter().zip(slopes).filter(|(row, _)| row.side == side);
+        rows.fold(self.storage + self.exchange, |sum, (row, [_, by_foundation])| sum - row.weight * by_foundation)
+    }
+}
+
+impl Thermal<'_> {
+    /// θ_F of each foundation with a heat capacity, by its balance at the fluxes Q.
+    fn foundations(&self, flux: &[f64]) -> Vec<Option<f64>> {
+        let of = |(side, lumped): (usize, &Option<Lumped>)| {
+            let Lumped { storage, before, exchange, surroundings } = (*lumped)?;
+            let rows = self.interface.rows.iter().enumerate().filter(|(_, row)| row.side == side);
+            let received: f64 = rows.map(|(i, row)| row.weight * (flux[i] + dot(&self.step.states[i].q, &self.step.states[i].slip))).sum();
+            // Increments, so that a foundation that receives nothing keeps its temperature to the bit.
+            Some(before + (received + exchange * (surroundings - before)) / (storage + exchange))
+        };
+        self.step.lumped.iter().enumerate().map(of).collect()
+    }
+
+    /// The law of a point at a temperature with the flux Q as multiplier.
+    fn law(&self, i: usize, temperature: f64, foundation: f64, flux: f64) -> Law {
+        let contact = &self.step.contacts[self.interface.rows[i].side];
+        let heat = |temperature: f64| contact.heat.flux(&self.step.at(i, temperature, foundation));
+        let lambda = self.lambda[i];
+        let z = temperature + lambda * flux;
+        // The temperature τ at which H is (z − τ)/λ: the difference of both rises with τ.
+        let (mut law, mut at) = (heat(temperature), temperature);
+        if lambda > 0.0 {
+            let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
+            for iteration in 0..INVERSE {
+                let excess = (at - z) + lambda * law.value;
+                *(if excess > 0.0 { &mut high } else { &mut low }) = at;
+                let newton = at - excess / (1.0 + lambda * law.by_temperature);
+                let next = if newton > low && newton < high || iteration % 3 < 2 { newton.clamp(low, high) } else { 0.5 * (low + high) };
+                if excess == 0.0 || (next - at).abs() <= f64::EPSILON * (at.abs() + z.abs()) || !next.is_finite() {
+                    break;
+                }
+                at = next;
+                law = heat(at);
+            }
+        }
+        let stiff = lambda * law.by_temperature > 1.0;
+        let passed = if stiff { (z - at) / lambda } else { law.value };
+        Law { temperature, foundation, flux, passed, softening: 1.0 / (1.0 + lambda * law.by_temperature), law }
+    }
+
+    fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<Law> {
+        let foundations = self.foundations(flux);
+        let of = |(i, flux): (usize, &f64)| {
+            let side = self.interface.rows[i].side;
+            let foundation = foundations.get(side).copied().flatten().unwrap_or(self.step.foundation[i]);
+            self.law(i, self.interface.jump(i, theta)[0], foundation, *flux)
+        };
+        flux.iter().enumerate().map(of).collect()
+    }
+
+    /// Fluxes to start from: H of a small conductance, and that through the body of a large one.
+    fn start(&self, theta: &[f64]) -> Vec<f64> {
+        self.laws_at(theta, &vec![0.0; self.interface.len()]).iter().map(|law| law.passed).collect()
+    }
+
+    /// The exchange at a solution.
+    fn exchange(&self, theta: &[f64], flux: &[f64]) -> Exchange {
+        let laws = self.laws_at(theta, flux);
+        Exchange {
+            temperature: laws.iter().map(|law| law.temperature).collect(),
+            flux: laws.iter().zip(flux).map(|(law, flux)| Flux { value: *flux, ..law.law }).collect(),
+            foundation: self.foundations(flux),
+        }
+    }
+
+    /// Σ ω of the fluxes of the linearised laws that a foundation receives beyond Q at an unchanged temperature of the body and of itself, over
+    /// the slope of its balance: by how much θ_F changes. `beyond` is by point.
+    fn warming(&self, slopes: &[[f64; 2]], beyond: &[f64]) -> Vec<f64> {
+        let of = |(side, lumped): (usize, &Option<Lumped>)| {
+            let Some(lumped) = lumped else { return 0.0 };
+            let rows = self.interface.rows.iter().zip(beyond).filter(|(row, _)| row.side == side);
+            rows.map(|(row, beyond)| row.weight * beyond).sum::<f64>() / lumped.slope(&self.interface, side, slopes)
+        };
+        self.step.lumped.iter().enumerate().map(of).collect()
+    }
+}
+
+impl Term for Thermal<'_> {
+    type Multipliers = Vec<f64>;
+    type Laws = Vec<Law>;
+
+    fn laws(&self, x: &[f64], multipliers: &Vec<f64>) -> Vec<Law> {
+        self.laws_at(x, multipliers)
+    }
+
+    fn forces(&self, laws: &Vec<Law>, out: &mut [f64]) {
+        for (i, law) in laws.iter().enumerate() {
+            self.interface.scatter(i, &[law.flux, 0.0, 0.0], out);
+        }
+    }
+
+    fn defects(&self, laws: &Vec<Law>) -> Vec<f64> {
+        self.interface.rows.iter().zip(laws).map(|(row, law)| row.weight * (law.flux - law.passed)).collect()
+    }
+
+    fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
+        let of =
+            |(row, law): (&super::interface::Row, &Law)| row.weight * law.softening * law.law.by_temperature * (law.temperature.abs() + law.foundation.abs());
+        self.interface.rows.iter().zip(laws).map(of).fold(0.0, f64::max)
+    }
+
+    fn linearise(&self, laws: &Vec<Law>, entries: &mut Vec<Entry>, right: &mut [f64]) {
+        let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
+        let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
+        let beyond: Vec<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
+        let warmer = self.warming(&slopes, &beyond);
+        for (i, [value, _, by_foundation]) in linear.iter().enumerate() {
+            let flux = value + by_foundation * warmer.get(self.interface.rows[i].side).copied().unwrap_or(0.0);
+            self.interface.scatter(i, &[-flux, 0.0, 0.0], right);
+        }
+        self.step.add_entries(&self.interface, &slopes, entries);
+    }
+
+    fn after(&self, laws: &Vec<Law>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {
+        let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
+        let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
+        let after: Vec<f64> = linear.iter().enumerate().map(|(i, [value, body, _])| value + body * self.interface.change(i, step)[0]).collect();
+        let beyond: Vec<f64> = after.iter().zip(laws).map(|(after, law)| after - law.flux).collect();
+        let warmer = self.warming(&slopes, &beyond);
+        let warming = |i: usize| warmer.get(self.interface.rows[i].side).copied().unwrap_or(0.0);
+        after.iter().zip(&linear).enumerate().map(|(i, (after, [_, _, by_foundation]))| after + by_foundation * warming(i)).collect()
+    }
+
+    fn towards(from: &Vec<f64>, to: &Vec<f64>, alpha: f64) -> Vec<f64> {
+        from.iter().zip(to).map(|(a, b)| a + alpha * (b - a)).collect()
+    }
+
+    fn settled(&self, laws: &Vec<Law>, _multipliers: Vec<f64>) -> Vec<f64> {
+        laws.iter().map(|law| law.passed).collect()
+    }
+
+    fn pattern(&self, _laws: &Vec<Law>) -> [usize; 3] {
+        [0; 3]
+    }
+}

@@ -1,0 +1,268 @@
+//! The rows of N: what a contact point sees of the unknowns on Γ_C, in a basis of its own.
+//!
+//! Each contact point has the basis (ν, t₁, t₂) of its normal and d − 1 tangents, so that no direction of space is preferred: the normal
+//! velocity, the slip and the tangential traction are numbers, and what happens in one direction leaves no round-off in another.
+//!
+//! Where a point sees one node alone, and no other point sees that node (nodal quadrature, inside a side), the unknowns of the node are taken
+//! in the basis of the point as well. Its row is then the identity, and the systems on Γ_C are the same whatever way the body is turned.
+
+use crate::contact::{ContactBoundary, PointOnBoundary};
+use crate::linalg::{Entry, Turn};
+use crate::tensor::{Point, dot, length};
+
+/// A vector or a force at a contact point by its components along (ν, t₁, t₂); a scalar by the first.
+pub type Local = [f64; 3];
+
+/// Derivative of a force in a velocity at a contact point, rows the force.
+pub type LocalTangent = [[f64; 3]; 3];
+
+/// The row of N of one contact point.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// Weight ω in m^(d−1).
+    pub weight: f64,
+    /// Which of the contacts of the problem this is a point of.
+    pub side: usize,
+    /// ν, t₁ and t₂; those beyond the dimension are zero.
+    pub basis: [Point; 3],
+    /// Unknowns on Γ_C with what each adds to the components of the jump.
+    entries: Vec<(u32, Local)>,
+    /// What prescribed values add to the jump.
+    prescribed: Local,
+}
+
+impl Row {
+    /// The components of a vector in the basis of the point.
+    #[must_use]
+    pub fn local(&self, v: &Point) -> Local {
+        std::array::from_fn(|a| dot(&self.basis[a], v))
+    }
+
+    /// The vector with these components.
+    #[must_use]
+    pub fn global(&self, v: &Local) -> Point {
+        std::array::from_fn(|c| (0..3).map(|a| v[a] * self.basis[a][c]).sum())
+    }
+
+    /// The vector with these tangential components.
+    #[must_use]
+    pub fn tangential(&self, v: &[f64; 2]) -> Point {
+        self.global(&[0.0, v[0], v[1]])
+    }
+
+    /// The derivative with these components, in the axes of space.
+    #[must_use]
+    pub fn global_tangent(&self, tangent: &LocalTangent) -> [[f64; 3]; 3] {
+        let rows: [Point; 3] = std::array::from_fn(|a| self.global(&tangent[a]));
+        std::array::from_fn(|c| std::array::from_fn(|e| (0..3).map(|a| self.basis[a][c] * rows[a][e]).sum()))
+    }
+}
+
+/// The rows of all contact points, and the nodes whose unknowns are in the basis of their point.
+#[derive(Clone, Debug)]
+pub struct Interface {
+    /// The rows, one per contact point.
+    pub rows: Vec<Row>,
+    /// Nodes whose unknowns are taken in another basis than the axes of space.
+    pub turns: Vec<Turn>,
+    /// Number of components of an unknown at a node.
+    components: usize,
+}
+
+impl Interface {
+    /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, the first with the unknown on Γ_C, none where the
+    /// value is prescribed, the second with that value. `normals` has ν of each point.
+    #[must_use]
+    pub fn of_vectors(boundary: &ContactBoundary, unknown: &[Option<u32>], prescribed: &[f64], normals: &[Point], dim: usize) -> Interface {
+        let mut seen = vec![0usize; boundary.nodes.len()];
+        for &(node, _) in boundary.points.iter().flat_map(|point| &point.nodes) {
+            seen[node] += 1;
+        }
+        let (mut rows, mut turns) = (Vec::with_capacity(boundary.points.len()), Vec::new());
+        for (point, normal) in boundary.points.iter().zip(normals) {
+            let basis = basis(normal, dim);
+            let turn = own_node(point, &seen, unknown, dim).map(|unknowns| Turn { unknowns, basis, dim });
+            rows.push(vector_row(point, basis, turn.as_ref(), unknown, prescribed, dim));
+            turns.extend(turn);
+        }
+        Interface { rows, turns, components: dim }
+    }
+
+    /// The rows for scalars, likewise.
+    #[must_use]
+    pub fn of_scalars(boundary: &ContactBoundary, unknown: &[Option<u32>], prescribed: &[f64]) -> Interface {
+        let row = |point: &PointOnBoundary| {
+            let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len()), 0.0);
+            for &(node, value) in &point.nodes {
+                match unknown[node] {
+                    Some(unknown) => entries.push((unknown, [value, 0.0, 0.0])),
+                    None => fixed += value * prescribed[node],
+                }
+            }
+            Row { weight: point.weight, side: point.side, basis: [[0.0; 3]; 3], entries, prescribed: [fixed, 0.0, 0.0] }
+        };
+        Interface { rows: boundary.points.iter().map(row).collect(), turns: Vec::new(), components: 1 }
+    }
+
+    /// Number of contact points.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    /// Whether there are no contact points.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
+    /// A vector over the unknowns on Γ_C in the bases of the nodes.
+    #[must_use]
+    pub fn turned(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        self.turns.iter().for_each(|turn| turn.forward(&mut x));
+        x
+    }
+
+    /// The same vector in the axes of space again.
+    #[must_use]
+    pub fn back(&self, x: &[f64]) -> Vec<f64> {
+        let mut x = x.to_vec();
+        self.turns.iter().for_each(|turn| turn.back(&mut x));
+        x
+    }
+
+    /// The jump at a contact point: N x with the prescribed values.
+    #[must_use]
+    pub fn jump(&self, i: usize, x: &[f64]) -> Local {
+        let (row, change) = (&self.rows[i], self.change(i, x));
+        std::array::from_fn(|a| row.prescribed[a] + change[a])
+    }
+
+    /// N x without the prescribed values: the change of the jump.
+    #[must_use]
+    pub fn change(&self, i: usize, x: &[f64]) -> Local {
+        let mut sum = [0.0; 3];
+        for (unknown, on) in &self.rows[i].entries {
+            for a in 0..self.components {
+                sum[a] += on[a] * x[*unknown as usize];
+            }
+        }
+        sum
+    }
+
+    /// Adds ω Nᵀ f of one point.
+    pub fn scatter(&self, i: usize, f: &Local, out: &mut [f64]) {
+        let row = &self.rows[i];
+        for (unknown, on) in &row.entries {
+            out[*unknown as usize] += row.weight * (0..self.components).map(|a| on[a] * f[a]).sum::<f64>();
+        }
+    }
+
+    /// Adds the entries of ω Nᵀ T N of one point.
+    pub fn entries(&self, i: usize, tangent: &LocalTangent, out: &mut Vec<Entry>) {
+        let (row, n) = (&self.rows[i], self.components);
+        for (at, on) in &row.entries {
+            for (by, of) in &row.entries {
+                let value: f64 = (0..n).map(|a| on[a] * (0..n).map(|b| tangent[a][b] * of[b]).sum::<f64>()).sum();
+                if value != 0.0 {
+                    out.push((*at, *by, row.weight * value));
+                }
+            }
+        }
+    }
+
+    /// The weighted sum of one component of the rows over the unknowns of a point: ω Nᵀ e₁ with a factor.
+    pub fn scaled_row(&self, i: usize, factor: f64) -> impl Iterator<Item = (u32, f64)> + '_ {
+        let row = &self.rows[i];
+        row.entries.iter().map(move |(unknown, on)| (*unknown, row.weight * on[0] * factor))
+    }
+
+    /// Whether a point sees unknowns at all.
+    #[must_use]
+    pub fn is_free(&self, i: usize) -> bool {
+        !self.rows[i].entries.is_empty()
+    }
+
+    /// ρ of each point, the scale of S per area: the mean of `diagonal` (of S, by unknown) over the nodes that the point sees, over their
+    /// weights. Absolute values of the shape functions weigh and average: those of quadratic facets take either sign, and at the vertices
+    /// of a triangle they integrate to zero, so that ∫ N would leave the sign of ρ to round-off.
+    #[must_use]
+    pub fn stiffness(&self, boundary: &ContactBoundary, unknown: &[Option<u32>], diagonal: &[f64]) -> Vec<f64> {
+        let mut weight = vec![0.0; boundary.nodes.len()];
+        for point in &boundary.points {
+            for &(node, value) in &point.nodes {
+                weight[node] += point.weight * value.abs();
+            }
+        }
+        let n = self.components;
+        let of_node = |node: usize| {
+            let own: Vec<f64> = (0..n).filter_map(|c| unknown[node * n + c]).map(|u| diagonal[u as usize]).collect();
+            if own.is_empty() { None } else { Some(own.iter().sum::<f64>() / (own.len() as f64 * weight[node])) }
+        };
+        let of_point = |point: &PointOnBoundary| {
+            let (mut sum, mut share) = (0.0, 0.0);
+            for &(node, value) in &point.nodes {
+                if let Some(stiffness) = of_node(node) {
+                    sum += value.abs() * stiffness;
+                    share += value.abs();
+                }
+            }
+            if share > 0.0 { sum / share } else { 0.0 }
+        };
+        boundary.points.iter().map(of_point).collect()
+    }
+}
+
+/// The unknowns of the one node of a point, if no other point sees it and nothing is prescribed there.
+fn own_node(point: &PointOnBoundary, seen: &[usize], unknown: &[Option<u32>], dim: usize) -> Option<[u32; 3]> {
+    let &[(node, value)] = point.nodes.as_slice() else { return None };
+    if value.to_bits() != 1f64.to_bits() || seen[node] != 1 {
+        return None;
+    }
+    let mut unknowns = [0; 3];
+    for c in 0..dim {
+        unknowns[c] = unknown[node * dim + c]?;
+    }
+    Some(unknowns)
+}
+
+fn vector_row(point: &PointOnBoundary, basis: [Point; 3], turn: Option<&Turn>, unknown: &[Option<u32>], prescribed: &[f64], dim: usize) -> Row {
+    let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len() * dim), [0.0; 3]);
+    if let Some(turn) = turn {
+        entries.extend((0..dim).map(|a| (turn.unknowns[a], std::array::from_fn(|b| f64::from(u8::from(a == b))))));
+    } else {
+        for &(node, value) in &point.nodes {
+            for c in 0..dim {
+                let on: Local = std::array::from_fn(|a| value * basis[a][c]);
+                match unknown[node * dim + c] {
+                    Some(unknown) => entries.push((unknown, on)),
+                    None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node * dim + c]),
+                }
+            }
+        }
+    }
+    Row { weight: point.weight, side: point.side, basis, entries, prescribed: fixed }
+}
+
+/// ν with d − 1 unit tangents across it and each other. Which tangents is of no account.
+#[must_use]
+pub fn basis(normal: &Point, dim: usize) -> [Point; 3] {
+    let n = *normal;
+    match dim {
+        1 => [n, [0.0; 3], [0.0; 3]],
+        2 => [n, [-n[1], n[0], 0.0], [0.0; 3]],
+        _ => {
+            // The axis that is farthest from ν.
+            let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);
+            let axis: Point = std::array::from_fn(|c| f64::from(u8::from(c == least)));
+            let across = cross(&n, &axis);
+            let first = across.map(|c| c / length(&across));
+            [n, first, cross(&n, &first)]
+        }
+    }
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}

@@ -1,0 +1,361 @@
+//! The mechanical step on Γ_C: normal contact, friction and wear.
+
+use super::frame::{Frame, PointDerivative, PointState};
+use super::interface::{Interface, LocalTangent};
+use super::newton::Term;
+use super::normal::Response;
+use super::point::{Kinematics, Laws, Multiplier, Site};
+use super::rule::Rule;
+use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
+use crate::linalg::{Condensed, Entry, is_positive_definite};
+use crate::tensor::{Point, dot, length};
+
+/// State of the contact points that a step starts from and ends with.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct Multipliers {
+    /// Pressure p at each contact point in Pa; zero where the normal law falls and the pressure is taken as a function of the penetration.
+    pub p: Vec<f64>,
+    /// q = −σ_τ at each contact point, Pa.
+    pub q: Vec<Point>,
+    /// Whether the point sticks: a bound that drops when slip starts is the static one there.
+    pub sticks: Vec<bool>,
+}
+
+impl Multipliers {
+    /// Without forces; `sticks` says which points are at rest against the foundation.
+    #[must_use]
+    pub fn free(sticks: Vec<bool>) -> Multipliers {
+        Multipliers { p: vec![0.0; sticks.len()], q: vec![[0.0; 3]; sticks.len()], sticks }
+    }
+
+    /// The multipliers a part α of the way to others, on the branches of those.
+    #[must_use]
+    pub fn towards(&self, other: &Multipliers, alpha: f64) -> Multipliers {
+        let part = |a: f64, b: f64| a + alpha * (b - a);
+        Multipliers {
+            p: self.p.iter().zip(&other.p).map(|(a, b)| part(*a, *b)).collect(),
+            q: self.q.iter().zip(&other.q).map(|(a, b)| std::array::from_fn(|c| part(a[c], b[c]))).collect(),
+            sticks: other.sticks.clone(),
+        }
+    }
+}
+
+/// What is known of a mechanical step on Γ_C before it is solved.
+pub struct MechanicalStep<'a> {
+    /// The laws of each side.
+    pub contacts: &'a [Contact],
+    /// The contact points.
+    pub boundary: &'a ContactBoundary,
+    /// Unknown of (contact node, component), none where prescribed.
+    pub unknown: &'a [Option<u32>],
+    /// Dimension d.
+    pub dim: usize,
+    /// The rule in time.
+    pub rule: Rule,
+    /// ū at the contact nodes, node-major.
+    pub u_bar: &'a [f64],
+    /// Velocities at the contact nodes, those that are prescribed filled in.
+    pub w_prescribed: &'a [f64],
+    /// The foundation at each contact point.
+    pub frames: &'a [Frame],
+    /// Temperature of the body at the contact points that the step is made with, K.
+    pub temperature: &'a [f64],
+}
+
+/// The mechanical term of a step.
+pub(super) struct Mechanical<'a> {
+    pub step: &'a MechanicalStep<'a>,
+    pub interface: Interface,
+    /// ρ of each point in Pa s/m, and how its pressure is found.
+    pub rho: Vec<f64>,
+    pub response: Vec<Response>,
+    /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
+    opening: Vec<[f64; 2]>,
+    /// v_F along the tangents at each point.
+    foundation: Vec<[f64; 2]>,
+}
+
+impl<'a> Mechanical<'a> {
+    /// The term of a step. Without `condensed` multipliers are taken as they are.
+    pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&Condensed>) -> Mechanical<'a> {
+        let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
+        let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.dim);
+        let rho = condensed.map_or_else(|| vec![0.0; interface.len()], |c| interface.stiffness(step.boundary, step.unknown, c.scale()));
+        let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
+            false => Response::Function,
+            true if rho > 0.0 => Response::Multiplier { lambda: step.rule.gamma / rho },
+            true => Response::Given,
+        });
+        let response = response.collect();
+        let opening = step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
+        let foundation = interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
+        Mechanical { step, interface, rho, response, opening, foundation }
+    }
+
+    pub fn contact(&self, i: usize) -> &Contact {
+        &self.step.contacts[self.interface.rows[i].side]
+    }
+
+    fn kinematics(&self, i: usize, w: &[f64]) -> Kinematics {
+        let [w_nu, t1, t2] = self.interface.jump(i, w);
+        let (frame, gamma) = (&self.step.frames[i], self.step.rule.gamma);
+        // r = ū_ν + γ w_ν − g.
+        let penetration = self.opening[i][0] + gamma * w_nu;
+        let rate = w_nu - frame.gap_rate;
+        // That of r₊, so that the pressure does not jump where the gap closes within the step.
+        let rate = if penetration <= 0.0 { 0.0 } else { rate.min(penetration / gamma) };
+        let [v1, v2] = self.foundation[i];
+        Kinematics { penetration, rate, slip: [t1 - v1, t2 - v2], temperature: self.step.temperature[i] }
+    }
+
+    pub fn laws_at(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
+        self.laws_with(i, w, multiplier, self.response[i])
+    }
+
+    /// The laws at a point, its pressure found in a way of its own.
+    pub fn laws_with(&self, i: usize, w: &[f64], multiplier: &Multiplier, response: Response) -> Laws {
+        let site = Site {
+            contact: self.contact(i),
+            row: &self.interface.rows[i],
+            x: self.step.boundary.points[i].x,
+            gamma: self.step.rule.gamma,
+            response,
+            rho: self.rho[i],
+        };
+        Laws::new(&site, &self.kinematics(i, w), multiplier)
+    }
+
+    /// The multipliers by their components at each point.
+    pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
+        let rows = self.interface.rows.iter().enumerate();
+        rows.map(|(i, row)| Multiplier { p: multipliers.p[i], q: tail(row.local(&multipliers.q[i])), sticks: multipliers.sticks[i] }).collect()
+    }
+
+    /// The multipliers as vectors.
+    pub fn global(&self, multipliers: &[Multiplier]) -> Multipliers {
+        Multipliers {
+            p: multipliers.iter().zip(&self.response).map(|(m, response)| if *response == Response::Function { 0.0 } else { m.p }).collect(),
+            q: self.interface.rows.iter().zip(multipliers).map(|(row, m)| row.tangential(&m.q)).collect(),
+            sticks: multipliers.iter().map(|m| m.sticks).collect(),
+        }
+    }
+
+    /// Whether the bound of a point drops when slip starts: then the iteration stays on the branch that it starts on, because what its
+    /// iterates overshoot would let a point go that can stick.
+    pub fn drops(&self, i: usize) -> bool {
+        self.contact(i).friction.drops_from_rest()
+    }
+}
+
+impl MechanicalStep<'_> {
+    /// Whether the pressure of a point is a multiplier: all but for laws that fall, which have no resolvent.
+    fn has_multiplier(&self, i: usize) -> bool {
+        let point = &self.boundary.points[i];
+        let law = &self.contacts[point.side].normal;
+        law.graph() != GraphKind::Function || law.least_slope(&point.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0
+    }
+
+    /// ū_ν − g and the size of the terms.
+    fn opening(&self, point: &crate::contact::PointOnBoundary, frame: &Frame) -> [f64; 2] {
+        let (mut sum, mut size) = (0.0, frame.gap.abs());
+        for &(node, value) in &point.nodes {
+            for c in 0..self.dim {
+                let term = value * self.u_bar[node * self.dim + c] * frame.normal[c];
+                sum += term;
+                size += term.abs();
+            }
+        }
+        [sum - frame.gap, size]
+    }
+
+    /// The states of the contact points at velocities on Γ_C, the multipliers as they are.
+    #[must_use]
+    pub fn states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        let term = Mechanical::new(self, None);
+        let w = term.interface.turned(w);
+        let local = term.local(multipliers);
+        let of = |i: usize| {
+            let laws = term.laws_at(i, &w, &local[i]);
+            let mut state = laws.state(&term.interface.rows[i]);
+            if state.bound > 0.0 {
+                // At the bound to round-off, and moving: slip.
+                let at_bound = laws.friction.size() >= state.bound * (1.0 - 1e-9);
+                state.status = if at_bound { Status::Slip } else { Status::Stick };
+            }
+            state
+        };
+        (0..term.interface.len()).map(of).collect()
+    }
+
+    /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at each point. The entries are
+    /// in the basis that `condensed` has.
+    pub fn tangent(&self, condensed: &mut Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointDerivative>) {
+        let term = Mechanical::new(self, Some(condensed));
+        condensed.turn(&term.interface.turns);
+        let (w, local) = (term.interface.turned(w), term.local(multipliers));
+        let mut entries = Vec::new();
+        let points = (0..local.len()).map(|i| {
+            let laws = term.laws_at(i, &w, &local[i]);
+            term.interface.entries(i, &laws.linear(self.dim).1, &mut entries);
+            laws.derivative(&term.interface.rows[i], self.dim)
+        });
+        let points = points.collect();
+        (entries, points)
+    }
+
+    /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the cone, in Pa. At a solution
+    /// that is the force p ν + q.
+    #[must_use]
+    pub fn forces(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
+        let term = Mechanical::new(self, Some(condensed));
+        let (w, local) = (term.interface.turned(w), term.local(multipliers));
+        (0..local.len()).map(|i| term.interface.rows[i].global(&term.laws_at(i, &w, &local[i]).projected())).collect()
+    }
+
+    /// Whether the step has no other solution between two velocities as far as falling laws are concerned: S with the least slopes that the
+    /// laws have between them, friction at the pressures of the second, is positive definite. Of friction, the fall with the slip speed counts,
+    /// and not the drop from rest, after which a point that sticks goes on sticking as long as it can.
+    #[must_use]
+    pub fn is_unique(&self, condensed: &mut Condensed, [from, to]: [&[f64]; 2], multipliers: [&Multipliers; 2]) -> bool {
+        let term = Mechanical::new(self, None);
+        let [from, to] = [from, to].map(|w| term.interface.turned(w));
+        let local = term.local(multipliers[1]);
+        let slopes: Vec<[f64; 2]> = (0..local.len()).map(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i]))).collect();
+        if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
+            return true;
+        }
+        if slopes.iter().flatten().any(|slope| !slope.is_finite()) {
+            return false;
+        }
+        condensed.turn(&term.interface.turns);
+        let mut entries = Vec::new();
+        for (i, [normal, tangential]) in slopes.into_iter().enumerate() {
+            let mut tangent: LocalTangent = [[0.0; 3]; 3];
+            tangent[0][0] = normal;
+            for a in 1..self.dim {
+                tangent[a][a] = tangential;
+            }
+            term.interface.entries(i, &tangent, &mut entries);
+        }
+        is_positive_definite(condensed.with(&entries))
+    }
+}
+
+impl Mechanical<'_> {
+    /// The least slopes of pressure and friction bound of a point between two velocities.
+    fn least_slopes(&self, i: usize, [from, to]: [&[f64]; 2], multiplier: &Multiplier, sticks: [bool; 2]) -> [f64; 2] {
+        let (point, frame, contact) = (&self.step.boundary.points[i], &self.step.frames[i], self.contact(i));
+        let [before, after] = [from, to].map(|w| self.laws_at(i, w, multiplier));
+        // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
+        let start = before.penetration - self.step.rule.gamma * (self.interface.jump(i, from)[0] - frame.gap_rate);
+        let normal = self.step.rule.gamma * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
+        // The largest load in between: a fall with the slip speed grows with it.
+        let at_end = after.normal.pressed;
+        let pressure = match contact.normal.graph() {
+            GraphKind::Function => at_end.max(contact.normal.pressure(&point.x, start, 0.0, 0.0).value).max(0.0),
+            GraphKind::Multivalued => at_end.max(0.0),
+            GraphKind::Bilateral => at_end.abs(),
+        };
+        let seen = ContactPoint { x: point.x, penetration: after.penetration, pressure, temperature: self.step.temperature[i], ..ContactPoint::default() };
+        // The slip of a point that sticks is round-off, or the change of v_F that it follows.
+        let slip = |laws: &Laws, sticks: bool| if sticks { [0.0; 2] } else { laws.friction.slip };
+        let [before, after] = [slip(&before, sticks[0]), slip(&after, sticks[1])].map(|[a, b]| [a, b, 0.0]);
+        [normal, contact.friction.least_slope(&seen, slowest(&before, &after), length(&before).max(length(&after)))]
+    }
+}
+
+impl Term for Mechanical<'_> {
+    type Multipliers = Vec<Multiplier>;
+    type Laws = Vec<Laws>;
+
+    fn laws(&self, x: &[f64], multipliers: &Vec<Multiplier>) -> Vec<Laws> {
+        multipliers.iter().enumerate().map(|(i, multiplier)| self.laws_at(i, x, multiplier)).collect()
+    }
+
+    fn forces(&self, laws: &Vec<Laws>, out: &mut [f64]) {
+        for (i, laws) in laws.iter().enumerate() {
+            self.interface.scatter(i, &laws.force(), out);
+        }
+    }
+
+    fn defects(&self, laws: &Vec<Laws>) -> Vec<f64> {
+        let of = |(i, laws): (usize, &Laws)| {
+            let (weight, force, projected) = (self.interface.rows[i].weight, laws.force(), laws.projected());
+            (0..self.step.dim).map(move |a| weight * (force[a] - projected[a]))
+        };
+        laws.iter().enumerate().flat_map(of).collect()
+    }
+
+    fn round_off(&self, x: &[f64], laws: &Vec<Laws>) -> f64 {
+        let of = |(i, laws): (usize, &Laws)| {
+            let (weight, gamma) = (self.interface.rows[i].weight, self.step.rule.gamma);
+            let size = self.opening[i][1] + gamma * self.interface.jump(i, x)[0].abs();
+            let normal = laws.normal.slope.abs() / gamma * size;
+            // The slip of a point that sticks is a difference of larger numbers; to one that slips it is a direction.
+            let [v1, v2] = self.foundation[i];
+            weight * if laws.sticks { normal.max(self.rho[i] * v1.hypot(v2)) } else { normal }
+        };
+        laws.iter().enumerate().map(of).fold(0.0, f64::max)
+    }
+
+    fn linearise(&self, laws: &Vec<Laws>, entries: &mut Vec<Entry>, right: &mut [f64]) {
+        for (i, laws) in laws.iter().enumerate() {
+            let (force, tangent) = laws.linear(self.step.dim);
+            self.interface.scatter(i, &force.map(|f| -f), right);
+            self.interface.entries(i, &tangent, entries);
+        }
+    }
+
+    fn after(&self, laws: &Vec<Laws>, before: &Vec<Multiplier>, step: &[f64]) -> Vec<Multiplier> {
+        let of = |(i, (laws, before)): (usize, (&Laws, &Multiplier))| {
+            let ((force, tangent), moved) = (laws.linear(self.step.dim), self.interface.change(i, step));
+            let [p, q1, q2] = std::array::from_fn(|a| force[a] + dot(&tangent[a], &moved));
+            Multiplier { p, q: [q1, q2], sticks: if self.drops(i) { before.sticks } else { laws.sticks } }
+        };
+        laws.iter().zip(before).enumerate().map(of).collect()
+    }
+
+    fn towards(from: &Vec<Multiplier>, to: &Vec<Multiplier>, alpha: f64) -> Vec<Multiplier> {
+        let part = |a: f64, b: f64| a + alpha * (b - a);
+        let of = |(a, b): (&Multiplier, &Multiplier)| Multiplier { p: part(a.p, b.p), q: std::array::from_fn(|c| part(a.q[c], b.q[c])), sticks: b.sticks };
+        from.iter().zip(to).map(of).collect()
+    }
+
+    /// Takes points that stuck as sticking: where the foundation has changed its velocity the iterate slips by the change, which says
+    /// nothing of the solution.
+    fn begin(&self, laws: &mut Vec<Laws>, multipliers: &Vec<Multiplier>) {
+        laws.iter_mut().zip(multipliers).filter(|(_, multiplier)| multiplier.sticks).for_each(|(laws, _)| laws.hold());
+    }
+
+    /// Pressures on the graph itself, and the branches that were found.
+    fn settled(&self, laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
+        for (i, (multiplier, laws)) in multipliers.iter_mut().zip(laws).enumerate() {
+            multiplier.p = laws.normal.pressed;
+            if !self.drops(i) {
+                multiplier.sticks = laws.sticks;
+            }
+        }
+        multipliers
+    }
+
+    fn pattern(&self, laws: &Vec<Laws>) -> [usize; 3] {
+        let mut pattern = [0; 3];
+        for laws in laws {
+            pattern[laws.status as usize] += 1;
+        }
+        pattern
+    }
+}
+
+/// The tangential components.
+fn tail(v: [f64; 3]) -> [f64; 2] {
+    [v[1], v[2]]
+}
+
+/// Least length of the vectors between two: where slip turns round it stops in between.
+fn slowest(from: &Point, to: &Point) -> f64 {
+    let change: Point = std::array::from_fn(|c| to[c] - from[c]);
+    let squared = dot(&change, &change);
+    let part = if squared > 0.0 { (-dot(from, &change) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    length(&std::array::from_fn(|c| from[c] + part * change[c]))
+}

@@ -1,0 +1,183 @@
+//! The semismooth Newton iteration for S (x − x̂) + Σ ω Nᵀ f = r on Γ_C, f the contact forces that a term makes of x and its multipliers.
+//!
+//! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved until the residual decreases; where
+//! that ends at a kink, a full step leaves it.
+
+use super::{ITERATIONS, NotConverged, SHORTEST_STEP, TOLERANCE};
+use crate::linalg::{Condensed, Entry, max_abs};
+
+/// A nonsmooth term on Γ_C: laws at contact points with multipliers.
+pub(super) trait Term {
+    /// The multipliers of all points.
+    type Multipliers: Clone;
+    /// The laws of all points at an iterate.
+    type Laws;
+
+    /// Evaluates the laws.
+    fn laws(&self, x: &[f64], multipliers: &Self::Multipliers) -> Self::Laws;
+    /// Σ ω Nᵀ f, f the multipliers.
+    fn forces(&self, laws: &Self::Laws, out: &mut [f64]);
+    /// What the multipliers lack of what the laws make of them, as forces.
+    fn defects(&self, laws: &Self::Laws) -> Vec<f64>;
+    /// The largest round-off of a term of the laws, as a force.
+    fn round_off(&self, x: &[f64], laws: &Self::Laws) -> f64;
+    /// The linearised laws: adds the entries of J = Σ ω Nᵀ T N, takes Σ ω Nᵀ f at an unchanged x off `right`.
+    fn linearise(&self, laws: &Self::Laws, entries: &mut Vec<Entry>, right: &mut [f64]);
+    /// The multipliers of the linearised laws after the step δx.
+    fn after(&self, laws: &Self::Laws, before: &Self::Multipliers, step: &[f64]) -> Self::Multipliers;
+    /// The multipliers a part α of the way from one to another.
+    fn towards(from: &Self::Multipliers, to: &Self::Multipliers, alpha: f64) -> Self::Multipliers;
+    /// What is taken for granted before the first step.
+    fn begin(&self, _laws: &mut Self::Laws, _multipliers: &Self::Multipliers) {}
+    /// The multipliers of an iterate that has converged: those that the laws make of them.
+    fn settled(&self, laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
+    /// Points that are open, stuck and slipping.
+    fn pattern(&self, laws: &Self::Laws) -> [usize; 3];
+}
+
+/// S (x − x̂) + Σ ω Nᵀ f = r: the increment is solved for, so that the round-off of the sweeps is relative to the change within a step and
+/// not to x.
+#[derive(Clone)]
+pub(super) struct Right<'a> {
+    pub r: &'a [f64],
+    pub guess: &'a [f64],
+    /// β and the anchor of a proximal term β diag(S) (x − anchor).
+    pub proximal: Option<(f64, Vec<f64>)>,
+}
+
+impl Right<'_> {
+    /// Whether a residual is no more than the round-off of S (x − x̂): a sum of n terms has √n/2 last bits of theirs, and never less than one.
+    pub fn is_round_off(&self, condensed: &Condensed, x: &[f64], residual: f64) -> bool {
+        let sizes = self.sizes(x);
+        let bits = f64::EPSILON * (0.5 * (x.len() as f64).sqrt()).max(1.0);
+        residual <= bits * condensed.magnitude_bound(&sizes) && residual <= bits * condensed.magnitude(&sizes)
+    }
+
+    /// |x| + |x̂|: x − x̂ is a difference of larger numbers.
+    fn sizes(&self, x: &[f64]) -> Vec<f64> {
+        x.iter().zip(self.guess).map(|(x, guess)| x.abs() + guess.abs()).collect()
+    }
+
+    /// What the last bits of x and x̂ make of S (x − x̂), if a residual may be that.
+    fn round_off(&self, condensed: &Condensed, x: &[f64], residual: f64) -> f64 {
+        let sizes = self.sizes(x);
+        // A residual beyond the bound is no round-off, whatever the product, which costs as much as S (x − x̂).
+        if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) { 0.0 } else { f64::EPSILON * condensed.magnitude(&sizes) }
+    }
+}
+
+/// Values on Γ_C and multipliers.
+#[derive(Clone)]
+pub(super) struct Iterate<M> {
+    pub x: Vec<f64>,
+    pub multipliers: M,
+}
+
+/// An iterate with what is left of the equations.
+pub(super) struct Evaluation<T: Term> {
+    pub at: Iterate<T::Multipliers>,
+    pub laws: T::Laws,
+    /// r − S (x − x̂).
+    rest: Vec<f64>,
+    /// Euclidean norm of the errors.
+    norm: f64,
+    pub residual: f64,
+    pub scale: f64,
+    tolerance: f64,
+}
+
+impl<T: Term> Evaluation<T> {
+    /// Evaluates an iterate.
+    pub fn new(term: &T, condensed: &Condensed, right: &Right, at: Iterate<T::Multipliers>) -> Evaluation<T> {
+        let x = &at.x;
+        let laws = term.laws(x, &at.multipliers);
+        let increment: Vec<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
+        let inner = condensed.apply(&increment);
+        let mut forces = vec![0.0; x.len()];
+        term.forces(&laws, &mut forces);
+        let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
+        let mut rest: Vec<f64> = right.r.iter().zip(&inner).map(|(r, inner)| r - inner).collect();
+        if let Some((beta, anchor)) = &right.proximal {
+            for (i, rest) in rest.iter_mut().enumerate() {
+                *rest -= beta * condensed.scale()[i] * (x[i] - anchor[i]);
+            }
+        }
+        let mut errors: Vec<f64> = forces.iter().zip(&rest).map(|(force, rest)| force - rest).collect();
+        errors.extend(term.defects(&laws));
+        let residual = max_abs(&errors);
+        // Scaled, so that squares neither under- nor overflow.
+        let norm = if residual > 0.0 { residual * errors.iter().map(|e| (e / residual).powi(2)).sum::<f64>().sqrt() } else { 0.0 };
+        let tight = TOLERANCE * scale;
+        let tolerance = if residual > tight { tight.max(right.round_off(condensed, x, residual)).max(f64::EPSILON * term.round_off(x, &laws)) } else { tight };
+        Evaluation { at, laws, rest, norm, residual, scale, tolerance }
+    }
+
+    /// Whether the residual is as small as it may be.
+    pub fn converged(&self) -> bool {
+        self.residual <= self.tolerance
+    }
+
+    /// The error of an iteration that ends here.
+    pub fn failure(&self, term: &T, iterations: usize) -> NotConverged {
+        NotConverged { iterations, residual: self.residual / self.scale, pattern: term.pattern(&self.laws) }
+    }
+}
+
+/// Newton's method from an iterate with at most `leaps` full steps that the residual does not decide on, the first among them. Returns the
+/// iterate that has converged and the number of iterations.
+pub(super) fn iterate<T: Term>(
+    term: &T,
+    condensed: &mut Condensed,
+    right: &Right,
+    start: Iterate<T::Multipliers>,
+    leaps: usize,
+) -> Result<(Iterate<T::Multipliers>, usize), NotConverged> {
+    let mut now = Evaluation::<T>::new(term, condensed, right, start);
+    let (mut left, mut leap) = (leaps.saturating_sub(1), leaps > 0);
+    for iteration in 0..ITERATIONS {
+        if now.converged() {
+            let Iterate { x, multipliers } = now.at;
+            return Ok((Iterate { x, multipliers: term.settled(&now.laws, multipliers) }, iteration));
+        }
+        if iteration == 0 {
+            term.begin(&mut now.laws, &now.at.multipliers);
+        }
+        let Some(step) = newton_step(term, condensed, right, &now) else {
+            // Nothing holds the body at this iterate, as where all points are open; a proximal step does.
+            return Err(now.failure(term, iteration + 1));
+        };
+        let after = term.after(&now.laws, &now.at.multipliers, &step);
+        let mut alpha = 1.0;
+        loop {
+            let x = now.at.x.iter().zip(&step).map(|(x, step)| x + alpha * step).collect();
+            let multipliers = T::towards(&now.at.multipliers, &after, alpha);
+            let trial = Evaluation::new(term, condensed, right, Iterate { x, multipliers });
+            if trial.converged() || trial.norm < now.norm * (1.0 - 5e-5 * alpha) || (leap && trial.norm.is_finite()) {
+                (now, leap) = (trial, false);
+                break;
+            }
+            alpha *= 0.5;
+            if alpha < SHORTEST_STEP {
+                if right.is_round_off(condensed, &now.at.x, now.residual) {
+                    let Iterate { x, multipliers } = now.at;
+                    return Ok((Iterate { x, multipliers: term.settled(&now.laws, multipliers) }, iteration));
+                }
+                if left == 0 {
+                    return Err(now.failure(term, iteration + 1));
+                }
+                (left, leap, alpha) = (left - 1, true, 1.0);
+            }
+        }
+    }
+    Err(now.failure(term, ITERATIONS))
+}
+
+/// δx of (S + J) δx = r − S (x − x̂) − Σ ω Nᵀ f, f of the linearised laws; none where the matrix is singular.
+fn newton_step<T: Term>(term: &T, condensed: &mut Condensed, right: &Right, now: &Evaluation<T>) -> Option<Vec<f64>> {
+    let (mut entries, mut step) = (Vec::new(), now.rest.clone());
+    term.linearise(&now.laws, &mut entries, &mut step);
+    if let Some((beta, _)) = right.proximal {
+        entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.scale()[i])));
+    }
+    condensed.solve(&entries, &mut step).then_some(step)
+}

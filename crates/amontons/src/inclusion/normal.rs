@@ -1,0 +1,77 @@
+//! (2.8) at one contact point: the pressure p as multiplier of the penetration, linearised.
+
+use super::STIFF;
+use crate::contact::{NormalLaw, Pressure, resolvent};
+use crate::tensor::Point;
+
+/// How the pressure of a point is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Response {
+    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p): laws that do not fall, of any stiffness.
+    Multiplier {
+        /// λ in m/Pa.
+        lambda: f64,
+    },
+    /// p = G(r, ṙ): laws that fall, which have no resolvent.
+    Function,
+    /// The multiplier is the pressure, and the law is not asked.
+    Given,
+}
+
+/// What a normal law looks at in a step.
+pub(super) struct Approach<'a> {
+    pub law: &'a dyn NormalLaw,
+    pub x: &'a Point,
+    /// γ of the rule in time, s.
+    pub gamma: f64,
+    pub response: Response,
+    /// r but for what wears off in the step, m, and the rate of r₊ in m/s.
+    pub penetration: f64,
+    pub rate: f64,
+    /// λ_w in m/Pa: λ_w p₊ is the depth that wears off.
+    pub by_wear: f64,
+}
+
+/// The pressure at an iterate: p the multiplier and J(r + λ p), what the law makes of it, with slopes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Normal {
+    /// p in Pa: the multiplier, or G of a function.
+    pub pressure: f64,
+    /// J in Pa, which is p at a solution.
+    pub pressed: f64,
+    /// ∂J/∂w_ν at fixed p, Pa s/m.
+    pub slope: f64,
+    /// ∂J/∂z at fixed w_ν, Pa/m.
+    pub by_penetration: f64,
+    /// 1 − λ ∂J/∂z, but not zero; 1 for a function.
+    pub yielding: f64,
+}
+
+impl Normal {
+    /// Evaluates the law at the multiplier `p`.
+    pub fn new(at: &Approach, p: f64) -> Normal {
+        let (z, lambda) = match at.response {
+            Response::Given => return Normal { pressure: p, pressed: p, slope: 0.0, by_penetration: 0.0, yielding: 1.0 },
+            Response::Function => (at.penetration, 0.0),
+            Response::Multiplier { lambda } => (at.penetration + lambda * p, lambda),
+        };
+        let Pressure { value, slope, by_rate } = resolvent(at.law, at.x, z, at.rate, [lambda, at.by_wear]);
+        Normal {
+            pressure: if at.response == Response::Function { value } else { p },
+            pressed: value,
+            slope: at.gamma * slope + if at.penetration > 0.0 { by_rate } else { 0.0 },
+            by_penetration: slope,
+            yielding: (1.0 - slope * lambda).max(STIFF.recip()),
+        }
+    }
+
+    /// Pressure of the linearised law at an unchanged velocity, δp = (∂J/∂w_ν δw_ν + J − p)/(1 − λ ∂J/∂z).
+    pub fn linear(&self) -> f64 {
+        self.pressure + (self.pressed - self.pressure) / self.yielding
+    }
+
+    /// Slope of the pressure of the linearised law in w_ν, Pa s/m.
+    pub fn stiffness(&self) -> f64 {
+        self.slope / self.yielding
+    }
+}

@@ -1,0 +1,214 @@
+//! The laws of contact at one point, linearised, the multipliers eliminated.
+
+use super::frame::{PointDerivative, PointState};
+use super::friction::{Friction, Shape, Tangential};
+use super::interface::{Local, LocalTangent, Row};
+use super::normal::{Approach, Normal, Response};
+use crate::contact::{Bound, Contact, ContactPoint, GraphKind, Status};
+use crate::tensor::Point;
+
+/// The multipliers of one point.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Multiplier {
+    /// Pressure in Pa, and q in Pa along the tangents.
+    pub p: f64,
+    pub q: Tangential,
+    /// Whether it stuck at the last iterate: which branch it is on where the bound drops when slip starts.
+    pub sticks: bool,
+}
+
+/// What is known of a point before the laws are evaluated.
+pub(super) struct Site<'a> {
+    pub contact: &'a Contact,
+    pub row: &'a Row,
+    pub x: Point,
+    /// γ of the rule in time, s.
+    pub gamma: f64,
+    pub response: Response,
+    /// ρ of friction in Pa s/m.
+    pub rho: f64,
+}
+
+/// What moves a point: its kinematics at an iterate.
+pub(super) struct Kinematics {
+    /// r but for what wears off in the step, m, and the rate of r₊ in m/s.
+    pub penetration: f64,
+    pub rate: f64,
+    /// w_τ − v_F in m/s.
+    pub slip: Tangential,
+    /// θ of the body in K.
+    pub temperature: f64,
+}
+
+/// What wears off in the step: the depth is k κ ‖w_τ‖ p₊.
+#[derive(Clone, Copy, Debug, Default)]
+struct Wear {
+    /// k κ, and k times its derivative in the temperature.
+    rate: f64,
+    by_temperature: f64,
+}
+
+/// Slopes of the bound s and of the pressure beyond those of [`Normal`].
+#[derive(Clone, Copy, Debug, Default)]
+struct Slopes {
+    /// Of s in w_ν and in ‖w_τ‖, and the change of s with the pressure that the linearised graph has at δw = 0.
+    bound_by_normal: f64,
+    bound_by_speed: f64,
+    bound_change: f64,
+    /// Of the pressure in ‖w_τ‖, and how much of it the bound follows.
+    pressure_by_speed: f64,
+    follows: f64,
+    /// Of s at fixed pressure and of the pressure in the temperature.
+    bound_by_temperature: f64,
+    pressure_by_temperature: f64,
+}
+
+/// The laws at a point and an iterate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Laws {
+    pub normal: Normal,
+    pub friction: Friction,
+    /// r in m, with what wears off in the step.
+    pub penetration: f64,
+    /// Depth that wears off in the step, m.
+    pub worn: f64,
+    pub status: Status,
+    /// Whether it is on the branch of sticking; without a bound, as it was.
+    pub sticks: bool,
+    wear: Wear,
+    slopes: Slopes,
+}
+
+impl Laws {
+    /// The laws at a point.
+    pub fn new(site: &Site, at: &Kinematics, multiplier: &Multiplier) -> Laws {
+        let contact = site.contact;
+        let speed = at.slip[0].hypot(at.slip[1]);
+        let seen = ContactPoint { x: site.x, penetration: at.penetration, temperature: at.temperature, ..ContactPoint::default() };
+        let wear = contact
+            .wear
+            .as_ref()
+            .map_or_else(Wear::default, |law| Wear { rate: site.gamma * law.coefficient(&seen), by_temperature: site.gamma * law.by_temperature(&seen) });
+        let by_wear = wear.rate * speed;
+        let approach = Approach {
+            law: contact.normal.as_ref(),
+            x: &site.x,
+            gamma: site.gamma,
+            response: site.response,
+            penetration: at.penetration,
+            rate: at.rate,
+            by_wear,
+        };
+        let normal = Normal::new(&approach, multiplier.p);
+        let (load, sign) = load(contact.normal.graph(), normal.pressed);
+        let worn = by_wear * normal.pressure.max(0.0);
+        let penetration = at.penetration - worn;
+        let seen = ContactPoint { penetration, pressure: load, slip_speed: if multiplier.sticks { 0.0 } else { speed }, ..seen };
+        let s: Bound = contact.friction.bound(&seen);
+        let [nu, t1, t2] = &site.row.basis;
+        let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
+        let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape);
+        let status = match (s.value > 0.0, friction.sticks) {
+            (true, true) => Status::Stick,
+            (true, false) => Status::Slip,
+            (false, _) if normal.pressed == 0.0 => Status::Open,
+            (false, _) => Status::Slip,
+        };
+        // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no direction.
+        let by_depth = if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_penetration / normal.yielding };
+        // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); the bound follows p + δp.
+        let follows = sign * s.by_pressure;
+        let slopes = Slopes {
+            bound_by_normal: site.gamma * s.by_penetration + follows * normal.stiffness(),
+            bound_by_speed: s.by_slip_speed,
+            bound_change: follows * (normal.pressed - normal.pressure) * (normal.yielding.recip() - 1.0),
+            pressure_by_speed: wear.rate * by_depth,
+            follows,
+            bound_by_temperature: s.by_temperature,
+            pressure_by_temperature: wear.by_temperature * speed * by_depth,
+        };
+        let sticks = if s.value > 0.0 { friction.sticks } else { multiplier.sticks };
+        Laws { normal, friction, penetration, worn, status, sticks, wear, slopes }
+    }
+
+    /// Takes the point as sticking.
+    pub fn hold(&mut self) {
+        if self.friction.bound > 0.0 {
+            (self.friction.sticks, self.sticks, self.status) = (true, true, Status::Stick);
+        }
+    }
+
+    /// The force p ν + q on the foundation by its components.
+    pub fn force(&self) -> Local {
+        [self.normal.pressure, self.friction.q[0], self.friction.q[1]]
+    }
+
+    /// What the laws make of the state, which is the force at a solution: the pressure on the graph and q + ρ w_τ projected onto the cone.
+    pub fn projected(&self) -> Local {
+        [self.normal.pressed, self.friction.projected[0], self.friction.projected[1]]
+    }
+
+    /// The force of the linearised laws at an unchanged velocity and its derivative in the velocity, d the dimension.
+    pub fn linear(&self, dim: usize) -> (Local, LocalTangent) {
+        let (mut force, mut tangent) = ([self.normal.linear(), 0.0, 0.0], [[0.0; 3]; 3]);
+        tangent[0][0] = self.normal.stiffness();
+        let along = self.friction.along();
+        for b in 0..2 {
+            tangent[0][b + 1] = self.slopes.pressure_by_speed * along[b];
+        }
+        if self.friction.bound > 0.0 {
+            let (q, by_slip) = self.friction.linear(self.slopes.bound_change, dim > 2);
+            let n = self.friction.direction();
+            let in_speed = self.slopes.bound_by_speed + self.slopes.follows * self.slopes.pressure_by_speed;
+            for a in 0..2 {
+                force[a + 1] = q[a];
+                tangent[a + 1][0] = n[a] * self.slopes.bound_by_normal;
+                for b in 0..2 {
+                    tangent[a + 1][b + 1] = by_slip[a][b] + n[a] * in_speed * along[b];
+                }
+            }
+        }
+        (force, tangent)
+    }
+
+    /// The derivatives at a solution of the step.
+    pub fn derivative(&self, row: &Row, dim: usize) -> PointDerivative {
+        let (_, tangent) = self.linear(dim);
+        let (n, slopes) = (self.friction.direction(), &self.slopes);
+        let in_bound = slopes.bound_by_temperature + slopes.follows * slopes.pressure_by_temperature;
+        let by_temperature = [slopes.pressure_by_temperature, in_bound * n[0], in_bound * n[1]];
+        let speed = self.friction.speed();
+        let (mut wear, mut wear_by_temperature) = ([0.0; 3], 0.0);
+        if self.normal.pressure > 0.0 && self.status == Status::Slip && speed > 0.0 {
+            // That of k κ ‖w_τ‖ p.
+            let along = self.friction.along();
+            let in_slip = [0.0, self.normal.pressure * along[0], self.normal.pressure * along[1]];
+            wear = std::array::from_fn(|e| self.wear.rate * (in_slip[e] + speed * tangent[0][e]));
+            wear_by_temperature = self.wear.by_temperature * speed * self.normal.pressure + self.wear.rate * speed * slopes.pressure_by_temperature;
+        }
+        PointDerivative { force: row.global_tangent(&tangent), force_by_temperature: row.global(&by_temperature), wear: row.global(&wear), wear_by_temperature }
+    }
+
+    /// The state of the point.
+    pub fn state(&self, row: &Row) -> PointState {
+        PointState {
+            normal: row.basis[0],
+            penetration: self.penetration,
+            pressure: self.normal.pressure,
+            bound: self.friction.bound,
+            q: row.tangential(&self.friction.q),
+            slip: row.tangential(&self.friction.slip),
+            wear: self.worn,
+            status: self.status,
+        }
+    }
+}
+
+/// The pressure that friction sees and its sign. Friction does not know tension, but where contact is bilateral.
+fn load(graph: GraphKind, pressed: f64) -> (f64, f64) {
+    match graph {
+        GraphKind::Bilateral => (pressed.abs(), pressed.signum()),
+        _ if pressed > 0.0 => (pressed, 1.0),
+        _ => (0.0, 0.0),
+    }
+}

@@ -1,0 +1,62 @@
+//! Unknowns of a node in another basis than the axes of space.
+
+use faer::Mat;
+
+use crate::tensor::Point;
+
+/// A node whose unknowns are taken along the vectors of an orthonormal basis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// The unknowns of the node; those beyond the dimension are not used.
+    pub unknowns: [u32; 3],
+    /// The basis; its vectors beyond the dimension are not used.
+    pub basis: [Point; 3],
+    /// Dimension d.
+    pub dim: usize,
+}
+
+impl Turn {
+    /// The components along the axes of a vector over the unknowns become those along the basis.
+    pub fn forward(&self, x: &mut [f64]) {
+        let v: [f64; 3] = std::array::from_fn(|c| if c < self.dim { x[self.unknowns[c] as usize] } else { 0.0 });
+        for a in 0..self.dim {
+            x[self.unknowns[a] as usize] = (0..self.dim).map(|c| self.basis[a][c] * v[c]).sum();
+        }
+    }
+
+    /// The components along the basis become those along the axes.
+    pub fn back(&self, x: &mut [f64]) {
+        let v: [f64; 3] = std::array::from_fn(|a| if a < self.dim { x[self.unknowns[a] as usize] } else { 0.0 });
+        for c in 0..self.dim {
+            x[self.unknowns[c] as usize] = (0..self.dim).map(|a| self.basis[a][c] * v[a]).sum();
+        }
+    }
+}
+
+/// A symmetric matrix in the bases of the nodes.
+#[must_use]
+pub(super) fn turned(matrix: &Mat<f64>, turns: &[Turn]) -> Mat<f64> {
+    let mut s = matrix.clone();
+    for j in 0..s.ncols() {
+        if let Some(column) = s.col_mut(j).try_as_col_major_mut() {
+            let column = column.as_slice_mut();
+            turns.iter().for_each(|turn| turn.forward(column));
+        }
+    }
+    // The rows: of the columns of each node their combinations.
+    for turn in turns {
+        for i in 0..s.nrows() {
+            let v: [f64; 3] = std::array::from_fn(|c| if c < turn.dim { s[(i, turn.unknowns[c] as usize)] } else { 0.0 });
+            for a in 0..turn.dim {
+                s[(i, turn.unknowns[a] as usize)] = (0..turn.dim).map(|c| turn.basis[a][c] * v[c]).sum();
+            }
+        }
+    }
+    // Symmetric to the bit, as products take it.
+    for j in 0..s.ncols() {
+        for i in 0..j {
+            s[(j, i)] = s[(i, j)];
+        }
+    }
+    s
+}
