@@ -330,10 +330,18 @@ pub fn dot(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// Euclidean length of a vector.
+/// Euclidean length of a vector, of any size: squares that under- or overflow are scaled first.
 #[must_use]
 pub fn length(a: &Point) -> f64 {
-    dot(a, a).sqrt()
+    let squared = dot(a, a);
+    if (1e-280..=1e280).contains(&squared) {
+        return squared.sqrt();
+    }
+    let largest = a.iter().fold(0.0f64, |m, c| m.max(c.abs()));
+    if largest == 0.0 || !largest.is_finite() {
+        return if largest == 0.0 { squared.sqrt() } else { largest };
+    }
+    largest * a.iter().map(|c| (c / largest).powi(2)).sum::<f64>().sqrt()
 }
 
 #[cfg(test)]

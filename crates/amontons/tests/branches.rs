@@ -370,9 +370,28 @@ impl NormalLaw for Stair {
     }
 }
 
+/// The same stair as a law that falls, if only by nothing: its pressure is taken as the function that it is, which has no value on the riser.
+#[derive(Debug)]
+struct Broken(Stair);
+
+impl NormalLaw for Broken {
+    fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure {
+        self.0.pressure(x, z, rate, lambda)
+    }
+    fn potential(&self, x: &Point, r: f64) -> f64 {
+        self.0.potential(x, r)
+    }
+    fn lipschitz(&self) -> Option<f64> {
+        None
+    }
+    fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
+        -f64::MIN_POSITIVE
+    }
+}
+
 fn stair(overrides: &[&str], at: f64, height: f64) -> Problem {
     let mut problem = rod(&[&["boundary[0].displacement=[0]"], overrides].concat());
-    problem.contacts[0].normal = Arc::new(Stair { at, height });
+    problem.contacts[0].normal = Arc::new(Broken(Stair { at, height }));
     problem
 }
 
@@ -387,6 +406,27 @@ fn a_step_without_a_solution_is_made_in_halves() {
     // r₂ (η + kE/2) = η r₁ + (k/2)(1 − p).
     near(reports[0].contact.states[0].penetration, (1.0 / 3.0 + 0.5 * 0.8) / 1.5, 1e-12, "r");
     assert!(states[1].ledger.relative_closing_error().abs() < 1e-12);
+}
+
+/// E r = t − p with a stair that rises: for 0.43 < t ≤ 0.63 the solution is on the riser, r = 0.43 and p = t − 0.43.
+#[test]
+fn a_law_that_rises_in_a_stair_has_a_solution_on_its_riser() {
+    let mut problem = stair(&["time.steps=10", "load.body_force=['2*t']"], 0.43, 0.2);
+    problem.contacts[0].normal = Arc::new(Stair { at: 0.43, height: 0.2 });
+    let (states, reports) = run(&problem);
+    for (n, report) in (1..).zip(&reports) {
+        let t = 0.1 * f64::from(n);
+        let [r, p] = if t < 0.43 {
+            [t, 0.0]
+        } else if t <= 0.63 {
+            [0.43, t - 0.43]
+        } else {
+            [t - 0.2, 0.2]
+        };
+        near(report.contact.states[0].penetration, r, 1e-12, "r");
+        near(report.contact.states[0].pressure, p, 1e-12, "p");
+    }
+    assert_eq!(states.last().unwrap().counts.halved_steps, 0);
 }
 
 /// E r = t − p has no solution for 0.43 < t ≤ 0.63: step 5 of 0.1 fails, first in its tenth part of 0.1/32.

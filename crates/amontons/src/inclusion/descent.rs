@@ -11,11 +11,11 @@
 //! gives a direction, as long as it may be, and the search along it ends where the body touches.
 
 use super::mechanical::Mechanical;
-use super::newton::Right;
+use super::newton::{Right, Term};
 use super::normal::Response;
 use super::point::{Laws, Multiplier};
 use super::{ITERATIONS, STIFF, TOLERANCE};
-use crate::contact::{Contact, GraphKind};
+use crate::contact::GraphKind;
 use crate::linalg::{Condensed, Entry, dot, max_abs};
 
 /// Share of the diagonal of S that holds a body that nothing holds.
@@ -32,19 +32,13 @@ impl Mechanical<'_> {
         points.into_iter().all(|(i, p)| self.contact(i).normal.least_slope(&p.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0)
     }
 
-    /// Whether the minimum of the energy is the solution: pressures are functions that do not fall, without friction or wear.
-    pub(super) fn is_convex(&self) -> bool {
-        let is_plain = |c: &Contact| c.normal.graph() == GraphKind::Function && c.friction.is_frictionless() && c.wear.is_none();
-        self.step.contacts.iter().all(is_plain) && self.rises()
-    }
-
     /// The minimum of the energy, or what is reached of it, and the Newton iterations.
     pub(super) fn descend(&self, condensed: &mut Condensed, right: &Right) -> (Vec<f64>, usize) {
         let mut w = right.guess.to_vec();
         let mut now = self.gradient(condensed, right, &w);
         for iteration in 0..ITERATIONS {
             let left = max_abs(&now.f);
-            if left <= TOLERANCE * now.scale || right.is_round_off(condensed, &w, left) {
+            if left <= (TOLERANCE * now.scale).max(f64::EPSILON * self.round_off(&w, &now.laws)) || right.is_round_off(condensed, &w, left) {
                 return (w, iteration);
             }
             let Some(step) = self.downhill(condensed, &now) else { return (w, iteration) };

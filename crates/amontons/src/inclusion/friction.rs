@@ -27,6 +27,18 @@ fn map(matrix: &[Tangential; 2], v: &Tangential) -> Tangential {
     std::array::from_fn(|a| matrix[a][0] * v[0] + matrix[a][1] * v[1])
 }
 
+/// How friction is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Slip {
+    /// As it is: q is a multiplier.
+    Exact,
+    /// q = s w_τ/√(‖w_τ‖² + ε²), which is smooth and, where the step has one solution, keeps it unique.
+    Smooth {
+        /// ε in m/s.
+        speed: f64,
+    },
+}
+
 /// Friction at an iterate. In q̃ = D⁻¹ q and w̃ = D w_τ the cone is round; with a round cone these are q and w_τ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Friction {
@@ -41,21 +53,30 @@ pub(super) struct Friction {
     /// Π(q + ρ w_τ), which is q at a solution.
     pub projected: Tangential,
     rho: f64,
+    /// q̃ + ρ w̃ and its length; w̃ and √(‖w̃‖² + ε²) where friction is smooth.
     z: Tangential,
     z_length: f64,
+    is_smooth: bool,
     shape: Option<Shape>,
 }
 
 impl Friction {
     /// Projects onto the cone with the bound s.
-    pub fn new(q: Tangential, slip: Tangential, rho: f64, bound: f64, shape: Option<Shape>) -> Friction {
+    pub fn new(q: Tangential, slip: Tangential, rho: f64, bound: f64, shape: Option<Shape>, how: Slip) -> Friction {
+        if let Slip::Smooth { speed } = how {
+            let z = shape.map_or(slip, |s| map(&s.factor, &slip));
+            let z_length = z[0].hypot(z[1]).hypot(speed);
+            let round = z.map(|c| c * (bound / z_length));
+            let q = shape.map_or(round, |s| map(&s.factor, &round));
+            return Friction { q, slip, bound, sticks: false, projected: q, rho, z, z_length, is_smooth: true, shape };
+        }
         let (round_q, round_slip) = shape.map_or((q, slip), |s| (map(&s.inverse, &q), map(&s.factor, &slip)));
         let z: Tangential = std::array::from_fn(|a| round_q[a] + rho * round_slip[a]);
         let z_length = z[0].hypot(z[1]);
         let sticks = z_length <= bound;
         let round = if sticks { z } else { z.map(|c| c * (bound / z_length)) };
         let projected = shape.map_or(round, |s| map(&s.factor, &round));
-        Friction { q, slip, bound, sticks, projected, rho, z, z_length, shape }
+        Friction { q, slip, bound, sticks, projected, rho, z, z_length, is_smooth: false, shape }
     }
 
     /// Slip speed ‖w_τ − v_F‖ in m/s.
@@ -94,7 +115,15 @@ impl Friction {
             .shape
             .map_or((self.q, self.slip, self.projected), |s| (map(&s.inverse, &self.q), map(&s.factor, &self.slip), map(&s.inverse, &self.projected)));
         let (mut force, mut tangent) = ([0.0; 2], [[0.0; 2]; 2]);
-        if self.sticks {
+        if self.is_smooth {
+            let n = self.z.map(|c| c / self.z_length);
+            for a in 0..2 {
+                force[a] = (self.bound + change) * n[a];
+                for b in 0..2 {
+                    tangent[a][b] = self.bound / self.z_length * (f64::from(u8::from(a == b)) - n[a] * n[b]);
+                }
+            }
+        } else if self.sticks {
             let stiffness = STIFF * self.rho;
             for a in 0..2 {
                 force[a] = q[a] + stiffness * slip[a];

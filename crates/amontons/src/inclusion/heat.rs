@@ -5,8 +5,8 @@
 
 use super::frame::PointState;
 use super::interface::Interface;
-use super::newton::{Iterate, Right, Term, iterate};
-use super::{NotConverged, STIFF, Solved};
+use super::newton::{Effort, Iterate, Right, Term, iterate};
+use super::{ITERATIONS, NotConverged, STIFF, Solved};
 use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux};
 use crate::linalg::{Condensed, Entry};
 use crate::tensor::{dot, length};
@@ -116,9 +116,12 @@ impl HeatStep<'_> {
         let term = Thermal { step: self, interface, lambda };
         let right = Right { r, guess, proximal: None };
         let start = Iterate { x: guess.to_vec(), multipliers: term.start(guess) };
-        let (end, iterations) = iterate(&term, condensed, &right, start, 0)?;
-        let exchange = term.exchange(&end.x, &end.multipliers);
-        Ok((Solved { x: end.x, iterations }, exchange))
+        let outcome = iterate(&term, condensed, &right, start, &Effort { leaps: 0, iterations: ITERATIONS, enough: 0.0 });
+        if let Some(failure) = outcome.failure {
+            return Err(failure);
+        }
+        let exchange = term.exchange(&outcome.end.x, &outcome.end.multipliers);
+        Ok((Solved { x: outcome.end.x, iterations: outcome.iterations }, exchange))
     }
 
     /// The derivative of Σ ω Nᵀ q·ν in θ at a solution. A foundation with a heat capacity follows all of its contact points: with

@@ -159,6 +159,14 @@ impl Interface {
         }
     }
 
+    /// Adds ω |N|ᵀ f of one point, f the sizes of terms that cancel.
+    pub fn scatter_sizes(&self, i: usize, f: &Local, out: &mut [f64]) {
+        let row = &self.rows[i];
+        for (unknown, on) in &row.entries {
+            out[*unknown as usize] += row.weight * (0..self.components).map(|a| (on[a] * f[a]).abs()).sum::<f64>();
+        }
+    }
+
     /// Adds the entries of ω Nᵀ T N of one point.
     pub fn entries(&self, i: usize, tangent: &LocalTangent, out: &mut Vec<Entry>) {
         let (row, n) = (&self.rows[i], self.components);

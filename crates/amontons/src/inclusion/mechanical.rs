@@ -1,13 +1,14 @@
 //! The mechanical step on Γ_C: normal contact, friction and wear.
 
 use super::frame::{Frame, PointDerivative, PointState};
+use super::friction::Slip;
 use super::interface::{Interface, LocalTangent};
 use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::rule::Rule;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
-use crate::linalg::{Condensed, Entry, is_positive_definite};
+use crate::linalg::{Condensed, Entry, is_positive_definite, max_abs};
 use crate::tensor::{Point, dot, length};
 
 /// State of the contact points that a step starts from and ends with.
@@ -63,12 +64,15 @@ pub struct MechanicalStep<'a> {
 }
 
 /// The mechanical term of a step.
+#[derive(Clone)]
 pub(super) struct Mechanical<'a> {
     pub step: &'a MechanicalStep<'a>,
     pub interface: Interface,
     /// ρ of each point in Pa s/m, and how its pressure is found.
     pub rho: Vec<f64>,
     pub response: Vec<Response>,
+    /// How friction is taken at all points.
+    pub slip: Slip,
     /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
     opening: Vec<[f64; 2]>,
     /// v_F along the tangents at each point.
@@ -89,7 +93,7 @@ impl<'a> Mechanical<'a> {
         let response = response.collect();
         let opening = step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
         let foundation = interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
-        Mechanical { step, interface, rho, response, opening, foundation }
+        Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation }
     }
 
     pub fn contact(&self, i: usize) -> &Contact {
@@ -121,8 +125,20 @@ impl<'a> Mechanical<'a> {
             gamma: self.step.rule.gamma,
             response,
             rho: self.rho[i],
+            slip: self.slip,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
+    }
+
+    /// The same term with friction taken in another way.
+    pub fn with(&self, slip: Slip) -> Mechanical<'a> {
+        Mechanical { slip, ..self.clone() }
+    }
+
+    /// ‖w_τ − v_F‖ at a point, m/s.
+    pub fn slip_speed(&self, i: usize, w: &[f64]) -> f64 {
+        let [s1, s2] = self.kinematics(i, w).slip;
+        s1.hypot(s2)
     }
 
     /// The multipliers by their components at each point.
@@ -287,15 +303,15 @@ impl Term for Mechanical<'_> {
     }
 
     fn round_off(&self, x: &[f64], laws: &Vec<Laws>) -> f64 {
-        let of = |(i, laws): (usize, &Laws)| {
-            let (weight, gamma) = (self.interface.rows[i].weight, self.step.rule.gamma);
+        let mut sizes = vec![0.0; x.len()];
+        let gamma = self.step.rule.gamma;
+        for (i, laws) in laws.iter().enumerate() {
             let size = self.opening[i][1] + gamma * self.interface.jump(i, x)[0].abs();
-            let normal = laws.normal.slope.abs() / gamma * size;
             // The slip of a point that sticks is a difference of larger numbers; to one that slips it is a direction.
-            let [v1, v2] = self.foundation[i];
-            weight * if laws.sticks { normal.max(self.rho[i] * v1.hypot(v2)) } else { normal }
-        };
-        laws.iter().enumerate().map(of).fold(0.0, f64::max)
+            let [s1, s2] = if laws.sticks { self.foundation[i].map(|v| self.rho[i] * v) } else { [0.0; 2] };
+            self.interface.scatter_sizes(i, &[laws.normal.slope / gamma * size, s1, s2], &mut sizes);
+        }
+        max_abs(&sizes)
     }
 
     fn linearise(&self, laws: &Vec<Laws>, entries: &mut Vec<Entry>, right: &mut [f64]) {

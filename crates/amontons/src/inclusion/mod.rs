@@ -45,10 +45,6 @@ pub const TOLERANCE: f64 = 1e-12;
 /// Iterations after which, and step length below which, an iteration has failed.
 const ITERATIONS: usize = 200;
 const SHORTEST_STEP: f64 = 1e-4;
-/// Full steps taken without regard to the residual, the first step included.
-const LEAPS: usize = 8;
-/// Iterations after which proximal steps have failed too.
-const APPROACH: usize = 20 * ITERATIONS;
 /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ. The error of one iteration is of the order of its inverse and
 /// vanishes with the iterations, because each starts from the multiplier of the one before.
 const STIFF: f64 = (1u64 << 27) as f64;

@@ -3,7 +3,7 @@
 //! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved until the residual decreases; where
 //! that ends at a kink, a full step leaves it.
 
-use super::{ITERATIONS, NotConverged, SHORTEST_STEP, TOLERANCE};
+use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::linalg::{Condensed, Entry, max_abs};
 
 /// A nonsmooth term on Γ_C: laws at contact points with multipliers.
@@ -117,34 +117,52 @@ impl<T: Term> Evaluation<T> {
         self.residual <= self.tolerance
     }
 
-    /// The error of an iteration that ends here.
-    pub fn failure(&self, term: &T, iterations: usize) -> NotConverged {
-        NotConverged { iterations, residual: self.residual / self.scale, pattern: term.pattern(&self.laws) }
+    /// The end of an iteration that has converged.
+    fn end(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
+        let Iterate { x, multipliers } = self.at;
+        Outcome { end: Iterate { x, multipliers: term.settled(&self.laws, multipliers) }, iterations, failure: None }
+    }
+
+    /// The end of an iteration that has not.
+    fn fail(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
+        let failure = NotConverged { iterations, residual: self.residual / self.scale, pattern: term.pattern(&self.laws) };
+        Outcome { end: self.at, iterations, failure: Some(failure) }
     }
 }
 
-/// Newton's method from an iterate with at most `leaps` full steps that the residual does not decide on, the first among them. Returns the
-/// iterate that has converged and the number of iterations.
-pub(super) fn iterate<T: Term>(
-    term: &T,
-    condensed: &mut Condensed,
-    right: &Right,
-    start: Iterate<T::Multipliers>,
-    leaps: usize,
-) -> Result<(Iterate<T::Multipliers>, usize), NotConverged> {
+/// How long an iteration goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Effort {
+    /// Full steps that the residual does not decide on, the first among them.
+    pub leaps: usize,
+    /// Most iterations.
+    pub iterations: usize,
+    /// Relative residual that is enough; zero for what the round-off leaves.
+    pub enough: f64,
+}
+
+/// Where an iteration has ended.
+pub(super) struct Outcome<M> {
+    pub end: Iterate<M>,
+    pub iterations: usize,
+    /// Why it has not converged; none if it has.
+    pub failure: Option<NotConverged>,
+}
+
+/// Newton's method from an iterate.
+pub(super) fn iterate<T: Term>(term: &T, condensed: &mut Condensed, right: &Right, start: Iterate<T::Multipliers>, effort: &Effort) -> Outcome<T::Multipliers> {
     let mut now = Evaluation::<T>::new(term, condensed, right, start);
-    let (mut left, mut leap) = (leaps.saturating_sub(1), leaps > 0);
-    for iteration in 0..ITERATIONS {
-        if now.converged() {
-            let Iterate { x, multipliers } = now.at;
-            return Ok((Iterate { x, multipliers: term.settled(&now.laws, multipliers) }, iteration));
+    let (mut left, mut leap) = (effort.leaps.saturating_sub(1), effort.leaps > 0);
+    for iteration in 0..effort.iterations {
+        if now.converged() || now.residual <= effort.enough * now.scale {
+            return now.end(term, iteration);
         }
         if iteration == 0 {
             term.begin(&mut now.laws, &now.at.multipliers);
         }
         let Some(step) = newton_step(term, condensed, right, &now) else {
             // Nothing holds the body at this iterate, as where all points are open; a proximal step does.
-            return Err(now.failure(term, iteration + 1));
+            return now.fail(term, iteration + 1);
         };
         let after = term.after(&now.laws, &now.at.multipliers, &step);
         let mut alpha = 1.0;
@@ -159,17 +177,16 @@ pub(super) fn iterate<T: Term>(
             alpha *= 0.5;
             if alpha < SHORTEST_STEP {
                 if right.is_round_off(condensed, &now.at.x, now.residual) {
-                    let Iterate { x, multipliers } = now.at;
-                    return Ok((Iterate { x, multipliers: term.settled(&now.laws, multipliers) }, iteration));
+                    return now.end(term, iteration);
                 }
                 if left == 0 {
-                    return Err(now.failure(term, iteration + 1));
+                    return now.fail(term, iteration + 1);
                 }
                 (left, leap, alpha) = (left - 1, true, 1.0);
             }
         }
     }
-    Err(now.failure(term, ITERATIONS))
+    now.fail(term, effort.iterations)
 }
 
 /// δx of (S + J) δx = r − S (x − x̂) − Σ ω Nᵀ f, f of the linearised laws; none where the matrix is singular.

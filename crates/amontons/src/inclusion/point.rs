@@ -1,7 +1,7 @@
 //! The laws of contact at one point, linearised, the multipliers eliminated.
 
 use super::frame::{PointDerivative, PointState};
-use super::friction::{Friction, Shape, Tangential};
+use super::friction::{Friction, Shape, Slip, Tangential};
 use super::interface::{Local, LocalTangent, Row};
 use super::normal::{Approach, Normal, Response};
 use crate::contact::{Bound, Contact, ContactPoint, GraphKind, Status};
@@ -25,8 +25,9 @@ pub(super) struct Site<'a> {
     /// γ of the rule in time, s.
     pub gamma: f64,
     pub response: Response,
-    /// ρ of friction in Pa s/m.
+    /// ρ of friction in Pa s/m, and how friction is taken.
     pub rho: f64,
+    pub slip: Slip,
 }
 
 /// What moves a point: its kinematics at an iterate.
@@ -107,7 +108,7 @@ impl Laws {
         let s: Bound = contact.friction.bound(&seen);
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
-        let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape);
+        let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.slip);
         let status = match (s.value > 0.0, friction.sticks) {
             (true, true) => Status::Stick,
             (true, false) => Status::Slip,

@@ -1,11 +1,23 @@
 //! How the mechanical step on Γ_C is solved: Newton's method, and what is done where it does not end.
 
+use super::friction::Slip;
 use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
-use super::newton::{Evaluation, Iterate, Right, iterate};
+use super::newton::{Effort, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
-use super::{APPROACH, LEAPS, NotConverged, Solved};
+use super::{ITERATIONS, NotConverged, Solved};
 use crate::linalg::Condensed;
+
+/// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the path.
+const FIRST: Effort = Effort { leaps: 4, iterations: 24, enough: 0.0 };
+const SECOND: Effort = Effort { leaps: 8, iterations: 60, enough: 0.0 };
+const NEAR: Effort = Effort { leaps: 8, iterations: ITERATIONS, enough: 0.0 };
+const SMOOTH: Effort = Effort { leaps: 1, iterations: 8, enough: 1e-3 };
+/// Steps of the path, and how much sharper friction is in each than in the one before.
+const SHARPENINGS: usize = 6;
+const SHARPER: f64 = 0.1;
+/// Iterations after which proximal steps have failed too.
+const APPROACH: usize = 20 * ITERATIONS;
 
 /// An iterate of the mechanical step.
 type Mechanics = Iterate<Vec<Multiplier>>;
@@ -71,62 +83,67 @@ impl Mechanical<'_> {
         }
     }
 
-    /// Solves the step with the bounds that drop when slip starts on the branches of `start`.
+    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method; where that does not end, from the
+    /// end of a path of steps with smooth friction; and where that does not either, by proximal steps.
     fn on_branches(&self, condensed: &mut Condensed, right: &Right, start: Mechanics) -> Result<(Mechanics, usize), NotConverged> {
-        if self.is_convex() {
-            let (x, before) = self.descend(condensed, right);
-            let sticks: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
-            let start = Iterate { multipliers: self.at_minimum(&x, &sticks), x };
-            return match iterate(self, condensed, right, start.clone(), LEAPS) {
-                Ok((end, after)) => Ok((end, before + after)),
-                Err(failed) => self.approach(condensed, right, start, before + failed.iterations),
-            };
-        }
         let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
-        match iterate(self, condensed, right, start, LEAPS) {
-            Ok(done) => Ok(done),
-            Err(failed) => self.begin_again(condensed, right, failed, &held),
+        let mut made = iterate(self, condensed, right, start, &FIRST);
+        let mut iterations = made.iterations;
+        if made.failure.is_some() {
+            let (start, before) = self.path(condensed, right, &held);
+            made = iterate(self, condensed, right, start, &SECOND);
+            iterations += before + made.iterations;
+        }
+        match made.failure {
+            None => Ok((made.end, iterations)),
+            Some(why) => self.approach(condensed, right, made.end, NotConverged { iterations, ..why }),
         }
     }
 
-    /// Starts again where the body rests without friction, and if that fails too, approaches the solution.
-    fn begin_again(&self, condensed: &mut Condensed, right: &Right, failed: NotConverged, sticks: &[bool]) -> Result<(Mechanics, usize), NotConverged> {
-        let mut start = Iterate { x: right.guess.to_vec(), multipliers: self.at_minimum(right.guess, sticks) };
-        let mut iterations = failed.iterations;
-        if self.rises() {
-            let (x, before) = self.descend(condensed, right);
-            iterations += before;
-            start = Iterate { multipliers: self.at_minimum(&x, sticks), x };
-            match iterate(self, condensed, right, start.clone(), LEAPS) {
-                Ok((end, done)) => return Ok((end, iterations + done)),
-                Err(why) => iterations += why.iterations,
-            }
+    /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and then with smooth friction, ever
+    /// sharper. Where the step has one solution, so has each of these (book, Theorem 2), and smooth steps are what Newton's method is made for.
+    fn path(&self, condensed: &mut Condensed, right: &Right, held: &[bool]) -> (Mechanics, usize) {
+        let (x, mut iterations) = if self.rises() { self.descend(condensed, right) } else { (right.guess.to_vec(), 0) };
+        let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
+        let fastest = (0..self.interface.len()).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);
+        if fastest == 0.0 || self.step.contacts.iter().all(|contact| contact.friction.is_frictionless()) {
+            return (now, iterations);
         }
-        self.approach(condensed, right, start, iterations)
+        let mut speed = fastest;
+        for _ in 0..SHARPENINGS {
+            let smooth = self.with(Slip::Smooth { speed });
+            let made = iterate(&smooth, condensed, right, now, &SMOOTH);
+            iterations += made.iterations;
+            now = made.end;
+            speed *= SHARPER;
+        }
+        // What is known of the states of the points: those that move much slower than the last smooth speed stick.
+        for (i, multiplier) in now.multipliers.iter_mut().enumerate() {
+            multiplier.sticks = if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed };
+        }
+        (now, iterations)
     }
 
     /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one solution when β is large; the anchor
     /// follows it, and β falls as the steps succeed.
-    fn approach(&self, condensed: &mut Condensed, right: &Right, mut reached: Mechanics, mut iterations: usize) -> Result<(Mechanics, usize), NotConverged> {
+    fn approach(&self, condensed: &mut Condensed, right: &Right, mut reached: Mechanics, mut why: NotConverged) -> Result<(Mechanics, usize), NotConverged> {
         let mut beta = 1.0;
-        while iterations < APPROACH {
+        while why.iterations < APPROACH {
+            let before = why.iterations;
             let near = Right { proximal: Some((beta, reached.x.clone())), ..right.clone() };
-            match iterate(self, condensed, &near, reached.clone(), LEAPS) {
-                Ok((next, done)) => {
-                    iterations += done;
-                    reached = next;
-                    beta *= 0.25;
-                    match iterate(self, condensed, right, reached.clone(), LEAPS) {
-                        Ok((end, done)) => return Ok((end, iterations + done)),
-                        Err(why) => iterations += why.iterations,
-                    }
-                }
-                Err(why) => {
-                    iterations += why.iterations;
-                    beta *= 16.0;
-                }
+            let made = iterate(self, condensed, &near, reached.clone(), &NEAR);
+            if let Some(failure) = made.failure {
+                (beta, why) = (16.0 * beta, NotConverged { iterations: before + made.iterations, ..failure });
+                continue;
+            }
+            (reached, beta) = (made.end, 0.25 * beta);
+            let iterations = before + made.iterations;
+            let made = iterate(self, condensed, right, reached.clone(), &NEAR);
+            match made.failure {
+                None => return Ok((made.end, iterations + made.iterations)),
+                Some(failure) => why = NotConverged { iterations: iterations + made.iterations, ..failure },
             }
         }
-        Err(Evaluation::new(self, condensed, right, reached).failure(self, iterations))
+        Err(why)
     }
 }

@@ -255,6 +255,12 @@ impl Discretization {
         of(&self.a, self.springs.as_ref(), &self.elasticity, u) + of(&self.b, self.dashpots.as_ref(), &self.viscosity, w)
     }
 
+    /// What the last bits of θ make of d(θ, ·) with the convection.
+    #[must_use]
+    pub fn thermal_round_off(&self, theta: &[f64]) -> f64 {
+        self.d.round_off(theta) + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
+    }
+
     /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none where one of these has no potential.
     #[must_use]
     pub fn stored_energy(&self, u: &[f64]) -> Option<f64> {

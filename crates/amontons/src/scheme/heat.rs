@@ -119,7 +119,7 @@ impl Begun {
                 self.reduced = system.reduce(&self.right(step)?);
                 continue;
             }
-            let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.d.round_off(theta))?;
+            let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(theta))?;
             let sum = |v: &[f64]| v.iter().sum::<f64>();
             let amounts = Amounts {
                 supplied: k * (sum(supply) - discrete.convected(theta)),
