@@ -14,6 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["problem"],
     &["linalg"],
     &["forms"],
+    &["discretization"],
     &["hypotheses"],
     &["scheme"],
     &["convergence"],
