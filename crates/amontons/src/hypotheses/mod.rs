@@ -20,6 +20,7 @@ mod branches;
 mod data;
 mod domain;
 mod laws;
+mod probe;
 mod quality;
 mod reach;
 mod sample;
