@@ -435,7 +435,7 @@ fn steps_of_the_program_against_all_their_solutions() {
         }
     }
     println!("{held} of 240 steps hold, {several} have several solutions");
-    assert!(held > 40 && held < 200, "{held}");
+    assert!(held > 20 && several > 0, "{held}, {several}");
 }
 
 /// The body of the paper without heat and with little load, held at its top, over a foundation that it need not reach.
@@ -598,7 +598,7 @@ fn the_theorem_is_cited_where_it_speaks_only() {
         (&[&heat("{law='pressure', coefficient=1, exponent=0.95, foundation_temperature=0}")], "not-covered"),
         (&["contact.foundation={heat_capacity=1.0, temperature=0}", &heat(&format!("{{{ramp}}}"))], "not-covered"),
         (&["contact.foundation={heat_capacity=1.0, temperature=0}", "contact.friction.coefficient=0"], "holds"),
-        (&["material.viscosity={law='lame', first=1, second=0}"], "fails"),
+        (&["material.viscosity={law='lame', first=0, second=0}"], "fails"),
         (&["material.conductivity=[[1, 1], [1, 1]]"], "fails"),
     ];
     for (overrides, expected) in cases {
