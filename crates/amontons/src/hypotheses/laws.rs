@@ -272,7 +272,8 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
         (lipschitz, is_bounded) => {
             let bounded = if is_bounded { format!("bounded by M_kc = {bound:.6e}") } else { "not bounded, M_kc = ∞".to_owned() };
             let slope = lipschitz.map_or_else(|| "has no Lipschitz constant".to_owned(), |l| format!("Lipschitz with L_kc = {l:.6e}"));
-            return finding(Status::Fails, format!("k_c is {bounded}, and {slope}")).repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
+            return finding(Status::Fails, format!("k_c is {bounded}, and {slope}"))
+                .repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
         }
     };
     match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
@@ -294,7 +295,11 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         return finding(Status::Fails, message.to_owned(), "contact.normal").repair("normal compliance with a stiffness");
     };
     let Some(tau) = contact.friction.lipschitz(Some(nu)).filter(|l| l.is_finite()) else {
-        let message = if test.friction_is_given() { "p_τ does not depend on the penetration: it is not zero without" } else { "p_τ is no Lipschitz function of the penetration" };
+        let message = if test.friction_is_given() {
+            "p_τ does not depend on the penetration: it is not zero without"
+        } else {
+            "p_τ is no Lipschitz function of the penetration"
+        };
         return finding(Status::Fails, message.to_owned(), "contact.friction").repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";

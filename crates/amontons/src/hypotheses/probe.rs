@@ -45,7 +45,8 @@ impl Test<'_> {
     /// Whether the friction bound depends on the slip speed.
     pub(super) fn friction_sees_slip(&self) -> bool {
         let law = &self.contact.friction;
-        self.pressed().any(|at| DECADES.step_by(2).any(|speed| differ(law.bound(&at).value, law.bound(&ContactPoint { slip_speed: 10f64.powi(speed), ..at }).value)))
+        self.pressed()
+            .any(|at| DECADES.step_by(2).any(|speed| differ(law.bound(&at).value, law.bound(&ContactPoint { slip_speed: 10f64.powi(speed), ..at }).value)))
     }
 
     /// Whether the friction bound depends on the temperature.
@@ -82,14 +83,18 @@ impl Test<'_> {
     pub(super) fn heat_sees_pressure(&self) -> bool {
         let law = &self.contact.heat;
         let warm = |at: ContactPoint| ContactPoint { temperature: 1.0, ..at };
-        self.pressed().any(|at| law.flux(&warm(at)).by_pressure != 0.0 || differ(law.flux(&warm(at)).value, law.flux(&warm(ContactPoint { x: at.x, ..ContactPoint::default() })).value))
+        self.pressed().any(|at| {
+            law.flux(&warm(at)).by_pressure != 0.0
+                || differ(law.flux(&warm(at)).value, law.flux(&warm(ContactPoint { x: at.x, ..ContactPoint::default() })).value)
+        })
     }
 
     /// Whether the flux is no product k_c φ_L(θ − θ_F) as (2.10) has it: its slope at θ = θ_F depends on θ, as that of radiation does.
     pub(super) fn heat_sees_level(&self) -> bool {
         let law = &self.contact.heat;
         let slope = |x: &Point, r: f64, theta: f64| {
-            law.flux(&ContactPoint { x: *x, penetration: r, pressure: 1.0, temperature: theta, foundation_temperature: theta, ..ContactPoint::default() }).by_temperature
+            law.flux(&ContactPoint { x: *x, penetration: r, pressure: 1.0, temperature: theta, foundation_temperature: theta, ..ContactPoint::default() })
+                .by_temperature
         };
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
         self.places.iter().any(|x| [-self.length, self.length].into_iter().any(|r| temperatures().any(|theta| !near(slope(x, r, theta), slope(x, r, 0.0)))))
@@ -104,11 +109,14 @@ impl Test<'_> {
         // Openings over all decades, and rates of either sign.
         let openings = || (-1000..=40).step_by(5).map(|power| -self.length * 2f64.powi(power));
         let lambda = if contact.normal.graph() == GraphKind::Function { 0.0 } else { 1.0 };
-        let pulls = |x: &Point| openings().any(|r| [-self.length, 0.0, self.length].into_iter().any(|rate| contact.normal.pressure(x, r, rate, lambda).value != 0.0));
+        let pulls =
+            |x: &Point| openings().any(|r| [-self.length, 0.0, self.length].into_iter().any(|rate| contact.normal.pressure(x, r, rate, lambda).value != 0.0));
         let open = |x: &Point, r: f64| ContactPoint { x: *x, penetration: r, ..ContactPoint::default() };
         let rubs = |x: &Point| openings().any(|r| contact.friction.bound(&open(x, r)).value != 0.0);
         let warmed = |x: &Point, r: f64| {
-            let flux = |temperature: f64, foundation_temperature: f64| contact.heat.flux(&ContactPoint { temperature, foundation_temperature, ..open(x, r) }).value != 0.0;
+            let flux = |temperature: f64, foundation_temperature: f64| {
+                contact.heat.flux(&ContactPoint { temperature, foundation_temperature, ..open(x, r) }).value != 0.0
+            };
             temperatures().step_by(7).any(|theta| flux(theta, 0.0) || flux(0.0, theta))
         };
         if self.places.iter().any(pulls) {

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! and G is the diagonal of the inverse of the condensed a. The laws of contact are to do nothing for r ≤ 0; a is the form of the scheme, with
-//! its dilatation and its springs. All constants are those of the discrete problem, so the bound is one of its solution. Proof: book,
+//! its dilatation and its springs; branches that relax add their energy, zero at the start, to y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof: book,
 //! chapter 2.
 
 use super::laws::{Test, at, gravity, norm, tests};
@@ -169,9 +169,6 @@ impl<'a> Body<'a> {
         }
         if heat_acts_at_once(problem) {
             return Some(("θ_n acts on u_n in the same step", "material.expansion".to_owned()));
-        }
-        if m.prony.is_some() {
-            return Some(("the material remembers its past", "material".to_owned()));
         }
         if !m.elasticity.is_linear() {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));

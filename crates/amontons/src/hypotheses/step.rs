@@ -257,7 +257,8 @@ fn not_factorized(id: &str, error: &FactorError) -> Finding {
 /// What is said where K_u is not positive definite, as Theorem 2 asks.
 fn not_held(id: &str) -> Finding {
     let message = "the mechanical system of a step is not positive definite beyond round-off: contact alone holds the body in some direction, and the theory does not speak of it";
-    Finding::new(id, Status::NotCovered, message, "boundary").repair("a support, a density, or springs that are not weaker than the body by more than twelve orders")
+    Finding::new(id, Status::NotCovered, message, "boundary")
+        .repair("a support, a density, or springs that are not weaker than the body by more than twelve orders")
 }
 
 /// `step-unique`: λ_min(S, W) > c* k.
