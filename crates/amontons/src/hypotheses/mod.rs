@@ -239,8 +239,8 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, three of the mechanical system and
-/// one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a. Constants are those of V^h and Q^h.
+/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
+/// and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a. Constants are those of V^h and Q^h.
 ///
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].

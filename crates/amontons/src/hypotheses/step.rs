@@ -270,11 +270,11 @@ pub(super) fn unique(problem: &Problem) -> Finding {
 fn judge(step: &Step, id: &str) -> Result<Finding, FactorError> {
     let k = step.problem.k();
     let needed = step.loss * k;
-    if !step.dominates(k, 0.0)? {
+    let holds = step.dominates(k, step.loss)?;
+    if !holds && !step.dominates(k, 0.0)? {
         return Ok(not_held(id));
     }
     let Least { above: found, below } = step.least(k)?;
-    let holds = step.dominates(k, step.loss)?;
     let numbers = |finding: Finding| finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step");
     if holds && step.with_speed > 0.0 {
         return Ok(numbers(up_to_a_pressure(id, below, needed, step.with_speed, step.problem.steps as f64)));
@@ -306,11 +306,11 @@ fn search(step: &Step, id: &str) -> Result<Finding, FactorError> {
     let problem = step.problem;
     let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
     let k = |doubling: u32| problem.end / steps(doubling);
-    if !step.dominates(k(0), 0.0)? {
-        return Ok(not_held(id));
-    }
     let mut doubling = 0;
     let mut found = step.dominates(k(0), step.loss)?;
+    if !found && !step.dominates(k(0), 0.0)? {
+        return Ok(not_held(id));
+    }
     // λ_min/k does not decrease with k: what fails in the shortest step of the search fails in all.
     if !found && step.least(k(DOUBLINGS))?.above > step.loss * k(DOUBLINGS) {
         while !found && doubling < DOUBLINGS {
