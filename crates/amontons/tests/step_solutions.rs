@@ -222,7 +222,7 @@ fn plane_strain(young: f64) -> [[f64; 3]; 3] {
 fn assemble(problem: &Problem, law: [[f64; 3]; 3]) -> (Matrix, Matrix) {
     let (points, n) = (&problem.mesh.points, 2 * problem.mesh.points.len());
     let (mut stiffness, mut mass) = (vec![vec![0.0; n]; n], vec![vec![0.0; n]; n]);
-    for cell in problem.mesh.blocks.iter().flat_map(|block| block.cells()) {
+    for cell in problem.mesh.blocks.iter().flat_map(amontons::mesh::Block::cells) {
         let x: Vec<[f64; 3]> = cell.iter().map(|&node| points[node as usize]).collect();
         let double = (x[1][0] - x[0][0]) * (x[2][1] - x[0][1]) - (x[2][0] - x[0][0]) * (x[1][1] - x[0][1]);
         let strain = |a: usize| {
@@ -300,7 +300,7 @@ impl Data {
         Data {
             n: 2 + sample % 4,
             steps: (8.0 * size(1.0)).ceil(),
-            density: if sample % 3 == 0 { 0.0 } else { size(2.0) },
+            density: if sample.is_multiple_of(3) { 0.0 } else { size(2.0) },
             young: size(3.0),
             viscosity: [size(2.0), size(2.0)],
             branch: [size(0.5), size(1.0)],
@@ -424,7 +424,7 @@ impl Small {
         let (stiffness, mu) = (10.0 * size(1.5), 3.0 * size(0.5));
         let mut pair = |factor: f64| [factor * random.number(), factor * random.number()];
         let (force, start) = (pair(10.0), [pair(1.0), pair(1.0)]);
-        Small { one: sample % 2 == 0, k, density, young, eta, stiffness, mu, gap: 0.3 * random.number().abs(), force, start }
+        Small { one: sample.is_multiple_of(2), k, density, young, eta, stiffness, mu, gap: 0.3 * random.number().abs(), force, start }
     }
 
     fn problem(&self) -> Problem {

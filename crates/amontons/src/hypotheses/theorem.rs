@@ -155,7 +155,9 @@ fn is_held(problem: &Problem, space: &Space) -> bool {
     for set in problem.mesh.facets.values() {
         for block in &set.blocks {
             for facet in block.nodes.chunks_exact(block.element.nodes.len()).filter(|facet| held(facet)) {
-                facet.iter().for_each(|&node| anchored[node as usize] = true);
+                for &node in facet {
+                    anchored[node as usize] = true;
+                }
             }
         }
     }
