@@ -27,6 +27,7 @@ pub mod case;
 pub mod contact;
 pub mod contract;
 pub mod convergence;
+pub mod discretization;
 pub mod element;
 pub mod expression;
 pub mod field;

@@ -42,3 +42,35 @@ fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
         assert!(opened > 0 && largest > 1e-3, "{opened} {largest:e}");
     }
 }
+
+/// Wear under a damped layer is counted once: what the scheme dissipates is not negative and vanishes with the step.
+#[test]
+fn wear_under_a_damped_layer_is_counted_once() {
+    // With wear and scheme of the ledger before added up: 0.156, 0.039, 0.0097 at these steps.
+    let mut last = f64::INFINITY;
+    for (steps, expected) in [(16, 0.156), (64, 0.039), (256, 0.0097)] {
+        let problem = paper(&[
+            "mesh.n=4",
+            &format!("time.steps={steps}"),
+            "material.expansion=0",
+            "material.coupling=0",
+            "material.viscosity={law='lame', first=1, second=1}",
+            "load.body_force=[0, '-20*t']",
+            "load.heat_source=0",
+            "boundary=[{on='top', displacement=[0, 0], temperature=0}, {on='left', temperature=0}, {on='right', temperature=0}]",
+            "contact={on='bottom', gap=0, normal={law='damped', stiffness=10, damping=50}, friction={law='coulomb', coefficient=0.2}, foundation_velocity=[5, 0], wear={law='archard', coefficient=0.02}, heat={law='none'}}",
+        ])
+        .problem;
+        let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+        let mut state = scheme.initial().expect("finite initial data");
+        for _ in 0..steps {
+            let next = scheme.step(&state).expect("a step").0;
+            assert!(next.ledger.scheme_dissipation >= state.ledger.scheme_dissipation - 1e-14, "step {}", next.step);
+            state = next;
+        }
+        let found = state.ledger.scheme_dissipation;
+        assert!((found / expected - 1.0).abs() < 0.01, "{steps} steps: {found}, expected {expected}");
+        assert!(found < 0.3 * last && state.ledger.relative_closing_error().abs() < 1e-12);
+        last = found;
+    }
+}

@@ -15,6 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["linalg"],
     &["inclusion"],
     &["forms"],
+    &["discretization"],
     &["hypotheses"],
     &["scheme"],
     &["convergence"],

@@ -3,11 +3,11 @@
 use super::laws::tests;
 use super::sample::Samples;
 use super::{Finding, Status};
-use crate::contact::{Contact, ContactPoint, GraphKind};
+use crate::contact::{Contact, ContactPoint};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
-/// Pressures and rates that a law is asked at, at each point.
+/// Pressures that a law is asked at, at each point.
 const SAMPLES: usize = 64;
 
 /// By how much the laws of a contact fall; all zero where none does.
@@ -54,21 +54,6 @@ pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
     tests(problem).map(|test| Falls::of(test.contact, &test.places, stress)).collect()
 }
 
-/// Whether the pressure of a contact depends on the rate of the penetration, as far as samples tell.
-pub(super) fn rate_matters(problem: &Problem) -> bool {
-    tests(problem).any(|test| {
-        let mut random = Samples::default();
-        let at = |x: &Point, r: f64, rate: f64| test.contact.normal.pressure(x, r, rate, 0.0).value;
-        test.contact.normal.graph() == GraphKind::Function
-            && test.places.iter().any(|x| {
-                (0..SAMPLES).any(|_| {
-                    let (r, rate) = (random.spread(test.length, 12.0).abs(), random.spread(test.length, 12.0).abs());
-                    at(x, r, rate).to_bits() != at(x, r, 0.0).to_bits()
-                })
-            })
-    })
-}
-
 /// `branches`: that a law falls, by how much, and what a run does about it; none where no law falls.
 pub(super) fn branches(problem: &Problem) -> Option<Finding> {
     let all = falls(problem);
@@ -91,7 +76,7 @@ pub(super) fn branches(problem: &Problem) -> Option<Finding> {
     }
     let mut message = format!("a step may have several solutions: {}", causes.join("; "));
     if falls.pressure > 0.0 || falls.with_speed > 0.0 {
-        message += ". A run follows the branch of the step before: steps that may leave it are halved up to 5 times, and those that then still may are counted in solver.ambiguous_steps";
+        message += ". A run follows the branch of the step before: steps in which the laws fall by more than the body takes are halved up to 5 times, and those for which that does not help are counted in solver.ambiguous_steps. A step that is not counted has no other solution on the way with the friction bounds it found; with others it may have";
     }
     let part = if falls.pressure > 0.0 { "normal" } else { "friction" };
     let value = [falls.pressure, falls.with_speed, falls.at_start].into_iter().find(|fall| *fall > 0.0).filter(|fall| fall.is_finite());

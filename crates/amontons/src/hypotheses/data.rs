@@ -25,10 +25,7 @@ struct Part {
 /// (H6): the verdict is that of its worst part. Data are looked at on the nodes of the mesh and at time levels; what they do in
 /// between is not known.
 pub(super) fn h6(problem: &Problem) -> Finding {
-    let mut parts = vec![finite(problem)];
-    parts.extend(gap(problem));
-    parts.extend(initial(problem));
-    parts.extend(homogeneous(problem));
+    let parts = parts(problem);
     let worst = parts.iter().map(|p| p.status).max().unwrap_or(Status::Holds);
     let said: Vec<&str> = parts.iter().filter(|p| p.status == worst).map(|p| p.message.as_str()).collect();
     let first = parts.iter().find(|p| p.status == worst);
@@ -39,6 +36,21 @@ pub(super) fn h6(problem: &Problem) -> Finding {
     let finding = Finding::new("H6", worst, message, first.map_or("load", |p| p.place.as_str()));
     let needed = first.filter(|p| p.status != Status::Holds && p.value.is_some()).map(|_| 0.0);
     finding.numbers(first.and_then(|p| p.value), needed).repair(first.map_or("", |p| p.repair))
+}
+
+fn parts(problem: &Problem) -> Vec<Part> {
+    let mut parts = vec![finite(problem)];
+    parts.extend(gap(problem));
+    parts.extend(initial(problem));
+    parts.extend(homogeneous(problem));
+    parts
+}
+
+/// What of (H6) Theorem 1 needs and these data do not satisfy: data that are finite, and u₀ ∈ V. A negative gap does no harm, and of u̇₀
+/// it is enough that it is square integrable.
+pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
+    let harmless = |part: &Part| part.value.is_some() && !part.place.starts_with("initial.displacement");
+    parts(problem).into_iter().find(|part| part.status == Status::Fails && !harmless(part)).map(|part| part.message)
 }
 
 /// The data with their places in the case file and the nodes where they act.

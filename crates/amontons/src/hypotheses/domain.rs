@@ -7,8 +7,8 @@
 //! | s₁ | ‖v‖_{L²(Γ_C)} ≤ s₁ ‖ε(v)‖ | s₁² = sup ∫_{Γ_C} ‖v‖² / ‖ε(v)‖² |
 //! | s₂ | ‖η‖_{L²(Γ_C)} ≤ s₂ ‖∇η‖ | s₂² = sup ∫_{Γ_C} η² / ‖∇η‖² |
 //!
-//! The suprema are those over V^h and Q^h, subspaces of V and Q: **c^h ≥ c and s^h ≤ s**, and both tend to the constants
-//! of the domain under refinement. What holds for the discrete problem follows from the constants on its own mesh;
+//! The suprema are those over V^h and Q^h. Where the mesh fills Ω these are subspaces of V and Q, **c^h ≥ c and s^h ≤ s**; curved
+//! sides are approximated, and the inequalities need not hold. Both tend to the constants of the domain under refinement. What holds for the discrete problem follows from the constants on its own mesh;
 //! what is said of Ω needs their limit.
 //!
 //! With the contact unknowns last the factor gives the least energy of a trace, x·Sx, so that the suprema over Γ_C are

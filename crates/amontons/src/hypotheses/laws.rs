@@ -16,6 +16,9 @@ const PAIRS: usize = 128;
 /// Points of the body or of Γ_C where it is tested.
 const PLACES: usize = 8;
 
+/// Share of the largest eigenvalue that counts as zero.
+const ROUND_OFF: f64 = 1e-14;
+
 /// Share by which a sample may exceed a declared constant: round-off of a quotient of differences.
 const SLACK: f64 = 1e-9;
 
@@ -70,9 +73,13 @@ pub(super) fn norm(tensor: &Sym, dim: usize) -> f64 {
 fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]: [&str; 5]) -> Finding {
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
-    let (status, message) = if !(least > 0.0 && lipschitz.is_finite()) {
+    // Round-off of an eigenvalue is relative to the largest.
+    let positive = least > ROUND_OFF * lipschitz;
+    let (status, message) = if !lipschitz.is_finite() {
+        (Status::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
+    } else if !positive {
         (Status::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))
-    } else if let Some(contradiction) = refuted(problem, law, [m, upper]) {
+    } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
         (Status::Fails, format!("{name} does not keep what it declares: {contradiction}"))
     } else {
         let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
@@ -80,13 +87,23 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]:
     };
     let repair =
         if id == "H1" { "give the material some viscosity, with both eigenvalues positive" } else { "give the law a positive stiffness in every direction" };
-    Finding::new(id, status, message, place).numbers(Some(least), Some(0.0)).repair(repair)
+    let value = if positive { least } else { least.min(0.0) };
+    Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
+}
+
+/// Why a law has no Lipschitz constant, as far as samples tell: the one thing that Theorem 1 asks of 𝓔.
+pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
+    let lipschitz = law.constants().lipschitz;
+    if !lipschitz.is_finite() {
+        return Some(format!("{upper} = {lipschitz:.6e}"));
+    }
+    // −M is a bound of monotonicity from below that every law with the constant M keeps.
+    refuted(problem, law, crate::material::Constants { monotonicity: -lipschitz, lipschitz }, ["m", upper])
 }
 
 /// Two arguments that contradict the constants of a law, or a value at zero that is not zero.
-fn refuted(problem: &Problem, law: &dyn TensorLaw, [m, upper]: [&str; 2]) -> Option<String> {
+fn refuted(problem: &Problem, law: &dyn TensorLaw, constants: crate::material::Constants, [m, upper]: [&str; 2]) -> Option<String> {
     let dim = problem.mesh.tensor_dim();
-    let constants = law.constants();
     let mut random = Samples::default();
     // Only the d-dimensional part does work and is what the constants speak of.
     let value = |x: &Point, xi: &Sym| {
@@ -123,8 +140,7 @@ fn refuted(problem: &Problem, law: &dyn TensorLaw, [m, upper]: [&str; 2]) -> Opt
 fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
     let eigenvalues = tensor.eigenvalues(problem.mesh.dim);
     let (least, largest) = (eigenvalues.first().copied().unwrap_or(0.0), eigenvalues.last().copied().unwrap_or(0.0));
-    // Round-off of an eigenvalue is relative to the largest.
-    let positive = least > 1e-14 * largest.abs();
+    let positive = least > ROUND_OFF * largest.abs();
     let list = eigenvalues.iter().map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 })).collect::<Vec<_>>().join(", ");
     let message = if positive {
         format!("𝓚 has the eigenvalues {list}")
@@ -151,7 +167,7 @@ fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, [id, name, uppe
 /// (H7), (H8) and the cut-off of φ_L.
 pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     let each = tests(problem).enumerate().map(|(side, test)| {
-        let mut findings = vec![exchange(&test, constants), pressure(&test, constants), cut_off(test.contact)];
+        let mut findings = vec![exchange(&test, constants), pressure(&test, constants), cut_off(&test)];
         for finding in &mut findings {
             finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
         }
@@ -189,6 +205,30 @@ impl Test<'_> {
         ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }
     }
 
+    /// Whether samples of the penetration keep L_ν, L_τ and L_kc, the friction bound is not negative, and the flux does not fall with θ.
+    pub(super) fn keeps_its_constants(&self) -> bool {
+        let contact = self.contact;
+        let (nu, kc) = (contact.normal.lipschitz().unwrap_or(f64::INFINITY), contact.heat.conductance_lipschitz().unwrap_or(f64::INFINITY));
+        // A bound that is given whatever the penetration has none.
+        let tau = contact.friction.lipschitz(Some(nu)).unwrap_or(0.0);
+        let mut random = Samples::default();
+        let keeps = |x: &Point, random: &mut Samples| {
+            let r = random.spread(self.length, 12.0);
+            let s = r + random.spread(self.length, 12.0);
+            let (theta, other) = (random.spread(1e3, 6.0), random.spread(1e3, 6.0));
+            let near = |a: f64, b: f64, l: f64| (a - b).abs() <= l * (r - s).abs() * (1.0 + SLACK) + 16.0 * f64::EPSILON * (a.abs() + b.abs());
+            let [at_r, at_s] = [r, s].map(|r| self.at(x, r));
+            let bound = |at: &ContactPoint| contact.friction.bound(&ContactPoint { pressure: at.pressure.max(0.0), ..*at }).value;
+            let flux = |at: &ContactPoint, temperature: f64| contact.heat.flux(&ContactPoint { temperature, ..*at }).value;
+            near(at_r.pressure, at_s.pressure, nu)
+                && bound(&at_r) >= 0.0
+                && near(bound(&at_r), bound(&at_s), tau)
+                && near(flux(&at_r, theta), flux(&at_s, theta), kc * theta.abs())
+                && (flux(&at_r, theta) - flux(&at_r, other)) * (theta - other) >= 0.0
+        };
+        self.places.iter().all(|x| (0..PAIRS).all(|_| keeps(x, &mut random)))
+    }
+
     /// A contradiction to: f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s|, f ≤ `bound`.
     fn refute(&self, [name, lipschitz]: [&str; 2], l: f64, bound: f64, f: impl Fn(&ContactPoint) -> f64) -> Option<String> {
         let mut random = Samples::default();
@@ -221,9 +261,20 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
     // φ_L has the slope 1 at 0.
     let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;
     let finding = |status, message: String| Finding::new("H7", status, message, "contact.heat").numbers(constants.bound_kc, None);
-    let Some(lipschitz) = heat.conductance_lipschitz().filter(|l| l.is_finite() && bound.is_finite()) else {
-        return finding(Status::Fails, format!("k_c is bounded by M_kc = {bound:.6e} and has no Lipschitz constant"))
-            .repair("a law whose conductance grows gradually, such as \"ramp\"");
+    if bound > 0.0 && test.heat_sees_level() {
+        return finding(Status::NotCovered, "the flux is no product k_c(r) φ_L(θ − θ_F) as (2.10) has it: its slope depends on the temperatures".to_owned());
+    }
+    if bound > 0.0 && test.heat_sees_pressure() {
+        return finding(Status::NotCovered, "the conductance is one of the pressure; that of (2.10) is one of the penetration".to_owned());
+    }
+    let (lipschitz, bound) = match (heat.conductance_lipschitz().filter(|l| l.is_finite()), bound.is_finite()) {
+        (Some(lipschitz), true) => (lipschitz, bound),
+        (lipschitz, is_bounded) => {
+            let bounded = if is_bounded { format!("bounded by M_kc = {bound:.6e}") } else { "not bounded, M_kc = ∞".to_owned() };
+            let slope = lipschitz.map_or_else(|| "has no Lipschitz constant".to_owned(), |l| format!("Lipschitz with L_kc = {l:.6e}"));
+            return finding(Status::Fails, format!("k_c is {bounded}, and {slope}"))
+                .repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
+        }
     };
     match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
         Some(contradiction) => {
@@ -244,8 +295,12 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         return finding(Status::Fails, message.to_owned(), "contact.normal").repair("normal compliance with a stiffness");
     };
     let Some(tau) = contact.friction.lipschitz(Some(nu)).filter(|l| l.is_finite()) else {
-        return finding(Status::Fails, "p_τ is no Lipschitz function of the penetration".to_owned(), "contact.friction")
-            .repair("a friction bound that grows gradually");
+        let message = if test.friction_is_given() {
+            "p_τ does not depend on the penetration: it is not zero without"
+        } else {
+            "p_τ is no Lipschitz function of the penetration"
+        };
+        return finding(Status::Fails, message.to_owned(), "contact.friction").repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";
     if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
@@ -254,23 +309,26 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
     if let Some(contradiction) = test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value) {
         return finding(Status::Fails, format!("p_τ does not keep what it declares: {contradiction}"), "contact.friction").repair(wrong);
     }
-    if depends_on_slip_speed(test) {
-        let message = "the friction bound depends on the slip speed, which (2.9) does not provide for";
-        return finding(Status::NotCovered, message.to_owned(), "contact.friction").repair("a friction bound of the penetration or pressure");
+    if let Some((what, place)) = beyond(test) {
+        return finding(Status::NotCovered, what.to_owned(), place).repair("a pressure and a friction bound of the penetration alone");
     }
     let message = format!("p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration");
     finding(Status::Holds, message, "contact")
 }
 
-fn depends_on_slip_speed(test: &Test) -> bool {
-    let mut random = Samples::default();
-    test.places.iter().any(|x| {
-        (0..PAIRS).any(|_| {
-            let at = test.at(x, random.spread(test.length, 12.0).abs());
-            let slipping = ContactPoint { slip_speed: random.spread(test.length, 12.0).abs() * 1e3, ..at };
-            test.contact.friction.bound(&at).value.to_bits() != test.contact.friction.bound(&slipping).value.to_bits()
-        })
-    })
+/// What pressure and friction depend on besides the penetration that (2.8), (2.9) give them, and the place.
+pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
+    if test.rate_matters() {
+        Some(("the pressure depends on the rate of the penetration, which (2.8) does not provide for", "contact.normal"))
+    } else if test.friction_sees_slip() {
+        Some(("the friction bound depends on the slip speed, which (2.9) does not provide for", "contact.friction"))
+    } else if test.friction_sees_heat() {
+        Some(("the friction bound depends on the temperature, which (2.9) does not provide for", "contact.friction"))
+    } else if test.contact.wear.is_some() {
+        Some(("what wears off makes pressure and friction depend on the past, which (2.8), (2.9) do not provide for", "contact.wear"))
+    } else {
+        None
+    }
 }
 
 /// `contact-heat`: that a foundation which gives no way has a conductance of the penetration, which is zero or round-off there; none elsewhere.
@@ -297,15 +355,22 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
 }
 
 /// φ_L of (2.10) is cut off at ±L.
-fn cut_off(contact: &Contact) -> Finding {
-    let (bound, cut) = (contact.heat.conductance_bound(), contact.heat.truncation());
+fn cut_off(test: &Test) -> Finding {
+    let heat = &test.contact.heat;
+    let (bound, cut) = (heat.conductance_bound(), heat.truncation());
     let finding = |status, message: String| Finding::new("phi-L", status, message, "contact.heat.truncation").numbers(cut, None);
     match cut {
+        _ if bound == 0.0 && test.friction_makes_heat() => {
+            finding(Status::Holds, "no heat passes by a difference of temperatures: φ_L does not enter; that of friction is no part of (2.10)".to_owned())
+        }
         _ if bound == 0.0 => finding(Status::Holds, "there is no heat exchange: φ_L does not enter".to_owned()),
+        _ if test.heat_sees_level() => {
+            finding(Status::NotCovered, "the flux is no product k_c(r) φ_L(θ − θ_F) as (2.10) has it, so there is no φ_L to cut off".to_owned())
+        }
         Some(l) => finding(Status::Holds, format!("φ_L is cut off at ±L, L = {l:.6e}, as (2.10) has it")),
         None => finding(
             Status::NotCovered,
-            "φ_L(s) = s is not bounded; (2.10) cuts it off at ±L and (3.24) uses L. Section 5 of the paper computes without the cut, too, and there is at most one solution without it (book, chapter 2)".to_owned(),
+            "φ_L(s) = s is not bounded; (2.10) cuts it off at ±L and (3.24) uses L. Section 5 of the paper computes without the cut, too, and the theorem of the book, chapter 2, does without it".to_owned(),
         )
         .repair("contact.heat.truncation = L, above any difference of temperatures that occurs: results are then the same"),
     }

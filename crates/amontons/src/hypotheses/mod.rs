@@ -5,8 +5,8 @@
 //! | `H1` … `H8` | the hypotheses of Theorem 3.1 | closed forms; declared constants of nonlinear laws are put to the test on samples |
 //! | `phi-L` | the cut-off of φ_L in (2.10) | the law |
 //! | `2.23-printed` | both inequalities of (2.23) as they are printed | eigenvalues on the mesh |
-//! | `2.23-needed` | what the proof of Theorem 3.1 needs instead | closed forms |
-//! | `step-unique`, `time-step` | one solution of a step of (4.1), and the number of steps that ensures it | an eigenvalue on Γ_C |
+//! | `2.23-needed` | whether Theorem 1 of the book, which needs no such inequality, applies | closed forms, samples of the laws |
+//! | `step-unique`, `time-step` | one solution of a step of (4.1), and the number of steps that ensures it | factors of K_u, an eigenvalue on Γ_C |
 //! | `contact-heat` | that a rigid foundation conducts by the penetration, which it has none of; none where it does not | the laws |
 //! | `branches` | that a law of contact falls, so that a step may have several solutions; none where no law does | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
@@ -20,6 +20,7 @@ mod branches;
 mod data;
 mod domain;
 mod laws;
+mod probe;
 mod quality;
 mod reach;
 mod sample;
@@ -238,8 +239,8 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖ and one of the mechanical
-/// system, and where the gap is open at t = 0 and loads do not vary, one of a. Constants are those of V^h and Q^h.
+/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
+/// and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a. Constants are those of V^h and Q^h.
 ///
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].

@@ -9,20 +9,20 @@
 //!     u_ν(x, t_n) ≤ u*_ν(x, t_n) + y_n √G(x),                                G(x) = sup v_ν(x)²/‖v‖²_a,
 //! ```
 //!
-//! and G is the diagonal of the inverse of the condensed a. All constants are those of the discrete problem, so the bound is one of its
-//! solution. Proof: book, chapter 2.
+//! and G is the diagonal of the inverse of the condensed a. The laws of contact are to do nothing for r ≤ 0; a is the form of the scheme, with
+//! its dilatation and its springs; branches that relax add their energy, zero at the start, to y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof: book,
+//! chapter 2.
 
-use std::sync::Arc;
-
-use super::laws::{at, gravity, norm};
-use super::step::heat_acts_at_once;
+use super::laws::{Test, at, gravity, norm, tests};
+use super::step::{heat_acts_at_once, holds_the_body};
 use super::{Constants, Finding, Status};
 use crate::contact::{Contact, ContactBoundary};
+use crate::discretization::Discretization;
 use crate::element::Table;
 use crate::field::Field;
 use crate::forms;
-use crate::linalg::{BlockMatrix, FactorError, Graph, System, Unknowns, dot};
-use crate::material::Material;
+use crate::linalg::{BlockMatrix, FactorError, System, Unknowns, dot};
+use crate::material::{Dilatation, Material};
 use crate::mesh::CellMap;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -39,54 +39,46 @@ pub(super) fn loads_vary(problem: &Problem) -> bool {
 /// `contact-possible`: fails where contact is proved impossible.
 pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
     // Of several contacts one that can occur stands for all.
-    let each = (0..problem.contacts.len()).filter_map(|side| {
-        let mut finding = possible_on(problem, constants, side)?;
+    let each = tests(problem).enumerate().map(|(side, test)| {
+        let mut finding = judge(problem, constants, &test);
         finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
-        Some(finding)
+        finding
     });
     each.reduce(|best, found| if gravity(&found) < gravity(&best) { found } else { best })
         .unwrap_or_else(|| Finding::new(ID, Status::Holds, "there is no contact to be possible", "contact"))
 }
 
-fn possible_on(problem: &Problem, constants: &Constants, side: usize) -> Option<Finding> {
-    let contact = problem.contacts.get(side)?;
-    let boundary = ContactBoundary::new(&problem.mesh, problem.mesh.facets.get(&contact.on)?, contact.quadrature);
-    Some(judge(problem, constants, contact, boundary))
-}
-
-fn judge(problem: &Problem, constants: &Constants, contact: &Contact, boundary: ContactBoundary) -> Finding {
-    if contact.normal.lipschitz() == Some(0.0) {
-        let message = "the stiffness of the foundation is zero: there is no contact force";
+fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
+    let contact = test.contact;
+    if test.does_nothing() {
+        let message = "the stiffness of the foundation is zero, and neither friction nor heat passes: [contact] has no effect";
         return Finding::new(ID, Status::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
     }
-    let Some(material) = problem.materials.first() else {
-        return Finding::new(ID, Status::NotCovered, "whether contact can occur is not judged: the body has no material", "material");
+    let not_judged = |why: &str, place: &str| Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not judged: {why}"), place);
+    let (Some(material), Some(facets)) = (problem.materials.first(), problem.mesh.facets.get(&contact.on)) else {
+        return not_judged("the body has no material, or not this side", "material");
     };
-    let body = Body::new(problem, material, boundary);
+    let body = Body::new(problem, material, ContactBoundary::new(&problem.mesh, facets, contact.quadrature));
     if let Some((x, penetration)) = body.touching(contact) {
         let message = format!("the body touches the foundation at t = 0, at {}", at(&x));
         return Finding::new(ID, Status::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
     }
+    if let Some((why, part)) = test.acts_open() {
+        return not_judged(why, &format!("contact.{part}"));
+    }
     if contact.obstacle.is_some() {
-        let message = "whether contact can occur is not judged: the direction of contact is that of an obstacle";
-        return Finding::new(ID, Status::NotCovered, message, "contact.obstacle");
+        return not_judged("the direction of contact is that of an obstacle", "contact.obstacle");
     }
     if contact.wear.is_some() {
-        return Finding::new(ID, Status::NotCovered, "whether contact can occur is not judged: the gap grows by wear", "contact.wear");
+        return not_judged("the gap grows by wear", "contact.wear");
     }
     if let Some((why, place)) = body.not_covered() {
-        return Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not judged: {why}"), &place);
-    }
-    if constants.c_k.is_none() {
-        return Finding::new(ID, Status::NotCovered, "whether contact can occur is not judged: no displacement holds the body", "boundary");
+        return not_judged(why, &place);
     }
     match body.bound(contact, constants.c_f) {
         Ok(Ok(bound)) => bound.finding(),
-        Ok(Err(why)) => Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not judged: {why}"), "material.expansion"),
-        Err(error) => {
-            let message = format!("whether contact can occur is not judged: the static problem has no solution: {error}");
-            Finding::new(ID, Status::NotCovered, message, "boundary")
-        }
+        Ok(Err((why, place))) => not_judged(why, place),
+        Err(error) => not_judged(&format!("the static problem has no solution: {error}"), "boundary"),
     }
 }
 
@@ -96,6 +88,8 @@ struct Bound {
     gap: f64,
     x: Point,
     t: f64,
+    /// Whether every solution of the steps stays within it, and not only the one without contact.
+    of_every_motion: bool,
 }
 
 impl Bound {
@@ -103,8 +97,9 @@ impl Bound {
         let place = format!("{}, t = {} s", at(&self.x), self.t);
         let numbers = |finding: Finding| finding.numbers(Some(self.normal), Some(self.gap));
         if self.normal <= self.gap {
+            let (which, other) = if self.of_every_motion { ("", "") } else { (" in the motion that starts without it", ", where step-unique holds,") };
             let message = format!(
-                "contact cannot occur: u_ν stays below {:.6e}, the gap is {:.6e} (nearest at {place}), so [contact] has no effect",
+                "contact cannot occur{which}: u_ν stays below {:.6e}, the gap is {:.6e} (nearest at {place}), so [contact] has{other} no effect",
                 self.normal, self.gap
             );
             return numbers(Finding::new(ID, Status::Fails, message, "contact.gap")).repair("a smaller gap, or larger loads; or leave [contact] out");
@@ -120,7 +115,6 @@ struct Body<'a> {
     /// The one material of the body.
     material: &'a Material,
     boundary: ContactBoundary,
-    graph: Arc<Graph>,
     space: Space,
     u: Vec<f64>,
     w: Vec<f64>,
@@ -136,7 +130,6 @@ impl<'a> Body<'a> {
             problem,
             material,
             boundary,
-            graph: Arc::new(Graph::of_mesh(mesh)),
             u: space.interpolate(mesh, &problem.initial.displacement, 0.0),
             w: space.interpolate(mesh, &problem.initial.velocity, 0.0),
             theta: scalar.interpolate(mesh, std::slice::from_ref(&problem.initial.temperature), 0.0),
@@ -177,16 +170,14 @@ impl<'a> Body<'a> {
         if heat_acts_at_once(problem) {
             return Some(("θ_n acts on u_n in the same step", "material.expansion".to_owned()));
         }
-        if m.prony.is_some() {
-            return Some(("the material remembers its past", "material".to_owned()));
-        }
         if !m.elasticity.is_linear() {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
-        if let Some(i) = problem.boundary.iter().position(|b| b.spring.is_some()) {
-            return Some(("springs hold the body", format!("boundary[{i}].spring")));
+        let heat_acts = norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0;
+        if heat_acts && problem.dilatation == Dilatation::Mean {
+            return Some(("a and b control the mean dilatation only, and heat acts on the whole", "material.dilatation".to_owned()));
         }
-        if norm(&m.expansion, problem.mesh.dim) > 0.0
+        if heat_acts
             && let Some(i) = problem
                 .boundary
                 .iter()
@@ -198,11 +189,17 @@ impl<'a> Body<'a> {
     }
 
     /// The bound over all steps, or what stands in its way.
-    fn bound(&self, contact: &Contact, c_f: Option<f64>) -> Result<Result<Bound, &'static str>, FactorError> {
+    fn bound(&self, contact: &Contact, c_f: Option<f64>) -> Result<Result<Bound, (&'static str, &'static str)>, FactorError> {
         let (problem, m) = (self.problem, self.material);
         let mesh = &problem.mesh;
-        let a = forms::a(mesh, &self.graph, &[m.elasticity.as_ref()]);
-        let mass = forms::inner_h(mesh, &self.graph);
+        let discrete = Discretization::new(problem);
+        let (mut a, mass) = (discrete.a.clone(), &discrete.mass);
+        if let Some(springs) = &discrete.springs {
+            a.add_scaled(1.0, springs);
+        }
+        if !holds_the_body(problem, &discrete, &a)? {
+            return Ok(Err(("no displacement and no spring holds the body", "boundary")));
+        }
         let unknowns = Unknowns::new(&a, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
         let mut system = System::new(&a, unknowns)?;
         let normals: Vec<Vec<(usize, f64)>> = self.normals().collect();
@@ -210,8 +207,8 @@ impl<'a> Body<'a> {
         let load = forms::f(mesh, &problem.body_force, &problem.boundary);
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
-        let heat = Heat::new(problem, m, &mass, &self.theta, c_f);
-        let thermal = norm(&m.expansion, mesh.dim);
+        let heat = Heat::new(problem, m, mass, &self.theta, c_f);
+        let thermal = norm(&m.expansion, mesh.tensor_dim());
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
         let k = problem.k();
         let mut statics = static_answer(&mut system, &load.at(problem.time(1)));
@@ -219,6 +216,7 @@ impl<'a> Body<'a> {
         let (mut strain, mut theta) = ((energy(&a, &self.u) / m_a).sqrt(), heat.start);
         let mut worst: Option<Bound> = None;
         let (varies, gap_varies) = (loads_vary(problem), contact.gap_depends_on_time());
+        let of_every_motion = thermal == 0.0 && problem.contacts.iter().all(at_rest);
         let mut gap = gaps(0.0);
         for n in 1..=problem.steps {
             let t = problem.time(n);
@@ -229,7 +227,7 @@ impl<'a> Body<'a> {
             }
             if thermal > 0.0 && theta > 0.0 {
                 if m_b <= 0.0 {
-                    return Ok(Err("heat expands a body without viscosity"));
+                    return Ok(Err(("heat expands a body without viscosity", "material.expansion")));
                 }
                 y = (y * y + 0.5 * k * (thermal * theta).powi(2) / m_b).sqrt();
             }
@@ -241,12 +239,18 @@ impl<'a> Body<'a> {
             for (((terms, g_x), gap), point) in normals.iter().zip(&reach).zip(&gap).zip(&self.boundary.points) {
                 let normal = terms.iter().map(|&(dof, factor)| factor * statics[dof]).sum::<f64>() + y * g_x.sqrt();
                 if worst.as_ref().is_none_or(|w| normal - gap > w.normal - w.gap || normal.is_nan()) {
-                    worst = Some(Bound { normal, gap: *gap, x: point.x, t });
+                    worst = Some(Bound { normal, gap: *gap, x: point.x, t, of_every_motion });
                 }
             }
         }
-        Ok(worst.ok_or("there is no contact point"))
+        Ok(worst.ok_or(("there is no contact point", "contact")))
     }
+}
+
+/// Whether a foundation does no work on the body: it does not move, and its pressure does not fall.
+fn at_rest(contact: &Contact) -> bool {
+    let falls = |x: &Point| contact.normal.least_slope(x, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
+    !contact.gap_depends_on_time() && contact.foundation_velocity.iter().all(Field::is_zero) && !falls(&[0.0; 3])
 }
 
 /// G at each contact point.
@@ -308,7 +312,7 @@ impl<'a> Heat<'a> {
             problem,
             start: dot(theta, &mass.apply(theta)).max(0.0).sqrt(),
             rates: [m.heat_capacity / problem.k(), m_d * lambda],
-            coupling: norm(&m.coupling, problem.mesh.dim),
+            coupling: norm(&m.coupling, problem.mesh.tensor_dim()),
             source: (!varies).then(|| source(problem, 0.0)),
         }
     }

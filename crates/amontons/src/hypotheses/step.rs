@@ -9,22 +9,29 @@
 //! ```
 //!
 //! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 + μ²) − 1)/2. It has a
-//! solution in any case. With a pressure that falls by s at the most c* is also not less than (s + √(s² + (μs + L_r)²))/2, and with a bound that
-//! falls with the slip speed by f p at the most, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds
-//! for k holds for all shorter steps. Relaxing stress of the material only adds to S and is left out. Proofs: book, chapter 2.
+//! solution in any case. With a pressure that falls by s at the most c* is also not less than (s + √(s² + (μs + L_r)²))/2, and with a
+//! bound that falls with the slip speed by f p at the most, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
+//! With several contacts c* W is Σ c*_i W_i. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that
+//! what holds for k holds for all shorter steps. K_u is the matrix of the scheme. Proofs: book, chapter 2.
+//!
+//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal, which round-off cannot feign; by elimination of
+//! the interior it is positive definite if and only if K_II and S − c* k W are. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
 
 use std::sync::Arc;
 
-use super::branches::{falls, rate_matters};
+use super::branches::falls;
 use super::domain::TraceQuotient;
-use super::laws::norm;
+use super::laws::{norm, tests};
 use super::{Finding, Status};
-use crate::contact::{Contact, ContactBoundary, ContactPoint};
-use crate::forms;
-use crate::linalg::{BlockMatrix, Entry, FactorError, Graph, System, Unknowns, largest};
+use crate::contact::Contact;
+use crate::discretization::Discretization;
+use crate::linalg::{Backend, BlockMatrix, Entry, FactorError, Supernodal, System, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
+
+/// Share of the diagonal that a matrix must exceed to count as positive definite: far above the round-off of a factor.
+const MARGIN: f64 = 9.094_947_017_729_282e-13;
 
 /// Doublings of the number of steps after which the search for one that ensures a unique step ends.
 const DOUBLINGS: u32 = 20;
@@ -51,16 +58,6 @@ fn loss(contact: &Contact, fall: f64) -> Option<f64> {
     Some(if fall > 0.0 { rising.max(0.5 * (fall + fall.hypot(bound.lipschitz(Some(fall))?))) } else { rising })
 }
 
-/// The mechanical system of a step for any k: λ_min(S, W).
-struct Step<'a> {
-    problem: &'a Problem,
-    space: Space,
-    boundary: ContactBoundary,
-    inertia: BlockMatrix,
-    a: BlockMatrix,
-    b: BlockMatrix,
-}
-
 /// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ − ξ₂‖².
 fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
     if law.is_linear() {
@@ -69,54 +66,123 @@ fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
     Arc::new(Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress))
 }
 
+/// The same problem with laws of the body that are linear and lie below its own.
+fn minorized(problem: &Problem) -> Problem {
+    let dim = problem.mesh.tensor_dim();
+    let below = |m: &Material| Material { elasticity: minorant(&m.elasticity, dim), viscosity: minorant(&m.viscosity, dim), ..m.clone() };
+    Problem { materials: problem.materials.iter().map(below).collect(), ..problem.clone() }
+}
+
+/// The mechanical system of a step for any k.
+struct Step<'a> {
+    problem: &'a Problem,
+    discrete: Discretization,
+    /// c*, the largest of the contacts, Pa/m.
+    loss: f64,
+    /// f, the largest of the contacts, s/m.
+    with_speed: f64,
+    /// W = Σ ω NᵀN, on each component; of each contact the share of its own c* in the largest.
+    weights: BlockMatrix,
+}
+
+/// λ_min(S, W): a quotient of the forms, which it cannot exceed, and that less the error of the iteration.
+#[derive(Clone, Copy)]
+struct Least {
+    above: f64,
+    below: f64,
+}
+
 impl<'a> Step<'a> {
-    fn new(problem: &'a Problem, boundary: ContactBoundary) -> Step<'a> {
-        let mesh = &problem.mesh;
-        let graph = Arc::new(Graph::of_mesh(mesh));
-        let materials = &problem.materials;
-        let laws = |law: fn(&Material) -> &Arc<dyn TensorLaw>| materials.iter().map(|m| minorant(law(m), mesh.tensor_dim())).collect::<Vec<_>>();
-        let (a, b) = (laws(|m| &m.elasticity), laws(|m| &m.viscosity));
-        Step {
-            problem,
-            space: problem.displacement_space(),
-            boundary,
-            inertia: forms::weighted_inner_h(mesh, &graph, &materials.iter().map(|m| m.density).collect::<Vec<_>>()),
-            a: forms::tensor_form(mesh, &graph, &a.iter().map(AsRef::as_ref).collect::<Vec<_>>(), problem.dilatation),
-            b: forms::tensor_form(mesh, &graph, &b.iter().map(AsRef::as_ref).collect::<Vec<_>>(), problem.dilatation),
+    fn new(problem: &'a Problem, losses: &[[f64; 2]]) -> Step<'a> {
+        let discrete = Discretization::new(&minorized(problem));
+        let [loss, with_speed] = [0, 1].map(|i| losses.iter().map(|l| l[i]).fold(0.0, f64::max));
+        let share = |[own, own_with_speed]: [f64; 2]| {
+            let of = |own: f64, largest: f64| if largest > 0.0 { own / largest } else { 0.0 };
+            if loss + with_speed > 0.0 { of(own, loss).max(of(own_with_speed, with_speed)) } else { 1.0 }
+        };
+        let shares: Vec<f64> = losses.iter().map(|l| share(*l)).collect();
+        let mut weights = BlockMatrix::zero(discrete.mass.graph(), 1, 1);
+        for point in &discrete.boundary.points {
+            let nodes: Vec<u32> = point.nodes.iter().map(|&(i, _)| discrete.boundary.nodes[i]).collect();
+            let weight = shares.get(point.side).copied().unwrap_or(1.0) * point.weight;
+            let form: Vec<f64> = point.nodes.iter().flat_map(|&(_, n_i)| point.nodes.iter().map(move |&(_, n_j)| weight * n_i * n_j)).collect();
+            weights.add(&nodes, &form);
         }
+        Step { problem, discrete, loss, with_speed, weights }
+    }
+
+    /// Whether K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
+    fn dominates(&self, k: f64, loss: f64) -> Result<bool, FactorError> {
+        let matrix = self.discrete.mechanical_matrix(k);
+        let mut less = matrix.clone();
+        less.add_scaled(-loss * k, &self.weights);
+        is_positive_definite(self.problem, &self.discrete.v, &matrix, less)
+    }
+
+    /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
+    fn heat_is_definite(&self, k: f64) -> Result<bool, FactorError> {
+        let matrix = self.discrete.thermal_matrix(k);
+        is_positive_definite(self.problem, &self.discrete.q, &matrix, matrix.clone())
     }
 
     /// λ_min(S, W) of K_u = ρM/k + B + kA; infinite without unknowns on Γ_C.
-    fn least(&self, k: f64) -> Result<f64, FactorError> {
-        let mesh = &self.problem.mesh;
-        let mut matrix = self.b.clone();
-        matrix.add_scaled(k, &self.a);
-        matrix.add_scaled(1.0 / k, &self.inertia);
-        let unknowns = Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
+    fn least(&self, k: f64) -> Result<Least, FactorError> {
+        let (mesh, matrix) = (&self.problem.mesh, self.discrete.mechanical_matrix(k));
+        let unknowns = Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.discrete.v.free, &self.discrete.boundary.nodes);
         let mut system = System::new(&matrix, unknowns)?;
-        let entries = self.weights(system.unknowns());
+        let mut pencil = TraceQuotient { entries: self.entries(system.unknowns()), system: &mut system };
         // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
-        Ok(1.0 / largest(&mut TraceQuotient { entries, system: &mut system }).value)
+        let pair = largest(&mut pencil);
+        if pair.value <= 0.0 {
+            return Ok(Least { above: f64::INFINITY, below: f64::INFINITY });
+        }
+        // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
+        let mut body = vec![0.0; self.discrete.v.free.len()];
+        system.unknowns().add(&system.extend(&pair.vector), &mut body);
+        let above = dot(&body, &matrix.apply(&body)) / dot(&body, &self.weights.apply(&body));
+        Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
     }
 
-    /// W = Σ ω NᵀN on each component of the contact unknowns.
-    fn weights(&self, unknowns: &Unknowns) -> Vec<Entry> {
+    /// W on the contact unknowns.
+    fn entries(&self, unknowns: &Unknowns) -> Vec<Entry> {
         let dim = self.problem.mesh.dim;
-        let mut position = vec![None; self.space.free.len()];
+        let mut position = vec![None; self.discrete.v.free.len()];
         for (k, &dof) in unknowns.contact().iter().enumerate() {
             position[dof as usize] = Some(k as u32);
         }
-        let at = |node: usize, c: usize| position[self.boundary.nodes[node] as usize * dim + c];
         let mut entries = Vec::new();
-        for point in &self.boundary.points {
-            for &(i, n_i) in &point.nodes {
-                for &(j, n_j) in &point.nodes {
-                    entries.extend((0..dim).filter_map(|c| Some((at(i, c)?, at(j, c)?, point.weight * n_i * n_j))));
-                }
+        for &node in &self.discrete.boundary.nodes {
+            for (column, value) in self.weights.row(node as usize) {
+                let pair = |c: usize| Some((position[node as usize * dim + c]?, position[column * dim + c]?, *value.first()?));
+                entries.extend((0..dim).filter_map(pair).filter(|(.., value)| *value != 0.0));
             }
         }
         entries
     }
+}
+
+/// Whether `matrix` less [`MARGIN`] of the diagonal of `size` has a Cholesky factor on the free degrees of freedom of a space.
+fn is_positive_definite(problem: &Problem, space: &Space, size: &BlockMatrix, mut matrix: BlockMatrix) -> Result<bool, FactorError> {
+    let (mesh, components) = (&problem.mesh, space.components);
+    for node in 0..mesh.points.len() {
+        let mut block = vec![0.0; components * components];
+        for c in 0..components {
+            block[c * components + c] = -MARGIN * size.get(node, c, node, c);
+        }
+        matrix.add(&[node as u32], &block);
+    }
+    // No unknowns last: the factor is the plain one, which a matrix without it does not have.
+    let unknowns = Unknowns::new(&matrix, &mesh.points, components, &space.free, &[]);
+    match Supernodal.factorize(&matrix, &unknowns) {
+        Ok(_) => Ok(true),
+        Err(FactorError::NotPositive { .. }) => Ok(false),
+        Err(error) => Err(error),
+    }
+}
+
+/// Whether a linear form is positive definite beyond round-off on the displacements that are free.
+pub(super) fn holds_the_body(problem: &Problem, discrete: &Discretization, form: &BlockMatrix) -> Result<bool, FactorError> {
+    is_positive_definite(problem, &discrete.v, form, form.clone())
 }
 
 /// Whether θ_n acts on w_n in the same step by expansion, as in couplings other than the paper's.
@@ -136,27 +202,17 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
         ))
     } else if problem.contacts.iter().any(|contact| contact.wear.is_some()) {
         Some(("what wears off within a step lowers the pressure with the slip speed, which is not judged", "contact.wear"))
-    } else if with_friction() && rate_matters(problem) {
+    } else if with_friction() && tests(problem).any(|test| test.rate_matters()) {
         Some(("friction that follows a pressure of the rate of penetration is not judged", "contact.normal"))
-    } else if problem.coupling != Coupling::Staggered && with_friction() && problem.contacts.iter().any(friction_sees_heat) {
+    } else if problem.coupling != Coupling::Staggered && with_friction() && tests(problem).any(|test| test.friction_sees_heat()) {
         Some(("u_n and θ_n are found together, and friction follows θ_n: the condition is that of a step with θ given", "contact.friction"))
     } else {
         None
     }
 }
 
-/// Whether the friction bound depends on the temperature, as far as samples tell.
-fn friction_sees_heat(contact: &Contact) -> bool {
-    (-40i8..=40).any(|decade| {
-        let temperature = 10f64.powf(0.1 * f64::from(decade));
-        [-temperature, temperature]
-            .iter()
-            .any(|&temperature| contact.friction.bound(&ContactPoint { pressure: 1.0, temperature, ..ContactPoint::default() }).by_temperature != 0.0)
-    })
-}
-
-/// What there is to compare, c* and f among it, or the finding that says why there is nothing.
-fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, [f64; 2]), Box<Finding>> {
+/// The system to judge, or the finding that says why there is none.
+fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<Step<'a>, Box<Finding>> {
     if problem.contacts.is_empty() {
         return Err(Box::new(Finding::new(id, Status::Holds, "there is no contact: a step is monotone", "contact")));
     }
@@ -164,8 +220,8 @@ fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, [f64; 2]), B
     if let Some((message, place)) = not_judged(problem, falls.iter().any(|f| f.at_start > 0.0), falls.iter().any(|f| f.pressure.is_infinite())) {
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, place)));
     }
-    let losses = problem.contacts.iter().zip(&falls).map(|(contact, falls)| loss(contact, falls.pressure));
-    let Some(loss) = losses.into_iter().try_fold(0.0, |most: f64, loss| Some(most.max(loss?))) else {
+    let losses = problem.contacts.iter().zip(&falls).map(|(contact, falls)| Some([loss(contact, falls.pressure)?, falls.with_speed]));
+    let Some(losses) = losses.collect::<Option<Vec<[f64; 2]>>>() else {
         let message = "the step is judged for laws with Lipschitz constants L_ν, L_τ: see (H8)";
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
     };
@@ -173,8 +229,15 @@ fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, [f64; 2]), B
         let message = "u_n and θ_n are found together: the condition is that of a step with θ given";
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, "material.expansion")));
     }
-    let with_speed = falls.iter().map(|falls| falls.with_speed).fold(0.0, f64::max);
-    Ok((Step::new(problem, problem.contact_boundary()), [loss, with_speed]))
+    let step = Step::new(problem, &losses);
+    match step.heat_is_definite(problem.k()) {
+        Ok(true) => Ok(step),
+        Ok(false) => {
+            let message = "the heat equation of a step is not positive definite, and the theory does not say how many solutions it has";
+            Err(Box::new(Finding::new(id, Status::NotCovered, message, "material.conductivity").repair("a heat capacity, or a prescribed temperature")))
+        }
+        Err(error) => Err(Box::new(not_factorized(id, &error))),
+    }
 }
 
 /// What is said where friction falls with the slip speed by f p and, apart from that, a step has one solution: it has as long as f p is less
@@ -182,7 +245,7 @@ fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<(Step<'a>, [f64; 2]), B
 fn up_to_a_pressure(id: &str, found: f64, needed: f64, with_speed: f64, steps: f64) -> Finding {
     let most = (found - needed) / with_speed;
     let message = format!(
-        "with {steps} steps each step has one solution as long as the pressure is below {most:.6e} Pa, where friction that falls with the slip speed takes what is left of λ_min(S, W) = {found:.4}: no bound of the pressure is known beforehand. A run halves the steps that may leave the branch of the step before, and counts those that then still may in solver.ambiguous_steps"
+        "with {steps} steps each step has one solution as long as the pressure is below {most:.6e} Pa, where friction that falls with the slip speed takes what is left of λ_min(S, W) = {found:.4}: no bound of the pressure is known beforehand. So far as the pressure alone goes, {found:.4} exceeds the {needed:.4} that it takes. A run halves the steps that may leave the branch of the step before, and counts those in solver.ambiguous_steps for which shorter parts do not help"
     );
     Finding::new(id, Status::NotCovered, message, "contact.friction")
 }
@@ -191,71 +254,85 @@ fn not_factorized(id: &str, error: &FactorError) -> Finding {
     Finding::new(id, Status::NotCovered, format!("the mechanical system of a step cannot be factorized: {error}"), "boundary")
 }
 
+/// What is said where K_u is not positive definite, as Theorem 2 asks.
+fn not_held(id: &str) -> Finding {
+    let message = "the mechanical system of a step is not positive definite beyond round-off: contact alone holds the body in some direction, and the theory does not speak of it";
+    Finding::new(id, Status::NotCovered, message, "boundary")
+        .repair("a support, a density, or springs that are not weaker than the body by more than twelve orders")
+}
+
 /// `step-unique`: λ_min(S, W) > c* k.
 pub(super) fn unique(problem: &Problem) -> Finding {
     let id = "step-unique";
-    let (step, [loss, with_speed]) = match prepare(problem, id) {
-        Ok(ready) => ready,
-        Err(finding) => return *finding,
-    };
-    let k = problem.k();
-    let needed = loss * k;
-    let found = match step.least(k) {
-        Ok(found) => found,
-        Err(error) => return not_factorized(id, &error),
-    };
-    let holds = found > needed;
-    if holds && with_speed > 0.0 {
-        return up_to_a_pressure(id, found, needed, with_speed, problem.steps as f64).numbers(Some(found), Some(needed));
+    prepare(problem, id).map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
+}
+
+fn judge(step: &Step, id: &str) -> Result<Finding, FactorError> {
+    let k = step.problem.k();
+    let needed = step.loss * k;
+    let holds = step.dominates(k, step.loss)?;
+    if !holds && !step.dominates(k, 0.0)? {
+        return Ok(not_held(id));
     }
-    let message = if holds {
-        format!(
+    let Least { above: found, below } = step.least(k)?;
+    let numbers = |finding: Finding| finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step");
+    if holds && step.with_speed > 0.0 {
+        return Ok(numbers(up_to_a_pressure(id, below, needed, step.with_speed, step.problem.steps as f64)));
+    }
+    let (status, message) = if holds {
+        let message = format!(
             "each step has one solution, and it depends continuously on the data: λ_min(S, W) = {found:.4}, more than {needed:.4} that the laws of contact take"
-        )
-    } else {
-        format!(
+        );
+        (Status::Holds, message)
+    } else if found <= needed {
+        let message = format!(
             "the condition that ensures one solution of a step does not hold: λ_min(S, W) = {found:.4}, the laws of contact take {needed:.4}. It is sufficient, not necessary: a step has a solution, and may well have one only"
-        )
+        );
+        (Status::Fails, message)
+    } else {
+        let message = format!("λ_min(S, W) = {found:.4} and the {needed:.4} that the laws of contact take are too near to each other for round-off");
+        (Status::NotCovered, message)
     };
-    Finding::new(id, Status::of(holds), message, "time.steps").numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step")
+    Ok(numbers(Finding::new(id, status, message, "time.steps")))
 }
 
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
 pub(super) fn time_step(problem: &Problem) -> Finding {
     let id = "time-step";
-    let (step, [loss, with_speed]) = match prepare(problem, id) {
-        Ok(ready) => ready,
-        Err(finding) => return *finding,
-    };
-    let mut ratio = 0.0;
-    for doubling in 0..=DOUBLINGS {
-        let steps = problem.steps as f64 * f64::from(1u32 << doubling);
-        let k = problem.end / steps;
-        let found = match step.least(k) {
-            Ok(found) => found,
-            Err(error) => return not_factorized(id, &error),
-        };
-        if found > loss * k {
-            if with_speed > 0.0 {
-                return up_to_a_pressure(id, found, loss * k, with_speed, steps).numbers(Some(problem.steps as f64), Some(steps));
-            }
-            let message = if doubling == 0 {
-                format!("with {steps} steps, k = {k:.6e} s, each step has one solution")
-            } else {
-                format!("with {steps} steps, k = {k:.6e} s, and more, each step has one solution; the case has {}", problem.steps)
-            };
-            return Finding::new(id, Status::of(doubling == 0), message, "time.steps")
-                .numbers(Some(problem.steps as f64), Some(steps))
-                .repair(format!("time.steps = {steps}"));
-        }
-        // λ/k of a body without mass and viscosity does not change with k: no step is short enough.
-        if found / k <= ratio * (1.0 + 1e-9) {
-            break;
-        }
-        ratio = found / k;
+    prepare(problem, id).map_or_else(|finding| *finding, |step| search(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
+}
+
+fn search(step: &Step, id: &str) -> Result<Finding, FactorError> {
+    let problem = step.problem;
+    let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
+    let k = |doubling: u32| problem.end / steps(doubling);
+    let mut doubling = 0;
+    let mut found = step.dominates(k(0), step.loss)?;
+    if !found && !step.dominates(k(0), 0.0)? {
+        return Ok(not_held(id));
     }
-    let message = "no number of steps was found that ensures one solution of a step";
-    Finding::new(id, Status::NotCovered, message, "time.steps")
-        .numbers(Some(problem.steps as f64), None)
-        .repair("inertia, viscosity, a smaller coefficient of friction, or a law that falls less")
+    // λ_min/k does not decrease with k: what fails in the shortest step of the search fails in all.
+    if !found && step.least(k(DOUBLINGS))?.above > step.loss * k(DOUBLINGS) {
+        while !found && doubling < DOUBLINGS {
+            doubling += 1;
+            found = step.dominates(k(doubling), step.loss)?;
+        }
+    }
+    if !found {
+        let message = "no number of steps was found that ensures one solution of a step";
+        return Ok(Finding::new(id, Status::NotCovered, message, "time.steps")
+            .numbers(Some(problem.steps as f64), None)
+            .repair("inertia, viscosity, a smaller coefficient of friction, or a law that falls less"));
+    }
+    let (steps, k) = (steps(doubling), k(doubling));
+    let numbers = |finding: Finding| finding.numbers(Some(problem.steps as f64), Some(steps));
+    if step.with_speed > 0.0 {
+        return Ok(numbers(up_to_a_pressure(id, step.least(k)?.below, step.loss * k, step.with_speed, steps)));
+    }
+    let message = if doubling == 0 {
+        format!("with {steps} steps, k = {k:.6e} s, each step has one solution")
+    } else {
+        format!("with {steps} steps, k = {k:.6e} s, and more, each step has one solution; the case has {}", problem.steps)
+    };
+    Ok(numbers(Finding::new(id, Status::of(doubling == 0), message, "time.steps")).repair(format!("time.steps = {steps}")))
 }

@@ -1,7 +1,13 @@
 //! (2.23): as it is printed, and what the proof of Theorem 3.1 needs instead (book, chapter 2).
 
+use super::data::not_in_v;
+use super::laws::{Test, beyond, not_lipschitz, tests};
 use super::{Constants, Finding, Status};
+use crate::contact::GraphKind;
+use crate::material::Material;
+use crate::mesh::defects::components;
 use crate::problem::Problem;
+use crate::space::Space;
 
 /// `2.23-printed`: m_a < (L_ν + L_τ) s₁², the second L_ν of the print read as L_τ, and m_d > M_kc s₂².
 pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
@@ -9,9 +15,12 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     if problem.contacts.is_empty() {
         return Finding::new(id, Status::NotCovered, "there is no contact, and no constant of a trace to compare with", "contact");
     }
-    let (Some(nu), Some(tau), Some(kc)) = (constants.lipschitz_nu, constants.lipschitz_tau, constants.bound_kc) else {
+    let (Some(nu), Some(tau)) = (constants.lipschitz_nu, constants.lipschitz_tau) else {
         return Finding::new(id, Status::NotCovered, "the laws of contact have no Lipschitz constants L_ν, L_τ: see (H8)", "contact")
             .repair("normal compliance with a stiffness");
+    };
+    let Some(kc) = constants.bound_kc.filter(|kc| kc.is_finite()) else {
+        return Finding::new(id, Status::NotCovered, "the heat through the contact has no bound M_kc: see (H7)", "contact.heat");
     };
     let Some(s1) = constants.s1 else {
         let message = "there is no s₁ of (2.14): no displacement is prescribed that holds the body";
@@ -40,37 +49,117 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     })
 }
 
-/// `2.23-needed`: no inequality between constants, but (H1), (H2) ii, (H3), (H7), (H8), and φ_L nondecreasing.
+/// `2.23-needed`: no inequality between constants, but what Theorem 1 of the book asks of the data.
 ///
 /// With κ = M_a + s₁²(L_ν + L_τ), two solutions of (3.6) differ by ‖u(t)‖² ≤ (2t/m_b²) exp(κ²t²/m_b²) ∫₀ᵗ ‖y₁ − y₂‖².
 pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Finding]) -> Finding {
     let id = "2.23-needed";
-    let missing: Vec<&str> = findings.iter().filter(|f| ["H1", "H2", "H3", "H7", "H8"].contains(&f.id.as_str()) && f.fails()).map(|f| f.id.as_str()).collect();
     let numbers = |finding: Finding| finding.numbers(Some(constants.m_b), Some(0.0));
-    if !missing.is_empty() {
-        let why = |id: &str| match id {
-            "H1" => "m_b > 0 absorbs elasticity, compliance and friction",
-            "H2" => "elasticity must be Lipschitz",
-            "H3" => "m_d > 0 absorbs the heat through Γ_C",
-            "H7" => "k_c must be bounded and Lipschitz",
-            _ => "p_ν and p_τ must be Lipschitz",
-        };
-        let list = missing.iter().map(|id| format!("({id}): {}", why(id))).collect::<Vec<_>>().join("; ");
+    if let Some((what, place)) = outside(problem) {
+        return numbers(Finding::new(id, Status::NotCovered, format!("the theorem does not speak of these data: {what}"), &place));
+    }
+    let missing = missing(problem, findings);
+    if let Some((_, place)) = missing.first() {
+        let list = missing.iter().map(|(what, _)| what.as_str()).collect::<Vec<_>>().join("; ");
         let message = format!("the proof needs no inequality between constants, but it needs what fails here: {list}");
-        return numbers(Finding::new(id, Status::Fails, message, "material.viscosity")).repair("what repairs the hypotheses named");
+        return numbers(Finding::new(id, Status::Fails, message, place)).repair("what repairs the hypotheses named");
     }
-    if findings.iter().any(|f| f.id == "H8" && !f.holds()) {
-        let message = "a friction bound that depends on the slip speed is not one of (2.9), and the proof says nothing about it";
-        return numbers(Finding::new(id, Status::NotCovered, message, "contact.friction"));
-    }
-    if problem.materials.iter().any(|m| m.prony.is_some()) {
-        let message = "(2.1) has no stress that relaxes besides 𝓔 and 𝓥, and the proof says nothing about it";
-        return numbers(Finding::new(id, Status::NotCovered, message, "material"));
-    }
-    let cut = problem.contacts.iter().any(|c| c.heat.conductance_bound() > 0.0 && c.heat.truncation().is_none());
-    let l = if cut { "; L of φ_L only bounds the heat that a change of the gap makes, and without it uniqueness takes a trace in L⁴" } else { "" };
-    let message = format!(
-        "no inequality between constants is needed: m_b > 0 with Young's and Gronwall's inequalities absorbs the terms of a, p_ν and p_τ whatever their size, and χ is monotone in θ since k_c ≥ 0 and φ_L is nondecreasing{l}"
-    );
+    let message = "no inequality between constants is needed: Problem 2.2 has one solution. m_b > 0 with Young's and Gronwall's inequalities absorbs the terms of a, p_ν and p_τ whatever their size, and the flux through Γ_C is monotone in θ";
     numbers(Finding::new(id, Status::Holds, message, "material.viscosity"))
+}
+
+/// Hypotheses of Theorem 1 that these data do not satisfy, with their places.
+fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str)> {
+    let fails = |id: &str| findings.iter().any(|f| f.id == id && f.fails());
+    let mut missing = Vec::new();
+    if fails("H1") {
+        missing.push(("(H1): m_b > 0 absorbs elasticity, compliance and friction".to_owned(), "material.viscosity"));
+    }
+    if let Some(why) = problem.materials.iter().find_map(|m| not_lipschitz(problem, m.elasticity.as_ref(), "M_a")) {
+        missing.push((format!("(H2): elasticity must be Lipschitz, {why}"), "material.elasticity"));
+    }
+    if fails("H3") {
+        missing.push(("(H3): m_d > 0 absorbs the heat through Γ_C".to_owned(), "material.conductivity"));
+    }
+    if fails("H4") || fails("H5") {
+        missing.push(("(H4), (H5): the coupling must be bounded".to_owned(), "material"));
+    }
+    if let Some(why) = not_in_v(problem) {
+        missing.push((format!("(H6): {why}"), "initial"));
+    }
+    missing
+}
+
+/// What of the model Theorem 1 of the book does not speak of, and its place.
+fn outside(problem: &Problem) -> Option<(&'static str, String)> {
+    for (side, test) in tests(problem).enumerate() {
+        if let Some((what, place)) = outside_of_contact(&test) {
+            return Some((what, place.replacen("contact", &problem.contact_path(side), 1)));
+        }
+    }
+    let zeros = |value: fn(&Material) -> f64| {
+        let all: Vec<bool> = problem.materials.iter().map(|m| value(m) == 0.0).collect();
+        (all.iter().any(|zero| *zero), all.iter().all(|zero| *zero))
+    };
+    let (density, capacity) = (zeros(|m| m.density), zeros(|m| m.heat_capacity));
+    let place = |key: &str| format!("material.{key}");
+    match (density, capacity) {
+        ((true, false), _) => Some(("a density that is zero in a part of the body only", place("density"))),
+        (_, (true, false)) => Some(("a heat capacity that is zero in a part of the body only", place("heat_capacity"))),
+        ((true, _), _) if !is_held(problem, &problem.displacement_space()) => {
+            Some(("without inertia every part of the body must be held by displacements in all directions", place("density")))
+        }
+        (_, (true, _)) if !is_held(problem, &problem.temperature_space()) => {
+            Some(("without a heat capacity every part of the body must have a side with a prescribed temperature", place("heat_capacity")))
+        }
+        _ => None,
+    }
+}
+
+/// The same of one contact.
+fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
+    let contact = test.contact;
+    let nu = contact.normal.lipschitz().filter(|l| l.is_finite() && contact.normal.graph() == GraphKind::Function);
+    if nu.is_none() {
+        return Some(("the pressure is no Lipschitz function of the penetration", "contact.normal"));
+    }
+    if let Some(found) = beyond(test) {
+        return Some(found);
+    }
+    if contact.friction.lipschitz(nu).is_none_or(|l| !l.is_finite()) && !test.friction_is_given() {
+        return Some(("the friction bound is no Lipschitz function of the penetration", "contact.friction"));
+    }
+    if contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.updated) {
+        return Some(("the normal of an obstacle that is followed depends on the displacement", "contact.obstacle"));
+    }
+    if test.friction_makes_heat() {
+        return Some(("heat of friction is a product of pressure and slip, for which no estimate is known", "contact.heat"));
+    }
+    if contact.foundation_heat.is_some() && !contact.friction.is_frictionless() {
+        return Some(("friction heats the foundation by a product of pressure and slip, for which no estimate is known", "contact.foundation"));
+    }
+    if contact.heat.conductance_bound() > 0.0 && test.heat_sees_pressure() {
+        return Some(("the conductance is one of the pressure", "contact.heat"));
+    }
+    if contact.heat.conductance_lipschitz().is_none_or(|l| !l.is_finite()) || !test.keeps_its_constants() {
+        return Some(("the laws have no Lipschitz constants, or do not keep those that they declare", "contact"));
+    }
+    None
+}
+
+/// Whether every part of the body has a facet on which all values of a space are prescribed.
+fn is_held(problem: &Problem, space: &Space) -> bool {
+    let fixed: Vec<bool> = space.free.chunks_exact(space.components).map(|node| !node.iter().any(|&free| free)).collect();
+    let held = |nodes: &[u32]| nodes.iter().all(|&node| fixed.get(node as usize) == Some(&true));
+    let mut anchored = vec![false; fixed.len()];
+    for set in problem.mesh.facets.values() {
+        for block in &set.blocks {
+            for facet in block.nodes.chunks_exact(block.element.nodes.len()).filter(|facet| held(facet)) {
+                for &node in facet {
+                    anchored[node as usize] = true;
+                }
+            }
+        }
+    }
+    components(&problem.mesh).iter().all(|part| part.nodes.iter().any(|&node| anchored[node as usize]))
 }

@@ -31,8 +31,9 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         pressing += weight * state.pressure * (w_nu - frame.gap_rate);
         worn += point.weight * state.pressure * state.wear;
         if normal.graph() == GraphKind::Function {
-            // What the pressure has beyond that at rest dissipates.
-            damping += weight * (state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value) * (w_nu - frame.gap_rate);
+            // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it is lost with wear.
+            let beyond = state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
+            damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
         }
         // A foundation that moves does work on the body.
         load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));

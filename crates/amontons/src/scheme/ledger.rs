@@ -11,14 +11,17 @@ use serde::{Deserialize, Serialize};
 ///     + k Σ ω p w_ν + k Σ ω q·w_τ = k (fₙ, wₙ) + k m(θₙ₋₁, wₙ)
 /// ```
 ///
-/// where k Σ ω p w_ν is the change of the compliance energy Ψ plus a part ψ ≥ 0 that the scheme dissipates.
+/// where, with k w_ν = [r] + [g] + [h] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance energy Ψ, the dissipation
+/// Σ ω (p − p_ν)[r] of a layer with damping, Σ ω p [h] of wear, the work Σ ω p [g] on a foundation that moves, and what is left, ψ =
+/// Σ ω p_ν [r] − [Ψ]. ψ ≥ 0 if p_ν is nondecreasing; with `softening` and `adhesion` it may be negative, and with an obstacle that
+/// is followed [r] is a difference in two frames. The identity tests only the sum of these terms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// ½ρ‖w‖² at t.
     pub kinetic: f64,
     /// ½a(u, u) at t.
     pub elastic: f64,
-    /// Σ k b(w, w).
+    /// Σ k b(w, w), with what branches, dashpots and damped layers dissipate.
     pub viscous_dissipation: f64,
     /// Σ k Σ ω q·w_τ.
     pub friction_dissipation: f64,
@@ -28,7 +31,7 @@ pub struct Ledger {
     pub load_work: f64,
     /// Σ k m(θ, w).
     pub thermal_work: f64,
-    /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ.
+    /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ; negative only if ψ is.
     pub scheme_dissipation: f64,
     /// Σ k Σ ω p ḣ, what is lost with the material that wears off.
     #[serde(default)]

@@ -2,7 +2,6 @@
 
 mod audit;
 mod coupling;
-mod discretization;
 mod euler;
 mod foundation;
 mod heat;
@@ -10,7 +9,7 @@ mod ledger;
 mod mechanics;
 mod system;
 
-pub use discretization::Discretization;
+pub use crate::discretization::Discretization;
 pub use euler::BackwardEuler;
 pub use foundation::Surface;
 pub use ledger::Ledger;

@@ -32,8 +32,8 @@ impl HeatLaw for Radiation {
         if self.constant * self.emissivity == 0.0 { 0.0 } else { f64::INFINITY }
     }
     fn conductance_lipschitz(&self) -> Option<f64> {
-        // Not of the form k_c φ_L of (H7).
-        None
+        // The flux does not depend on the penetration.
+        Some(0.0)
     }
 }
 
