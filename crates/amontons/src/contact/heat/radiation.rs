@@ -35,6 +35,9 @@ impl HeatLaw for Radiation {
         // Not of the form k_c φ_L of (H7).
         None
     }
+    fn absolute_zero(&self) -> Option<f64> {
+        Some(self.absolute_zero)
+    }
 }
 
 #[cfg(test)]
