@@ -35,6 +35,7 @@ pub mod hypotheses;
 pub mod linalg;
 pub mod material;
 pub mod mesh;
+pub mod model;
 pub mod output;
 pub mod plot;
 pub mod problem;

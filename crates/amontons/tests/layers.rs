@@ -14,6 +14,7 @@ const LAYERS: &[&[&str]] = &[
     &["problem"],
     &["linalg"],
     &["forms"],
+    &["model"],
     &["hypotheses"],
     &["scheme"],
     &["convergence"],

@@ -20,4 +20,4 @@ pub use krylov::{Krylov, gmres};
 pub use newton::{Exchange, Frame, HeatStep, Lumped, MechanicalStep, Multipliers, NotConverged, PointDerivative, PointState, PointTangent, Solved, TOLERANCE};
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
-pub use supernodal::Supernodal;
+pub use supernodal::{Fill, Supernodal, fill};

@@ -73,6 +73,31 @@ impl Problem {
         }
     }
 
+    /// Least and largest temperature of the data: initial, prescribed, of surroundings and of foundations that exchange heat, K.
+    pub(crate) fn temperature_bounds(&self) -> [f64; 2] {
+        let insulated: Vec<String> = (0..self.contacts.len())
+            .filter(|&side| self.contacts[side].heat.conductance_bound() == 0.0)
+            .map(|side| format!("{}.", self.contact_path(side)))
+            .collect();
+        let data = self.data().into_iter().chain(self.initial_data());
+        let acting = data.filter(|datum| is_temperature(&datum.key) && !insulated.iter().any(|path| datum.key.starts_with(path)));
+        let values: Vec<f64> = acting.flat_map(|datum| self.samples(&datum).map(|(value, ..)| value).collect::<Vec<_>>()).collect();
+        let foundations = self.contacts.iter().filter_map(|contact| contact.foundation_heat.as_ref()?.temperature);
+        values.into_iter().chain(foundations).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    }
+
+    /// Whether heat sources and inflows are negative somewhere, and positive somewhere.
+    pub(crate) fn heat_signs(&self) -> [bool; 2] {
+        let heats = |key: &str| key == "load.heat_source" || key.ends_with("heat_inflow");
+        let mut signs = [false; 2];
+        for datum in self.data().iter().filter(|datum| heats(&datum.key)) {
+            for (value, ..) in self.samples(datum) {
+                signs = [signs[0] || value < 0.0, signs[1] || value > 0.0];
+            }
+        }
+        signs
+    }
+
     /// Values of a datum at nodes and time levels.
     fn samples<'a>(&'a self, datum: &Datum<'a>) -> impl Iterator<Item = (f64, Point, f64)> + use<'a> {
         let mut points = self.nodes_of(datum);
