@@ -1,8 +1,8 @@
 //! How far a run went: strain, temperatures beyond those of the data, penetration beside the cells.
 
 use super::{Snapshot, largest_strain};
-use crate::contact::ContactPoint;
-use crate::hypotheses::warnings::Figures;
+use crate::contact::{Contact, ContactPoint};
+use crate::hypotheses::warnings::{Figures, Penetration};
 use crate::model::cell_heights;
 use crate::problem::Problem;
 use crate::tensor::Sym;
@@ -12,14 +12,19 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
     let Snapshot { problem, state, report, .. } = *last;
     let mesh = &problem.mesh;
     let (strain, strain_at) = largest_strain(mesh, &state.u);
-    let heights = problem.contacts.iter().filter_map(|contact| mesh.facets.get(&contact.on)).flat_map(|set| cell_heights(mesh, set));
+    let of_side = |(side, contact): (usize, &Contact)| {
+        let cell = cell_heights(mesh, mesh.facets.get(&contact.on)?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
+        let states = last.discretization.boundary.points.iter().zip(&report?.contact.states);
+        let depth = states.filter(|(point, _)| point.side == side).fold(0.0, |max, (_, state)| state.penetration.max(max));
+        Some(Penetration { side, depth, cell })
+    };
+    let sides = problem.contacts.iter().enumerate().filter_map(of_side);
     Figures {
         strain,
         strain_at,
         temperature: state.temperatures,
         outside: outside(problem, state.temperatures, strain, state.t),
-        penetration: report.map_or(0.0, |report| report.contact.states.iter().fold(0.0, |max, s| s.penetration.max(max))),
-        cell: heights.map(|cell| cell.height).reduce(f64::min),
+        penetration: sides.max_by(|a, b| (a.depth / a.cell).total_cmp(&(b.depth / b.cell))),
     }
 }
 

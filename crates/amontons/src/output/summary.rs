@@ -96,7 +96,7 @@ pub struct Final {
     /// By how much a temperature since the start was above all that the data allow, K; none where they allow any.
     #[serde(default)]
     pub overshoot: Option<f64>,
-    /// Largest penetration over the height of the lowest cell on Γ_C; none without contact.
+    /// Largest penetration over the height of the lowest cell of its side; none without contact.
     #[serde(default)]
     pub penetration_per_cell: Option<f64>,
     /// Norms of the fields.
@@ -276,7 +276,7 @@ impl Summary {
                 strain_max: figures.strain,
                 undershoot: figures.outside[0],
                 overshoot: figures.outside[1],
-                penetration_per_cell: figures.cell.map(|cell| figures.penetration / cell),
+                penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell),
                 norms: Norms {
                     displacement_l2: discretization.norm(&discretization.mass, &state.u),
                     displacement_v: strain_norm(&problem.mesh, &state.u),

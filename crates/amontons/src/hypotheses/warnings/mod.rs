@@ -17,7 +17,7 @@ mod run;
 mod supports;
 mod thermal;
 
-pub use run::{Figures, of_run};
+pub use run::{Figures, Penetration, of_run};
 
 use super::laws::{at, norm};
 use super::{Finding, Kind, Status};
@@ -75,7 +75,7 @@ fn not_merged(mesh: &Mesh) -> Option<Finding> {
     let [a, b] = *pairs.first()?;
     let x = mesh.points.get(a as usize)?;
     let message = format!(
-        "{} pairs of nodes are at one place and are not the same node, the first {a} and {b} at {}: the body may come apart there, and no heat passes",
+        "{} pairs of nodes are at one place and are not the same node, the first {a} and {b}, counted from 0, at {}: the body may come apart there, and no heat passes",
         pairs.len(),
         at(x)
     );

@@ -24,10 +24,19 @@ pub struct Figures {
     pub temperature: [f64; 2],
     /// By how much these are below and above all that the data allow, K; none where sources and sinks allow any.
     pub outside: [Option<f64>; 2],
-    /// Largest penetration at the last step, m.
-    pub penetration: f64,
-    /// Least height of a cell on Γ_C, m.
-    pub cell: Option<f64>,
+    /// Largest penetration beside the cells of its side at the last step; none without contact.
+    pub penetration: Option<Penetration>,
+}
+
+/// A penetration beside the cells of the side.
+#[derive(Clone, Copy, Debug)]
+pub struct Penetration {
+    /// Which of the contacts of the problem.
+    pub side: usize,
+    /// Largest penetration, m.
+    pub depth: f64,
+    /// Least height of a cell on the side, m.
+    pub cell: f64,
 }
 
 /// The warnings that a run gives cause for.
@@ -86,15 +95,14 @@ fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
 }
 
 fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
-    let cell = figures.cell?;
-    if figures.penetration <= PENETRATION * cell {
+    let Penetration { side, depth, cell } = figures.penetration?;
+    if depth <= PENETRATION * cell {
         return None;
     }
     let message = format!(
-        "the body goes {:.3e} m into the foundation, {:.3} of the height of the lowest cell on Γ_C: the foundation is soft beside the body",
-        figures.penetration,
-        figures.penetration / cell
+        "the body goes {depth:.3e} m into the foundation, {:.3} of the height of the lowest cell on Γ_C: the foundation is soft beside the body",
+        depth / cell
     );
-    let place = format!("{}.normal", problem.contact_path(0));
-    Some(warning("penetration", &place, [figures.penetration, PENETRATION * cell], message, "a stiffer foundation, or law = \"signorini\" for a rigid one"))
+    let place = format!("{}.normal", problem.contact_path(side));
+    Some(warning("penetration", &place, [depth, PENETRATION * cell], message, "a stiffer foundation, or law = \"signorini\" for a rigid one"))
 }
