@@ -50,7 +50,7 @@ fn times(problem: &Problem, model: &Model) -> Vec<String> {
     let steady = problem.materials.iter().all(|m| m.heat_capacity == 0.0);
     let mut rows = vec![
         row("first period", &or(times.first_period, if inert { "none: density 0" } else { "none: nothing but contact holds the body" })),
-        row("heat time", &or(times.heat, if steady { "none: heat_capacity 0" } else { "none: no side holds the temperature" })),
+        row("heat time", &or(times.heat, if steady { "none: heat_capacity 0" } else { "none: no side holds the temperature, or it is not conducted" })),
     ];
     rows.extend(times.retardation.map(|[low, high]| row("viscosity", &format!("follows in {low:.5e} … {high:.5e} s"))));
     if !times.relaxation.is_empty() {

@@ -2,6 +2,7 @@
 
 mod cost;
 mod layers;
+mod supports;
 mod times;
 
 use std::collections::BTreeMap;
@@ -10,6 +11,7 @@ use serde::Serialize;
 
 pub use cost::Cost;
 pub use layers::{ThermalLayer, cell_heights, thermal_layers};
+pub use supports::rigid_motions;
 pub use times::Times;
 
 use crate::element::Table;

@@ -41,17 +41,26 @@ fn power(value: f64) -> Option<f64> {
     (value != 0.0).then(|| value.abs().log10())
 }
 
+/// What to do about a temperature below absolute zero.
+const HINT: &str = "correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for degrees Celsius and 0 for kelvins";
+
 impl Problem {
     /// Temperatures of the data are not below the absolute zero of a radiating contact.
     pub(super) fn check_temperatures(&self, faults: &mut Vec<Fault>) {
         let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
         let Some(zero) = zero else { return };
+        let expected = format!("temperatures from absolute_zero = {zero:?} on");
         for datum in self.data().into_iter().chain(self.initial_data()).filter(|datum| is_temperature(&datum.key)) {
             let coldest = self.samples(&datum).min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((value, x, t)) = coldest.filter(|(value, ..)| *value < zero) {
                 let found = format!("the temperature {value:?} at {}, t = {t:?}", place(&self.mesh, &x));
-                let hint = "correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for degrees Celsius and 0 for kelvins";
-                faults.push(Fault::new(datum.key, found, format!("temperatures from absolute_zero = {zero:?} on")).hint(hint));
+                faults.push(Fault::new(datum.key, found, &*expected).hint(HINT));
+            }
+        }
+        for (side, contact) in self.contacts.iter().enumerate() {
+            if let Some(start) = contact.foundation_heat.as_ref().and_then(|foundation| foundation.temperature).filter(|start| *start < zero) {
+                let path = format!("{}.foundation.temperature", self.contact_path(side));
+                faults.push(Fault::new(path, format!("the temperature {start:?}"), &*expected).hint(HINT));
             }
         }
     }
