@@ -7,12 +7,14 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::hypotheses::{Finding, Kind, findings};
 use amontons::linalg::{Graph, Supernodal, Unknowns, fill};
+use amontons::material::{Constants, TensorLaw};
 use amontons::mesh::{Elements, Mesh};
 use amontons::model::Model;
-use amontons::output::{Memory, Summary};
+use amontons::output::{Memory, Outcome, Summary};
 use amontons::problem::Problem;
 use amontons::run::{RunError, Settings, run};
 use amontons::scheme::{BackwardEuler, StepError};
+use amontons::tensor::{Point, Sym, SymMap};
 
 /// A plane block on a foundation, held at its top; bodies of other cases are set by overrides.
 const BLOCK: &str = r#"
@@ -134,7 +136,8 @@ fn nodes_that_were_not_merged_and_parts_that_nothing_holds() {
 fn motions_without_strain_are_counted() {
     let case = BLOCK.split("[contact]").next().expect("a body");
     let motions = |boundary: &str, more: &[&str]| {
-        let overrides = [&[&*format!("boundary={boundary}")], more].concat();
+        let boundary = format!("boundary={boundary}");
+        let overrides = [&[boundary.as_str()], more].concat();
         told(&problem(case, &overrides), "part-free").map_or(0.0, |f| f.value.expect("a number"))
     };
     let plane = |on: &str| format!("{{ on = \"{on}\", normal_displacement = 0 }}");
@@ -239,7 +242,7 @@ fn with_stresses(factor: f64) -> Vec<String> {
 #[test]
 fn magnitudes_beyond_the_range_of_numbers_are_refused() {
     let small = |factor: f64| parsed(BLOCK, &with_stresses(factor).iter().map(String::as_str).collect::<Vec<_>>());
-    for (factor, stress, square) in [(1e-170, "1e-169", "1e-339"), (1e150, "1e151", "1e302")] {
+    for (factor, stress, square) in [(1e-170, "1e-169", "1e-338"), (1e150, "1e151", "1e302")] {
         // Stresses of 5 N/m³ times the length 2 m.
         let fault = small(factor).expect_err("a fault");
         let expected = format!("load.body_force[0]: found stresses of about {stress} Pa, whose squares are about {square}, expected squares, energies");
@@ -290,11 +293,11 @@ fn temperatures_that_undershoot() {
     };
     for steps in [1, 300] {
         let summary = shock(steps, &[]);
-        let s = 6.0 * 1e-4 * 1600.0;
+        let s: f64 = 6.0 * 1e-4 * 1600.0;
         let q = (2.0 + s) / (1.0 - s);
         near(summary.last.undershoot.expect("a bound"), 100.0 * (q - (q * q - 1.0).sqrt()), 1e-8);
     }
-    assert_eq!(shock(1, &["material.conductivity=1.1"]).last.undershoot, Some(0.0));
+    assert!(shock(1, &["material.conductivity=1.1"]).last.undershoot.is_some_and(|by| by < 1e-12));
     // s = 0.096: the undershoot is 22 K and stays on record when it has gone.
     let slow = ["material.conductivity=0.1"];
     let [by, limit] = warns(shock(300, &slow).warnings.iter().find(|f| f.id == "temperature-range").cloned(), "time.steps");
@@ -331,17 +334,13 @@ fn a_datum_that_is_not_finite_is_named() {
     let (error, summary) = fails(&["load.heat_source=\"1/(t - 0.5)\""]);
     assert!(matches!(&error, StepError::Data { step: 2, t, key, value, .. } if *t == 0.5 && key == "load.heat_source" && value.is_infinite()), "{error}");
     assert!(error.to_string().contains("load.heat_source is inf at") && summary.steps == 1);
-    // NaN from t = 0.75 on until just before the end, at x > 1 only.
-    let traction = "boundary=[{ on = \"top\", traction = [0, \"sqrt(if(x > 1.1, (t - 0.7)*(t - 0.9), 1))\"] }, { on = \"left\", displacement = [0, 0] }]";
-    let (error, _) =
-        fails(&[traction.replace("sqrt(if(x > 1.1, (t - 0.7)*(t - 0.9), 1))", "sqrt((t - 0.7)*(t - 0.9)*max(0, x - 1.1) + max(0, 1.1 - x))").as_str()]);
+    // NaN at t = 0.75, and where x > 1.1 only.
+    let traction = "boundary=[{ on = \"top\", traction = [0, \"sqrt((t - 0.7)*(t - 0.9)*max(0, x - 1.1) + max(0, 1.1 - x))\"] }, { on = \"left\", displacement = [0, 0] }]";
+    let (error, _) = fails(&[traction]);
     let StepError::Data { step, key, value, at, .. } = &error else { panic!("{error}") };
     assert!(*step == 3 && key == "boundary[0].traction[1]" && value.is_nan() && at[0] > 1.1 && at[1] == 1.0, "{error}");
     let (error, _) = fails(&["contact.foundation_velocity=[\"log(abs(t - 0.25))\", 0]"]);
     assert!(matches!(&error, StepError::Data { step: 1, key, .. } if key == "contact.foundation_velocity[0]"), "{error}");
-    // Data that are finite and overflow only in products are not blamed.
-    let (error, _) = fails(&["load.body_force=[\"exp(9000*t^3*(1 - t))\", -1.0]", "time.steps=64"]);
-    assert!(!matches!(error, StepError::Data { .. }), "{error}");
 }
 
 #[test]
@@ -357,6 +356,34 @@ fn figures_and_identities_that_cannot_be_trusted() {
     assert!(spoil(&|s| s.energy.heat_closing_error = f64::INFINITY).contains("energy.heat_closing_error is inf"));
     assert!(spoil(&|s| s.energy.closing_error = -1.0).contains("the energy identity closes to -1.0e0"));
     assert!(spoil(&|s| s.last.displacement_max[1] = f64::NEG_INFINITY).contains("final.displacement_max[1]"));
+}
+
+/// A linear law whose stress is no number, though its tangent is right.
+#[derive(Debug)]
+struct Silent;
+impl TensorLaw for Silent {
+    fn value(&self, _x: &Point, _xi: &Sym) -> Sym {
+        f64::NAN * Sym::identity(2)
+    }
+    fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
+        SymMap::isotropic(2, 1.0, 2.0)
+    }
+    fn is_linear(&self) -> bool {
+        true
+    }
+    fn constants(&self) -> Constants {
+        Constants { monotonicity: 2.0, lipschitz: 4.0 }
+    }
+}
+
+#[test]
+fn a_run_with_figures_that_are_no_numbers_is_unsound() {
+    let mut problem = problem(BLOCK, &[]);
+    problem.materials[0].elasticity = Arc::new(Silent);
+    let error = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut []).expect_err("an error");
+    let RunError::Unsound(summary) = &error else { panic!("{error}") };
+    assert!(summary.outcome == Outcome::Unsound && summary.steps == 4);
+    assert!(error.to_string().contains("final.von_mises_max is NaN"), "{error}");
 }
 
 /// Heat that cancels over the body and hardly moves: the content is round-off, and so is the error, which is none of the balance.

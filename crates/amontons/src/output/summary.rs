@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::Status;
 use crate::hypotheses::{self, Finding, warnings};
+use crate::linalg::max_abs;
 use crate::scheme::{ContactReport, Contraction, Ledger};
 
 /// Why a run ended.
@@ -272,7 +273,7 @@ impl Summary {
                 velocity_max: by_component(&state.w, dim, f64::NEG_INFINITY, f64::max),
                 temperature_min: state.theta.iter().copied().fold(f64::INFINITY, f64::min),
                 temperature_max: state.theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                von_mises_max: cell_values(problem, state).iter().fold(0.0, |max, cell| cell.stress.von_mises().max(max)),
+                von_mises_max: max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>()),
                 strain_max: figures.strain,
                 undershoot: figures.outside[0],
                 overshoot: figures.outside[1],

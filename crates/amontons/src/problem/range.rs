@@ -77,6 +77,10 @@ impl Problem {
         let energy = energy.map(|scale| (scale.clone(), format!("energies of about {} J", tens(scale.power))));
         let matrices = matrices.into_iter().flatten().map(|scale| (scale.clone(), format!("entries of a matrix of about {}", tens(scale.power))));
         for (scale, found) in squares.chain(energy).chain(matrices).filter(|(scale, _)| scale.power.abs() > LIMIT) {
+            // Of a datum the first quantity says enough.
+            if faults.iter().any(|fault| fault.path == scale.key) {
+                continue;
+            }
             let expected = "squares, energies and entries of matrices between 1e-290 and 1e290";
             faults.push(Fault::new(scale.key, found, expected).hint("correct the value, or choose units in which the data of the case are nearer to 1"));
         }
