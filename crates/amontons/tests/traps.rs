@@ -266,6 +266,27 @@ fn magnitudes_beyond_the_range_of_numbers_are_refused() {
     }
 }
 
+/// Each new fault in full, with the place of the datum.
+#[test]
+fn refused_data_have_their_place() {
+    let faulty = |text: &str, overrides: &[&str]| parsed(text, overrides).expect_err("a fault");
+    let zero = "expected temperatures from absolute_zero = -273.15 on; correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for \
+                degrees Celsius and 0 for kelvins";
+    let range = "expected squares, energies and entries of matrices between 1e-290 and 1e290; correct the value, or choose units in which the data of the \
+                 case are nearer to 1";
+    // Twice the length of the body: 2e-170 Pa, and 4e-340 of it.
+    assert_eq!(
+        faulty(&BLOCK.replace("-1.0]", "-1e-170]"), &[]),
+        format!("case.toml:5:29: load.body_force[1]: found stresses of about 1e-170 Pa, whose squares are about 1e-339, {range}")
+    );
+    assert_eq!(
+        faulty(BLOCK, &[RADIATES, "initial.temperature=-300.0"]),
+        format!("--set initial.temperature=-300.0: initial.temperature: found the temperature -300.0 at x = 0.0, y = 0.0, t = 0.0, {zero}")
+    );
+    let foundation = "contact.foundation={ heat_capacity = 1.0, temperature = -280.0, surroundings = 20.0 }";
+    assert_eq!(faulty(BLOCK, &[RADIATES, foundation]), format!("--set {foundation}: contact.foundation.temperature: found the temperature -280.0, {zero}"));
+}
+
 /// Uniaxial strain −δ of a block of height 1.
 #[test]
 fn strains_that_are_not_small() {
