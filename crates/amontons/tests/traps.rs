@@ -82,7 +82,8 @@ fn warns(finding: Option<Finding>, place: &str) -> [f64; 2] {
     [finding.value.expect("a value"), finding.needed.expect("a limit")]
 }
 
-fn no_word(finding: Option<Finding>) {
+fn no_word(finding: impl Into<Option<Finding>>) {
+    let finding = finding.into();
     assert!(finding.is_none(), "{finding:?}");
 }
 
@@ -234,7 +235,7 @@ fn temperatures_below_absolute_zero_are_faults() {
 /// The same case with stresses multiplied by a factor, whose displacements are the same.
 fn with_stresses(factor: f64) -> Vec<String> {
     let numbers = [("material.density", 1.0), ("material.elasticity.young", 2e3), ("contact.normal.stiffness", 1e6)];
-    let viscosity = ["first", "second"].map(|key| format!("material.viscosity.{key}={:e}", factor));
+    let viscosity = ["first", "second"].map(|key| format!("material.viscosity.{key}={factor:e}"));
     let load = format!("load.body_force=[{:e}, {:e}]", 5.0 * factor, -factor);
     numbers.iter().map(|(key, value)| format!("{key}={:e}", value * factor)).chain(viscosity).chain([load]).collect()
 }

@@ -1,7 +1,7 @@
 //! The motions without strain that supports and springs leave a body.
 
-use crate::mesh::Mesh;
 use crate::mesh::defects::Component;
+use crate::mesh::{FacetSet, Mesh};
 use crate::problem::{Problem, Support};
 use crate::space::Space;
 use crate::tensor::Point;
@@ -17,7 +17,7 @@ pub fn rigid_motions(problem: &Problem, parts: &[Component]) -> Vec<usize> {
 #[must_use]
 pub(super) fn holds_temperature(problem: &Problem, parts: &[Component]) -> bool {
     let sides = problem.boundary.iter().filter(|b| b.holds_temperature()).filter_map(|b| problem.mesh.facets.get(&b.on));
-    let held: Vec<u32> = sides.flat_map(|set| set.node_list()).collect();
+    let held: Vec<u32> = sides.flat_map(FacetSet::node_list).collect();
     parts.iter().all(|part| held.iter().any(|node| part.nodes.binary_search(node).is_ok()))
 }
 

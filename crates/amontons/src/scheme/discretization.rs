@@ -281,9 +281,6 @@ impl Discretization {
     #[must_use]
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
         let scale = safe_scale(max_abs(v));
-        if scale == 1.0 {
-            return dot(v, &matrix.apply(v)).max(0.0).sqrt();
-        }
         let scaled: Vec<f64> = v.iter().map(|v| scale * v).collect();
         dot(&scaled, &matrix.apply(&scaled)).max(0.0).sqrt() / scale
     }

@@ -4,6 +4,7 @@ use super::super::Finding;
 use super::super::laws::at;
 use super::super::sample::times;
 use super::warning;
+use crate::mesh::FacetSet;
 use crate::mesh::defects::{Component, components};
 use crate::model::rigid_motions;
 use crate::problem::Problem;
@@ -63,7 +64,7 @@ pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
     let parts = components(mesh);
     let mut has_contact = vec![false; mesh.points.len()];
     let sides = problem.contacts.iter().filter_map(|contact| mesh.facets.get(&contact.on));
-    sides.flat_map(|set| set.node_list()).for_each(|node| has_contact[node as usize] = true);
+    sides.flat_map(FacetSet::node_list).for_each(|node| has_contact[node as usize] = true);
     let motions = rigid_motions(problem, &parts);
     let free: Vec<(usize, &Component, usize)> = parts
         .iter()
