@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
+use amontons::model::Model;
 use amontons::output::{Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
@@ -110,7 +111,7 @@ fn done(summary: &Summary, out: &Path, common: &Common) -> Result<(), Failure> {
 /// What to do about a run that has ended early.
 fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
-    let (RunError::Step { summary, .. } | RunError::Interrupted(summary)) = error else { return None };
+    let (RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary)) = error else { return None };
     if folder.keeps_older_results() {
         return Some(format!("{out} holds the results of an earlier run as before"));
     }
@@ -119,6 +120,8 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
         RunError::Step { source: StepError::Residual { .. }, .. } => format!(
             "{kept}; what is left is the round-off of the displacement or temperature, if stiffnesses or conductances of the case lie more than about 1e9 apart: bring them nearer, or hold the body where it drifts"
         ),
+        RunError::Step { source: StepError::Data { key, .. }, .. } => format!("{kept}; correct {key}"),
+        RunError::Unsound(_) => format!("{kept}, for finding the cause; `amontons check` names what in the data may be it"),
         RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
         _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),
     })
@@ -142,10 +145,11 @@ fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> 
     let problem = &case.problem;
     let full = run::with_threads(common.threads.map(usize::from), || hypotheses::full(problem));
     let certificate = full.map_err(|error| Failure::Run { error, hint: None })?;
+    let model = run::with_threads(common.threads.map(usize::from), || Model::new(problem)).map_err(|error| Failure::Run { error, hint: None })?;
     let table = constants::table(file, levels, common)?;
     match common.format {
         Format::Json => {
-            let mut value = print::valid_json(problem, &certificate);
+            let mut value = print::valid_json(problem, &model, &certificate);
             if let Some(table) = &table {
                 constants::add_json(table, &mut value);
             }
@@ -154,7 +158,7 @@ fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> 
         Format::Text if common.quiet => {}
         Format::Text => {
             let constants = table.as_ref().map(constants::text).unwrap_or_default();
-            print::text(&(print::valid(&file.display().to_string(), problem, &certificate) + &constants))?;
+            print::text(&(print::valid(&file.display().to_string(), problem, &model, &certificate) + &constants))?;
         }
     }
     Ok(())

@@ -5,11 +5,13 @@ mod commands;
 mod constants;
 mod converge;
 mod faults;
+mod model;
 mod print;
 mod progress;
 mod reproduce;
 mod status;
 mod verify;
+mod voices;
 
 use std::process::ExitCode;
 

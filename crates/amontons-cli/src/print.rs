@@ -3,10 +3,13 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use amontons::hypotheses::{Certificate, Finding};
+use amontons::hypotheses::{Certificate, Finding, Kind};
+use amontons::model::Model;
 use amontons::output::{ContactSummary, Outcome, Solver, Summary};
 use amontons::problem::Problem;
 use serde_json::{Value, json};
+
+use crate::{model, voices};
 
 /// Prints a value as indented JSON on standard output.
 pub fn json(value: &Value) -> io::Result<()> {
@@ -35,6 +38,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         Outcome::Done => "done",
         Outcome::NotConverged => "not converged",
         Outcome::Interrupted => "interrupted",
+        Outcome::Unsound => "unsound",
     };
     let seconds = &summary.seconds;
     let mut lines = vec![
@@ -53,6 +57,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     }
     lines.push(row("temperature", &format!("{:.5e} … {:.5e} K", end.temperature_min, end.temperature_max)));
     lines.push(row("von Mises stress", &format!("up to {:.5e} Pa", end.von_mises_max)));
+    lines.push(row("strain", &format!("up to {:.5e}", end.strain_max)));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
         lines.extend(touching("contact", contact));
         for (side, contact) in &contact.sides {
@@ -64,8 +69,8 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error),
     ));
     lines.extend(halved(&summary.solver));
-    lines.extend(failing(&summary.findings));
     lines.push(row("results", &folder.display().to_string()));
+    lines.extend(voices::of_run(&summary.findings));
     lines.join("\n") + "\n"
 }
 
@@ -79,7 +84,8 @@ fn halved(solver: &Solver) -> Option<String> {
     (halved_steps > 0 || ambiguous_steps > 0).then(|| row("made in halves", &format!("{halved_steps} steps, {ambiguous}")))
 }
 
-fn row(name: &str, value: &str) -> String {
+/// A line with a name.
+pub fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
 }
 
@@ -99,7 +105,7 @@ fn touching(name: &str, contact: &ContactSummary) -> Vec<String> {
 }
 
 /// Sizes of a valid case and the verdicts on it, for reading.
-pub fn valid(name: &str, problem: &Problem, certificate: &Certificate) -> String {
+pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certificate) -> String {
     let mesh = &problem.mesh;
     let sides: Vec<String> = problem.contacts.iter().map(|c| format!("\"{}\"", c.on)).collect();
     let contact = if sides.is_empty() { "none".to_owned() } else { format!("on {}", sides.join(", ")) };
@@ -110,8 +116,12 @@ pub fn valid(name: &str, problem: &Problem, certificate: &Certificate) -> String
         row("contact", &contact),
     ];
     let width = certificate.findings.iter().map(|f| f.id.len()).max().unwrap_or(0) + 2;
-    for finding in &certificate.findings {
-        lines.extend(verdict(finding, width));
+    lines.extend(model::rows(problem, model));
+    for (title, kind) in [("What you can act on:", Kind::Warning), ("What the theory covers:", Kind::Theory)] {
+        lines.push(title.to_owned());
+        for finding in certificate.findings.iter().filter(|f| f.kind == kind) {
+            lines.extend(verdict(finding, width));
+        }
     }
     lines.join("\n") + "\n"
 }
@@ -131,13 +141,8 @@ fn verdict(finding: &Finding, width: usize) -> Vec<String> {
     lines
 }
 
-/// A line for each finding that fails.
-fn failing(findings: &[Finding]) -> Vec<String> {
-    findings.iter().filter(|f| f.fails()).map(|f| row(&format!("({}) fails", f.id), &format!("{} ({})", f.message, f.place))).collect()
-}
-
 /// Sizes of a valid case and the verdicts on it, for programs.
-pub fn valid_json(problem: &Problem, certificate: &Certificate) -> Value {
+pub fn valid_json(problem: &Problem, model: &Model, certificate: &Certificate) -> Value {
     let mesh = &problem.mesh;
     let sides: Vec<&str> = problem.contacts.iter().map(|c| c.on.as_str()).collect();
     json!({
@@ -152,6 +157,7 @@ pub fn valid_json(problem: &Problem, certificate: &Certificate) -> Value {
         "time": problem.end,
         // A name, or an array of the names of several sides.
         "contact": match sides.as_slice() { [] => Value::Null, [one] => json!(one), several => json!(several) },
+        "model": model,
         "findings": certificate.findings,
         "constants": certificate.constants,
     })

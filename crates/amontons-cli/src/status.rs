@@ -120,7 +120,7 @@ impl Failure {
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_)) => CASE,
-                RunError::Setup(_) | RunError::Step { .. } => SOLVER,
+                RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
                 RunError::Interrupted(_) => INTERRUPTED,
                 RunError::Output(_) => FILE,
                 RunError::Checkpoint(error) => of_checkpoint(error),
@@ -156,7 +156,7 @@ impl Failure {
     /// What the run came to before it failed.
     fn summary(&self) -> Option<&Summary> {
         match self {
-            Failure::Run { error: RunError::Step { summary, .. } | RunError::Interrupted(summary), .. } => Some(summary),
+            Failure::Run { error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary), .. } => Some(summary),
             _ => None,
         }
     }

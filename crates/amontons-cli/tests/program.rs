@@ -151,7 +151,7 @@ fn a_run_prints_what_it_is_asked_to() {
 fn a_step_that_cannot_be_made_ends_the_run_and_keeps_the_steps_before() {
     let folder = tempdir().expect("a folder");
     let out = folder.path().join("fails");
-    let printed = run_paper(&out, 64, &["--set", "load.body_force=[\"exp(9000*t^3*(1-t))\", -1.0]", "--format", "json"]);
+    let printed = run_paper(&out, 64, &["--set", "load.heat_source=\"1/(t - 0.5)\"", "--format", "json"]);
     assert_code(&printed, 3);
     let told = json(&printed);
     assert_eq!(told["error"]["kind"], "solver");

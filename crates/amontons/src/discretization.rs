@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use crate::contact::ContactBoundary;
 use crate::forms::{self, Dilatation};
-use crate::linalg::{BlockMatrix, Graph, dot, mechanical_products};
+use crate::linalg::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
 use crate::material::{self, Material, TensorLaw};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
-use crate::tensor::{Sym, SymMap};
+use crate::tensor::{Sym, SymMap, safe_scale};
 
 /// Everything about the discrete problem that does not change with time.
 #[derive(Debug)]
@@ -286,7 +286,9 @@ impl Discretization {
     /// ‖v‖ in H or L², and ‖ε(v)‖ where `strain` holds the form (ε(·), ε(·)).
     #[must_use]
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
-        dot(v, &matrix.apply(v)).max(0.0).sqrt()
+        let scale = safe_scale(max_abs(v));
+        let scaled: Vec<f64> = v.iter().map(|v| scale * v).collect();
+        dot(&scaled, &matrix.apply(&scaled)).max(0.0).sqrt() / scale
     }
 }
 

@@ -37,6 +37,7 @@ pub mod inclusion;
 pub mod linalg;
 pub mod material;
 pub mod mesh;
+pub mod model;
 pub mod output;
 pub mod plot;
 pub mod problem;

@@ -54,6 +54,9 @@ pub enum RunError {
         /// The run up to the last good step.
         summary: Box<Summary>,
     },
+    /// All steps were made, and what they came to cannot be trusted; sinks have the results.
+    #[error("the results cannot be trusted: {}", .0.error.as_deref().unwrap_or("a figure is not finite"))]
+    Unsound(Box<Summary>),
     /// The run was asked to stop; sinks have the results so far.
     #[error("interrupted after step {}", .0.steps)]
     Interrupted(Box<Summary>),
@@ -136,11 +139,17 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
         None => Outcome::Done,
     };
     let last = Snapshot { work: clock.work(before, &scheme), ..last };
-    let summary = Summary::new(&last, unknowns, findings, outcome, failed.as_ref().map(ToString::to_string));
+    let mut summary = Summary::new(&last, unknowns, findings, outcome, failed.as_ref().map(ToString::to_string));
+    if outcome == Outcome::Done
+        && let Some(why) = summary.unsound()
+    {
+        (summary.outcome, summary.error) = (Outcome::Unsound, Some(why));
+    }
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
-    match (failed, outcome) {
+    match (failed, summary.outcome) {
         (Some(source), _) => Err(RunError::Step { source, summary: Box::new(summary) }),
         (None, Outcome::Done) => Ok(summary),
+        (None, Outcome::Unsound) => Err(RunError::Unsound(Box::new(summary))),
         (None, _) => Err(RunError::Interrupted(Box::new(summary))),
     }
 }

@@ -100,7 +100,9 @@ impl Sym {
     #[must_use]
     pub fn von_mises(&self) -> f64 {
         let s = self.deviator();
-        (1.5 * s.dot(&s)).sqrt()
+        let scale = safe_scale(s.0.iter().fold(0.0, |max, c| if c.is_nan() || max.is_nan() { f64::NAN } else { c.abs().max(max) }));
+        let s = scale * s;
+        (1.5 * s.dot(&s)).sqrt() / scale
     }
 
     /// The tensor with the principal values `values` along the axes that `rotation` turns the
@@ -330,18 +332,18 @@ pub fn dot(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
+/// A power of two by which numbers up to `largest` can be multiplied so that their squares neither under- nor overflow; 1 where they do not.
+#[must_use]
+pub(crate) fn safe_scale(largest: f64) -> f64 {
+    if largest == 0.0 || !largest.is_finite() || (1e-140..=1e140).contains(&largest) { 1.0 } else { (-largest.log2().floor()).clamp(-1000.0, 1000.0).exp2() }
+}
+
 /// Euclidean length of a vector, of any size: squares that under- or overflow are scaled first.
 #[must_use]
 pub fn length(a: &Point) -> f64 {
-    let squared = dot(a, a);
-    if (1e-280..=1e280).contains(&squared) {
-        return squared.sqrt();
-    }
-    let largest = a.iter().fold(0.0f64, |m, c| m.max(c.abs()));
-    if largest == 0.0 || !largest.is_finite() {
-        return if largest == 0.0 { squared.sqrt() } else { largest };
-    }
-    largest * a.iter().map(|c| (c / largest).powi(2)).sum::<f64>().sqrt()
+    let scale = safe_scale(a.iter().fold(0.0, |m, c| m.max(c.abs())));
+    let scaled = a.map(|c| c * scale);
+    dot(&scaled, &scaled).sqrt() / scale
 }
 
 #[cfg(test)]
@@ -366,6 +368,9 @@ mod tests {
         assert!((uniaxial.von_mises() - 7.0).abs() < 1e-14);
         let shear = Sym::from_fn(2, |i, j| if i == j { 0.0 } else { 2.0 });
         assert!((shear.von_mises() - 2.0 * 3f64.sqrt()).abs() < 1e-14);
+        for size in [1e-290, 1e-170, 1e170, 1e290] {
+            assert!(((size * shear).von_mises() / size - 2.0 * 3f64.sqrt()).abs() < 1e-14, "{size:e}");
+        }
     }
 
     /// A quarter turn exchanges axes; powers of tensors and eigenvalues of maps do not turn; the angles are Bunge's (1982, *Texture Analysis in Materials Science*).

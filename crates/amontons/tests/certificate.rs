@@ -475,7 +475,8 @@ fn a_nonlinear_law_is_judged_by_its_least_stiffness() {
 /// Lengths in another unit: all verdicts and all pure numbers are the same.
 #[test]
 fn verdicts_do_not_depend_on_the_unit_of_length() {
-    // x in mm: lengths × 10³; with stresses kept, forces per volume × 10⁻³, stiffnesses of layers × 10⁻³, densities × 10⁻⁶.
+    // x in mm: lengths × 10³; with stresses kept, forces per volume × 10⁻³, stiffnesses of layers × 10⁻³, densities × 10⁻⁶, conductances × 10³,
+    // conductivities × 10⁶.
     let metre = judged(&small(&["contact.gap=0.2", "material.expansion=0"]));
     let millimetre = judged(&small(&[
         "mesh.size=[1e3, 1e3]",
@@ -485,7 +486,8 @@ fn verdicts_do_not_depend_on_the_unit_of_length() {
         "load.body_force=[0, -1e-3]",
         "contact.normal.stiffness=10",
         "contact.heat.width=1e-2",
-        "contact.heat.conductance=1e-3",
+        "contact.heat.conductance=1e3",
+        "material.conductivity=1e6",
     ]));
     for (a, b) in metre.findings.iter().zip(&millimetre.findings) {
         assert_eq!((&a.id, &a.status), (&b.id, &b.status));

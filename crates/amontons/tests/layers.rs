@@ -16,6 +16,7 @@ const LAYERS: &[&[&str]] = &[
     &["inclusion"],
     &["forms"],
     &["discretization"],
+    &["model"],
     &["hypotheses"],
     &["scheme"],
     &["convergence"],

@@ -53,33 +53,10 @@ pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
     parts(problem).into_iter().find(|part| part.status == Status::Fails && !harmless(part)).map(|part| part.message)
 }
 
-/// The data with their places in the case file and the nodes where they act.
-fn fields(problem: &Problem) -> Vec<(String, &Field, Vec<Point>)> {
-    let mesh = &problem.mesh;
-    let everywhere = || mesh.points.clone();
-    let on = |set: &str| mesh.facets.get(set).map_or_else(Vec::new, |s| s.node_list().into_iter().map(|n| mesh.points[n as usize]).collect());
-    let mut fields = vec![("load.heat_source".to_owned(), &problem.heat_source, everywhere())];
-    fields.extend(problem.body_force.iter().enumerate().map(|(c, f)| (format!("load.body_force[{c}]"), f, everywhere())));
-    for (i, b) in problem.boundary.iter().enumerate() {
-        fields.extend(b.fields().into_iter().map(|(key, f)| (format!("boundary[{i}].{key}"), f, on(&b.on))));
-    }
-    let sides: Vec<Vec<Point>> = problem.contacts.iter().map(|contact| on(&contact.on)).collect();
-    let side = |path: &str| (0..sides.len()).find(|&side| path.starts_with(&format!("{}.", problem.contact_path(side))));
-    fields.extend(problem.contact_fields().into_iter().map(|(path, field)| {
-        let points = side(&path).map_or_else(Vec::new, |side| sides[side].clone());
-        (path, field, points)
-    }));
-    fields
-}
-
 /// Loads are finite: bounded data are square integrable.
 fn finite(problem: &Problem) -> Part {
-    let initial = &problem.initial;
-    let start = initial.displacement.iter().chain(&initial.velocity).chain([&initial.temperature]);
-    let names = (0..initial.displacement.len()).map(|c| format!("initial.displacement[{c}]"));
-    let names = names.chain((0..initial.velocity.len()).map(|c| format!("initial.velocity[{c}]"))).chain(["initial.temperature".to_owned()]);
-    let start = names.zip(start).map(|(name, field)| (name, field, problem.mesh.points.clone()));
-    for (place, field, points) in fields(problem).into_iter().chain(start).filter(|(_, f, _)| !matches!(f, Field::Constant(v) if v.is_finite())) {
+    for datum in problem.data().into_iter().chain(problem.initial_data()).filter(|d| !matches!(d.field, Field::Constant(v) if v.is_finite())) {
+        let (points, place, field) = (problem.nodes_of(&datum), datum.key, datum.field);
         for t in [0.0, problem.end] {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {

@@ -12,6 +12,7 @@
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
 //! | `energy`, `heat` | the audit of a run | the run |
+//! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!
 //! The proofs are in the book, chapter 2. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
 //! [`advice`] as many as its search takes.
@@ -26,6 +27,7 @@ mod reach;
 mod sample;
 mod step;
 mod theorem;
+pub mod warnings;
 
 use serde::{Deserialize, Serialize};
 
@@ -57,6 +59,20 @@ pub struct Finding {
     /// What would make it hold, if something is known to.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repair: Option<String>,
+    /// Whether it is something to act on, or what the theory covers.
+    #[serde(default)]
+    pub kind: Kind,
+}
+
+/// The voice of a finding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// What results can be trusted for: something to act on where it does not hold.
+    Warning,
+    /// What the theory covers: nothing is wrong with a run where it does not hold.
+    #[default]
+    Theory,
 }
 
 /// The verdict of a finding, in ascending order of gravity.
@@ -80,7 +96,16 @@ impl Finding {
             Status::Fails => "fails",
             Status::NotCovered => "not-covered",
         };
-        Finding { id: id.to_owned(), status: status.to_owned(), value: None, needed: None, message: message.into(), place: place.to_owned(), repair: None }
+        Finding {
+            id: id.to_owned(),
+            status: status.to_owned(),
+            value: None,
+            needed: None,
+            message: message.into(),
+            place: place.to_owned(),
+            repair: None,
+            kind: warnings::kind(id),
+        }
     }
 
     /// With the number found and the one needed.
@@ -107,6 +132,12 @@ impl Finding {
     #[must_use]
     pub fn fails(&self) -> bool {
         self.status == "fails"
+    }
+
+    /// Whether it is something to act on.
+    #[must_use]
+    pub fn warns(&self) -> bool {
+        self.kind == Kind::Warning && self.fails()
     }
 }
 
@@ -236,6 +267,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings.extend(branches::branches(problem));
     findings.extend(laws::rigid_conductance(problem));
     findings.push(quality::cells(&problem.mesh));
+    findings.extend(warnings::of_data(problem));
     findings
 }
 
@@ -290,6 +322,9 @@ pub fn full(problem: &Problem) -> Certificate {
 
 /// Closing error of an identity of the audit above which round-off does not explain it.
 pub const CLOSING: f64 = 1e-10;
+/// Closing error above which results cannot be trusted: accepted steps may leave forces of 1e-4 of what drives the body unbalanced where
+/// these are round-off, so that an identity that misses by ten times as much has another cause.
+pub const GROSS: f64 = 1e-3;
 
 /// Whether the energy and heat identities close.
 #[must_use]

@@ -19,5 +19,5 @@ pub use krylov::{Krylov, gmres};
 pub use lu::is_positive_definite;
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
-pub use supernodal::Supernodal;
+pub use supernodal::{Fill, Supernodal, fill};
 pub use turn::Turn;

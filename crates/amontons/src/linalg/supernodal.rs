@@ -14,7 +14,7 @@ use faer::{Mat, Par, Side};
 use rayon::prelude::*;
 
 use super::dense::gram;
-use super::factor::{Backend, Factor, FactorError, Unknowns, upper_columns};
+use super::factor::{Backend, Factor, FactorError, Unknowns, UpperColumns, upper_columns};
 use super::sparse::BlockMatrix;
 
 /// The sparse supernodal Cholesky factorization of `faer` with sweeps of our own.
@@ -105,13 +105,8 @@ impl SupernodalFactor {
                 upper.values[upper.start[column + 1] as usize - 1] += shift;
             }
         }
+        let symbolic = symbolic(&upper, size)?;
         let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
-        let params = CholeskySymbolicParams {
-            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
-            supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
-            ..CholeskySymbolicParams::default()
-        };
-        let symbolic: SymbolicCholesky<u32> = factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| memory())?;
         let mut values = Vec::new();
         values.try_reserve_exact(symbolic.len_val()).map_err(|_| memory())?;
         values.resize(symbolic.len_val(), 0.0);
@@ -142,6 +137,50 @@ impl SupernodalFactor {
         }
         Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed: Arc::new(gram(&l)) })
     }
+}
+
+/// The pattern of the factor.
+fn symbolic(upper: &UpperColumns, size: usize) -> Result<SymbolicCholesky<u32>, FactorError> {
+    let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
+    let params = CholeskySymbolicParams {
+        supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+        supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
+        ..CholeskySymbolicParams::default()
+    };
+    factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| FactorError::Memory { size })
+}
+
+/// What a factor of [`Supernodal`] stores and costs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Fill {
+    /// Size of the matrix.
+    pub size: usize,
+    /// Numbers that the factor stores.
+    pub stored: usize,
+    /// Operations of the factorization, additions and multiplications.
+    pub flops: f64,
+}
+
+/// Counts the fill of the factor of a matrix with this pattern, without its values.
+///
+/// A supernode of n columns with m rows below them costs n³/3 for its own factor, m n² for the rows below, and m² n for what it takes from
+/// the columns to come.
+///
+/// # Errors
+/// When the pattern does not fit into memory.
+pub fn fill(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Fill, FactorError> {
+    let size = unknowns.len();
+    if size == 0 {
+        return Ok(Fill::default());
+    }
+    let symbolic = symbolic(&upper_columns(matrix, unknowns), size)?;
+    let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else { return Err(FactorError::Memory { size }) };
+    let flops = (0..supernodes.n_supernodes()).map(|s| {
+        let view = supernodes.supernode(s);
+        let (n, m) = ((supernodes.supernode_end()[s] as usize - view.start()) as f64, view.pattern().len() as f64);
+        n * n * n / 3.0 + m * n * n + m * m * n
+    });
+    Ok(Fill { size, stored: symbolic.len_val(), flops: flops.sum() })
 }
 
 impl Factor for SupernodalFactor {

@@ -2,9 +2,12 @@
 //!
 //! Cells are numbered from 0 in the order of the blocks, which is that of the result files; nodes from 0 as in [`Mesh::points`].
 
+mod coincident;
 mod hanging;
 
 use std::collections::{BTreeMap, HashMap};
+
+pub use coincident::coincident;
 
 use super::topology::{self, Key, Owner, key};
 use super::{Block, Mesh};
@@ -212,7 +215,7 @@ impl List {
 /// All defects of a mesh by kind; none if it is sound. The work is nearly linear in the number of cells.
 ///
 /// A node or facet counts as lying on another facet if it is within 1e-6 of the facet's size from it. Faces of a crack or of parts that touch
-/// without a common node are no defects.
+/// without a common node are no defects: see [`coincident`].
 #[must_use]
 pub fn defects(mesh: &Mesh) -> Vec<Defects> {
     let mut list = List::default();

@@ -1,12 +1,13 @@
 //! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
 
 use crate::element::{Element, Table};
+use crate::linalg::max_abs;
 use crate::material::{Branch, Dilatation, Material, Prony};
 use crate::mesh::{CellMap, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::Rule;
 use crate::scheme::State;
-use crate::tensor::{Point, Sym};
+use crate::tensor::{Point, Sym, safe_scale};
 
 /// Strain, stress and heat flux of a body at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -140,18 +141,44 @@ pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
 #[must_use]
 pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
     let mut sum = 0.0;
+    let scale = safe_scale(max_abs(v));
     for block in &mesh.blocks {
         let table = Table::new(block.element, strain_degree(mesh, block.element));
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {
                 map.at(cell, q);
-                let strain = strain(mesh, &map, cell, v);
+                let strain = scale * strain(mesh, &map, cell, v);
                 sum += weight * map.measure * strain.dot(&strain);
             }
         }
     }
-    sum.sqrt()
+    sum.sqrt() / scale
+}
+
+/// The largest principal value of ε(v) in magnitude over the points of the rule for strains, and where it is.
+#[must_use]
+pub fn largest_strain(mesh: &Mesh, v: &[f64]) -> (f64, Point) {
+    let mut worst = (0.0, [0.0; 3]);
+    for block in &mesh.blocks {
+        let table = Table::new(block.element, strain_degree(mesh, block.element));
+        let mut map = CellMap::new(mesh, &table);
+        for cell in block.cells() {
+            for q in 0..table.len() {
+                map.at(cell, q);
+                let strain = strain(mesh, &map, cell, v);
+                // The norm bounds the principal values, and is cheaper.
+                if strain.norm() <= worst.0 {
+                    continue;
+                }
+                let largest = strain.eigenvalues(mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+                if largest > worst.0 || strain.norm().is_nan() {
+                    worst = (if strain.norm().is_nan() { f64::NAN } else { largest }, map.position);
+                }
+            }
+        }
+    }
+    worst
 }
 
 /// ε(v) = ½(∇v + ∇vᵀ) at the point of a map.

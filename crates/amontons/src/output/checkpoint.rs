@@ -5,7 +5,7 @@
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 5 |
+//! | 4 | version of the format, little-endian, now 6 |
 //! | 32 | SHA-256 of the fingerprint of the case: its text, and what the files hold that it refers to |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
@@ -29,7 +29,7 @@ use crate::tensor::Point;
 /// Where the newest checkpoint is in a results folder.
 pub(super) const FILE: &str = "checkpoint/state.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 5;
+const VERSION: u32 = 6;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -106,6 +106,7 @@ struct Body {
     surface: Surface,
     ledger: Ledger,
     counts: Counts,
+    temperatures: [f64; 2],
     work: Work,
     report: Option<Report>,
 }
@@ -188,6 +189,7 @@ impl Body {
             surface: state.surface,
             ledger: state.ledger,
             counts: state.counts,
+            temperatures: state.temperatures,
             work: Work::default(),
             report: None,
         }
@@ -233,6 +235,7 @@ impl Body {
             surface: self.surface,
             ledger: self.ledger,
             counts: self.counts,
+            temperatures: self.temperatures,
         };
         Checkpoint { state, report, work: self.work }
     }

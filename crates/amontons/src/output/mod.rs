@@ -14,6 +14,7 @@ mod csv;
 mod files;
 mod folder;
 mod inputs;
+mod limits;
 mod manifest;
 mod memory;
 mod probe;
@@ -26,7 +27,7 @@ mod vtu;
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub use cells::{PointValues, cell_values, strain_norm};
+pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use csv::{history_columns, history_values};
 pub use folder::{Folder, FolderOptions};

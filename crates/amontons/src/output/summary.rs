@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Snapshot, cell_values, strain_norm};
+use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::Status;
-use crate::hypotheses::{self, Finding};
+use crate::hypotheses::{self, Finding, warnings};
+use crate::linalg::max_abs;
 use crate::scheme::{ContactReport, Contraction, Ledger};
 
 /// Why a run ended.
@@ -21,6 +22,9 @@ pub enum Outcome {
     /// The run was asked to stop.
     #[serde(rename = "interrupted")]
     Interrupted,
+    /// All steps were made, and what they came to cannot be trusted: a figure is not finite, or an identity of the audit fails grossly.
+    #[serde(rename = "unsound")]
+    Unsound,
 }
 
 /// What a run came to: `summary.json`. Numbers are those of the last good step.
@@ -49,6 +53,9 @@ pub struct Summary {
     pub energy: Ledger,
     /// Hypotheses and conditions with their numbers.
     pub findings: Vec<Finding>,
+    /// The findings that are something to act on.
+    #[serde(default)]
+    pub warnings: Vec<Finding>,
     /// Times spent.
     pub seconds: Seconds,
     /// Most memory that the program held, bytes; none where the system does not tell.
@@ -81,6 +88,18 @@ pub struct Final {
     pub temperature_max: f64,
     /// Largest von Mises stress at a cell centre, Pa.
     pub von_mises_max: f64,
+    /// Largest principal strain in magnitude.
+    #[serde(default)]
+    pub strain_max: f64,
+    /// By how much a temperature since the start was below all that the data allow, K; none where they allow any.
+    #[serde(default)]
+    pub undershoot: Option<f64>,
+    /// By how much a temperature since the start was above all that the data allow, K; none where they allow any.
+    #[serde(default)]
+    pub overshoot: Option<f64>,
+    /// Largest penetration over the height of the lowest cell of its side; none without contact.
+    #[serde(default)]
+    pub penetration_per_cell: Option<f64>,
     /// Norms of the fields.
     pub norms: Norms,
     /// Contact; none before the first step.
@@ -232,6 +251,9 @@ impl Summary {
         let counts = &state.counts;
         let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
         let dim = problem.mesh.dim;
+        let figures = limits::figures(last);
+        let audit = hypotheses::audit(ledger_energy, ledger_heat);
+        let findings: Vec<Finding> = findings.into_iter().chain(audit).chain(warnings::of_run(problem, &figures)).collect();
         let energy = Ledger {
             closing_error: state.ledger.relative_closing_error(),
             heat_closing_error: state.ledger.relative_heat_closing_error(),
@@ -251,7 +273,11 @@ impl Summary {
                 velocity_max: by_component(&state.w, dim, f64::NEG_INFINITY, f64::max),
                 temperature_min: state.theta.iter().copied().fold(f64::INFINITY, f64::min),
                 temperature_max: state.theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                von_mises_max: cell_values(problem, state).iter().fold(0.0, |max, cell| cell.stress.von_mises().max(max)),
+                von_mises_max: max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>()),
+                strain_max: figures.strain,
+                undershoot: figures.outside[0],
+                overshoot: figures.outside[1],
+                penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell),
                 norms: Norms {
                     displacement_l2: discretization.norm(&discretization.mass, &state.u),
                     displacement_v: strain_norm(&problem.mesh, &state.u),
@@ -274,10 +300,50 @@ impl Summary {
                 ambiguous_steps: counts.ambiguous_steps,
             },
             energy,
-            findings: findings.into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),
+            warnings: findings.iter().filter(|finding| finding.warns()).cloned().collect(),
+            findings,
             seconds: work.seconds,
             peak_memory_bytes: peak_memory(),
         }
+    }
+}
+
+impl Summary {
+    /// Why what a run came to cannot be trusted, if it cannot: a figure that is not finite, or an identity that fails grossly.
+    #[must_use]
+    pub fn unsound(&self) -> Option<String> {
+        if let Some((key, value)) = self.figures().into_iter().find(|(_, value)| !value.is_finite()) {
+            return Some(format!("{key} is {value}, expected a finite number"));
+        }
+        let identities = [("energy", self.energy.closing_error), ("heat", self.energy.heat_closing_error)];
+        let (name, error) = identities.into_iter().find(|(_, error)| error.abs() > hypotheses::GROSS)?;
+        Some(format!("the {name} identity closes to {error:.1e} of what was turned over, expected at most {:.0e}", hypotheses::GROSS))
+    }
+
+    /// The numbers of the run with their keys in `summary.json`.
+    fn figures(&self) -> Vec<(String, f64)> {
+        let (last, norms) = (&self.last, &self.last.norms);
+        let vectors = [("displacement_min", &last.displacement_min), ("displacement_max", &last.displacement_max), ("velocity_max", &last.velocity_max)];
+        let mut all: Vec<(String, f64)> =
+            vectors.into_iter().flat_map(|(key, values)| values.iter().enumerate().map(move |(c, value)| (format!("final.{key}[{c}]"), *value))).collect();
+        let numbers = [
+            ("final.temperature_min", last.temperature_min),
+            ("final.temperature_max", last.temperature_max),
+            ("final.von_mises_max", last.von_mises_max),
+            ("final.strain_max", last.strain_max),
+            ("final.norms.displacement_l2", norms.displacement_l2),
+            ("final.norms.displacement_v", norms.displacement_v),
+            ("final.norms.velocity_l2", norms.velocity_l2),
+            ("final.norms.temperature_l2", norms.temperature_l2),
+            ("energy.closing_error", self.energy.closing_error),
+            ("energy.heat_closing_error", self.energy.heat_closing_error),
+        ];
+        all.extend(numbers.map(|(key, value)| (key.to_owned(), value)));
+        if let Some(contact) = &last.contact {
+            all.extend(contact.force.iter().enumerate().map(|(c, value)| (format!("final.contact.force[{c}]"), *value)));
+            all.extend([("final.contact.heat_flow".to_owned(), contact.heat_flow), ("final.contact.pressure_max".to_owned(), contact.pressure_max)]);
+        }
+        all
     }
 }
 

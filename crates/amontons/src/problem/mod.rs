@@ -1,11 +1,14 @@
 //! Problem 2.1 with its data: what is to be solved, checked once and trusted afterwards.
 
 mod boundary;
+mod data;
+mod range;
 
 use std::fmt;
 use std::sync::Arc;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
+pub(crate) use data::Datum;
 
 use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;
@@ -188,6 +191,11 @@ impl Problem {
         self.check_times(&mut faults);
         if let Err(error) = self.mesh.check() {
             faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));
+        }
+        if faults.is_empty() {
+            // Both evaluate the data, which must be in order.
+            self.check_temperatures(&mut faults);
+            self.check_range(&mut faults);
         }
         if faults.is_empty() { Ok(self) } else { Err(Faults(faults)) }
     }

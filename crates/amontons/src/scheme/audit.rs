@@ -58,7 +58,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let heat_error = body + foundations.error;
     let mut heat_moved = amounts.contact.abs() + amounts.prescribed.abs() + amounts.supplied.abs() + amounts.coupling.abs() + foundations.moved;
     if (before.heat_closing_error + heat_error).abs() > TELLING * (before.heat_turned_over + heat_moved) {
-        heat_moved += explained(heat_error, k * discrete.d.magnitude(&heat.theta).iter().sum::<f64>());
+        heat_moved += explained(heat_error, heat_sizes(step, heat));
     }
     Ledger {
         kinetic,
@@ -83,6 +83,13 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_closing_error: before.heat_closing_error + heat_error,
         heat_turned_over: before.heat_turned_over + heat_moved,
     }
+}
+
+/// The sizes of what the heat of a step is the sum of: contents and flows that may cancel over the body.
+fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
+    let (c, storage) = step.discrete.storage();
+    let sum = |sizes: Vec<f64>| sizes.iter().sum::<f64>();
+    step.k * sum(step.discrete.d.magnitude(&heat.theta)) + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
 }
 
 /// The size of terms that cancel, where their round-off is the error; else nothing, and the error stands out.

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::audit::audit;
 use super::coupling::{Coupled, Made};
+use super::datum;
 use super::foundation::{at_rest, frames};
 use super::system::{Products, Step, System, vector_at};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
@@ -159,8 +160,28 @@ impl BackwardEuler {
             d_theta: heat.d_theta,
         });
         let (u, w, theta) = (mechanics.u, mechanics.w, heat.theta);
-        Ok((State { step: n, t, u, w, theta, multipliers: mechanics.multipliers, branches: mechanics.branches, surface, ledger, counts }, report))
+        Ok((
+            State {
+                step: n,
+                t,
+                u,
+                w,
+                theta,
+                multipliers: mechanics.multipliers,
+                branches: mechanics.branches,
+                surface,
+                ledger,
+                counts,
+                temperatures: old.temperatures,
+            },
+            report,
+        ))
     }
+}
+
+/// The range that takes in some values, too.
+fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
+    values.iter().fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)])
 }
 
 impl Scheme for BackwardEuler {
@@ -190,6 +211,7 @@ impl Scheme for BackwardEuler {
             let r = tensor::dot(&vector_at(&self.discrete, point, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
+        let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
         let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
         let heat_foundation: f64 = self
             .problem
@@ -209,12 +231,12 @@ impl Scheme for BackwardEuler {
             ..Ledger::default()
         };
         let multipliers = Multipliers::free(at_rest(&self.problem, &self.discrete, &u, &w));
-        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, surface, ledger, counts: Counts::default() })
+        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, surface, ledger, counts: Counts::default(), temperatures })
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let n = old.step + 1;
-        let (mut state, report) = self.advance(old, n, self.problem.time(n), 0)?;
+        let (mut state, report) = self.advance(old, n, self.problem.time(n), 0).map_err(|error| datum::named(&self.problem, old, error))?;
         if report.parts > 1 {
             state.counts.halved_steps += 1;
         } else {
@@ -224,6 +246,7 @@ impl Scheme for BackwardEuler {
             }
         }
         state.counts.ambiguous_steps += usize::from(report.is_ambiguous);
+        state.temperatures = extremes(old.temperatures, &state.theta);
         Ok((state, report))
     }
 

@@ -79,6 +79,7 @@ impl Ledger {
     }
 }
 
+/// Where nothing was turned over an error is infinite.
 fn relative(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }

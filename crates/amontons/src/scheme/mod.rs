@@ -2,6 +2,7 @@
 
 mod audit;
 mod coupling;
+mod datum;
 mod euler;
 mod foundation;
 mod heat;
@@ -19,6 +20,7 @@ use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::FactorError;
 use crate::problem::Coupling;
+use crate::tensor::Point;
 
 /// The state at a time t_n: what the next step starts from.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,6 +45,8 @@ pub struct State {
     pub ledger: Ledger,
     /// Newton iterations since the start.
     pub counts: Counts,
+    /// Least and largest nodal temperature since the start, K.
+    pub temperatures: [f64; 2],
 }
 
 /// Counted work since the start of a run.
@@ -210,6 +214,20 @@ pub enum StepError {
         defect: f64,
         /// Contraction factors seen.
         contraction: Option<Contraction>,
+    },
+    /// A datum has no finite value where a step needs it.
+    #[error("step {step} (t = {t:.6e} s): {key} is {value} at ({}, {}, {}), t = {t:?} s: data must be finite wherever they act, at all times of the run", .at[0], .at[1], .at[2])]
+    Data {
+        /// The step n that failed.
+        step: usize,
+        /// The time at which the datum was evaluated, s.
+        t: f64,
+        /// Its dotted path in the case file.
+        key: String,
+        /// The value.
+        value: f64,
+        /// Where, m.
+        at: Point,
     },
     /// A number is infinite or not a number.
     #[error("step {step} (t = {t:.6e} s): {part} has values that are not finite: data that grow beyond what a number can hold, or are not defined there")]

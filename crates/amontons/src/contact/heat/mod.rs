@@ -53,6 +53,10 @@ pub trait HeatLaw: Debug + Send + Sync {
     fn truncation(&self) -> Option<f64> {
         None
     }
+    /// The temperature below which there is none, K; none for laws that see differences only.
+    fn absolute_zero(&self) -> Option<f64> {
+        None
+    }
 }
 
 /// No heat exchange.

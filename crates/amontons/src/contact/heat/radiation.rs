@@ -35,6 +35,9 @@ impl HeatLaw for Radiation {
         // The flux does not depend on the penetration.
         Some(0.0)
     }
+    fn absolute_zero(&self) -> Option<f64> {
+        Some(self.absolute_zero)
+    }
 }
 
 #[cfg(test)]

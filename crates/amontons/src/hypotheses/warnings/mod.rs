@@ -1,0 +1,136 @@
+//! Warnings: data and runs that are legal and hardly meant. Each has a place, a number and a repair, and is absent where nothing is wrong.
+//!
+//! | id | warns if | by |
+//! |---|---|---|
+//! | `coincident-nodes` | nodes at one place are not the same node | [`coincident`] |
+//! | `part-free` | a part of the body can move without strain and has no contact | supports |
+//! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
+//! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
+//! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
+//! | `thermal-layer` | the heat of Γ_C does not get through a cell | lengths |
+//! | `strain` | the strain is not small | the run |
+//! | `temperature-range` | temperatures leave the range that the data allow | the run |
+//! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
+//! | `penetration` | a foundation gives way by more than the size of a cell | the run |
+
+mod run;
+mod supports;
+mod thermal;
+
+pub use run::{Figures, Penetration, of_run};
+
+use super::laws::{at, norm};
+use super::{Finding, Kind, Status};
+use crate::mesh::Mesh;
+use crate::mesh::defects::coincident;
+use crate::problem::Problem;
+use crate::tensor::Sym;
+
+/// The findings that are something to act on.
+const WARNINGS: &[&str] = &[
+    "absolute-zero",
+    "coincident-nodes",
+    "contact-heat",
+    "contact-held",
+    "contact-possible",
+    "energy",
+    "expansion-scale",
+    "expansion-zz",
+    "heat",
+    "mesh-quality",
+    "part-free",
+    "penetration",
+    "strain",
+    "temperature-range",
+    "thermal-layer",
+];
+
+/// The voice of the finding with this id.
+pub(super) fn kind(id: &str) -> Kind {
+    if WARNINGS.contains(&id) { Kind::Warning } else { Kind::Theory }
+}
+
+/// A warning with the value found and the limit that it exceeds or misses.
+fn warning(id: &str, place: &str, [value, limit]: [f64; 2], message: String, repair: impl Into<String>) -> Finding {
+    Finding::new(id, Status::Fails, message, place).numbers(Some(value), Some(limit)).repair(repair)
+}
+
+/// The warnings that data give cause for.
+pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
+    let mut findings: Vec<Finding> = Vec::new();
+    findings.extend(not_merged(&problem.mesh));
+    findings.extend(supports::part_free(problem));
+    findings.extend(supports::contact_held(problem));
+    for (region, _) in problem.materials.iter().enumerate() {
+        findings.extend(expansion_scale(problem, region));
+        findings.extend(expansion_zz(problem, region));
+    }
+    findings.extend(thermal::layer(problem));
+    findings
+}
+
+/// `coincident-nodes`.
+fn not_merged(mesh: &Mesh) -> Option<Finding> {
+    let pairs = coincident(mesh);
+    let [a, b] = *pairs.first()?;
+    let x = mesh.points.get(a as usize)?;
+    let message = format!(
+        "{} pairs of nodes are at one place and are not the same node, the first {a} and {b}, counted from 0, at {}: the body may come apart there, and no heat passes",
+        pairs.len(),
+        at(x)
+    );
+    let repair = "merge the nodes where the mesh is made (in Gmsh: Coherence Mesh, or BooleanFragments of the parts); leave them if a crack is meant";
+    Some(warning("coincident-nodes", "mesh.file", [pairs.len() as f64, 0.0], message, repair))
+}
+
+/// Where a number of the material of a region stands in the case file.
+fn material_key(problem: &Problem, region: usize, key: &str) -> String {
+    if problem.materials.len() == 1 {
+        format!("material.{key}")
+    } else {
+        format!("material.{key}, region \"{}\"", problem.mesh.regions.get(region).map_or("", |name| name))
+    }
+}
+
+/// Thermal strain per kelvin below which 𝓜 is none of a material: Zerodur and ULE, which expand least, have 1e-8.
+const LEAST_EXPANSION: f64 = 1e-9;
+/// Values that a coefficient of thermal expansion has, per kelvin.
+const COEFFICIENTS: std::ops::RangeInclusive<f64> = 1e-8..=1e-3;
+
+/// `expansion-scale`: 𝓜 = α (3λ + 2μ) is a stress per kelvin; one that has the size of α expands nothing.
+fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
+    let material = problem.materials.get(region)?;
+    let largest = material.expansion.eigenvalues(problem.mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+    let stiffness = material.elasticity.constants().lipschitz;
+    let strain = largest / stiffness;
+    if !(strain < LEAST_EXPANSION && COEFFICIENTS.contains(&largest)) {
+        return None;
+    }
+    let message = format!(
+        "𝓜 = {largest:.3e} expands the body by {strain:.1e} per kelvin, less than any material: it has the size of a coefficient of thermal expansion α, \
+         but 𝓜 is the stress per kelvin of a body that is held"
+    );
+    let repair = format!("give α E/(1 − 2ν), in plane stress α E/(1 − ν): about {:.2e} for α = {largest:.3e}", largest * stiffness);
+    Some(warning("expansion-scale", &material_key(problem, region, "expansion"), [strain, LEAST_EXPANSION], message, repair))
+}
+
+/// `expansion-zz`: in plane strain a number expands the body across its plane, too, a matrix of the plane does not.
+fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
+    let material = problem.materials.get(region)?;
+    let x = problem.mesh.points.first()?;
+    // A law that holds a plane strain answers with σ_zz.
+    let held = problem.mesh.dim == 2 && !problem.mesh.axisymmetric && material.elasticity.value(x, &(1e-6 * Sym::identity(2))).0[3] != 0.0;
+    if !held || material.expansion.0[3] != 0.0 || norm(&material.expansion, 2) == 0.0 {
+        return None;
+    }
+    let [m_xx, m_yy] = [0, 1].map(|i| material.expansion.get(i, i));
+    let multiple = m_xx.to_bits() == m_yy.to_bits() && material.expansion.get(0, 1) == 0.0;
+    let repair = if multiple {
+        format!("write the number, expansion = {m_xx:?}, which is that multiple of the identity in space")
+    } else {
+        "read stresses in the plane only: σ_zz and the von Mises stress lack −θ 𝓜_zz".to_owned()
+    };
+    let message =
+        "a matrix of the plane has 𝓜_zz = 0: in plane strain σ_zz, and with it the von Mises stress, lacks the thermal stress −θ 𝓜_zz that a number gives";
+    Some(warning("expansion-zz", &material_key(problem, region, "expansion"), [0.0, m_xx.abs().max(m_yy.abs())], message.to_owned(), repair))
+}

@@ -1,0 +1,108 @@
+//! Warnings at the end of a run.
+
+use super::super::Finding;
+use super::super::laws::at;
+use super::warning;
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// Strain above which a theory of small strains is off by more than it: 5 %.
+const STRAIN: f64 = 0.05;
+/// Share of the range of temperatures by which they may leave that of the data.
+const RANGE: f64 = 0.01;
+/// Penetration beside the height of a cell on Γ_C above which a foundation has given way.
+const PENETRATION: f64 = 0.1;
+
+/// What a run came to, to be judged.
+#[derive(Clone, Copy, Debug)]
+pub struct Figures {
+    /// Largest principal strain in magnitude at the last step, and where.
+    pub strain: f64,
+    /// Where it is.
+    pub strain_at: Point,
+    /// Least and largest nodal temperature since the start, K.
+    pub temperature: [f64; 2],
+    /// By how much these are below and above all that the data allow, K; none where sources and sinks allow any.
+    pub outside: [Option<f64>; 2],
+    /// Largest penetration beside the cells of its side at the last step; none without contact.
+    pub penetration: Option<Penetration>,
+}
+
+/// A penetration beside the cells of the side.
+#[derive(Clone, Copy, Debug)]
+pub struct Penetration {
+    /// Which of the contacts of the problem.
+    pub side: usize,
+    /// Largest penetration, m.
+    pub depth: f64,
+    /// Least height of a cell on the side, m.
+    pub cell: f64,
+}
+
+/// The warnings that a run gives cause for.
+#[must_use]
+pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
+    let parts = [strain(figures), temperature_range(problem, figures), absolute_zero(problem, figures), penetration(problem, figures)];
+    parts.into_iter().flatten().collect()
+}
+
+fn strain(figures: &Figures) -> Option<Finding> {
+    let strain = figures.strain;
+    if strain <= STRAIN {
+        return None;
+    }
+    let message = format!(
+        "the largest principal strain is {:.3} % at {}: the theory of small strains leaves out terms of its square, and the stress is off by about that share",
+        100.0 * strain,
+        at(&figures.strain_at)
+    );
+    let repair = "smaller loads or prescribed displacements, or a stiffer material: check the units of material.elasticity";
+    Some(warning("strain", "material.elasticity", [strain, STRAIN], message, repair))
+}
+
+fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let [low, high] = figures.temperature;
+    let sides = [(figures.outside[0], "below", low), (figures.outside[1], "above", high)];
+    let (by, which, extreme) = sides.into_iter().filter_map(|(by, which, extreme)| Some((by?, which, extreme))).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let range = high - low;
+    if by <= RANGE * range {
+        return None;
+    }
+    let message = format!(
+        "a temperature of {extreme:.4e} K is {by:.3e} K {which} all that the data allow: the step of {:.2e} s is short for the size of the cells next to a \
+         sudden change, and the consistent mass matrix undershoots there",
+        problem.k()
+    );
+    let repair = format!(
+        "finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
+        problem.materials.first().filter(|m| m.heat_capacity > 0.0).map_or_else(String::new, |m| {
+            let conductivity = m.conductivity.eigenvalues(problem.mesh.dim).first().copied().unwrap_or(0.0);
+            format!(" = {:.1e} m", (6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt())
+        })
+    );
+    Some(warning("temperature-range", "time.steps", [by, RANGE * range], message, repair))
+}
+
+fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let (side, zero) = problem.contacts.iter().enumerate().find_map(|(side, c)| Some((side, c.heat.absolute_zero()?)))?;
+    let low = figures.temperature[0];
+    if low >= zero {
+        return None;
+    }
+    let message = format!("a temperature of {low:.6e} K is below absolute_zero = {zero:?}: the body does not radiate there");
+    let repair = "correct absolute_zero, heat sources and the units of the heat data; see the warning temperature-range if there is one";
+    Some(warning("absolute-zero", &format!("{}.heat.absolute_zero", problem.contact_path(side)), [low, zero], message, repair))
+}
+
+fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let Penetration { side, depth, cell } = figures.penetration?;
+    if depth <= PENETRATION * cell {
+        return None;
+    }
+    let message = format!(
+        "the body goes {depth:.3e} m into the foundation, {:.3} of the height of the lowest cell on Γ_C: the foundation is soft beside the body",
+        depth / cell
+    );
+    let place = format!("{}.normal", problem.contact_path(side));
+    Some(warning("penetration", &place, [depth, PENETRATION * cell], message, "a stiffer foundation, or law = \"signorini\" for a rigid one"))
+}

@@ -1,0 +1,86 @@
+//! What holds the body, and what holds it where contact should.
+
+use super::super::Finding;
+use super::super::laws::at;
+use super::super::sample::times;
+use super::warning;
+use crate::mesh::FacetSet;
+use crate::mesh::defects::{Component, components};
+use crate::model::rigid_motions;
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// Direction cosines below which a displacement has no part along the normal.
+const ACROSS: f64 = 1e-6;
+/// Time levels at which prescribed displacements are looked at.
+const LEVELS: usize = 64;
+
+/// `contact-held`: points of Γ_C whose normal displacement a side prescribes, where it closes the gap. Forces there go into the support.
+pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
+    let (mesh, space, boundary) = (&problem.mesh, problem.displacement_space(), problem.contact_boundary());
+    let dim = mesh.dim;
+    let held = |node: u32, normal: &Point| (0..dim).all(|c| normal[c].abs() < ACROSS || !space.free[node as usize * dim + c]);
+    let mut findings = Vec::new();
+    for (side, contact) in problem.contacts.iter().enumerate() {
+        let on_side = || boundary.points.iter().filter(|p| p.side == side);
+        let candidates: Vec<_> = on_side().filter(|p| p.nodes.iter().all(|&(i, _)| held(boundary.nodes[i], &p.normal))).collect();
+        if candidates.is_empty() {
+            continue;
+        }
+        let places: Vec<Point> = candidates.iter().map(|p| p.x).collect();
+        let mut closed = vec![false; candidates.len()];
+        for t in times(problem, LEVELS) {
+            let mut u = vec![0.0; space.free.len()];
+            space.prescribe(t, &mut u);
+            for (((point, gap), closed), place) in candidates.iter().zip(contact.gaps(&places, t)).zip(&mut closed).zip(&places) {
+                let move_of = |&(i, n): &(usize, f64)| (0..dim).map(|c| n * point.normal[c] * u[boundary.nodes[i] as usize * dim + c]).sum::<f64>();
+                let normal = point.nodes.iter().map(move_of).sum::<f64>();
+                // A gap that is closed to the round-off of the coordinates is closed.
+                let round_off = 4.0 * f64::EPSILON * place.iter().fold(normal.abs(), |max, x| max.max(x.abs()));
+                *closed |= normal - gap >= -round_off;
+            }
+        }
+        let bearing = || candidates.iter().zip(&closed).filter(|(_, closed)| **closed).map(|(point, _)| point);
+        let Some(first) = bearing().next() else { continue };
+        let share = bearing().map(|p| p.weight).sum::<f64>() / on_side().map(|p| p.weight).sum::<f64>();
+        let message = format!(
+            "the normal displacement is prescribed at {} of {} contact points of \"{}\", {:.2} % of its area, the first at {}: the foundation bears nothing \
+             there, the support does",
+            bearing().count(),
+            on_side().count(),
+            contact.on,
+            100.0 * share,
+            at(&first.x)
+        );
+        let repair = "prescribe tangential components only next to Γ_C (\"free\" for the others), or end one of the two sides before the other";
+        findings.push(warning("contact-held", &format!("{}.on", problem.contact_path(side)), [share, 0.0], message, repair));
+    }
+    findings
+}
+
+/// `part-free`: parts of the body without contact that can move, or turn, without strain.
+pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
+    let mesh = &*problem.mesh;
+    let parts = components(mesh);
+    let mut has_contact = vec![false; mesh.points.len()];
+    let sides = problem.contacts.iter().filter_map(|contact| mesh.facets.get(&contact.on));
+    sides.flat_map(FacetSet::node_list).for_each(|node| has_contact[node as usize] = true);
+    let motions = rigid_motions(problem, &parts);
+    let free: Vec<(usize, &Component, usize)> = parts
+        .iter()
+        .enumerate()
+        .filter(|(_, part)| !part.nodes.iter().any(|&node| has_contact[node as usize]))
+        .filter_map(|(number, part)| Some((number, part, *motions.get(number).filter(|motions| **motions > 0)?)))
+        .collect();
+    let (number, part, motions) = *free.first()?;
+    let [low, high] = part.bounds(mesh);
+    let which = if parts.len() == 1 { "the body".to_owned() } else { format!("part {} of {} of the body", number + 1, parts.len()) };
+    let message = format!(
+        "{which}, from {} to {}, has no contact and can move without strain in {motions} ways: nothing but its inertia holds it{}",
+        at(&low),
+        at(&high),
+        if free.len() > 1 { format!("; so do {} more parts", free.len() - 1) } else { String::new() }
+    );
+    let repair = "give `displacement`, `normal_displacement` or `spring` on a side of the part, or merge its nodes with those of its neighbour";
+    Some(warning("part-free", "boundary", [motions as f64, 0.0], message, repair))
+}

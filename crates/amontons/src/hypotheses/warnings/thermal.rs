@@ -1,0 +1,38 @@
+//! `thermal-layer`: how deep heat gets from Γ_C beside the size of a cell.
+
+use super::super::Finding;
+use super::super::laws::at;
+use super::warning;
+use crate::model::thermal_layers;
+use crate::problem::Problem;
+
+/// Share of the steps in which the layer may be thinner than a cell.
+const SHARE: f64 = 0.1;
+
+/// `thermal-layer`: heat that enters through Γ_C reaches the depth √(t K/c) in the time t. While that is less than a cell, linear functions
+/// cannot represent the layer: the surface is too cold, and nodes below it undershoot. Warns if that is so in more than a tenth of the steps.
+pub(super) fn layer(problem: &Problem) -> Option<Finding> {
+    let layers = thermal_layers(problem);
+    let layer = layers.into_iter().max_by(|a, b| (a.cell / a.end).total_cmp(&(b.cell / b.end)))?;
+    // The layer has the depth of a cell after n = (h/δ)² steps.
+    let unresolved = (layer.cell / layer.step).powi(2);
+    if unresolved <= SHARE * problem.steps as f64 {
+        return None;
+    }
+    let message = format!(
+        "heat gets {:.2e} m deep in a step and {:.2e} m in the whole run, √(t K/c), and the cells of \"{}\" are {:.2e} m high: the layer is {:.3} times thinner \
+         than the cell at {} after a step, and thinner than it in {:.0} of {} steps",
+        layer.step,
+        layer.end,
+        layer.side,
+        layer.cell,
+        layer.cell / layer.step,
+        at(&layer.x),
+        unresolved.min(problem.steps as f64).ceil(),
+        problem.steps
+    );
+    let needed = layer.end * SHARE.sqrt();
+    let repair =
+        format!("cells of at most {needed:.1e} m along the normal next to \"{}\"; temperatures and heat of the contact cannot be trusted before", layer.side);
+    Some(warning("thermal-layer", "mesh", [layer.cell, needed], message, repair))
+}

@@ -1,0 +1,98 @@
+//! Nodes at one place that are not the same node: a crack, or parts that were not merged.
+
+use std::collections::HashMap;
+
+use super::super::{Block, Mesh};
+use crate::tensor::{Point, length};
+
+/// Share of the shortest edge at a node within which another node is at the same place.
+const SAME: f64 = 1e-6;
+
+/// Pairs of nodes at one place, the lower node first, ascending.
+///
+/// The mesh is sound with them: a displacement may jump there. Where that is not meant, the nodes are to be merged. Nodes must exist and
+/// have finite coordinates, see [`super::defects`].
+#[must_use]
+pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
+    let edges = shortest_edges(mesh);
+    let spacing = edges.iter().copied().fold(f64::INFINITY, f64::min);
+    if !(spacing > 0.0 && spacing.is_finite()) {
+        return Vec::new();
+    }
+    // Two nodes of one cell are farther apart than a box of this size, so a box holds few nodes.
+    let size = 0.5 * spacing;
+    let index = |x: f64| (x / size).floor() as i64;
+    let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
+    for (node, p) in mesh.points.iter().enumerate() {
+        boxes.entry(p.map(index)).or_default().push(node as u32);
+    }
+    let mut pairs = Vec::new();
+    for (node, p) in mesh.points.iter().enumerate() {
+        let reach = SAME * if edges[node].is_finite() { edges[node] } else { spacing };
+        // More than one box in a direction only where the node is next to its border.
+        let [low, high] = [p.map(|x| index(x - reach)), p.map(|x| index(x + reach))];
+        for i in low[0]..=high[0] {
+            for j in low[1]..=high[1] {
+                for k in low[2]..=high[2] {
+                    let others = boxes.get(&[i, j, k]).into_iter().flatten();
+                    let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
+                    pairs.extend(others.copied().filter(|other| (*other as usize) != node && near(other)).map(|other| {
+                        let node = node as u32;
+                        [node.min(other), node.max(other)]
+                    }));
+                }
+            }
+        }
+    }
+    pairs.sort_unstable();
+    pairs.dedup();
+    pairs
+}
+
+/// Shortest distance of each node from another vertex of one of its cells, m; infinite for nodes of no cell.
+fn shortest_edges(mesh: &Mesh) -> Vec<f64> {
+    let mut edges = vec![f64::INFINITY; mesh.points.len()];
+    for cell in mesh.blocks.iter().flat_map(Block::cells) {
+        for (i, &a) in cell.iter().enumerate() {
+            for &b in &cell[..i] {
+                let (a, b) = (a as usize, b as usize);
+                let edge = length(&difference(&mesh.points[a], &mesh.points[b]));
+                edges[a] = edges[a].min(edge);
+                edges[b] = edges[b].min(edge);
+            }
+        }
+    }
+    edges
+}
+
+fn difference(a: &Point, b: &Point) -> Point {
+    std::array::from_fn(|d| a[d] - b[d])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Diagonal, MeshError};
+
+    /// A rectangle and its copy moved by its width, in an oblique position: the nodes of the common side are pairs, whatever side of
+    /// a box they are on, and no others.
+    #[test]
+    fn nodes_of_two_parts_that_touch_are_pairs() -> Result<(), MeshError> {
+        for angle in [0.0, 0.3, 1.1] {
+            let mut mesh = Mesh::rectangle([1.0, 1.0], [7, 5], Diagonal::Right)?;
+            let nodes = mesh.points.len() as u32;
+            let mut copy = mesh.blocks[0].clone();
+            copy.nodes.iter_mut().for_each(|node| *node += nodes);
+            mesh.blocks.push(copy);
+            let moved: Vec<Point> = mesh.points.iter().map(|p| [p[0] + 1.0, p[1], 0.0]).collect();
+            mesh.points.extend(moved);
+            let (sin, cos) = f64::sin_cos(angle);
+            mesh.points.iter_mut().for_each(|p| *p = [cos * p[0] - sin * p[1] + 1e-9 * p[1], sin * p[0] + cos * p[1], 0.0]);
+            let pairs = coincident(&mesh);
+            assert_eq!(pairs.len(), 6, "angle {angle}: {pairs:?}");
+            assert!(pairs.iter().all(|[a, b]| *a < nodes && *b >= nodes));
+        }
+        assert!(coincident(&Mesh::rectangle([1.0, 1.0], [7, 5], Diagonal::Crossed)?).is_empty());
+        Ok(())
+    }
+}

@@ -1,0 +1,111 @@
+//! The size of a model before it is run: lengths, areas, masses, times, and what a step costs.
+
+mod cost;
+mod layers;
+mod supports;
+mod times;
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+pub use cost::Cost;
+pub use layers::{ThermalLayer, cell_heights, thermal_layers};
+pub use supports::rigid_motions;
+pub use times::Times;
+
+use crate::element::Table;
+use crate::mesh::defects::components;
+use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
+use crate::problem::Problem;
+use crate::tensor::Point;
+
+/// The size of a model. In two dimensions volume, mass and areas are per metre of thickness; those of a body of revolution are of the whole body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Model {
+    /// Least and largest coordinates, m.
+    #[serde(rename = "box")]
+    pub bounds: [Vec<f64>; 2],
+    /// Volume, m³.
+    pub volume: f64,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Parts that hang together by common nodes.
+    pub parts: usize,
+    /// Area of each named side, m².
+    pub sides: BTreeMap<String, f64>,
+    /// Contact points of each contact, by the name of its side.
+    pub contact_points: BTreeMap<String, usize>,
+    /// Time scales.
+    pub times: Times,
+    /// How deep heat gets from the sides of contact.
+    pub thermal_layers: Vec<ThermalLayer>,
+    /// Work and memory of a step; none where the matrices do not fit into memory.
+    pub cost: Option<Cost>,
+}
+
+impl Model {
+    /// Measures a problem. Two factorizations give the time scales, the cost is counted without one.
+    #[must_use]
+    pub fn new(problem: &Problem) -> Model {
+        let mesh = &*problem.mesh;
+        let bound = |fold: fn(f64, f64) -> f64, start: f64| (0..mesh.dim).map(|d| mesh.points.iter().map(|p| p[d]).fold(start, fold)).collect();
+        let volumes = volumes(mesh);
+        let density = |region: usize| problem.material_of(region).map_or(0.0, |m| m.density);
+        let boundary = problem.contact_boundary();
+        let points = |side: usize| boundary.points.iter().filter(|p| p.side == side).count();
+        Model {
+            bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
+            volume: volumes.iter().sum(),
+            mass: mesh.blocks.iter().zip(&volumes).map(|(block, volume)| density(block.region) * volume).sum(),
+            parts: components(mesh).len(),
+            sides: mesh.facets.iter().map(|(name, set)| (name.clone(), area(mesh, set))).collect(),
+            contact_points: problem.contacts.iter().enumerate().map(|(side, contact)| (contact.on.clone(), points(side))).collect(),
+            times: Times::new(problem),
+            thermal_layers: thermal_layers(problem),
+            cost: Cost::new(problem),
+        }
+    }
+}
+
+/// Volume of each block of cells, m³.
+fn volumes(mesh: &Mesh) -> Vec<f64> {
+    let of_block = |block: &crate::mesh::Block| {
+        let table = Table::new(block.element, mesh.dim * block.element.degree + usize::from(mesh.axisymmetric));
+        let mut map = CellMap::new(mesh, &table);
+        let mut sum = 0.0;
+        for cell in block.cells() {
+            for (q, weight) in table.weights.iter().enumerate() {
+                map.at(cell, q);
+                sum += weight * map.measure;
+            }
+        }
+        sum
+    };
+    mesh.blocks.iter().map(of_block).collect()
+}
+
+/// Area of a side, m².
+fn area(mesh: &Mesh, set: &FacetSet) -> f64 {
+    let mut sum = 0.0;
+    for block in &set.blocks {
+        let table = Table::new(block.element, 2 * block.element.degree + 1);
+        let mut map = FacetMap::new(mesh, &table);
+        for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+            for (q, weight) in table.weights.iter().enumerate() {
+                map.at(facet, q);
+                sum += weight * map.area;
+            }
+        }
+    }
+    sum
+}
+
+/// Largest distance of a node of a cell from the plane through `x` across `normal`, m.
+fn height(mesh: &Mesh, cell: &[u32], x: &Point, normal: &Point) -> f64 {
+    let distance = |&node: &u32| {
+        let p = &mesh.points[node as usize];
+        (0..3).map(|d| (p[d] - x[d]) * normal[d]).sum::<f64>().abs()
+    };
+    cell.iter().map(distance).fold(0.0, f64::max)
+}

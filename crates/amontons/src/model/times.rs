@@ -1,0 +1,86 @@
+//! Time scales of a model: how fast it vibrates, warms up and relaxes.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use serde::Serialize;
+
+use super::supports::{holds_temperature, rigid_motions};
+use crate::forms;
+use crate::linalg::{BlockMatrix, Graph, Quotient, System, Unknowns, largest};
+use crate::material::{Material, TensorLaw};
+use crate::mesh::defects::components;
+use crate::problem::Problem;
+use crate::space::Space;
+
+/// Time scales of the body without contact, s.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Times {
+    /// Longest period of the body at rest, held as its supports and springs hold it: 2π √(sup (ρv, v)/a(v, v)). None where the density is zero
+    /// or nothing holds the body.
+    pub first_period: Option<f64>,
+    /// Time in which the slowest temperature falls by 1/e: sup (cη, η)/d(η, η), convection included. None where the heat is steady or no side
+    /// holds the temperature.
+    pub heat: Option<f64>,
+    /// Least and largest ratio of viscosity to elasticity, the time in which a Kelvin–Voigt body follows its load. None without viscosity.
+    pub retardation: Option<[f64; 2]>,
+    /// Relaxation times of the branches.
+    pub relaxation: Vec<f64>,
+}
+
+impl Times {
+    /// The time scales of a problem.
+    pub(super) fn new(problem: &Problem) -> Times {
+        let graph = Arc::new(Graph::of_mesh(&problem.mesh));
+        let parts = components(&problem.mesh);
+        // The factor of a form that is singular may exist by round-off.
+        let held = rigid_motions(problem, &parts).iter().all(|motions| *motions == 0);
+        let (first_period, heat) =
+            rayon::join(|| held.then(|| period(problem, &graph)).flatten(), || holds_temperature(problem, &parts).then(|| heat(problem, &graph)).flatten());
+        let ratios = problem.materials.iter().flat_map(|m| {
+            let (a, b) = (m.elasticity.constants(), m.viscosity.constants());
+            [b.monotonicity / a.lipschitz, b.lipschitz / a.monotonicity]
+        });
+        let retardation = ratios.fold([f64::INFINITY, 0.0f64], |[low, high], ratio| [low.min(ratio), high.max(ratio)]);
+        Times { first_period, heat, retardation: (retardation[1] > 0.0).then_some(retardation), relaxation: problem.relaxation_times() }
+    }
+}
+
+fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
+    let (mesh, space) = (&*problem.mesh, problem.displacement_space());
+    let densities = of_materials(problem, |m| m.density)?;
+    let laws: Vec<&dyn TensorLaw> = problem.materials.iter().map(|m| m.elasticity.as_ref()).collect();
+    let mut stiffness = if laws.iter().all(|law| law.is_linear()) {
+        forms::tensor_form(mesh, graph, &laws, problem.dilatation)
+    } else {
+        forms::tangent(mesh, graph, &laws, problem.dilatation, &vec![0.0; space.free.len()])
+    };
+    if let Some(springs) = forms::springs(mesh, graph, &problem.boundary) {
+        stiffness.add_scaled(1.0, &springs);
+    }
+    slowest(problem, &space, &forms::weighted_inner_h(mesh, graph, &densities), &stiffness).map(|mu| TAU * mu.sqrt())
+}
+
+fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
+    let mesh = &*problem.mesh;
+    let capacities = of_materials(problem, |m| m.heat_capacity)?;
+    let mut conduction = forms::d(mesh, graph, &problem.materials.iter().map(|m| &m.conductivity).collect::<Vec<_>>());
+    if let Some(convection) = forms::convection(mesh, graph, &problem.boundary) {
+        conduction.add_scaled(1.0, &convection);
+    }
+    slowest(problem, &problem.temperature_space(), &forms::weighted_inner_h(mesh, graph, &capacities), &conduction)
+}
+
+/// A number of each material; none where it is zero in all of them.
+fn of_materials(problem: &Problem, of: fn(&Material) -> f64) -> Option<Vec<f64>> {
+    let values: Vec<f64> = problem.materials.iter().map(of).collect();
+    values.iter().any(|value| *value > 0.0).then_some(values)
+}
+
+/// sup (storage x, x)/(energy x, x); none where the energy is not positive.
+fn slowest(problem: &Problem, space: &Space, storage: &BlockMatrix, energy: &BlockMatrix) -> Option<f64> {
+    let unknowns = Unknowns::new(energy, &problem.mesh.points, space.components, &space.free, &[]);
+    let mut system = System::new(energy, unknowns).ok()?;
+    let pair = largest(&mut Quotient { numerator: storage, denominator: energy, system: &mut system });
+    (pair.value > 0.0 && pair.value.is_finite()).then_some(pair.value)
+}

@@ -1,0 +1,225 @@
+//! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below absolute zero.
+
+use super::{Datum, Fault, Problem};
+use crate::field::Field;
+use crate::material::Material;
+use crate::mesh::Mesh;
+use crate::tensor::{Point, Sym, mandel_len};
+
+/// Powers of ten between which squares, energies and entries of matrices must lie.
+const LIMIT: f64 = 290.0;
+/// Time levels, and nodes of a side or the body, at which data are looked at.
+const LEVELS: usize = 64;
+const NODES: usize = 1024;
+
+/// A magnitude as its power of ten, with the key that it comes from.
+#[derive(Clone, Debug)]
+struct Scale {
+    power: f64,
+    key: String,
+}
+
+/// The scale of a number; none of zero.
+fn scale(value: f64, key: impl Into<String>) -> Option<Scale> {
+    (value != 0.0).then(|| Scale { power: value.abs().log10(), key: key.into() })
+}
+
+impl Scale {
+    /// The scale times 10^power.
+    fn times(self, power: f64) -> Scale {
+        Scale { power: self.power + power, ..self }
+    }
+}
+
+/// The largest of some scales.
+fn largest(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
+    scales.into_iter().flatten().max_by(|a, b| a.power.total_cmp(&b.power))
+}
+
+/// The power of ten of a number that is not zero.
+fn power(value: f64) -> Option<f64> {
+    (value != 0.0).then(|| value.abs().log10())
+}
+
+/// What to do about a temperature below absolute zero.
+const HINT: &str = "correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for degrees Celsius and 0 for kelvins";
+
+impl Problem {
+    /// Temperatures of the data are not below the absolute zero of a radiating contact.
+    pub(super) fn check_temperatures(&self, faults: &mut Vec<Fault>) {
+        let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
+        let Some(zero) = zero else { return };
+        let expected = format!("temperatures from absolute_zero = {zero:?} on");
+        for datum in self.data().into_iter().chain(self.initial_data()).filter(|datum| is_temperature(&datum.key)) {
+            let coldest = self.samples(&datum).min_by(|a, b| a.0.total_cmp(&b.0));
+            if let Some((value, x, t)) = coldest.filter(|(value, ..)| *value < zero) {
+                let found = format!("the temperature {value:?} at {}, t = {t:?}", place(&self.mesh, &x));
+                faults.push(Fault::new(datum.key, found, &*expected).hint(HINT));
+            }
+        }
+        for (side, contact) in self.contacts.iter().enumerate() {
+            if let Some(start) = contact.foundation_heat.as_ref().and_then(|foundation| foundation.temperature).filter(|start| *start < zero) {
+                let path = format!("{}.foundation.temperature", self.contact_path(side));
+                faults.push(Fault::new(path, format!("the temperature {start:?}"), &*expected).hint(HINT));
+            }
+        }
+    }
+
+    /// Squares of stresses, displacements, velocities and temperatures, energies and entries of the matrices are numbers that can be computed with.
+    pub(super) fn check_range(&self, faults: &mut Vec<Fault>) {
+        // Steps of no length are told elsewhere.
+        if !self.k().is_normal() {
+            return;
+        }
+        let Scales { stress, displacement, velocity, temperature, energy, matrices } = self.scales();
+        let squares = [("stresses", "Pa", stress), ("displacements", "m", displacement), ("velocities", "m/s", velocity), ("temperatures", "K", temperature)];
+        let squares = squares.into_iter().filter_map(|(what, unit, scale)| {
+            let scale = scale?;
+            let found = format!("{what} of about {} {unit}, whose squares are about {}", tens(scale.power), tens(2.0 * scale.power));
+            Some((scale.clone().times(scale.power), found))
+        });
+        let energy = energy.map(|scale| (scale.clone(), format!("energies of about {} J", tens(scale.power))));
+        let matrices = matrices.into_iter().flatten().map(|scale| (scale.clone(), format!("entries of a matrix of about {}", tens(scale.power))));
+        for (scale, found) in squares.chain(energy).chain(matrices).filter(|(scale, _)| scale.power.abs() > LIMIT) {
+            // Of a datum the first quantity says enough.
+            if faults.iter().any(|fault| fault.path == scale.key) {
+                continue;
+            }
+            let expected = "squares, energies and entries of matrices between 1e-290 and 1e290";
+            faults.push(Fault::new(scale.key, found, expected).hint("correct the value, or choose units in which the data of the case are nearer to 1"));
+        }
+    }
+
+    /// Least and largest temperature of the data: initial, prescribed, of surroundings and of foundations that exchange heat, K.
+    pub(crate) fn temperature_bounds(&self) -> [f64; 2] {
+        let insulated: Vec<String> = (0..self.contacts.len())
+            .filter(|&side| self.contacts[side].heat.conductance_bound() == 0.0)
+            .map(|side| format!("{}.", self.contact_path(side)))
+            .collect();
+        let data = self.data().into_iter().chain(self.initial_data());
+        let acting = data.filter(|datum| is_temperature(&datum.key) && !insulated.iter().any(|path| datum.key.starts_with(path)));
+        let values: Vec<f64> = acting.flat_map(|datum| self.samples(&datum).map(|(value, ..)| value).collect::<Vec<_>>()).collect();
+        let foundations = self.contacts.iter().filter_map(|contact| contact.foundation_heat.as_ref()?.temperature);
+        values.into_iter().chain(foundations).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+    }
+
+    /// Whether heat sources and inflows are negative somewhere, and positive somewhere.
+    pub(crate) fn heat_signs(&self) -> [bool; 2] {
+        let heats = |key: &str| key == "load.heat_source" || key.ends_with("heat_inflow");
+        let mut signs = [false; 2];
+        for datum in self.data().iter().filter(|datum| heats(&datum.key)) {
+            for (value, ..) in self.samples(datum) {
+                signs = [signs[0] || value < 0.0, signs[1] || value > 0.0];
+            }
+        }
+        signs
+    }
+
+    /// Values of a datum at nodes and time levels.
+    fn samples<'a>(&'a self, datum: &Datum<'a>) -> impl Iterator<Item = (f64, Point, f64)> + use<'a> {
+        let mut points = self.nodes_of(datum);
+        let field = datum.field;
+        if !field.depends_on_space() {
+            points.truncate(1);
+        }
+        let stride = points.len().div_ceil(NODES).max(1);
+        let points: Vec<Point> = points.into_iter().step_by(stride).collect();
+        let every = if field.depends_on_time() { self.steps.div_ceil(LEVELS).max(1) } else { self.steps.max(1) };
+        let levels = (0..self.steps).step_by(every).chain(field.depends_on_time().then_some(self.steps));
+        levels.flat_map(move |n| {
+            let t = self.time(n);
+            field.values(&points, t).into_iter().zip(points.clone()).map(move |(value, x)| (value, x, t)).collect::<Vec<_>>()
+        })
+    }
+
+    /// The largest magnitude of a datum.
+    fn scale_of(&self, datum: &Datum) -> Option<Scale> {
+        let magnitude = match datum.field {
+            Field::Constant(value) => value.abs(),
+            _ => self.samples(datum).fold(0.0, |max: f64, (value, ..)| if value.is_finite() { max.max(value.abs()) } else { max }),
+        };
+        scale(magnitude, datum.key.clone())
+    }
+
+    /// The magnitudes of a run by its data: what loads and prescribed values make of the body, by orders of magnitude.
+    fn scales(&self) -> Scales {
+        let (mesh, k) = (&*self.mesh, self.k());
+        let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
+        let of = |kind: &dyn Fn(&str) -> bool| largest(data.iter().filter(|datum| kind(&datum.key)).map(|datum| self.scale_of(datum)));
+        let material = |key: &str, of: &dyn Fn(&Material) -> f64| scale(self.materials.iter().map(of).fold(0.0, f64::max), format!("material.{key}"));
+        let elastic = material("elasticity", &|m| m.elasticity.constants().lipschitz);
+        let viscous = material("viscosity", &|m| m.viscosity.constants().lipschitz);
+        let density = material("density", &|m| m.density);
+        let capacity = material("heat_capacity", &|m| m.heat_capacity);
+        let conductivity = material("conductivity", &|m| entry(&m.conductivity, mesh));
+        let expansion = material("expansion", &|m| entry(&m.expansion, mesh));
+        let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.end).unwrap_or(0.0));
+        let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| Some(scale?.times(sign * factor.as_ref()?.power + more));
+
+        let given = of(&|key| key.starts_with("initial.temperature") || is_temperature(key));
+        let sources = largest([of(&|key| key == "load.heat_source").map(|s| s.times(length)), of(&|key| key.ends_with("heat_inflow"))]);
+        let heated = [by(sources.clone(), &conductivity, -1.0, length), by(sources, &capacity, -1.0, end - length)];
+        let heated = heated.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power));
+        let temperature = largest([given, heated]);
+
+        let force = of(&|key| key.starts_with("load.body_force")).map(|s| s.times(length));
+        let load = largest([force, of(&|key| key.contains("].traction") || key.ends_with("].pressure")), by(temperature.clone(), &expansion, 1.0, 0.0)]);
+        let moved = of(&|key| key.contains("displacement"));
+        let fast = largest([of(&|key| key.starts_with("initial.velocity")), moved.clone().map(|s| s.times(-end))]);
+        let stress = largest([load.clone(), by(moved.clone(), &elastic, 1.0, -length), by(fast.clone(), &viscous, 1.0, -length)]);
+        // What a load moves is held by stiffness, viscosity or inertia, whichever holds most.
+        let carried = [by(load.clone(), &elastic, -1.0, length), by(load.clone(), &viscous, -1.0, length + end), by(load, &density, -1.0, 2.0 * end - length)];
+        let carried = carried.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power));
+        let displacement = largest([moved, carried]);
+        let velocity = largest([fast, of(&|key| key.contains("foundation_velocity")), displacement.clone().map(|s| s.times(-end))]);
+        let dim = mesh.tensor_dim() as f64;
+        let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
+        let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
+        let [volume, edge] = [dim, dim - 2.0].map(|d| d * h);
+        let matrices = [
+            largest([density.map(|s| s.times(volume - k)), viscous.map(|s| s.times(edge)), elastic.map(|s| s.times(edge + k))]),
+            largest([capacity.map(|s| s.times(volume - k)), conductivity.map(|s| s.times(edge))]),
+        ];
+        Scales { stress, displacement, velocity, temperature, energy, matrices }
+    }
+}
+
+/// Magnitudes of a run; none where it is zero.
+struct Scales {
+    stress: Option<Scale>,
+    displacement: Option<Scale>,
+    velocity: Option<Scale>,
+    temperature: Option<Scale>,
+    energy: Option<Scale>,
+    /// Largest entries of K_u and K_θ.
+    matrices: [Option<Scale>; 2],
+}
+
+/// Whether a key is that of a temperature.
+fn is_temperature(key: &str) -> bool {
+    ["temperature", ".ambient", ".surroundings"].iter().any(|end| key.ends_with(end))
+}
+
+/// Largest entry of a tensor.
+fn entry(tensor: &Sym, mesh: &Mesh) -> f64 {
+    tensor.0[..mandel_len(mesh.tensor_dim())].iter().fold(0.0, |max: f64, c| max.max(c.abs()))
+}
+
+/// The largest extent of the body along an axis, m.
+fn diameter(mesh: &Mesh) -> f64 {
+    let extent = |d: usize| {
+        let bounds = mesh.points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[d]), high.max(p[d])));
+        bounds.1 - bounds.0
+    };
+    (0..mesh.dim).map(extent).fold(0.0, f64::max)
+}
+
+/// A power of ten for reading: `1e-170`.
+fn tens(power: f64) -> String {
+    format!("1e{:.0}", power.round())
+}
+
+/// `x = 1.0, y = 2.0`.
+fn place(mesh: &Mesh, x: &Point) -> String {
+    ["x", "y", "z"].iter().zip(x).take(mesh.dim).map(|(axis, x)| format!("{axis} = {x:?}")).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,74 @@
+//! Which datum is not finite where a step failed.
+
+use super::{State, StepError};
+use crate::element::{Element, Table};
+use crate::forms;
+use crate::mesh::{CellMap, FacetMap, Mesh};
+use crate::problem::{Datum, Problem};
+use crate::tensor::Point;
+
+/// The error of a step with values that are not finite, with the datum that is the cause, if one is; other errors as they are.
+pub(super) fn named(problem: &Problem, old: &State, error: StepError) -> StepError {
+    let StepError::NotFinite { step, t, .. } = error else { return error };
+    // The foundation is asked at both ends of a step.
+    let found = [t, old.t].into_iter().find_map(|t| Some((t, culprit(problem, old, t)?)));
+    found.map_or(error, |(t, (key, value, at))| StepError::Data { step, t, key, value, at })
+}
+
+/// A datum that has no finite value at a time: key, value, and where.
+fn culprit(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point)> {
+    let first = |points: &[Point], datum: &Datum| {
+        let values = datum.field.values(points, t);
+        let (value, x) = values.into_iter().zip(points).find(|(value, _)| !value.is_finite())?;
+        Some((datum.key.clone(), value, *x))
+    };
+    let data = problem.data();
+    // At the nodes first: an expression that breaks down at a node is easier to see there.
+    let at_nodes = data.iter().find_map(|datum| first(&problem.nodes_of(datum), datum));
+    let inside = || data.iter().filter(|datum| datum.field.depends_on_space()).find_map(|datum| first(&quadrature(&problem.mesh, datum.side), datum));
+    at_nodes.or_else(inside).or_else(|| obstacle(problem, old, t))
+}
+
+/// The points at which loads are integrated, of a side or of the body.
+fn quadrature(mesh: &Mesh, side: Option<&str>) -> Vec<Point> {
+    let table = |element: &'static Element| Table::new(element, forms::data_degree(element));
+    let mut points = Vec::new();
+    let Some(side) = side else {
+        for block in &mesh.blocks {
+            let table = table(block.element);
+            let mut map = CellMap::new(mesh, &table);
+            for (cell, q) in block.cells().flat_map(|cell| (0..table.len()).map(move |q| (cell, q))) {
+                map.at(cell, q);
+                points.push(map.position);
+            }
+        }
+        return points;
+    };
+    for block in mesh.facets.get(side).into_iter().flat_map(|set| &set.blocks) {
+        let table = table(block.element);
+        let mut map = FacetMap::new(mesh, &table);
+        for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+            for q in 0..table.len() {
+                map.at(facet, q);
+                points.push(map.position);
+            }
+        }
+    }
+    points
+}
+
+/// An obstacle that has no nearest point.
+fn obstacle(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point)> {
+    let (boundary, dim) = (problem.contact_boundary(), problem.mesh.dim);
+    boundary.points.iter().find_map(|point| {
+        let obstacle = problem.contacts.get(point.side)?.obstacle.as_ref()?;
+        let mut moved = point.x;
+        for &(node, value) in &point.nodes {
+            for (c, x) in moved.iter_mut().enumerate().take(dim) {
+                *x += value * old.u[boundary.nodes[node] as usize * dim + c];
+            }
+        }
+        let found = [point.x, moved].into_iter().map(|x| (obstacle.nearest(&x, t).distance, x)).find(|(distance, _)| !distance.is_finite())?;
+        Some((format!("{}.obstacle", problem.contact_path(point.side)), found.0, found.1))
+    })
+}
