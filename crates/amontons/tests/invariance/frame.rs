@@ -120,17 +120,13 @@ impl Frame {
     /// The coordinate X, Y or Z of the case, and its time T, by those of this description.
     fn coordinate(&self, name: char) -> String {
         let axes = ["x", "y", "z"];
-        match name {
-            'T' => format!("max(t/{:?}-{:?}, 0)", self.time, self.later as f64 * STEP),
-            _ => {
-                let d = (name as u8 - b'X') as usize;
-                let terms: Vec<String> = (0..3)
-                    .filter(|&i| self.q[i][d] != 0.0)
-                    .map(|i| format!("({:?})*({}-({:?}))", self.q[i][d] / self.length, axes[i], self.shift[i]))
-                    .collect();
-                format!("({})", terms.join("+"))
-            }
+        if name == 'T' {
+            return format!("max(t/{:?}-{:?}, 0)", self.time, self.later as f64 * STEP);
         }
+        let d = (name as u8 - b'X') as usize;
+        let term = |i: usize| format!("({:?})*({}-({:?}))", self.q[i][d] / self.length, axes[i], self.shift[i]);
+        let terms: Vec<String> = (0..3).filter(|&i| self.q[i][d] != 0.0).map(term).collect();
+        format!("({})", terms.join("+"))
     }
 
     fn expression(&self, text: &str) -> String {
@@ -142,7 +138,6 @@ impl Frame {
         let numbers: Option<Vec<f64>> = factors.iter().map(|(factor, text)| Some(factor * text.trim().parse::<f64>().ok()?)).collect();
         match numbers {
             Some(numbers) => format!("{:?}", numbers.into_iter().sum::<f64>()),
-            None if matches!(factors, [(factor, _)] if *factor == 1.0) => format!("\"{}\"", self.expression(factors[0].1.trim())),
             None => {
                 let terms: Vec<String> = factors
                     .iter()
@@ -270,7 +265,9 @@ fn renumber(mesh: &mut Mesh, random: &mut Random) {
     old.iter().zip(&numbers).for_each(|(x, &number)| mesh.points[number as usize] = *x);
     let sides = mesh.facets.values_mut().flat_map(|set: &mut FacetSet| set.blocks.iter_mut().map(|block| (block.element, &mut block.nodes)));
     for (element, nodes) in mesh.blocks.iter_mut().map(|block: &mut Block| (block.element, &mut block.nodes)).chain(sides) {
-        nodes.iter_mut().for_each(|node| *node = numbers[*node as usize]);
+        for node in nodes.iter_mut() {
+            *node = numbers[*node as usize];
+        }
         let turns = turns(element.shape);
         renumber_cells(element, nodes, |_| turns[random.below(turns.len())]);
         let mut cells: Vec<Vec<u32>> = nodes.chunks_exact(element.nodes.len()).map(<[u32]>::to_vec).collect();
