@@ -68,9 +68,9 @@ pub enum Command {
         #[arg(long, value_name = "F")]
         scale: Option<f64>,
     },
-    /// Run the shipped benchmarks, or recompute the figures of a results folder
+    /// Compare runs with the reference values of a case or of the shipped benchmarks
     Verify {
-        /// Names of benchmarks, or results folders [default: all benchmarks]
+        /// Case files with `[expected]` or `[verify]`, results folders, whose figures are recomputed, or benchmarks [default: all benchmarks]
         names: Vec<String>,
         #[command(flatten)]
         common: Common,

@@ -11,6 +11,7 @@ use amontons::output::{CheckpointError, OutputError, Summary};
 use amontons::plot::PlotError;
 use amontons::run::RunError;
 use amontons::scheme::SetupError;
+use amontons::verify::VerifyError;
 use serde_json::{Value, json};
 
 use crate::arguments::Format;
@@ -35,8 +36,11 @@ pub enum Failure {
     Request(String),
     /// Arguments that say nothing that can be done.
     Usage(String),
-    /// Values that do not hold.
-    Verification(String),
+    /// Values that do not hold: the message, and the table as JSON.
+    Verification {
+        message: String,
+        table: Value,
+    },
     /// Constants of the domain that cannot be computed.
     Constants(FactorError),
     /// A picture that cannot be drawn.
@@ -58,6 +62,19 @@ impl From<StudyRequestError> for Failure {
         match error {
             StudyRequestError::Case(error) => Failure::Case(error),
             StudyRequestError::Request { .. } => Failure::Request(error.to_string()),
+        }
+    }
+}
+
+impl From<VerifyError> for Failure {
+    fn from(error: VerifyError) -> Failure {
+        match error {
+            VerifyError::Case(error) => error.into(),
+            VerifyError::Run(error) => Failure::Run { error, hint: None },
+            VerifyError::Request(error) => error.into(),
+            VerifyError::Files(error) => error.into(),
+            VerifyError::Study(error) => Failure::Study { error, folder: PathBuf::new() },
+            error @ (VerifyError::Nothing(_) | VerifyError::Check(_)) => Failure::Request(error.to_string()),
         }
     }
 }
@@ -106,7 +123,7 @@ impl Failure {
         match self {
             Failure::Case(CaseError::Faults { .. }) => CASE,
             Failure::Output(OutputError::HoldsResults { .. }) | Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
-            Failure::Verification(_) => CHECK,
+            Failure::Verification { .. } => CHECK,
             Failure::Constants(_) => SOLVER,
             Failure::Plot(_) => FILE,
             Failure::Study { error, .. } => match error {
@@ -138,7 +155,7 @@ impl Failure {
                 format!("interrupted; finished levels are in {} and are taken as they are by the same command", folder.display())
             }
             Failure::Study { error, .. } => error.to_string(),
-            Failure::Request(message) | Failure::Usage(message) | Failure::Verification(message) => message.clone(),
+            Failure::Request(message) | Failure::Usage(message) | Failure::Verification { message, .. } => message.clone(),
             Failure::Constants(error) => format!("the constants of the domain: {error}"),
             Failure::Plot(error) => error.to_string(),
             Failure::Exists(path) => format!("{} is there already; give another name", path.display()),
@@ -169,6 +186,11 @@ impl Failure {
         }
         if let Failure::Case(CaseError::Faults { file, faults }) = self {
             error["faults"] = faults::json(file, faults);
+        }
+        if let Failure::Verification { table, .. } = self {
+            let mut table = table.clone();
+            table["error"] = error;
+            return table;
         }
         match self.summary() {
             Some(summary) => json!({ "error": error, "summary": summary }),

@@ -1,82 +1,95 @@
-//! `verify`: the shipped benchmarks, held against their references.
+//! `verify`: cases and the shipped benchmarks, held against their references.
 
 use std::path::Path;
 
+use amontons::case::{self, Source};
 use amontons::run::Settings;
-use amontons::verify::{BENCHMARKS, Verdict, recompute, verify};
+use amontons::verify::{BENCHMARKS, Verdict, VerifyError, benchmark, recompute, verify_case};
 
 use crate::arguments::{Common, Format};
 use crate::print;
 use crate::status::Failure;
 
-/// Runs the benchmarks whose names are given, all without names; a results folder is recomputed from its files.
+/// Evaluates the benchmarks, case files and results folders that are named, all benchmarks without names.
 pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
     let settings = Settings { threads: common.threads.map(usize::from), interrupt: None, certificate: false };
     let mut verdicts: Vec<Verdict> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
-    let wanted = chosen(names)?;
-    if common.format == Format::Text && !common.quiet {
+    let wanted = chosen(names, &common.set)?;
+    let speaks = common.format == Format::Text && !common.quiet;
+    if speaks {
         print::text(&header())?;
     }
-    for target in wanted {
-        let result = match target {
-            Target::Benchmark(name, text) => verify(name, text, &settings),
-            Target::Folder(folder) => recompute(Path::new(folder)),
-        };
-        let name = match target {
-            Target::Benchmark(name, _) => name,
-            Target::Folder(folder) => folder,
-        };
-        match result {
+    for target in &wanted {
+        match target.verify(&common.set, &settings) {
             Ok(found) => {
-                if common.format == Format::Text && !common.quiet {
+                if speaks {
                     print::text(&found.iter().map(row).collect::<String>())?;
                 }
                 verdicts.extend(found);
             }
-            Err(error) => failures.push(format!("{name}: {error}")),
+            // Of one case the failure is that of its run; of several the others go on.
+            Err(error) if wanted.len() == 1 => return Err(error.into()),
+            Err(error) => failures.push(format!("{}: {error}", target.name())),
         }
     }
     let held = verdicts.iter().filter(|v| v.holds).count();
-    match common.format {
-        Format::Json => {
-            print::json(&serde_json::json!({ "verdicts": verdicts, "failures": failures, "holds": held == verdicts.len() && failures.is_empty() }))?;
-        }
-        Format::Text if common.quiet => {}
-        Format::Text => print::text(&format!("{held} of {} values hold\n", verdicts.len()))?,
+    let all_hold = failures.is_empty() && held == verdicts.len();
+    if speaks {
+        print::text(&format!("{held} of {} values hold\n", verdicts.len()))?;
     }
-    if failures.is_empty() && held == verdicts.len() {
-        return Ok(());
+    let table = serde_json::json!({ "verdicts": verdicts, "failures": failures, "holds": all_hold });
+    if all_hold {
+        return if common.format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) };
     }
     failures.extend(verdicts.iter().filter(|v| !v.holds).map(|v| format!("{}: {} does not hold", v.benchmark, v.what)));
-    Err(Failure::Verification(failures.join("\n")))
+    Err(Failure::Verification { message: failures.join("\n"), table })
 }
 
-#[derive(Clone, Copy)]
+/// What is evaluated.
 enum Target<'a> {
-    Benchmark(&'a str, &'a str),
+    /// A shipped benchmark or a case file.
+    Case(Source),
     Folder(&'a str),
 }
 
-fn chosen(names: &[String]) -> Result<Vec<Target<'_>>, Failure> {
-    if names.is_empty() {
-        return Ok(BENCHMARKS.iter().map(|(name, text)| Target::Benchmark(name, text)).collect());
+impl Target<'_> {
+    fn name(&self) -> &str {
+        match self {
+            Target::Case(source) => &source.name,
+            Target::Folder(folder) => folder,
+        }
     }
-    names
-        .iter()
-        .map(|name| match BENCHMARKS.iter().find(|(known, _)| known == name) {
-            Some((name, text)) => Ok(Target::Benchmark(name, text)),
-            None if Path::new(name).is_dir() => Ok(Target::Folder(name)),
-            None => {
-                let known: Vec<&str> = BENCHMARKS.iter().map(|(known, _)| *known).collect();
-                Err(Failure::Usage(format!("{name} is neither a benchmark nor a results folder; the benchmarks are {}", known.join(", "))))
-            }
-        })
-        .collect()
+
+    fn verify(&self, overrides: &[String], settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
+        match self {
+            Target::Case(source) => verify_case(source, overrides, settings),
+            Target::Folder(folder) => recompute(Path::new(folder)),
+        }
+    }
+}
+
+fn chosen<'a>(names: &'a [String], overrides: &[String]) -> Result<Vec<Target<'a>>, Failure> {
+    if names.is_empty() {
+        return Ok(BENCHMARKS.iter().map(|(name, text)| Target::Case(benchmark(name, text))).collect());
+    }
+    let target = |name: &'a String| match BENCHMARKS.iter().find(|(known, _)| known == name) {
+        Some((name, text)) => Ok(Target::Case(benchmark(name, text))),
+        None if Path::new(name).is_dir() && overrides.is_empty() => Ok(Target::Folder(name)),
+        None if Path::new(name).is_dir() => Err(Failure::Usage(format!(
+            "{name} is a results folder, whose figures are recomputed from its files: --set has no meaning there; verify the case file instead"
+        ))),
+        None if Path::new(name).is_file() => Ok(Target::Case(case::source(Path::new(name))?)),
+        None => {
+            let known: Vec<&str> = BENCHMARKS.iter().map(|(known, _)| *known).collect();
+            Err(Failure::Usage(format!("{name} is no case file, no results folder and no benchmark; the benchmarks are {}", known.join(", "))))
+        }
+    };
+    names.iter().map(target).collect()
 }
 
 fn header() -> String {
-    format!("{:<28} {:<46} {:>15} {:>15} {:>9} {:>9}  verdict\n", "benchmark", "value", "computed", "reference", "error", "allowed")
+    format!("{:<28} {:<46} {:>15} {:>15} {:>9} {:>9}  verdict\n", "case", "value", "computed", "reference", "error", "allowed")
 }
 
 fn row(v: &Verdict) -> String {

@@ -109,7 +109,9 @@ fn verify_exits_with_1_where_a_value_does_not_hold() {
     assert_eq!(done.status.code(), Some(0));
     let said: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
     assert_eq!(said["holds"], true);
-    assert_eq!(amontons(&["verify", "no-such-benchmark"]).status.code(), Some(2));
+    let refused = amontons(&["verify", "no-such-benchmark"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&refused.stderr).starts_with("Error: no-such-benchmark is no case file, no results folder and no benchmark"));
 
     // A results folder whose figures were changed.
     let folder = tempfile::tempdir().expect("a folder");
@@ -124,6 +126,98 @@ fn verify_exits_with_1_where_a_value_does_not_hold() {
     fs::write(out.join("summary.json"), spoiled.to_string()).expect("a file");
     assert_eq!(amontons(&["verify", &out_text, "--quiet"]).status.code(), Some(1));
     assert_eq!(amontons(&["plot", &folder.path().join("nothing").display().to_string()]).status.code(), Some(4));
+}
+
+/// u_x = x²/2 of a rod of uniaxial strain with E = 1, ν = 0 under the body force −1, fixed at 0 and with the traction 1 at its other end.
+const ROD: &str = r#"
+name = "rod"
+mesh = { kind = "interval", size = 1, n = 4, elements = "P2" }
+time = { end = 1, steps = 1 }
+load = { body_force = [-1] }
+boundary = [{ on = "left", displacement = [0], temperature = 0 }, { on = "right", traction = [1] }]
+
+[material]
+density = 0
+heat_capacity = 0
+expansion = 0
+coupling = 0
+conductivity = 1
+elasticity = { law = "isotropic", young = 1, poisson = 0 }
+viscosity = { law = "lame", first = 0, second = 0 }
+"#;
+
+const EXPECTED: &str = r#"
+[expected.values]
+"final.displacement_max" = [0.5]
+"final.temperature_max" = 0
+"#;
+
+const VERIFY: &str = r#"
+[verify]
+title = "a rod under its weight"
+source = "u = x²/2"
+[[verify.check]]
+kind = "probe"
+field = "displacement_x"
+at = [0.5]
+time = 1
+reference = 0.125
+tolerance = 1e-12
+[[verify.check]]
+kind = "history"
+column = "elastic"
+reference = 0.16666666666666666
+tolerance = 1e-12
+"#;
+
+#[test]
+fn verify_evaluates_the_blocks_of_a_case_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("rod.toml");
+    let path = file.display().to_string();
+    let verify = |text: &str, more: &[&str]| {
+        fs::write(&file, text).expect("a file");
+        amontons(&[&["verify", &path], more].concat())
+    };
+    for (blocks, values) in [(EXPECTED.to_owned(), 2), (VERIFY.to_owned(), 2), (format!("{EXPECTED}{VERIFY}"), 4)] {
+        let done = verify(&format!("{ROD}{blocks}"), &[]);
+        let (said, told) = (String::from_utf8_lossy(&done.stdout).into_owned(), String::from_utf8_lossy(&done.stderr).into_owned());
+        assert_eq!(done.status.code(), Some(0), "{said}{told}");
+        assert!(said.ends_with(&format!("{values} of {values} values hold\n")), "{said}");
+    }
+    // With twice the stiffness half the displacement, and half the energy: three of four values do not hold.
+    let done = verify(&format!("{ROD}{EXPECTED}{VERIFY}"), &["--set", "material.elasticity.young=2", "--format", "json"]);
+    assert_eq!(done.status.code(), Some(1));
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).expect("one document of JSON");
+    let computed: Vec<f64> = said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["computed"].as_f64()).collect();
+    for (computed, expected) in computed.iter().zip([0.25, 0.0, 0.0625, 1.0 / 12.0]) {
+        assert!((computed - expected).abs() < 1e-12, "{computed}, expected {expected}");
+    }
+    let holds: Vec<bool> = said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["holds"].as_bool()).collect();
+    assert_eq!((holds, &said["holds"], &said["error"]["exit_code"]), (vec![false, true, false, false], &serde_json::json!(false), &serde_json::json!(1)));
+}
+
+#[test]
+fn verify_refuses_what_it_cannot_compare() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("rod.toml");
+    let path = file.display().to_string();
+    let wrong = |from: &str, to: &str| format!("{ROD}{EXPECTED}{VERIFY}").replace(from, to);
+    let cases = [
+        (ROD.to_owned(), "has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]"),
+        (wrong("final.temperature_max", "final.temperature"), "summary.json has no such value there, expected 1 number"),
+        (wrong("[0.5]\n\"", "[0.5, 0]\n\""), "summary.json has 1 number there, expected 2 numbers"),
+        (wrong("\"elastic\"", "\"elastik\""), "did you mean \"elastic\"?"),
+        (wrong("time = 1\n", "time = 1.5\n"), "a time from 0 to time.end = 1"),
+        (wrong("kind = \"history\"\ncolumn = \"elastic\"", "kind = \"error\"\nerror = \"error_u\""), "no [exact] to compare with"),
+    ];
+    for (text, part) in cases {
+        fs::write(&file, text).expect("a file");
+        let refused = amontons(&["verify", &path]);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{told}");
+        assert!(told.contains(part), "{told}");
+    }
 }
 
 #[test]

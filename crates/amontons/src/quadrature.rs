@@ -1,7 +1,8 @@
-//! Quadrature on the reference cells, of any degree, computed rather than tabulated.
+//! Quadrature on the reference cells, of any degree and with all symmetries of the cell.
 //!
-//! Gauss–Legendre points come from Newton's method on the Legendre recurrence; simplices are
-//! reached by collapsing a cube onto them (Duffy), which raises the degree to be met by one for each collapse.
+//! Gauss–Legendre points come from Newton's method on the Legendre recurrence. A rule on a simplex is the orbits of a few points
+//! under the permutations of its vertices: known ones up to degree 6; beyond, those of a cube that is collapsed onto the
+//! simplex (Duffy), where each collapse raises the degree to be met by one.
 
 use crate::tensor::Point;
 
@@ -141,9 +142,12 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// A rule on `shape` with positive weights that integrates exactly the polynomials of degree `degree`: of that total
-/// degree on simplices and pyramids, of that degree in each coordinate on quadrilaterals and hexahedra, of that degree
-/// in the plane and in the height on prisms.
+/// A rule on `shape` with positive weights at inner points that integrates exactly the polynomials of degree `degree`: of
+/// that total degree on simplices and pyramids, of that degree in each coordinate on quadrilaterals and hexahedra, of that
+/// degree in the plane and in the height on prisms.
+///
+/// Every rule has the symmetries of its shape, so that an integral over a cell does not depend on the vertex that its
+/// numbering starts with.
 #[must_use]
 pub fn rule(shape: Shape, degree: usize) -> Rule {
     // n Gauss points meet degree 2n − 1; each collapse of a direction multiplies by a distance to the vertex.
@@ -156,41 +160,118 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
     match shape {
         Shape::Point => push([0.0; 3], 1.0),
         Shape::Segment => line(0).iter().for_each(|&(x, w)| push([x, 0.0, 0.0], w)),
-        Shape::Triangle => triangle(degree).iter().for_each(|&(x, y, w)| push([x, y, 0.0], w)),
+        Shape::Triangle => images(&triangle_orbits(degree), 0.5, push),
         Shape::Quadrilateral => products(&line(0), &line(0), &[(0.0, 1.0)], push),
         Shape::Hexahedron => products(&line(0), &line(0), &line(0), push),
         Shape::Prism => {
-            let plane = triangle(degree);
             for &(z, wz) in &line(0) {
-                for &(x, y, w) in &plane {
-                    push([x, y, z], w * wz);
-                }
+                images(&triangle_orbits(degree), 0.5, |[x, y, _], w| push([x, y, z], w * wz));
             }
         }
         Shape::Pyramid => products(&line(0), &line(0), &line(2), |[s, t, z], w| push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z))),
-        Shape::Tetrahedron if degree <= 1 => push([0.25; 3], 1.0 / 6.0),
-        Shape::Tetrahedron if degree == 2 => {
-            // Four points on the lines from the centre to the vertices (Keast, 1986).
-            let (a, b) = ((5.0 - 5f64.sqrt()) / 20.0, (5.0 + 3.0 * 5f64.sqrt()) / 20.0);
-            for x in [[a, a, a], [b, a, a], [a, b, a], [a, a, b]] {
-                push(x, 1.0 / 24.0);
-            }
-        }
-        Shape::Tetrahedron => products(&line(0), &line(1), &line(2), |[s, t, z], w| {
-            let (rest, size) = (1.0 - z, (1.0 - t) * (1.0 - z));
-            push([size * s, rest * t, z], w * size * rest);
-        }),
+        Shape::Tetrahedron => images(&tetrahedron_orbits(degree), 1.0 / 6.0, push),
     }
     rule
 }
 
-/// Points (x, y) of the triangle with their weights.
-fn triangle(degree: usize) -> Vec<(f64, f64, f64)> {
-    if degree <= 1 {
-        return vec![(1.0 / 3.0, 1.0 / 3.0, 0.5)];
+/// Points of a simplex that its symmetries carry into each other: their share in the measure, and the barycentric coordinates
+/// of one of them.
+type Orbit<const N: usize> = (f64, [f64; N]);
+
+/// Orbits of a rule on the triangle: of degree 2 (Strang, Fix, 1973), of 4 and 6 (Cowper, 1973), of 5 (Radon, 1948).
+fn triangle_orbits(degree: usize) -> Vec<Orbit<3>> {
+    let median = |share: f64, a: f64| (share, [a, a, 1.0 - 2.0 * a]);
+    match degree {
+        0 | 1 => vec![(1.0, [1.0 / 3.0; 3])],
+        2 => vec![median(1.0, 1.0 / 6.0)],
+        3 | 4 => vec![median(0.670_144_769_034_034_4, 0.445_948_490_915_964_9), median(0.329_855_230_965_965_6, 0.091_576_213_509_770_74)],
+        5 => {
+            let root = 15f64.sqrt();
+            let pair = [-root, root].map(|root| median((155.0 + root) / 400.0, (6.0 + root) / 21.0));
+            vec![(0.225, [1.0 / 3.0; 3]), pair[0], pair[1]]
+        }
+        6 => {
+            let (a, b) = (0.310_352_451_033_784_4, 0.053_145_049_844_816_945);
+            vec![
+                median(0.350_358_827_179_138_1, 0.249_286_745_170_910_43),
+                median(0.152_534_719_110_620_44, 0.063_089_014_491_502_23),
+                (0.497_106_453_710_241_4, [a, b, 1.0 - a - b]),
+            ]
+        }
+        _ => {
+            let (outer, inner) = (gauss_legendre(usize::midpoint(degree, 1) + 1), half(degree / 2 + 1));
+            let mut orbits = Vec::new();
+            products(&outer, &inner, &[(0.0, 1.0)], |[s, t, _], w| {
+                orbits.push((2.0 * w * (1.0 - s), [s, (1.0 - s) * t, (1.0 - s) * (1.0 - t)]));
+            });
+            orbits
+        }
     }
-    let (outer, inner) = (gauss_legendre(degree.div_ceil(2) + 1), gauss_legendre(degree / 2 + 1));
-    outer.iter().flat_map(|&(s, ws)| inner.iter().map(move |&(t, wt)| (s, (1.0 - s) * t, ws * wt * (1.0 - s)))).collect()
+}
+
+/// Orbits of a rule on the tetrahedron: of degree 2 and 6 (Keast, 1986), of 5 (Walkington, 2000).
+fn tetrahedron_orbits(degree: usize) -> Vec<Orbit<4>> {
+    let median = |share: f64, a: f64| (share, [a, a, a, 1.0 - 3.0 * a]);
+    match degree {
+        0 | 1 => vec![(1.0, [0.25; 4])],
+        2 => vec![median(1.0, (5.0 - 5f64.sqrt()) / 20.0)],
+        3..=5 => {
+            let a = 0.045_503_704_125_649_65;
+            vec![
+                median(0.293_972_172_465_447_8, 0.092_735_250_310_891_22),
+                median(0.450_751_702_872_063_4, 0.310_885_919_263_300_6),
+                (0.255_276_124_662_488_8, [a, a, 0.5 - a, 0.5 - a]),
+            ]
+        }
+        6 => {
+            let (a, b) = (0.063_661_001_875_017_53, 0.269_672_331_458_315_8);
+            vec![
+                median(0.159_691_001_032_669_98, 0.214_602_871_259_152_03),
+                median(0.221_428_726_174_618_9, 0.322_337_890_142_275_5),
+                median(0.040_308_844_221_282_57, 0.040_673_958_534_611_35),
+                (81.0 / 140.0, [a, a, b, 1.0 - 2.0 * a - b]),
+            ]
+        }
+        _ => {
+            let line = |extra: usize| gauss_legendre(usize::midpoint(degree, extra) + 1);
+            let mut orbits = Vec::new();
+            products(&half(degree / 2 + 1), &line(1), &line(2), |[s, t, z], w| {
+                let (rest, size) = (1.0 - z, (1.0 - t) * (1.0 - z));
+                orbits.push((6.0 * w * size * rest, [size * s, size * (1.0 - s), rest * t, z]));
+            });
+            orbits
+        }
+    }
+}
+
+/// The points of an n-point Gauss–Legendre rule in [0, ½], with the weights of those that mirror them added.
+fn half(n: usize) -> Vec<(f64, f64)> {
+    gauss_legendre(n).into_iter().filter(|&(x, _)| x <= 0.5).map(|(x, w)| (x, if x < 0.5 { 2.0 * w } else { w })).collect()
+}
+
+/// The points of orbits with their weights, on a simplex of some measure.
+fn images<const N: usize>(orbits: &[Orbit<N>], measure: f64, mut push: impl FnMut(Point, f64)) {
+    for (share, at) in orbits {
+        let (mut at, mut points) = (*at, Vec::new());
+        permutations(&mut at, 0, &mut points);
+        for point in &points {
+            push(std::array::from_fn(|d| if d + 1 < N { point[d] } else { 0.0 }), measure * share / points.len() as f64);
+        }
+    }
+}
+
+/// The distinct permutations of all entries from `first` on.
+fn permutations<const N: usize>(entries: &mut [f64; N], first: usize, found: &mut Vec<[f64; N]>) {
+    if first == N {
+        found.push(*entries);
+    }
+    for i in first..N {
+        if !entries[first..i].contains(&entries[i]) {
+            entries.swap(first, i);
+            permutations(entries, first + 1, found);
+            entries.swap(first, i);
+        }
+    }
 }
 
 fn products(x: &[(f64, f64)], y: &[(f64, f64)], z: &[(f64, f64)], mut push: impl FnMut(Point, f64)) {
@@ -228,15 +309,16 @@ mod tests {
         }
     }
 
-    fn computed(shape: Shape, degree: usize, [a, b, c]: [usize; 3]) -> f64 {
-        rule(shape, degree).iter().map(|(x, w)| w * x[0].powi(a as i32) * x[1].powi(b as i32) * x[2].powi(c as i32)).sum()
+    fn computed(rule: &Rule, [a, b, c]: [usize; 3]) -> f64 {
+        rule.iter().map(|(x, w)| w * x[0].powi(a as i32) * x[1].powi(b as i32) * x[2].powi(c as i32)).sum()
     }
 
     #[test]
     fn monomials_are_exact_up_to_the_degree() {
         for shape in Shape::ALL {
             let dim = shape.dim();
-            for degree in 0..8 {
+            for degree in 0..10 {
+                let rule = rule(shape, degree);
                 let most = |d: usize| if d < dim { degree } else { 0 };
                 for a in 0..=most(0) {
                     for b in 0..=most(1) {
@@ -246,7 +328,7 @@ mod tests {
                                 Shape::Prism => a + b <= degree,
                                 _ => true,
                             };
-                            let (found, expected) = (computed(shape, degree, [a, b, c]), exact(shape, [a, b, c]));
+                            let (found, expected) = (computed(&rule, [a, b, c]), exact(shape, [a, b, c]));
                             assert!(!met || (found - expected).abs() < 1e-14, "{shape:?} degree {degree}, x^{a} y^{b} z^{c}: {found} instead of {expected}");
                         }
                     }
@@ -255,13 +337,58 @@ mod tests {
         }
     }
 
+    /// Degrees at which a rule gains points, each with their number: n Gauss points in each direction, and the orbits of the books.
     #[test]
     fn the_next_degree_is_not_met() {
-        for shape in Shape::ALL.into_iter().filter(|s| s.dim() > 0) {
-            for degree in [1, 3, 5] {
+        let known: [(Shape, &[(usize, usize)]); 7] = [
+            (Shape::Segment, &[(1, 1), (3, 2), (5, 3)]),
+            (Shape::Triangle, &[(1, 1), (2, 3), (4, 6), (5, 7), (6, 12)]),
+            (Shape::Quadrilateral, &[(1, 1), (3, 4), (5, 9)]),
+            (Shape::Tetrahedron, &[(1, 1), (2, 4), (5, 14), (6, 24)]),
+            (Shape::Hexahedron, &[(1, 1), (3, 8), (5, 27)]),
+            (Shape::Prism, &[(1, 1), (5, 21)]),
+            (Shape::Pyramid, &[(1, 2), (3, 12), (5, 36)]),
+        ];
+        for (shape, degrees) in known {
+            for &(degree, points) in degrees {
+                let rule = rule(shape, degree);
+                assert_eq!(rule.points.len(), points, "{shape:?} degree {degree}");
                 let monomials = if shape.dim() > 1 { vec![[degree + 1, 0, 0], [0, degree + 1, 0]] } else { vec![[degree + 1, 0, 0]] };
-                let error = monomials.into_iter().map(|m| (computed(shape, degree, m) - exact(shape, m)).abs()).fold(0.0, f64::max);
-                assert!(error > 1e-6, "{shape:?} degree {degree} meets the next degree: it has more points than it needs");
+                let error = monomials.into_iter().map(|m| (computed(&rule, m) - exact(shape, m)).abs()).fold(0.0, f64::max);
+                assert!(error > 1e-7, "{shape:?} degree {degree} meets the next degree: it has more points than it needs");
+            }
+        }
+    }
+
+    /// Affine maps that generate the symmetries of a shape: exchanges of vertices.
+    fn symmetries(shape: Shape) -> Vec<fn(Point) -> Point> {
+        match shape {
+            Shape::Point => vec![],
+            Shape::Segment => vec![|[x, y, z]| [1.0 - x, y, z]],
+            Shape::Triangle => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - x - y, y, z]],
+            Shape::Quadrilateral => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - x, y, z]],
+            Shape::Tetrahedron => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [x, z, y], |[x, y, z]| [1.0 - x - y - z, y, z]],
+            Shape::Hexahedron => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [x, z, y], |[x, y, z]| [1.0 - x, y, z]],
+            Shape::Prism => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - x - y, y, z], |[x, y, z]| [x, y, 1.0 - z]],
+            Shape::Pyramid => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - z - x, y, z]],
+        }
+    }
+
+    /// However the vertices of a cell are numbered, its points and their weights are the same.
+    #[test]
+    fn rules_have_the_symmetries_of_their_shape() {
+        for shape in Shape::ALL {
+            for degree in 0..9 {
+                let rule = rule(shape, degree);
+                for (index, symmetry) in symmetries(shape).into_iter().enumerate() {
+                    for (x, w) in rule.iter() {
+                        let image = symmetry(*x);
+                        let near = |y: &Point| (0..3).all(|d| (y[d] - image[d]).abs() < 4e-16);
+                        let matches: Vec<f64> = rule.iter().filter(|(y, _)| near(y)).map(|(_, w)| w).collect();
+                        let of = format!("{shape:?} degree {degree}, symmetry {index}: {x:?} goes to {image:?}");
+                        assert!(matches.len() == 1 && (matches[0] - w).abs() < 1e-15 * w, "{of}, weights {w} and {matches:?}");
+                    }
+                }
             }
         }
     }
@@ -269,7 +396,7 @@ mod tests {
     #[test]
     fn weights_are_positive_and_sum_to_the_measure() {
         for shape in Shape::ALL {
-            for degree in 0..7 {
+            for degree in 0..10 {
                 let rule = rule(shape, degree);
                 let sum: f64 = rule.weights.iter().sum();
                 assert!((sum - shape.measure()).abs() < 1e-14);

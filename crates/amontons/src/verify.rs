@@ -1,11 +1,11 @@
-//! The benchmark problems that are shipped: cases with a `[verify]` block, run and compared.
+//! Cases with an `[expected]` or a `[verify]` block, run and compared, and the benchmark problems that are shipped.
 //!
 //! A benchmark is one file in the crate's `benchmarks/`: a case, its source, and reference values that are not this
 //! program's own.
 
 use std::path::Path;
 
-use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Files, Source, StudyRequestError, Take};
+use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take};
 use crate::contact::Status;
 use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
 use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
@@ -21,7 +21,7 @@ const MESHES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/benchmark_m
 /// A computed value held against its reference.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Verdict {
-    /// The benchmark.
+    /// The benchmark, or the name of the case.
     pub benchmark: String,
     /// What is compared.
     pub what: String,
@@ -37,7 +37,7 @@ pub struct Verdict {
     pub holds: bool,
 }
 
-/// Why a benchmark could not be run.
+/// Why a case could not be verified.
 #[derive(Debug, thiserror::Error)]
 pub enum VerifyError {
     /// The case has faults.
@@ -55,36 +55,61 @@ pub enum VerifyError {
     /// The files of a run cannot be read.
     #[error(transparent)]
     Files(#[from] PlotError),
+    /// The case has no value to compare.
+    #[error("{0} has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]")]
+    Nothing(String),
     /// A check asks for something that is not there.
     #[error("{0}")]
     Check(String),
 }
 
-/// Runs a benchmark and compares what it asks for.
+/// Runs a shipped benchmark and compares what it asks for.
 ///
 /// # Errors
-/// When the case has faults, the run or a study fails, or a check names something that is not there. Values that
-/// do not agree are no error: their verdict says so.
+/// See [`verify_case`].
 pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
+    verify_case(&benchmark(name, text), &[], settings)
+}
+
+/// The case of a benchmark, with the meshes that are shipped.
+#[must_use]
+pub fn benchmark(name: &str, text: &str) -> Source {
     let files = Files::Memory(MESHES.iter().map(|&(name, bytes)| (name.to_owned(), bytes.into())).collect());
-    let source = Source { files, ..Source::new(format!("{name}.toml"), text) };
-    let case = case::parse(&source, &[])?;
-    let Some(block) = &case.verify else { return Err(VerifyError::Check(format!("{name} has no [verify] block"))) };
-    let mut recorder = Recorder::new(name, &case)?;
-    if block.checks.iter().any(|c| matches!(c, Check::Probe { .. } | Check::History { .. })) {
-        run(&case.problem, settings, &mut [&mut recorder])?;
+    Source { files, ..Source::new(format!("{name}.toml"), text) }
+}
+
+/// Runs a case with overrides and compares what its `[expected]` and `[verify]` ask for.
+///
+/// # Errors
+/// When the case has faults, nothing to compare, or a path of the summary that does not exist, and when the run or a study fails.
+/// Values that do not agree are no error: their verdict says so.
+pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
+    let case = case::parse(source, overrides)?;
+    let checks = case.verify.as_ref().map_or(&[][..], |block| &block.checks);
+    let expected = case.expected.as_ref().filter(|expected| !expected.values.is_empty());
+    if checks.is_empty() && expected.is_none() {
+        return Err(VerifyError::Nothing(source.name.clone()));
     }
+    let name = &case.problem.name;
+    let mut recorder = Recorder::new(name, &case)?;
+    let reads_run = |check: &Check| matches!(check, Check::Probe { .. } | Check::History { .. });
     let mut verdicts = Vec::new();
-    let mut studies: Vec<(case::StudyRequest, Vec<Row>)> = Vec::new();
-    let mut own_row: Option<Row> = None;
-    for (index, check) in block.checks.iter().enumerate() {
+    if expected.is_some() || checks.iter().any(reads_run) {
+        let summary = run(&case.problem, settings, &mut [&mut recorder])?;
+        if let Some(expected) = expected {
+            verdicts.extend(of_summary(name, &summary, expected)?);
+        }
+    }
+    let mut studies = Studies { source, overrides, case: &case, done: Vec::new(), own: None };
+    for (index, check) in checks.iter().enumerate() {
         let (what, computed, is) = match check {
             Check::Probe { probe, time, is } => {
                 let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no {}, t = {time}", probe.name)))?;
                 (format!("{}, t = {time}", probe.name), value, is)
             }
             Check::History { column, time, take, is } => {
-                let value = recorder.column(column, *time, *take).ok_or_else(|| VerifyError::Check(format!("{name}: history.csv has no column {column}")))?;
+                let value = recorder.column(column, *time, *take);
+                let value = value.ok_or_else(|| VerifyError::Check(format!("{name}: history.csv has no {column} at t = {}", time.unwrap_or_default())))?;
                 let when = match (time, take) {
                     (Some(t), _) => format!("{column} at t = {t}"),
                     (None, Take::Last) => format!("{column} at the end"),
@@ -93,32 +118,84 @@ pub fn verify(name: &str, text: &str, settings: &Settings) -> Result<Vec<Verdict
                 };
                 (when, value, is)
             }
-            Check::Order { study: request, error, is } => {
-                if !studies.iter().any(|(done, _)| done == request) {
-                    let table = case::study(&source, &[], request)?.run(&StudySettings::default())?;
-                    studies.push((request.clone(), table.rows));
-                }
-                let rows = studies.iter().find(|(done, _)| done == request).map_or(&[][..], |(_, rows)| rows);
-                let size = |row: &Row| if request.vary == Vary::Time { row.k } else { row.h };
-                let order = slope(&rows.iter().map(|row| (size(row), error.of(row))).collect::<Vec<_>>());
-                let vary = match (request.vary, request.power) {
+            Check::Order { study, error, is } => {
+                let vary = match (study.vary, study.power) {
                     (Vary::Both, 2) => "h with k ~ h²",
                     (Vary::Both, _) => "h = k",
                     (Vary::Space, _) => "h",
                     (Vary::Time, _) => "k",
                 };
-                (format!("order of {} in {vary}", error.name()), order, is)
+                (format!("order of {} in {vary}", error.name()), studies.order(study, *error)?, is)
             }
-            Check::Error { error, is } => {
-                if own_row.is_none() {
-                    own_row = Some(own_errors(name, &case)?);
-                }
-                (format!("{} on the mesh of the case", error.name()), own_row.as_ref().map_or(f64::NAN, |row| ErrorName::of(*error, row)), is)
-            }
+            Check::Error { error, is } => (format!("{} on the mesh of the case", error.name()), studies.own_error(*error)?, is),
         };
         verdicts.push(verdict(name, what, computed, is));
     }
     Ok(verdicts)
+}
+
+/// The values of `[expected]` against those of a summary, one verdict per component.
+fn of_summary(name: &str, summary: &Summary, expected: &Expected) -> Result<Vec<Verdict>, VerifyError> {
+    let summary = serde_json::to_value(summary).map_err(|error| VerifyError::Check(format!("{name}: {error}")))?;
+    let mut verdicts = Vec::new();
+    for (path, values) in &expected.values {
+        let found = path.split('.').try_fold(&summary, |value, key| value.get(key));
+        let components = match found {
+            Some(serde_json::Value::Array(all)) => all.iter().map(serde_json::Value::as_f64).collect(),
+            Some(one) => one.as_f64().map(|one| vec![one]),
+            None => None,
+        };
+        let is_array = found.is_some_and(serde_json::Value::is_array);
+        let Some(components) = components.filter(|components| components.len() == values.len()) else {
+            let of = |count: usize| format!("{count} number{}", if count == 1 { "" } else { "s" });
+            let there = match found {
+                None => "no such value".to_owned(),
+                Some(serde_json::Value::Array(all)) => of(all.len()),
+                Some(other) => other.to_string().chars().take(40).collect(),
+            };
+            return Err(VerifyError::Check(format!(
+                "{name}: expected.values.\"{path}\": summary.json has {there} there, expected {}; take the path from summary.json of a run",
+                of(values.len())
+            )));
+        };
+        let scale = values.iter().fold(0.0f64, |scale, value| scale.max(value.abs()));
+        for (c, (&computed, &reference)) in components.iter().zip(values).enumerate() {
+            let what = if is_array { format!("{path}.{c}") } else { path.clone() };
+            verdicts.push(verdict(name, what, computed, &Comparison { reference, tolerance: expected.tolerance, scale }));
+        }
+    }
+    Ok(verdicts)
+}
+
+/// The studies of a case, each made once.
+struct Studies<'a> {
+    source: &'a Source,
+    overrides: &'a [String],
+    case: &'a Case,
+    done: Vec<(StudyRequest, Vec<Row>)>,
+    /// Errors with the mesh and the steps of the case.
+    own: Option<Row>,
+}
+
+impl Studies<'_> {
+    /// The least-squares order of an error.
+    fn order(&mut self, request: &StudyRequest, error: ErrorName) -> Result<f64, VerifyError> {
+        if !self.done.iter().any(|(done, _)| done == request) {
+            let table = case::study(self.source, self.overrides, request)?.run(&StudySettings::default())?;
+            self.done.push((request.clone(), table.rows));
+        }
+        let rows = self.done.iter().find(|(done, _)| done == request).map_or(&[][..], |(_, rows)| rows);
+        let size = |row: &Row| if request.vary == Vary::Time { row.k } else { row.h };
+        Ok(slope(&rows.iter().map(|row| (size(row), error.of(row))).collect::<Vec<_>>()))
+    }
+
+    /// An error against the exact solution with the mesh and the steps of the case.
+    fn own_error(&mut self, error: ErrorName) -> Result<f64, VerifyError> {
+        if self.own.is_none() {
+            self.own = Some(own_errors(&self.case.problem.name, self.case)?);
+        }
+        Ok(self.own.as_ref().map_or(f64::NAN, |row| error.of(row)))
+    }
 }
 
 /// Recomputes the figures of a run from the files of its results folder and holds its summary against them.

@@ -80,8 +80,8 @@ fn a_table_is_a_load_that_varies_in_time() {
     assert!(load.at(2.5).iter().any(|f| f.is_nan()), "beyond its times a table has no value");
 }
 
-/// Three Gauss points a facet are exact for degree 5, those of a triangle for degree 4: the errors of integrals of smooth
-/// data fall with h⁶ and h⁵.
+/// Three Gauss points per facet are exact for degree 5, those of a triangle for degree 4, and what degree 5 leaves cancels between
+/// the two triangles of a rectangle, since the rule is symmetric: the errors of integrals of smooth data fall with h⁶.
 #[test]
 fn loads_are_integrated_to_their_order() {
     let error = |n: usize, body: bool| {
@@ -94,9 +94,9 @@ fn loads_are_integrated_to_their_order() {
         let exact = if body { (2f64.exp() - 1.0) * 6f64.sin() / 2.0 } else { (6f64.exp() - 1.0) / 2.0 };
         (load.iter().sum::<f64>() - exact).abs() / exact.abs()
     };
-    for (body, order) in [(false, 6.0), (true, 5.0)] {
+    for body in [false, true] {
         let slope = (error(2, body) / error(4, body)).log2();
-        assert!((slope - order).abs() < 0.1, "{slope}");
+        assert!((slope - 6.0).abs() < 0.1, "{slope}");
     }
 }
 

@@ -8,7 +8,7 @@ use super::material;
 use super::path::{Path, Segment};
 use super::place::{At, Finding};
 use super::raw;
-use super::verify::{self, Verify};
+use super::verify::Verify;
 use crate::convergence::Exact;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
@@ -52,10 +52,7 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
         mesh: Arc::new(mesh),
     };
     let probes = build.probes(&raw.probe, &problem);
-    let verify = raw.verify.map(|raw| {
-        let probes = raw.check.iter().enumerate().map(|(i, check)| build.checked_probe(i, check, &problem)).collect();
-        verify::verify(&raw, probes)
-    });
+    let verify = raw.verify.map(|raw| build.verify(&raw, &problem, exact.is_some()));
     let problem = match problem.checked() {
         Ok(problem) => Some(problem),
         Err(faults) => {

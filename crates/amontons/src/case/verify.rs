@@ -1,9 +1,13 @@
 //! The `[verify]` block: what makes a case a benchmark.
 
+use super::build::Build;
+use super::check::nearest;
+use super::place::At;
 use super::raw;
 use super::study::{ReferenceRequest, StudyRequest};
 use crate::convergence::{Row, Vary};
-use crate::output::Probe;
+use crate::output::{Probe, history_columns};
+use crate::problem::Problem;
 
 /// What makes a case a benchmark.
 #[derive(Clone, Debug, PartialEq)]
@@ -136,10 +140,47 @@ impl From<raw::ErrorName> for ErrorName {
     }
 }
 
-/// The block, with the probes of its checks, one entry a check; those that have faults are left out.
-pub(super) fn verify(raw: &raw::Verify, probes: Vec<Option<Probe>>) -> Verify {
-    let checks = raw.check.iter().zip(probes).filter_map(|(raw, probe)| check(raw, probe)).collect();
-    Verify { title: raw.title.clone(), source: raw.source.clone(), checks }
+impl Build<'_> {
+    /// The block; checks that have faults are left out.
+    pub fn verify(&mut self, raw: &raw::Verify, problem: &Problem, has_exact: bool) -> Verify {
+        let mut checks = Vec::new();
+        for (i, raw) in raw.check.iter().enumerate() {
+            let path = format!("verify.check[{i}]");
+            match raw {
+                raw::Check::Probe { time, .. } => self.check_time(&path, Some(*time), 0.0),
+                raw::Check::History { column, time, .. } => {
+                    self.check_column(&path, column, problem);
+                    self.check_time(&path, *time, problem.k());
+                }
+                raw::Check::Order { .. } | raw::Check::Error { .. } if !has_exact => {
+                    self.note(&format!("{path}.kind"), At::Value, "no [exact] to compare with", "a case with a solution in closed form", None);
+                }
+                raw::Check::Order { .. } | raw::Check::Error { .. } => {}
+            }
+            let probe = self.checked_probe(i, raw, problem);
+            checks.extend(check(raw, probe));
+        }
+        Verify { title: raw.title.clone(), source: raw.source.clone(), checks }
+    }
+
+    /// Notes a time outside the interval for which there are values.
+    fn check_time(&mut self, path: &str, time: Option<f64>, first: f64) {
+        let slack = 1e-12 * self.end;
+        if let Some(time) = time.filter(|&time| !(first - slack..=self.end + slack).contains(&time)) {
+            self.note(&format!("{path}.time"), At::Value, time.to_string(), format!("a time from {first} to time.end = {}", self.end), None);
+        }
+    }
+
+    /// Notes a column that history.csv does not have.
+    fn check_column(&mut self, path: &str, column: &str, problem: &Problem) {
+        let columns = history_columns(problem);
+        if !columns.iter().any(|known| known == column) {
+            let words: Vec<&str> = columns.iter().map(String::as_str).collect();
+            let hint = nearest(column, &words).map(|near| format!("did you mean \"{near}\"?"));
+            let expected = format!("one of the columns of history.csv: {}", words.join(", "));
+            self.note(&format!("{path}.column"), At::Value, format!("\"{}\"", column.escape_debug()), expected, hint.as_deref());
+        }
+    }
 }
 
 fn check(raw: &raw::Check, probe: Option<Probe>) -> Option<Check> {

@@ -1,5 +1,6 @@
 //! Γ_C on a mesh: contact points with their normals, weights and gaps.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{FrictionLaw, HeatLaw, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
@@ -15,7 +16,7 @@ pub enum Quadrature {
     /// At the nodes, with positive weights ω_i (∫ N_i of linear facets): each contact node obeys the laws on its own.
     #[default]
     Nodal,
-    /// At Gauss points of each facet, degree + 1 a direction, hence two for P1 segments: the laws hold at each point.
+    /// At the points of a rule of twice the degree on each facet, hence two for P1 segments and three for P1 triangles: the laws hold at each point.
     Gauss,
 }
 
@@ -115,6 +116,40 @@ impl ContactBoundary {
         }
         ContactBoundary { nodes, points }
     }
+
+    /// Contact points of a side with their shares in the mean value at each of its vertices, Σ ω_i φ(x_i) v_i / Σ ω_i φ(x_i) with φ the linear
+    /// function of the vertex: values that have the same resultants and do not alternate between vertices and middle nodes of quadratic
+    /// facets. At linear facets these are the values at the nodes; with Gauss points each point stands alone.
+    #[must_use]
+    pub fn vertex_means(&self, side: usize, set: &FacetSet) -> Vec<Vec<(usize, f64)>> {
+        let on_side = || self.points.iter().enumerate().filter(|(_, point)| point.side == side);
+        let own: Option<BTreeMap<u32, usize>> = on_side()
+            .map(|(i, point)| match point.nodes[..] {
+                [(node, _)] => Some((*self.nodes.get(node)?, i)),
+                _ => None,
+            })
+            .collect();
+        let Some(own) = own else { return on_side().map(|(i, _)| vec![(i, 1.0)]).collect() };
+        let mut shares: BTreeMap<u32, BTreeMap<usize, f64>> = BTreeMap::new();
+        for block in &set.blocks {
+            let (element, vertices) = (block.element, block.element.shape.vertices());
+            let linear = Element::find(element.shape, 1).unwrap_or(element);
+            let mut values = vec![0.0; linear.nodes.len()];
+            for facet in block.nodes.chunks_exact(element.nodes.len()) {
+                for (at, point) in element.nodes.iter().zip(facet).filter_map(|(at, node)| Some((at, *own.get(node)?))) {
+                    (linear.shape_functions)(at, &mut values);
+                    for (&vertex, &value) in facet.iter().zip(&values).take(vertices).filter(|(_, value)| **value > 0.0) {
+                        shares.entry(vertex).or_default().insert(point, value * self.points[point].weight);
+                    }
+                }
+            }
+        }
+        let mean = |shares: BTreeMap<usize, f64>| {
+            let sum: f64 = shares.values().sum();
+            shares.into_iter().map(|(point, share)| (point, share / sum)).collect()
+        };
+        shares.into_values().map(mean).collect()
+    }
 }
 
 /// A point a node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in the weight.
@@ -194,7 +229,7 @@ impl Lumping {
     }
 }
 
-/// Degree + 1 Gauss points a direction of each facet.
+/// The points of a rule of twice the degree on each facet.
 fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let mut points = Vec::new();
     for block in &set.blocks {

@@ -45,9 +45,9 @@ pub enum Place {
 pub enum Take {
     /// Integral over measure.
     Mean,
-    /// Largest value at a node.
+    /// Largest value at a node; of contact pressures and tractions on quadratic facets the largest mean about a vertex.
     Max,
-    /// Smallest value at a node.
+    /// Smallest value at a node; of contact pressures and tractions on quadratic facets the smallest mean about a vertex.
     Min,
     /// Integral: over length or area of a side (per unit of thickness in two dimensions), 2πr included in a body of revolution.
     Integral,
@@ -103,8 +103,8 @@ pub struct ProbeSet {
 struct Prepared {
     quantity: Quantity,
     take: Option<Take>,
-    /// Contact points with their weights, for a quantity of contact.
-    contact: Vec<(usize, f64)>,
+    /// For a quantity of contact: contact points with their shares in a value, and the weight of the value.
+    contact: Vec<(Vec<(usize, f64)>, f64)>,
     spots: Vec<Spot>,
 }
 
@@ -171,7 +171,13 @@ impl ProbeSet {
 impl Prepared {
     fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
         if let Base::Contact(quantity) = self.quantity.base {
-            let all: Vec<(f64, Vec<f64>)> = self.contact.iter().map(|&(i, weight)| (weight, self.quantity.parts(dim, &on_contact(now, quantity, i)))).collect();
+            let mean = |shares: &[(usize, f64)]| {
+                shares.iter().fold([0.0; 3], |sum, &(i, share)| {
+                    let value = on_contact(now, quantity, i);
+                    std::array::from_fn(|c| sum[c] + share * value[c])
+                })
+            };
+            let all: Vec<(f64, Vec<f64>)> = self.contact.iter().map(|(shares, weight)| (*weight, self.quantity.parts(dim, &mean(shares)))).collect();
             let count = self.quantity.columns(dim).len();
             return (0..count).map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c])))).collect();
         }
@@ -269,10 +275,19 @@ impl<'a> Builder<'a> {
         Builder { problem, mesh: &problem.mesh, locator: None, boundary: None, recovery: None, stencils: BTreeMap::new() }
     }
 
-    fn spots(&mut self, probe: &Probe) -> Result<(Vec<(usize, f64)>, Vec<Spot>), ProbeError> {
+    fn spots(&mut self, probe: &Probe) -> Result<(Vec<(Vec<(usize, f64)>, f64)>, Vec<Spot>), ProbeError> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
-            Found::Contact(points) => return Ok((points, Vec::new())),
+            Found::Contact(points) => {
+                // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means about vertices.
+                let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
+                let extremes = match &probe.place {
+                    Place::On(name, Take::Max | Take::Min) if is_traction => self.vertex_means(name),
+                    _ => None,
+                };
+                let alone = || points.iter().map(|&(i, weight)| (vec![(i, 1.0)], weight)).collect();
+                return Ok((extremes.unwrap_or_else(alone), Vec::new()));
+            }
             Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             Found::Side(set, take) => self.on(quantity, set, take),
             Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
@@ -313,6 +328,12 @@ impl<'a> Builder<'a> {
                 Ok(Found::Region(region, *take))
             }
         }
+    }
+
+    /// Means of what is at the contact points of a side about its vertices, with weight 1 each.
+    fn vertex_means(&mut self, side: &str) -> Option<Vec<(Vec<(usize, f64)>, f64)>> {
+        let (set, number) = (self.mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.on == side)?);
+        Some(self.boundary().vertex_means(number, set).into_iter().map(|shares| (shares, 1.0)).collect())
     }
 
     fn boundary(&mut self) -> &ContactBoundary {

@@ -1,0 +1,176 @@
+//! The cases of the pairs: every law, in one to three dimensions, all data growing from rest.
+
+use amontons::mesh::{Diagonal, Elements, Mesh};
+
+pub struct Case {
+    pub name: &'static str,
+    pub mesh: Mesh,
+    /// The case without its name, mesh and time; tokens as in `Frame::text`.
+    pub template: String,
+}
+
+/// Twelve steps of 1/16.
+pub const STEPS: usize = 12;
+
+/// All but contact, of a body that is held on top, driven from the sides and by its weight, and heated from within.
+fn body(dim: usize, stress_state: &str, weight: f64) -> String {
+    let [held, expansion, gravity, left, right] = match dim {
+        1 => ["[0]", "<Pa/K|1>", "<v:N/m3|W*min(4*T, 1)>", "", ""],
+        2 => ["<m|0; 0>", "<Pa/K|1, 0.4; 0.4, 1.3>", "<N/m3|0; -W*min(4*T, 1)>", "<Pa|1.4*T; 0.4*T>", "<Pa|-0.8*T*Y; 0.4*T>"],
+        _ => [
+            "<m|0; 0; 0>",
+            "<Pa/K|1, 0.4, 0.1; 0.4, 1.3, 0.2; 0.1, 0.2, 0.9>",
+            "<N/m3|0.1*T; -W*min(4*T, 1); 0.2*T>",
+            "<Pa|1.4*T; 0.4*T; 0.3*T*Z>",
+            "<Pa|-0.8*T*Y; 0.4*T; -0.5*T>",
+        ],
+    };
+    let gravity = gravity.replace('W', &format!("{weight:?}"));
+    let (coupling, conductivity) = match dim {
+        1 => ("<W/m3|0.5>", "<W/mK|1>"),
+        2 => ("<W/m3|0.5, 0.1; 0.1, 0.8>", "<W/mK|1, 0.2; 0.2, 0.7>"),
+        _ => ("<W/m3|0.5, 0.1, 0; 0.1, 0.8, 0.2; 0, 0.2, 0.6>", "<W/mK|1, 0.2, 0; 0.2, 0.7, 0.1; 0, 0.1, 1.2>"),
+    };
+    let sides = if dim == 1 {
+        format!("[[boundary]]\non = \"left\"\ndisplacement = {held}\ntemperature = <K|T>\n")
+    } else {
+        format!(
+            "[[boundary]]\non = \"top\"\ndisplacement = {held}\ntemperature = <K|T*X>\n[[boundary]]\non = \"left\"\ntraction = {left}\n\
+             convection = {{ coefficient = <W/m2K|0.4>, ambient = <K|2*T> }}\n[[boundary]]\non = \"right\"\ntraction = {right}\nspring = <Pa/m|0.5>\n"
+        )
+    };
+    format!(
+        "[material]\ndensity = <kg/m3|1>\nheat_capacity = <J/m3K|1>\nexpansion = {expansion}\ncoupling = {coupling}\nconductivity = {conductivity}\n\
+         elasticity = {{ law = \"isotropic\", young = <Pa|20>, poisson = 0.3{stress_state} }}\n\
+         viscosity = {{ law = \"lame\", first = <Pas|0.3>, second = <Pas|0.5> }}\n\
+         [load]\nbody_force = {gravity}\nheat_source = <W/m3|T>\n{sides}"
+    )
+}
+
+fn contact(on: &str, laws: &str) -> String {
+    format!("[contact]\non = \"{on}\"\n{laws}")
+}
+
+const STRAIN: &str = ", stress_state = \"plane-strain\"";
+const SHEET: &str = ", stress_state = \"plane-stress\"";
+
+fn plane(name: &'static str, elements: Elements, state: &str, laws: &str) -> Case {
+    let mesh = Mesh::rectangle_of(elements, [1.0, 0.8], [5, 4], Diagonal::Right).expect("a rectangle");
+    Case { name, mesh, template: body(2, state, 6.0) + &contact("bottom", laws) }
+}
+
+fn space(name: &'static str, elements: Elements, n: [usize; 3], laws: &str) -> Case {
+    let mesh = Mesh::box_([1.0, 0.8, 0.6], n, elements).expect("a box");
+    Case { name, mesh, template: body(3, "", 6.0) + &contact("bottom", laws) }
+}
+
+fn revolution(name: &'static str, elements: Elements, laws: &str) -> Case {
+    let mut mesh = Mesh::rectangle_of(elements, [1.0, 0.8], [5, 4], Diagonal::Right).expect("a rectangle");
+    mesh.points.iter_mut().for_each(|x| x[0] += 0.5);
+    let mesh = Mesh { axisymmetric: true, ..mesh };
+    // A tensor of a body of revolution has its hoop component last; multiples of the identity do without.
+    let template = body(2, "", 6.0)
+        .replace("<Pa/K|1, 0.4; 0.4, 1.3>", "<Pa/K|1>")
+        .replace("<W/m3|0.5, 0.1; 0.1, 0.8>", "<W/m3|0.5>")
+        .replace("<W/mK|1, 0.2; 0.2, 0.7>", "<W/mK|1>");
+    Case { name, mesh, template: template + &contact("bottom", laws) }
+}
+
+pub fn all() -> Vec<Case> {
+    let rod = Mesh::interval(1.0, 10, Elements::P1).expect("an interval");
+    vec![
+        plane(
+            "compliance, Coulomb, ramp (P1)",
+            Elements::P1,
+            SHEET,
+            "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
+             heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n",
+        ),
+        plane(
+            "power, weakening, gap (P2)",
+            Elements::P2,
+            STRAIN,
+            "gap = <m|0.01*(X - 0.3)^2>\nnormal = { law = \"power\", stiffness = <Pa/m1.5|3e3>, exponent = 1.5 }\n\
+             friction = { law = \"static-kinetic\", static = 0.4, kinetic = 0.3, decay_speed = <m/s|0.5> }\nfrictional_heat = 0.5\n",
+        ),
+        plane(
+            "stop, capped Coulomb, moving foundation (Q1)",
+            Elements::Q1,
+            SHEET,
+            "normal = { law = \"stop\", stiffness = <Pa/m|200>, depth = <m|0.003> }\nfriction = { law = \"coulomb\", coefficient = 0.3, cap = <Pa|0.8> }\n\
+             foundation_velocity = <m/s|-0.3*T; 0.1*T>\nfrictional_heat = 1\n\
+             heat = { law = \"pressure\", coefficient = <W/m2K/Pa.95|0.4>, exponent = 0.95, foundation_temperature = <K|3*T> }\n",
+        ),
+        plane(
+            "Signorini, Tresca, gas in the gap (Q2)",
+            Elements::Q2,
+            STRAIN,
+            "normal = { law = \"signorini\" }\nfriction = { law = \"tresca\", bound = <Pa|0.3> }\n\
+             heat = { law = \"gap\", conductivity = <W/mK|0.01>, roughness = <m|0.02>, foundation_temperature = <K|3*T> }\n",
+        ),
+        plane(
+            "Signorini, Coulomb, wear, power conductance (P1)",
+            Elements::P1,
+            STRAIN,
+            "normal = { law = \"compliance\", stiffness = <Pa/m|500> }\nfriction = { law = \"coulomb\", coefficient = 0.4 }\n\
+             wear = { law = \"archard\", coefficient = <1/Pa|0.05> }\nfoundation_velocity = <m/s|0.5*T; 0>\n\
+             heat = { law = \"power\", coefficient = <W/m3K|50>, exponent = 1, foundation_temperature = <K|3*T> }\n",
+        ),
+        plane(
+            "Gauss points (P1)",
+            Elements::P1,
+            SHEET,
+            "quadrature = \"gauss\"\nnormal = { law = \"compliance\", stiffness = <Pa/m|1e3> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
+             heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-3>, foundation_temperature = <K|10*T> }\n",
+        ),
+        plane(
+            "Signorini on a disc, updated (P2)",
+            Elements::P2,
+            STRAIN,
+            "obstacle = { shape = \"sphere\", center = <x|0.4; -4.005>, radius = <m|4>, geometry = \"updated\" }\n\
+             normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.5 }\n",
+        ),
+        space(
+            "compliance, Coulomb, ramp (tetrahedra)",
+            Elements::P1,
+            [3, 2, 2],
+            "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
+             heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n",
+        ),
+        space(
+            "compliance, orthotropic friction (hexahedra)",
+            Elements::Q1,
+            [3, 2, 2],
+            "normal = { law = \"compliance\", stiffness = <Pa/m|1e3> }\n\
+             friction = { law = \"orthotropic\", coefficients = [0.1, 0.4], direction = <1|1; 0; 0.5> }\nfrictional_heat = 0.7\n",
+        ),
+        space(
+            "Signorini, Coulomb (quadratic tetrahedra)",
+            Elements::P2,
+            [2, 2, 1],
+            "normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n\
+             heat = { law = \"pressure\", coefficient = <W/m2K/Pa.95|0.4>, exponent = 0.95, foundation_temperature = <K|3*T> }\n",
+        ),
+        revolution(
+            "revolution: Signorini, Coulomb (P1)",
+            Elements::P1,
+            "normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n\
+             heat = { law = \"pressure\", coefficient = <W/m2K/Pa.95|0.4>, exponent = 0.95, foundation_temperature = <K|3*T> }\n",
+        ),
+        revolution(
+            "revolution: compliance, Coulomb (P2)",
+            Elements::P2,
+            "normal = { law = \"compliance\", stiffness = <Pa/m|1e3> }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n",
+        ),
+        Case {
+            name: "rod: damped layer, ramp",
+            mesh: rod,
+            template: body(1, "", 3.0)
+                + &contact(
+                    "right",
+                    "gap = <m|0.01>\nnormal = { law = \"damped\", stiffness = <Pa/m|100>, damping = <Pas/m|3> }\n\
+                     heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-3>, foundation_temperature = <K|10*T> }\n",
+                ),
+        },
+    ]
+}
