@@ -129,8 +129,8 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
         for (label, values) in [
             ("largest displacement component", quantity(largest)),
             ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v)),
-            ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max)),
-            ("largest temperature", quantity(|s| s.last.temperature_max)),
+            ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max.unwrap_or(0.0))),
+            ("largest temperature", quantity(|s| s.last.temperature_max.unwrap_or(0.0))),
         ] {
             if let [cold, warm] = values[..] {
                 let _ = writeln!(out, "| {label} | {cold:.6} | {warm:.6} | {} |", if warm > cold { "yes" } else { "**no**" });

@@ -181,7 +181,9 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
     let turned = summary.pointer("/energy/turned_over").and_then(serde_json::Value::as_f64).unwrap_or(1.0);
     let closing = summary.pointer("/energy/closing_error").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     let is = Comparison { reference: closing, tolerance: 1e-12, scale: 1.0 };
-    verdicts.push(verdict(&name, "energy.closing_error".to_owned(), at("closing_error") / turned, &is));
+    let error = at("closing_error");
+    // A run without mechanics turns nothing over.
+    verdicts.push(verdict(&name, "energy.closing_error".to_owned(), if turned > 0.0 { error / turned } else { error }, &is));
     Ok(verdicts)
 }
 

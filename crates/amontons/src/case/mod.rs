@@ -27,6 +27,7 @@ mod mesh;
 mod obstacle;
 mod overrides;
 mod path;
+mod physics;
 mod place;
 mod probe;
 mod raw;

@@ -177,16 +177,17 @@ pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputErr
             let node = on_node.map_or(i, |&node| node as usize);
             let kept = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
             let traction = state.q.map(|q| 0.0 - q);
+            // Without heat the body has no temperature: both fields stay empty.
+            let heat = if now.problem.physics.has_heat() { format!("{temperature:?},{:?}", flux.value) } else { ",".to_owned() };
             writeln!(
                 out,
-                "{node},{},{:?},{:?},{},{},{},{temperature:?},{:?},{:?},{:?},{:?},{}",
+                "{node},{},{:?},{:?},{},{},{},{heat},{:?},{:?},{:?},{}",
                 join(&point.x[..dim]),
                 state.penetration,
                 state.pressure,
                 join(&traction[..dim]),
                 join(&state.slip[..dim]),
                 state.status.name(),
-                flux.value,
                 point.weight,
                 kept(&now.state.surface.wear),
                 kept(&now.state.surface.friction_work),

@@ -66,7 +66,8 @@ pub struct UnknownCounts {
     pub contact: usize,
 }
 
-/// Values at the last good step.
+/// Values at the last good step. A problem without heat has no temperature, one without mechanics no displacement and no stress:
+/// `null` and empty arrays in `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Final {
     /// Least nodal displacement, m, by component.
@@ -76,11 +77,11 @@ pub struct Final {
     /// Largest nodal velocity, m/s, by component, with its sign.
     pub velocity_max: Vec<f64>,
     /// Least nodal temperature, K.
-    pub temperature_min: f64,
+    pub temperature_min: Option<f64>,
     /// Largest nodal temperature, K.
-    pub temperature_max: f64,
+    pub temperature_max: Option<f64>,
     /// Largest von Mises stress at a cell centre, Pa.
-    pub von_mises_max: f64,
+    pub von_mises_max: Option<f64>,
     /// Norms of the fields.
     pub norms: Norms,
     /// Contact; none before the first step.
@@ -231,7 +232,9 @@ impl Summary {
         let Snapshot { problem, discretization, state, report, work } = *last;
         let counts = &state.counts;
         let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
-        let dim = problem.mesh.dim;
+        let (dim, physics) = (problem.mesh.dim, problem.physics);
+        let of_motion = |values: Vec<f64>| if physics.has_mechanics() { values } else { Vec::new() };
+        let von_mises = || cell_values(problem, state).iter().fold(0.0, |max, cell| cell.stress.von_mises().max(max));
         let energy = Ledger {
             closing_error: state.ledger.relative_closing_error(),
             heat_closing_error: state.ledger.relative_heat_closing_error(),
@@ -246,12 +249,12 @@ impl Summary {
             steps: state.step,
             unknowns,
             last: Final {
-                displacement_min: by_component(&state.u, dim, f64::INFINITY, f64::min),
-                displacement_max: by_component(&state.u, dim, f64::NEG_INFINITY, f64::max),
-                velocity_max: by_component(&state.w, dim, f64::NEG_INFINITY, f64::max),
-                temperature_min: state.theta.iter().copied().fold(f64::INFINITY, f64::min),
-                temperature_max: state.theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                von_mises_max: cell_values(problem, state).iter().fold(0.0, |max, cell| cell.stress.von_mises().max(max)),
+                displacement_min: of_motion(by_component(&state.u, dim, f64::INFINITY, f64::min)),
+                displacement_max: of_motion(by_component(&state.u, dim, f64::NEG_INFINITY, f64::max)),
+                velocity_max: of_motion(by_component(&state.w, dim, f64::NEG_INFINITY, f64::max)),
+                temperature_min: state.theta.iter().copied().reduce(f64::min).filter(|_| physics.has_heat()),
+                temperature_max: state.theta.iter().copied().reduce(f64::max).filter(|_| physics.has_heat()),
+                von_mises_max: physics.has_mechanics().then(von_mises),
                 norms: Norms {
                     displacement_l2: discretization.norm(&discretization.mass, &state.u),
                     displacement_v: strain_norm(&problem.mesh, &state.u),
@@ -274,7 +277,7 @@ impl Summary {
                 ambiguous_steps: counts.ambiguous_steps,
             },
             energy,
-            findings: findings.into_iter().chain(hypotheses::audit(ledger_energy, ledger_heat)).collect(),
+            findings: findings.into_iter().chain(hypotheses::audit(physics, ledger_energy, ledger_heat)).collect(),
             seconds: work.seconds,
             peak_memory_bytes: peak_memory(),
         }

@@ -1,11 +1,13 @@
 //! Problem 2.1 with its data: what is to be solved, checked once and trusted afterwards.
 
 mod boundary;
+mod physics;
 
 use std::fmt;
 use std::sync::Arc;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
+pub use physics::Physics;
 
 use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;
@@ -100,6 +102,8 @@ pub struct Problem {
     pub end: f64,
     /// N, the number of steps; k = T/N.
     pub steps: usize,
+    /// The equations that are solved.
+    pub physics: Physics,
     /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
     pub materials: Vec<Material>,
     /// f₀ in N/m³, one field a component; empty for zero.
@@ -257,7 +261,8 @@ impl Problem {
                 "give `temperature` on a side, or a positive material.heat_capacity",
             ),
         ] {
-            let Some(number) = (0..parts.len()).find(|&part| lacks[part][what] && !held[part][what]) else { continue };
+            let solved = [self.physics.has_mechanics(), self.physics.has_heat()][what];
+            let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else { continue };
             let found =
                 if parts.len() == 1 { found.to_owned() } else { format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh)) };
             faults.push(Fault::new("boundary", found, expected).hint(hint));

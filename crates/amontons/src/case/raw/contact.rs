@@ -25,12 +25,17 @@ impl Contacts {
         }
     }
 
+    /// The contacts with their paths, borrowed.
+    pub fn each(&self) -> Vec<(String, &Contact)> {
+        match self {
+            Contacts::One(contact) => vec![("contact".to_owned(), &**contact)],
+            Contacts::Several(all) => all.iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect(),
+        }
+    }
+
     /// Their sides.
     pub fn sides(&self) -> Vec<&str> {
-        match self {
-            Contacts::One(contact) => vec![&contact.on],
-            Contacts::Several(all) => all.iter().map(|contact| contact.on.as_str()).collect(),
-        }
+        self.each().into_iter().map(|(_, contact)| contact.on.as_str()).collect()
     }
 }
 

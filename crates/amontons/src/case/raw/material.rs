@@ -14,25 +14,51 @@ pub(in crate::case) struct Region {
 }
 
 /// Material: σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜 (2.1), q = −𝓚∇θ (2.2).
+///
+/// A case without heat leaves out `heat_capacity`, `conductivity`, `expansion` and `coupling`; a case without mechanics leaves
+/// out `density`, `elasticity` and `viscosity`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Material {
     /// Density ρ in kg/m³; 0: quasistatic.
+    ///
+    /// Required for mechanics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
-    pub density: f64,
-    /// Heat capacity, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat.
+    pub density: Option<f64>,
+    /// Heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat.
+    ///
+    /// Density times specific heat. Required for heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
-    pub heat_capacity: f64,
-    /// Thermal expansion tensor 𝓜 of (2.1) in Pa/K.
-    pub expansion: Tensor,
-    /// Tensor 𝓡 of (2.4), heat per strain, in W/m³.
-    pub coupling: Tensor,
+    pub heat_capacity: Option<f64>,
+    /// Thermal stress tensor 𝓜 of (2.1) in Pa/K, 0 if left out.
+    ///
+    /// Give `expansion_coefficient` instead if you know the coefficient of thermal expansion α.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion: Option<Tensor>,
+    /// Coefficient of thermal expansion α in 1/K, from which 𝓜 = 𝓔α follows.
+    ///
+    /// Three numbers are the coefficients along the axes of the material, those of `elasticity.orientation`. The product with the
+    /// three-dimensional elasticity is taken first and then reduced to plane stress or plane strain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion_coefficient: Option<Expansion>,
+    /// Tensor 𝓡 of (2.4), heat per strain, in W/m³, 0 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Tensor>,
     /// Heat conductivity tensor 𝓚 of (2.2) in W/(m K).
-    pub conductivity: Tensor,
+    ///
+    /// Required for heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conductivity: Option<Tensor>,
     /// Elasticity 𝓔.
-    pub elasticity: Elasticity,
-    /// Viscosity 𝓥.
-    pub viscosity: Viscosity,
+    ///
+    /// Required for mechanics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elasticity: Option<Elasticity>,
+    /// Viscosity 𝓥; none if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<Viscosity>,
     /// Branches of a generalized Maxwell body: stress that relaxes, besides 𝓔 and 𝓥.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prony: Vec<Branch>,
@@ -50,6 +76,17 @@ pub(in crate::case) enum Tensor {
     Multiple(f64),
     /// The components, row by row.
     Matrix(Vec<Vec<f64>>),
+}
+
+/// Coefficients of thermal expansion.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, or three along the axes of the material")]
+pub(in crate::case) enum Expansion {
+    /// The same in all directions.
+    Isotropic(f64),
+    /// α₁, α₂, α₃ along the axes of the material.
+    Orthotropic([f64; 3]),
 }
 
 /// Elasticity by its law.

@@ -19,9 +19,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::case) use boundary::{Boundary, Support};
-pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, HeatTerm, Normal, Quadrature, Wear};
+pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
-pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Material, Orientation, Region, StressState, Tensor, Viscosity};
+pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Expansion, Material, Orientation, Region, StressState, Tensor, Viscosity};
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
@@ -189,10 +189,12 @@ pub(in crate::case) struct Expected {
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Exact {
-    /// Displacement in m, one entry a component.
+    /// Displacement in m, one entry per component; left out in a case without mechanics.
+    #[serde(default)]
     pub displacement: Vec<Scalar>,
-    /// Temperature in K.
-    pub temperature: Scalar,
+    /// Temperature in K; left out in a case without heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Scalar>,
 }
 
 /// A value of a summary.
