@@ -11,7 +11,7 @@ use crate::status::Failure;
 
 /// Runs the benchmarks whose names are given, all without names; a results folder is recomputed from its files.
 pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
-    let settings = Settings { threads: common.threads.map(usize::from), interrupt: None, certificate: false };
+    let settings = Settings { threads: common.threads.map(usize::from), certificate: false, ..Settings::default() };
     let mut verdicts: Vec<Verdict> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
     let wanted = chosen(names)?;

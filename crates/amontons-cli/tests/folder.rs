@@ -131,7 +131,7 @@ fn results_are_replaced_only_by_force_and_by_a_run_that_has_started_well() {
     // The load of its first step is infinite.
     let failed = run_paper(&out, 5, &["--force", "--set", "load.body_force=[\"exp(8000*t*(1-t))\", 0]"]);
     assert_code(&failed, 3);
-    assert!(stderr(&failed).contains("holds the results of an earlier run"), "{}", stderr(&failed));
+    assert!(stderr(&failed).contains("still holds the results of an earlier run"), "{}", stderr(&failed));
     assert_eq!(read(&out.join("summary.json")), before);
     assert_eq!(files(&out).len(), 11, "nothing is left of the run that failed");
 

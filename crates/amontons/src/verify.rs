@@ -208,10 +208,10 @@ fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
 struct Recorder {
     columns: Vec<String>,
     times: Vec<f64>,
-    /// A row a step.
+    /// One row per step.
     history: Vec<Vec<f64>>,
     set: ProbeSet,
-    /// Of each probe, by the index of its check: a value a time, t = 0 included.
+    /// Of each probe, by the index of its check: one value per time, t = 0 included.
     probes: Vec<(usize, Vec<f64>)>,
 }
 

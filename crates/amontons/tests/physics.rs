@@ -170,7 +170,7 @@ fn keys_of_equations_that_a_case_lacks_are_named() {
     let said = |text: &str, overrides: &[&str]| told(&Source::new("case.toml", text), overrides);
     assert_eq!(
         said(MECHANICS, &["boundary[0].temperature=3"]),
-        "--set boundary[0].temperature=3: boundary[0].temperature: found a temperature in a case without heat, expected keys of mechanics only: no material has any of heat; drop it, or give material.heat_capacity and material.conductivity"
+        "--set boundary[0].temperature=3: boundary[0].temperature: found a temperature in a case without heat, expected keys of mechanics only: no material has any of heat; remove it, or give material.heat_capacity and material.conductivity"
     );
     for (key, value) in [
         ("load.heat_source", "1"),
@@ -386,7 +386,7 @@ fn faults_of_expansion_are_named() {
     let case = expansion(PLANE, &isotropic("plane-stress"), &free(2));
     assert_eq!(
         said(&case, &["material.expansion=1"]),
-        "case.toml:16:25: material.expansion_coefficient: found `expansion` besides it, expected either `expansion` or `expansion_coefficient`; drop one of the two: 𝓜 = 𝓔α follows from the coefficient"
+        "case.toml:16:25: material.expansion_coefficient: found `expansion` besides it, expected either `expansion` or `expansion_coefficient`; remove one of the two: 𝓜 = 𝓔α follows from the coefficient"
     );
     let turned = "expansion_coefficient = [1e-3, 2e-3, 3e-3]\nelasticity = { law = \"orthotropic\", young = [3, 2, 1], poisson = [0.1, 0.1, 0.1], shear = [1, 1, 1], orientation = [0.1, 0.2, 0.3] }";
     let text = said(&expansion(REVOLUTION, turned, "[[boundary]]\non = \"bottom\"\nnormal_displacement = 0\n"), &[]);

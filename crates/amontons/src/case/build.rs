@@ -164,14 +164,14 @@ impl Build<'_> {
             return;
         };
         let expected = "a name that a folder can have: letters, digits, `-`, `_`";
-        self.note("name", At::Value, found, expected, Some("results go to results/<name>"));
+        self.note("name", At::Value, found, expected, Some("choose another name: results go to results/<name>"));
     }
 
     /// Steps are not so short that their length is no number to divide by.
     fn step(&mut self, time: &raw::Time) {
         let k = time.end / time.steps as f64;
         if !(k.is_normal() && k.recip().is_finite()) {
-            self.note("time.end", At::Value, format!("steps of {k:?} s"), "steps of a length that can be computed with", None);
+            self.note("time.end", At::Value, format!("steps of {k:?} s"), "a step length that is a normal number", None);
         }
     }
 

@@ -63,7 +63,7 @@ impl Builder<'_> {
         | Elasticity::Hencky { stress_state, .. }) = raw;
         if stress_state.is_some() && self.dim() == 3 {
             let body = if self.mesh.axisymmetric { "a body of revolution" } else { "a body in space" };
-            self.note("elasticity.stress_state", format!("a stress state of {body}"), "one of a plane body or a line", Some("drop it"));
+            self.note("elasticity.stress_state", format!("a stress state of {body}"), "one of a plane body or a line", Some("remove it"));
         }
         match stress_state.unwrap_or_default() {
             raw::StressState::PlaneStress => StressState::PlaneStress,
@@ -106,7 +106,7 @@ impl Builder<'_> {
                 if (first, second) != (0.0, 0.0) && !(second > 0.0 && least > 0.0) {
                     let found = format!("first = {first:?} and second = {second:?}, so {dim}·first + second = {least:?}");
                     let expected = format!("second > 0 and {dim}·first + second > 0, as (H1) asks");
-                    self.note("viscosity", found, expected, Some("both 0 for no viscosity"));
+                    self.note("viscosity", found, expected, Some("set both to 0, or leave out `viscosity`, for no viscosity"));
                 }
                 return Arc::new(Isotropic::lame(dim, first, second, state));
             }
@@ -168,7 +168,7 @@ impl Builder<'_> {
     fn check_poisson(&mut self, poisson: f64, state: StressState) {
         let dim = self.dim();
         if (dim == 3 || (dim == 2 && state == StressState::PlaneStrain)) && poisson >= 0.5 {
-            let hint = "a nearly incompressible material has 0.49; an incompressible one needs a pressure unknown, which there is not";
+            let hint = "use 0.49 for a nearly incompressible material; incompressible materials are not supported";
             let of = if dim == 3 { "in space" } else { "in plane strain" };
             self.note("elasticity.poisson", format!("{poisson:?}"), format!("a number > -1 and < 0.5 {of} (Poisson's ratio ν)"), Some(hint));
         }
@@ -178,7 +178,7 @@ impl Builder<'_> {
     fn expansion(&mut self, raw: &raw::Material, elasticity: &dyn TensorLaw, state: StressState) -> Sym {
         if let (Some(coefficient), Some(law)) = (raw.expansion_coefficient, &raw.elasticity) {
             if raw.expansion.is_some() {
-                let hint = "drop one of the two: 𝓜 = 𝓔α follows from the coefficient";
+                let hint = "remove one of the two: 𝓜 = 𝓔α follows from the coefficient";
                 self.note("expansion_coefficient", "`expansion` besides it".to_owned(), "either `expansion` or `expansion_coefficient`", Some(hint));
             }
             return self.thermal_stress(coefficient, law, elasticity, state);
@@ -271,7 +271,7 @@ impl Builder<'_> {
             self.note("conductivity", format!("the eigenvalue {least:?}"), "no negative eigenvalue: heat flows from warm to cold", None);
         } else if heat_capacity == 0.0 && most <= 0.0 {
             let hint = Some("give one of the two a positive value");
-            self.note("conductivity", "0 besides heat_capacity 0".to_owned(), "a conductivity where the heat is steady", hint);
+            self.note("conductivity", "0 besides heat_capacity 0".to_owned(), "a positive conductivity if the heat is steady", hint);
         }
     }
 }

@@ -39,8 +39,8 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     }
     let (others, hint) = match physics {
         Physics::Coupled => return physics,
-        Physics::Mechanics => (of_heat(raw), "drop it, or give material.heat_capacity and material.conductivity"),
-        Physics::Heat => (of_mechanics(raw), "drop it, or give material.density and material.elasticity"),
+        Physics::Mechanics => (of_heat(raw), "remove it, or give material.heat_capacity and material.conductivity"),
+        Physics::Heat => (of_mechanics(raw), "remove it, or give material.density and material.elasticity"),
     };
     let (what, expected) = if mechanics { ("heat", "keys of mechanics only") } else { ("mechanics", "keys of heat only") };
     findings.extend(others.into_iter().map(|(key, found)| {

@@ -125,7 +125,7 @@ impl Build<'_> {
                 self.note(&path("region"), At::Value, found, format!("one of the regions {known}"), hint.as_deref());
             }
             error @ (ProbeError::Component { .. } | ProbeError::Normal(_) | ProbeError::Contact(_) | ProbeError::Absent(_) | ProbeError::Hoop) => {
-                self.note(&path(quantity), At::Value, error.to_string(), "a quantity that the body has there", None);
+                self.note(&path(quantity), At::Value, error.to_string(), "a quantity that exists there", None);
             }
         }
     }

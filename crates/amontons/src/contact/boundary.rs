@@ -42,7 +42,7 @@ pub struct Contact {
     pub obstacle: Option<Obstacle>,
     /// The depth that rubs off; none without wear.
     pub wear: Option<Arc<dyn WearLaw>>,
-    /// v_F in m/s, one field a component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
+    /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
     pub foundation_velocity: Vec<Field>,
 }
 
@@ -194,7 +194,7 @@ impl Lumping {
     }
 }
 
-/// Degree + 1 Gauss points a direction of each facet.
+/// Degree + 1 Gauss points per direction of each facet.
 fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let mut points = Vec::new();
     for block in &set.blocks {

@@ -1,4 +1,4 @@
-//! What the theory asks of the data, judged with numbers: findings are reported, never a gate (design decision D6).
+//! What the theory asks of the data, judged with numbers: findings are reported, never a gate.
 //!
 //! | id | what is judged | by |
 //! |---|---|---|
@@ -13,7 +13,7 @@
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
 //! | `energy`, `heat` | the audit of a run | the run |
 //!
-//! The proofs are in the book, chapter 2. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
+//! The proofs are in `book/src/theory.md`. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
 //! [`advice`] as many as its search takes.
 
 mod branches;

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! and G is the diagonal of the inverse of the condensed a. All constants are those of the discrete problem, so the bound is one of its
-//! solution. Proof: book, chapter 2.
+//! solution. Proof: `book/src/theory.md`.
 
 use std::sync::Arc;
 

@@ -11,7 +11,7 @@
 //! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 + μ²) − 1)/2. It has a
 //! solution in any case. With a pressure that falls by s at the most c* is also not less than (s + √(s² + (μs + L_r)²))/2, and with a bound that
 //! falls with the slip speed by f p at the most, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds
-//! for k holds for all shorter steps. Relaxing stress of the material only adds to S and is left out. Proofs: book, chapter 2.
+//! for k holds for all shorter steps. Relaxing stress of the material only adds to S and is left out. Proofs: `book/src/theory.md`.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! (2.23): as it is printed, and what the proof of Theorem 3.1 needs instead (book, chapter 2).
+//! (2.23): as it is printed, and what the proof of Theorem 3.1 needs instead (`book/src/theory.md`).
 
 use super::{Constants, Finding, Status};
 use crate::problem::Problem;

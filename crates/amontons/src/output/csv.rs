@@ -1,4 +1,4 @@
-//! `history.csv` and `probes.csv`, a row a step, and `contact.csv`, a row a contact point.
+//! `history.csv` and `probes.csv`, one row per step, and `contact.csv`, one row per contact point.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -96,7 +96,7 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// A table with a row a step, as it grows.
+/// A table with one row per step, as it grows.
 #[derive(Debug)]
 pub(super) struct Rows {
     path: PathBuf,

@@ -169,7 +169,7 @@ pub struct ContactRow {
     pub friction_work: f64,
 }
 
-/// Columns of numbers by the names of `history.csv`, one row a step.
+/// Columns of numbers by the names of `history.csv`, one row per step.
 pub type History = BTreeMap<String, Vec<f64>>;
 
 /// A contact point on its way along Γ_C.

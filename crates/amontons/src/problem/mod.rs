@@ -60,9 +60,9 @@ pub struct Faults(pub Vec<Fault>);
 /// u₀, u̇₀ and θ₀ of (2.11).
 #[derive(Clone, Debug, Default)]
 pub struct Initial {
-    /// u₀ in m, one field a component; empty for zero.
+    /// u₀ in m, one field per component; empty for zero.
     pub displacement: Vec<Field>,
-    /// u̇₀ in m/s, one field a component; empty for zero.
+    /// u̇₀ in m/s, one field per component; empty for zero.
     pub velocity: Vec<Field>,
     /// θ₀ in K.
     pub temperature: Field,
@@ -106,7 +106,7 @@ pub struct Problem {
     pub physics: Physics,
     /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
     pub materials: Vec<Material>,
-    /// f₀ in N/m³, one field a component; empty for zero.
+    /// f₀ in N/m³, one field per component; empty for zero.
     pub body_force: Vec<Field>,
     /// q₀ in W/m³.
     pub heat_source: Field,
@@ -183,7 +183,7 @@ impl Problem {
         self.check_time(&mut faults);
         self.check_material(&mut faults);
         if let Err(error) = self.mesh.check_nodes() {
-            faults.push(Fault::new("mesh", error.to_string(), "cells and facets of nodes that there are"));
+            faults.push(Fault::new("mesh", error.to_string(), "cells and facets whose nodes exist"));
             return Err(Faults(faults));
         }
         self.check_parts(&mut faults);

@@ -390,7 +390,7 @@ impl MechanicalStep<'_> {
     /// Whether the falls of the laws leave the step one solution between two velocities: S with the least slopes that the laws have between
     /// them is positive definite. Where no law falls that is taken for granted, and so is what friction takes by following the pressure. Of
     /// friction, the fall with the slip speed counts, and not the drop from rest, after which a point that sticks goes on sticking as long as
-    /// it can. Proof: book, chapter 2.
+    /// it can. Proof: `book/src/theory.md`.
     #[must_use]
     pub fn is_unique(&self, condensed: &Condensed, [from, to]: [&[f64]; 2], multipliers: [&Multipliers; 2]) -> bool {
         let slopes: Vec<[f64; 2]> = (0..self.boundary.points.len())
