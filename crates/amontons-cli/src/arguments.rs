@@ -28,6 +28,9 @@ pub enum Command {
         /// Draw the results too
         #[arg(long)]
         plot: bool,
+        /// Evaluate only the hypotheses that cost nothing
+        #[arg(long)]
+        no_certificate: bool,
         #[command(flatten)]
         common: Common,
     },
@@ -35,6 +38,9 @@ pub enum Command {
     Resume {
         /// The results folder of the run
         dir: PathBuf,
+        /// Evaluate only the hypotheses that cost nothing
+        #[arg(long)]
+        no_certificate: bool,
         #[command(flatten)]
         common: Common,
     },
@@ -90,7 +96,7 @@ pub enum Command {
     Schema,
     /// Write a commented starter case
     New {
-        /// The file to write; one that is there is kept
+        /// The file to write; an existing file is kept
         file: PathBuf,
     },
     /// Print shell completions
@@ -102,7 +108,7 @@ pub enum Command {
 
 #[derive(Debug, Args)]
 pub struct StudyArguments {
-    /// Levels, coarsest first: cells per side, or steps where time is varied
+    /// Levels, coarsest first: cells per side, or numbers of steps if time is refined
     #[arg(long, value_delimiter = ',', required = true, value_name = "N,N,…")]
     pub levels: Vec<usize>,
     /// Level of the reference solution [default: the finest level]
@@ -114,7 +120,7 @@ pub struct StudyArguments {
     /// What is refined
     #[arg(long, value_enum, default_value_t = VaryArgument::Both)]
     pub vary: VaryArgument,
-    /// Make a study for each of these values, each in a folder of its own; repeatable
+    /// Make one study per value, each in its own folder; repeatable
     #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
     pub each: Vec<String>,
 }
@@ -140,13 +146,16 @@ pub struct Common {
     /// Number of threads; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
+    /// How progress is reported on standard error
+    #[arg(long, value_enum, default_value_t = ProgressArgument::Auto)]
+    pub progress: ProgressArgument,
     /// Print no text but errors, and no progress
     #[arg(long)]
     pub quiet: bool,
-    /// What is printed
+    /// Form of what is printed on standard output
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
-    /// Replace the results that a folder holds, once the new run has made its first step
+    /// Replace existing results in the folder once the new run has made its first step
     #[arg(long)]
     pub force: bool,
 }
@@ -157,6 +166,16 @@ pub enum Format {
     Text,
     /// For programs
     Json,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ProgressArgument {
+    /// A bar on a terminal, elsewhere a line per minute
+    Auto,
+    /// A JSON object per line
+    Json,
+    /// Nothing
+    None,
 }
 
 impl Command {

@@ -3,13 +3,11 @@
 use std::fs::OpenOptions;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
 use amontons::model::Model;
-use amontons::output::{Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
+use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
 use amontons::scheme::StepError;
@@ -17,18 +15,15 @@ use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
-use crate::progress::Progress;
+use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
 use crate::{constants, converge, reproduce, verify};
-
-/// Exit code after a second Ctrl-C.
-const KILLED: i32 = 130;
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, common } => start(&case, plot, &common),
-        Command::Resume { dir, common } => resume(&dir, &common),
+        Command::Run { case, plot, no_certificate, common } => start(&case, plot, no_certificate, &common),
+        Command::Resume { dir, no_certificate, common } => resume(&dir, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
         Command::Plot { dir, dimensionless, scale } => draw(&dir, &plot::Options { dimensionless, scale_factor: scale, ..plot::Options::default() }, false),
@@ -53,20 +48,35 @@ fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure>
     Ok(print::text(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?)
 }
 
-fn start(file: &Path, pictures: bool, common: &Common) -> Result<(), Failure> {
+fn start(file: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+    let progress = Progress::new(common);
     let case = case::read(file, &common.set)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    let mut folder = Folder::create(&out, options(&case, common))?;
-    drive(&case, None, &mut folder, &out, common)?;
+    let settings = settings(&case, &out, no_certificate, &progress, common);
+    let folder = Folder::create(&out, options(&case, common))?;
+    drive(&case, None, (folder, &out), &settings, progress, common)?;
     if pictures { draw(&out, &plot::Options::default(), common.quiet || common.format == Format::Json) } else { Ok(()) }
 }
 
-fn resume(dir: &Path, common: &Common) -> Result<(), Failure> {
+fn resume(dir: &Path, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+    let progress = Progress::new(common);
     let case = case::read(&dir.join("case.toml"), &common.set)?;
     let checkpoint = Checkpoint::read(dir, &case.fingerprint())?;
     let out = common.out.as_deref().unwrap_or(dir);
-    let mut folder = if out == dir { Folder::reopen(dir, options(&case, common))? } else { Folder::copy(dir, out, options(&case, common))? };
-    drive(&case, Some(checkpoint), &mut folder, out, common)
+    let settings = settings(&case, dir, no_certificate, &progress, common);
+    let folder = if out == dir { Folder::reopen(dir, options(&case, common))? } else { Folder::copy(dir, out, options(&case, common))? };
+    drive(&case, Some(checkpoint), (folder, out), &settings, progress, common)
+}
+
+/// Settings of a run, with the certificate that `dir` holds of the same inputs.
+fn settings(case: &Case, dir: &Path, no_certificate: bool, progress: &Progress, common: &Common) -> Settings {
+    Settings {
+        threads: common.threads.map(usize::from),
+        interrupt: Some(progress.interrupt_flag()),
+        certificate: !no_certificate,
+        known: output::known_certificate(dir, &case.fingerprint()),
+        watch: Some(progress.watch()),
+    }
 }
 
 fn options(case: &Case, common: &Common) -> FolderOptions {
@@ -81,19 +91,26 @@ fn options(case: &Case, common: &Common) -> FolderOptions {
 }
 
 /// Runs a case into a folder and prints what it came to.
-fn drive(case: &Case, from: Option<Checkpoint>, folder: &mut Folder, out: &Path, common: &Common) -> Result<(), Failure> {
-    let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(interrupt_flag()), ..Settings::default() };
-    let mut progress = if common.quiet { None } else { Progress::on_terminal() };
-    let mut sinks: Vec<&mut dyn Sink> = vec![folder];
-    sinks.extend(progress.as_mut().map(|progress| progress as &mut dyn Sink));
+fn drive(
+    case: &Case,
+    from: Option<Checkpoint>,
+    (mut folder, out): (Folder, &Path),
+    settings: &Settings,
+    progress: Progress,
+    common: &Common,
+) -> Result<(), Failure> {
+    let mut steps = StepSink(&progress);
+    let mut sinks: Vec<&mut dyn Sink> = vec![&mut folder, &mut steps];
     let result = match from {
-        Some(checkpoint) => run::resume(&case.problem, checkpoint, &settings, &mut sinks),
-        None => run::run(&case.problem, &settings, &mut sinks),
+        Some(checkpoint) => run::resume(&case.problem, checkpoint, settings, &mut sinks),
+        None => run::run(&case.problem, settings, &mut sinks),
     };
+    // The bar goes before the summary comes.
+    drop(progress);
     match result {
         Ok(summary) => done(&summary, out, common),
         Err(error) => {
-            let hint = hint(&error, folder, out);
+            let hint = hint(&error, &folder, out);
             Err(Failure::Run { error, hint })
         }
     }
@@ -113,31 +130,18 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
     let (RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary)) = error else { return None };
     if folder.keeps_older_results() {
-        return Some(format!("{out} holds the results of an earlier run as before"));
+        return Some(format!("{out} still holds the results of an earlier run"));
     }
     let kept = format!("results up to step {}, t = {} s, are in {out}", summary.steps, summary.time);
     Some(match error {
         RunError::Step { source: StepError::Residual { .. }, .. } => format!(
-            "{kept}; what is left is the round-off of the displacement or temperature, if stiffnesses or conductances of the case lie more than about 1e9 apart: bring them nearer, or hold the body where it drifts"
+            "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
         ),
         RunError::Step { source: StepError::Data { key, .. }, .. } => format!("{kept}; correct {key}"),
         RunError::Unsound(_) => format!("{kept}, for finding the cause; `amontons check` names what in the data may be it"),
         RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
         _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),
     })
-}
-
-/// A flag that Ctrl-C sets; a second Ctrl-C ends the program at once.
-pub fn interrupt_flag() -> Arc<AtomicBool> {
-    let flag = Arc::new(AtomicBool::new(false));
-    let set = Arc::clone(&flag);
-    // Where there is no handler to be had, Ctrl-C ends the program at once: checkpoints are written all the same.
-    let _ = ctrlc::set_handler(move || {
-        if set.swap(true, Ordering::Relaxed) {
-            std::process::exit(KILLED);
-        }
-    });
-    flag
 }
 
 fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> {

@@ -4,16 +4,15 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{Level, StudySettings, Table, Vary};
-use amontons::output::StudyFolder;
+use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, Table, Vary};
+use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
 use amontons::run::with_threads;
 use amontons::scheme::State;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::arguments::{Common, Format, StudyArguments};
-use crate::commands::interrupt_flag;
 use crate::print;
+use crate::progress::Progress;
 use crate::status::Failure;
 
 /// Makes the studies that the arguments ask for and prints their tables.
@@ -21,13 +20,18 @@ pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Resu
     let source = case::source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-convergence")));
-    let flag = interrupt_flag();
+    let progress = Progress::new(common);
+    let flag = progress.interrupt_flag();
     let mut tables = Vec::new();
-    for (folder, values) in variants(&arguments.each)? {
+    let variants = variants(&arguments.each)?;
+    for (number, (folder, values)) in variants.iter().enumerate() {
         let mut overrides = common.set.clone();
         overrides.extend(values.clone());
-        let out = if folder.is_empty() { out.clone() } else { out.join(&folder) };
-        let table = study(&source, &overrides, &request(arguments), &out, common, &flag)?;
+        let out = if folder.is_empty() { out.clone() } else { out.join(folder) };
+        let part = format!("study {} of {}", number + 1, variants.len());
+        let running = Running { part: &part, progress: &progress, interrupt: &flag };
+        let table = study(&case::study(&source, &overrides, &request(arguments))?, &StudyFolder::create(&out, common.force)?, common, &running)?;
+        write(&source, &overrides, &table, &out)?;
         if common.format == Format::Text && !common.quiet {
             let title = if values.is_empty() { name.clone() } else { format!("{name}, {}", values.join(", ")) };
             print::text(&text(&title, &table, &out))?;
@@ -82,51 +86,53 @@ fn variants(each: &[String]) -> Result<Vec<(String, Vec<String>)>, Failure> {
     Ok(variants)
 }
 
-/// Makes one study in a folder of its own, levels that are there from an interrupted one taken as they are.
-pub fn study(source: &Source, overrides: &[String], request: &StudyRequest, out: &Path, common: &Common, interrupt: &AtomicBool) -> Result<Table, Failure> {
-    let study = case::study(source, overrides, request)?;
-    let folder = StudyFolder::create(out, common.force)?;
+/// How a study is reported and interrupted.
+pub struct Running<'a> {
+    /// `study 3 of 6`.
+    pub part: &'a str,
+    pub progress: &'a Progress,
+    pub interrupt: &'a AtomicBool,
+}
+
+/// Makes one study in a folder of its own. Finished levels of an interrupted one are taken as they are, and the reference goes on where it stopped.
+pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Running) -> Result<Table, Failure> {
     let failed = std::sync::Mutex::new(None);
-    let keep = |level: &Level, states: &[State]| {
-        // The study itself does not depend on it: told at the end.
-        if let (Err(error), Ok(mut failed)) = (folder.keep(level, states), failed.lock()) {
+    // The study itself does not depend on what is kept: a failure is reported at the end.
+    let note = |result: Result<(), OutputError>| {
+        if let (Err(error), Ok(mut failed)) = (result, failed.lock()) {
             *failed = Some(error);
         }
     };
-    let load = |level: &Level| folder.load(level);
-    let bar = (!common.quiet).then(|| bar(study.steps())).flatten();
+    let keep = |level: &Level, states: &[State]| note(folder.keep(level, states));
+    let keep_reference = |progress: &ReferenceProgress| note(folder.keep_reference(study, progress));
+    let (load, load_reference) = (|level: &Level| folder.load(level), || folder.load_reference(study));
+    running.progress.part(running.part, study.steps());
+    running.progress.begin_steps();
     let made = AtomicUsize::new(0);
-    let progress = |_level: usize, _step: usize, _steps: usize| {
-        let made = made.fetch_add(1, Ordering::Relaxed) + 1;
-        if let Some(bar) = &bar {
-            bar.set_position(made as u64);
-        }
+    let progress = |_level: usize, _step: usize, _steps: usize| running.progress.done(made.fetch_add(1, Ordering::Relaxed) + 1);
+    let settings = StudySettings {
+        interrupt: Some(running.interrupt),
+        progress: Some(&progress),
+        load: Some(&load),
+        keep: Some(&keep),
+        load_reference: Some(&load_reference),
+        keep_reference: Some(&keep_reference),
     };
-    let settings = StudySettings { interrupt: Some(interrupt), progress: Some(&progress), load: Some(&load), keep: Some(&keep) };
     let table = with_threads(common.threads.map(usize::from), || study.run(&settings)).map_err(|error| Failure::Run { error, hint: None })?;
-    if let Some(bar) = &bar {
-        bar.finish_and_clear();
+    let table = table.map_err(|error| Failure::Study { error, folder: folder.path().to_owned() })?;
+    match failed.into_inner() {
+        Ok(Some(error)) => Err(error.into()),
+        _ => Ok(table),
     }
-    let table = table.map_err(|error| Failure::Study { error, folder: out.to_owned() })?;
-    if let Ok(Some(error)) = failed.into_inner() {
-        return Err(error.into());
-    }
-    let case = case::parse(source, overrides)?;
-    folder.finish(&table, &case.text, &case.inputs)?;
-    let picture = plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
-    picture.save(&out.join("convergence"), plot::Options::default().pixels)?;
-    Ok(table)
 }
 
-fn bar(steps: usize) -> Option<ProgressBar> {
-    use std::io::IsTerminal;
-    std::io::stderr().is_terminal().then(|| {
-        let bar = ProgressBar::with_draw_target(Some(steps as u64), ProgressDrawTarget::stderr());
-        match ProgressStyle::with_template("steps of all levels {pos}/{len} [{bar:40}] {elapsed} gone, {eta} left") {
-            Ok(style) => bar.with_style(style),
-            Err(_) => bar,
-        }
-    })
+/// Writes the table of a study, and draws it.
+pub fn write(source: &Source, overrides: &[String], table: &Table, out: &Path) -> Result<(), Failure> {
+    let case = case::parse(source, overrides)?;
+    StudyFolder::create(out, true)?.finish(table, &case.text, &case.inputs)?;
+    let picture = plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
+    picture.save(&out.join("convergence"), plot::Options::default().pixels)?;
+    Ok(())
 }
 
 /// The table for reading.

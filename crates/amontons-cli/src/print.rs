@@ -52,12 +52,14 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
             ),
         ),
     ];
-    for (c, axis) in ["x", "y", "z"].iter().enumerate().take(summary.dimension) {
-        lines.push(row(&format!("displacement {axis}"), &format!("{:.5e} … {:.5e} m", end.displacement_min[c], end.displacement_max[c])));
+    for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
+        lines.push(row(&format!("displacement {axis}"), &format!("{min:.5e} … {max:.5e} m")));
     }
-    lines.push(row("temperature", &format!("{:.5e} … {:.5e} K", end.temperature_min, end.temperature_max)));
-    lines.push(row("von Mises stress", &format!("up to {:.5e} Pa", end.von_mises_max)));
-    lines.push(row("strain", &format!("up to {:.5e}", end.strain_max)));
+    if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
+        lines.push(row("temperature", &format!("{min:.5e} … {max:.5e} K")));
+    }
+    lines.extend(end.von_mises_max.map(|most| row("von Mises stress", &format!("up to {most:.5e} Pa"))));
+    lines.extend(end.strain_max.map(|most| row("strain", &format!("up to {most:.5e}"))));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
         lines.extend(touching("contact", contact));
         for (side, contact) in &contact.sides {

@@ -1,56 +1,341 @@
-//! The progress bar of a run.
+//! Where a command is: a bar on a terminal, a line per minute elsewhere, or a JSON object per line.
+//!
+//! The work notes where it is; a thread of its own reports it, so that a long certificate or factorization is reported too.
 
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use amontons::contact::Status;
 use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::run::{Phase, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
 
-/// How long a run takes before it gets a bar.
+use crate::arguments::{Common, ProgressArgument};
+
+/// How long a command takes before it gets a bar, and how often the bar is drawn.
 const PATIENCE: Duration = Duration::from_secs(1);
+const REDRAW: Duration = Duration::from_millis(200);
+/// Time between lines where standard error is no terminal.
+const MINUTE: Duration = Duration::from_mins(1);
+/// Least time between JSON lines of steps.
+const JSON: Duration = Duration::from_secs(1);
+/// Exit code after a second Ctrl-C.
+const KILLED: i32 = 130;
 
-/// A bar on standard error for runs that take longer than a moment.
-pub struct Progress {
-    begin: Instant,
-    first: u64,
-    bar: Option<ProgressBar>,
+/// What is reported, and how.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Mode {
+    Bar,
+    Lines,
+    Json,
+    Silent,
 }
 
-impl Progress {
-    /// A bar, if standard error is a terminal.
-    pub fn on_terminal() -> Option<Progress> {
-        std::io::stderr().is_terminal().then(|| Progress { begin: Instant::now(), first: 0, bar: None })
+/// Where the work is.
+#[derive(Clone, Debug)]
+struct Place {
+    /// The part of the command, such as `study 3 of 6`; empty if there is one part.
+    part: String,
+    /// `mesh`, `certificate`, `assembly`, `factor`, `steps`, `results`.
+    phase: &'static str,
+    begin: Instant,
+    phase_begin: Instant,
+    /// Steps done, those done before the phase began, and all.
+    step: usize,
+    first: usize,
+    steps: usize,
+    t: Option<f64>,
+    /// Contact points that are open, stick and slip.
+    contact: Option<[usize; 3]>,
+    told: Option<Instant>,
+    ended: bool,
+}
+
+impl Place {
+    /// Seconds that the steps still take at the pace of those done; none before the first.
+    fn left(&self) -> Option<f64> {
+        let done = self.step.checked_sub(self.first).filter(|&done| done > 0 && self.phase == "steps")?;
+        Some(self.phase_begin.elapsed().as_secs_f64() / done as f64 * self.steps.saturating_sub(self.step) as f64)
+    }
+
+    /// `study 3 of 6: step 12 of 64, t = 0.1875 s; contact: 3 open, 0 stick, 5 slip; 2 min gone, about 9 min left`.
+    fn line(&self) -> String {
+        let part = if self.part.is_empty() { String::new() } else { format!("{}: ", self.part) };
+        let gone = duration(self.begin.elapsed().as_secs_f64());
+        if self.phase != "steps" {
+            return format!("{part}{}, {} in this phase; {gone} gone", self.phase, duration(self.phase_begin.elapsed().as_secs_f64()));
+        }
+        let time = self.t.map_or_else(String::new, |t| format!(", t = {t:.6} s"));
+        let contact = self.contact.map_or_else(String::new, |[open, stick, slip]| format!("; contact: {open} open, {stick} stick, {slip} slip"));
+        let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
+        format!("{part}step {} of {}{time}{contact}; {gone} gone{left}", self.step, self.steps)
+    }
+
+    fn json(&self) -> Value {
+        let mut value = json!({ "phase": self.phase, "seconds": self.begin.elapsed().as_secs_f64() });
+        if !self.part.is_empty() {
+            value["part"] = json!(self.part);
+        }
+        if self.phase == "steps" {
+            value["step"] = json!(self.step);
+            value["steps"] = json!(self.steps);
+            value["seconds_left"] = json!(self.left());
+            value["t"] = json!(self.t);
+            value["contact"] = self.contact.map_or(Value::Null, |[open, stick, slip]| json!({ "open": open, "stick": stick, "slip": slip }));
+        }
+        value
+    }
+
+    /// What happens after a first Ctrl-C.
+    fn after_interrupt(&self) -> String {
+        let first = match self.phase {
+            "steps" => format!("step {} of {} is finished", self.step + 1, self.steps),
+            phase => format!("the present phase ({phase}) is finished"),
+        };
+        let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
+        format!("Ctrl-C: {first} and {kept}; a second Ctrl-C stops at once")
     }
 }
 
-impl Sink for Progress {
+/// `3 s`, `2 min 10 s`, `1 h 5 min`.
+fn duration(seconds: f64) -> String {
+    let s = seconds.round() as u64;
+    match s {
+        0..=59 => format!("{s} s"),
+        60..=3599 => format!("{} min {} s", s / 60, s % 60),
+        _ => format!("{} h {} min", s / 3600, s % 3600 / 60),
+    }
+}
+
+/// What the work and the reporting thread share.
+#[derive(Debug)]
+struct Shared {
+    mode: Mode,
+    place: Mutex<Place>,
+    wake: Condvar,
+}
+
+impl Shared {
+    fn place(&self) -> MutexGuard<'_, Place> {
+        self.place.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn phase(&self, phase: &'static str) {
+        let mut place = self.place();
+        (place.phase, place.phase_begin, place.first, place.told) = (phase, Instant::now(), place.step, None);
+        if self.mode == Mode::Json {
+            tell(&place.json().to_string());
+            place.told = Some(Instant::now());
+        }
+    }
+
+    fn step(&self, step: usize, t: Option<f64>, contact: Option<[usize; 3]>) {
+        let mut place = self.place();
+        (place.step, place.t, place.contact) = (step, t, contact);
+        let due = place.told.is_none_or(|told| told.elapsed() >= JSON) || step == place.steps;
+        if self.mode == Mode::Json && due {
+            tell(&place.json().to_string());
+            place.told = Some(Instant::now());
+        }
+    }
+}
+
+/// A line on standard error; if that fails there is no one to tell.
+fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Reports where a command is until it is dropped.
+pub struct Progress {
+    shared: Arc<Shared>,
+    reporter: Option<JoinHandle<()>>,
+}
+
+impl Progress {
+    /// As the arguments ask; begins with the phase `mesh`.
+    pub fn new(common: &Common) -> Progress {
+        let mode = match common.progress {
+            ProgressArgument::Json => Mode::Json,
+            ProgressArgument::None => Mode::Silent,
+            ProgressArgument::Auto if common.quiet => Mode::Silent,
+            ProgressArgument::Auto if std::io::stderr().is_terminal() => Mode::Bar,
+            ProgressArgument::Auto => Mode::Lines,
+        };
+        Progress::with(mode, MINUTE)
+    }
+
+    fn with(mode: Mode, interval: Duration) -> Progress {
+        let now = Instant::now();
+        let place = Place {
+            part: String::new(),
+            phase: "mesh",
+            begin: now,
+            phase_begin: now,
+            step: 0,
+            first: 0,
+            steps: 0,
+            t: None,
+            contact: None,
+            told: None,
+            ended: false,
+        };
+        let shared = Arc::new(Shared { mode, place: Mutex::new(place), wake: Condvar::new() });
+        if mode == Mode::Json {
+            shared.phase("mesh");
+        }
+        let reporter = matches!(mode, Mode::Bar | Mode::Lines).then(|| {
+            let shared = Arc::clone(&shared);
+            std::thread::spawn(move || report(&shared, if shared.mode == Mode::Bar { REDRAW } else { interval }))
+        });
+        Progress { shared, reporter }
+    }
+
+    /// Begins a part of the command with a number of steps.
+    pub fn part(&self, name: &str, steps: usize) {
+        let mut place = self.shared.place();
+        (place.part, place.steps, place.step, place.t, place.contact) = (name.to_owned(), steps, 0, None, None);
+    }
+
+    /// Begins the steps of a study.
+    pub fn begin_steps(&self) {
+        self.shared.phase("steps");
+    }
+
+    /// Notes that so many steps of a study are done.
+    pub fn done(&self, steps: usize) {
+        self.shared.step(steps, None, None);
+    }
+
+    /// Is told of the phases of a run.
+    pub fn watch(&self) -> Watch {
+        let shared = Arc::clone(&self.shared);
+        Watch(Arc::new(move |phase| {
+            shared.phase(match phase {
+                Phase::Certificate => "certificate",
+                Phase::Assembly => "assembly",
+                Phase::Factor => "factor",
+                Phase::Steps => "steps",
+                Phase::Results => "results",
+            });
+        }))
+    }
+
+    /// A flag that Ctrl-C sets, which says what happens next; a second Ctrl-C ends the program at once.
+    pub fn interrupt_flag(&self) -> Arc<AtomicBool> {
+        let flag = Arc::new(AtomicBool::new(false));
+        let (set, shared) = (Arc::clone(&flag), Arc::clone(&self.shared));
+        // If there is no handler to be had, Ctrl-C ends the program at once: checkpoints are written all the same.
+        let _ = ctrlc::set_handler(move || {
+            if set.swap(true, Ordering::Relaxed) {
+                std::process::exit(KILLED);
+            }
+            let message = shared.place().after_interrupt();
+            match shared.mode {
+                Mode::Json => tell(&json!({ "interrupted": message }).to_string()),
+                Mode::Silent => {}
+                Mode::Bar | Mode::Lines => tell(&message),
+            }
+        });
+        flag
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.shared.place().ended = true;
+        self.shared.wake.notify_all();
+        if let Some(reporter) = self.reporter.take() {
+            // A reporter that has panicked has nothing left to say.
+            let _ = reporter.join();
+        }
+    }
+}
+
+/// Draws a bar or prints lines until the command ends.
+fn report(shared: &Shared, interval: Duration) {
+    let mut bar: Option<ProgressBar> = None;
+    let mut place = shared.place();
+    while !place.ended {
+        place = shared.wake.wait_timeout(place, interval).unwrap_or_else(PoisonError::into_inner).0;
+        if place.ended {
+            break;
+        }
+        if shared.mode == Mode::Lines {
+            tell(&format!("amontons: {}", place.line()));
+        } else if place.begin.elapsed() > PATIENCE {
+            draw(bar.get_or_insert_with(new_bar), &place);
+        }
+    }
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+}
+
+fn new_bar() -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template("[{bar:30}] {msg}") {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
+}
+
+fn draw(bar: &ProgressBar, place: &Place) {
+    bar.set_length(place.steps.max(1) as u64);
+    bar.set_position(place.step as u64);
+    bar.set_message(place.line());
+}
+
+/// Notes the steps of a run.
+pub struct StepSink<'a>(pub &'a Progress);
+
+impl Sink for StepSink<'_> {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
-        self.first = start.from.state.step as u64;
+        let mut place = self.0.shared.place();
+        (place.step, place.steps, place.t) = (start.from.state.step, start.from.problem.steps, Some(start.from.state.t));
         Ok(())
     }
 
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
-        if self.bar.is_none() && self.begin.elapsed() > PATIENCE {
-            let bar = ProgressBar::with_draw_target(Some(now.problem.steps as u64), ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template("step {pos}/{len} [{bar:40}] {elapsed} gone, {eta} left") {
-                bar.set_style(style);
-            }
-            self.bar = Some(bar.with_elapsed(self.begin.elapsed()));
-        }
-        if let Some(bar) = &self.bar {
-            bar.set_position(now.state.step as u64);
-        }
+        let states = now.report.map(|report| &report.contact.states).filter(|states| !states.is_empty());
+        let count = |status| states.map_or(0, |states| states.iter().filter(|state| state.status == status).count());
+        let contact = states.map(|_| [Status::Open, Status::Stick, Status::Slip].map(count));
+        self.0.shared.step(now.state.step, Some(now.state.t), contact);
         Ok(())
     }
 
     fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
         Ok(())
     }
 
     fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_tells_phase_step_contact_and_time_left() {
+        let progress = Progress::with(Mode::Silent, MINUTE);
+        progress.shared.phase("certificate");
+        assert_eq!(progress.shared.place().line(), "certificate, 0 s in this phase; 0 s gone");
+        progress.part("study 3 of 6", 8);
+        progress.shared.phase("steps");
+        assert_eq!(progress.shared.place().left(), None);
+        progress.shared.step(2, Some(0.25), Some([3, 0, 5]));
+        let mut place = progress.shared.place().clone();
+        // 40 s for 2 of 8 steps: 120 s for the other 6.
+        let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
+        (place.begin, place.phase_begin) = (ago(3700), ago(40));
+        assert_eq!(place.line(), "study 3 of 6: step 2 of 8, t = 0.250000 s; contact: 3 open, 0 stick, 5 slip; 1 h 1 min gone, about 2 min 0 s left");
+        let value = place.json();
+        assert_eq!((&value["step"], &value["contact"]["slip"], &value["part"]), (&json!(2), &json!(5), &json!("study 3 of 6")));
+        assert_eq!(place.after_interrupt(), "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once");
     }
 }

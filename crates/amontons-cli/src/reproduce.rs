@@ -2,21 +2,23 @@
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
 use amontons::convergence::{Table, Vary};
-use amontons::output::{Folder, FolderOptions, OutputError, Summary};
+use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, StudyFolder, Summary};
 use amontons::plot::{self, Kind};
-use amontons::run::{self, Settings};
+use amontons::run::{self, RunError, Settings};
 
 use crate::arguments::{Common, Format};
-use crate::commands::interrupt_flag;
-use crate::converge;
+use crate::converge::{self, Running};
 use crate::print;
+use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
 
 /// The paper's example.
-const PAPER: &str = include_str!("../../../cases/paper.toml");
+const PAPER: &str = include_str!("paper.toml");
 
 /// A reading of the paper's tensors: name, what it is, overrides.
 type Reading = (&'static str, &'static str, &'static [&'static str]);
@@ -37,45 +39,34 @@ struct Reproduced {
     studies: Vec<Table>,
 }
 
-/// Runs, studies, figures and report, in one folder.
+/// Runs, studies, figures and report, in one folder. What an interrupted attempt has finished is taken as it is.
 pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<(), Failure> {
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join("reproduce"));
     let report = out.join("report.md");
     if report.exists() && !common.force {
         return Err(OutputError::HoldsResults { path: out, found: "report.md".to_owned() }.into());
     }
-    let flag = interrupt_flag();
-    let source = Source::new("paper.toml", PAPER);
+    let progress = Progress::new(common);
+    let flag = progress.interrupt_flag();
+    let request = StudyRequest { vary: Vary::Both, levels: levels.to_vec(), reference: ReferenceRequest::Level(reference), power: 1 };
+    let work = Work { source: Source::new("paper.toml", PAPER), request, common, progress: &progress, flag };
     let mut all = Vec::new();
     for reading in READINGS {
         let folder = out.join(reading.0);
         let mut done = Reproduced { reading, runs: Vec::new(), studies: Vec::new() };
         for foundation in FOUNDATION {
+            let number = FOUNDATION.len() * all.len() + done.runs.len() + 1;
+            let of = format!("{number} of {} ({}, θ_F = {foundation})", FOUNDATION.len() * READINGS.len(), reading.0);
             let mut overrides: Vec<String> = common.set.clone();
             overrides.extend(reading.2.iter().map(|&o| o.to_owned()));
             overrides.push(format!("contact.heat.foundation_temperature={foundation}"));
-            let case = case::parse(&source, &overrides)?;
-            let run_folder = folder.join(format!("run-{foundation}"));
-            let mut results = Folder::create(
-                &run_folder,
-                FolderOptions { every: case.every, fields: case.fields.clone(), probes: case.probes.clone(), force: true, ..FolderOptions::new(&case.text) },
-            )?;
-            let settings = Settings { threads: common.threads.map(usize::from), interrupt: Some(flag.clone()), certificate: false };
-            let summary = run::run(&case.problem, &settings, &mut [&mut results]).map_err(|error| Failure::Run { error, hint: None })?;
-            done.runs.push(summary);
-            // Levels of an interrupted attempt are taken as they are.
-            let request = StudyRequest { vary: Vary::Both, levels: levels.to_vec(), reference: ReferenceRequest::Level(reference), power: 1 };
-            let study_folder = folder.join(format!("study-{foundation}"));
-            let forced = Common { force: true, ..common.clone() };
-            let table = converge::study(&source, &overrides, &request, &study_folder, &forced, &flag)?;
-            if common.format == Format::Text && !common.quiet {
-                print::text(&converge::text(&format!("{}, θ_F = {foundation}", reading.0), &table, &study_folder))?;
-            }
-            done.studies.push(table);
+            done.runs.push(work.run(&overrides, &folder.join(format!("run-{foundation}")), &of)?);
+            done.studies.push(work.study(&overrides, &folder.join(format!("study-{foundation}")), &of)?);
         }
         figures(&folder, reference)?;
         all.push(done);
     }
+    drop(progress);
     let text = write_report(&all, levels, reference);
     std::fs::write(&report, &text).map_err(|source| OutputError::Io { doing: "write", path: report.clone(), source })?;
     match common.format {
@@ -84,6 +75,61 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
         Format::Text => print::text(&text)?,
     }
     Ok(())
+}
+
+/// What the runs and studies have in common.
+struct Work<'a> {
+    source: Source,
+    request: StudyRequest,
+    common: &'a Common,
+    progress: &'a Progress,
+    flag: Arc<AtomicBool>,
+}
+
+impl Work<'_> {
+    /// A run in a folder of its own: as it is if it is done, from its checkpoint if it has one, else anew.
+    fn run(&self, overrides: &[String], folder: &Path, of: &str) -> Result<Summary, Failure> {
+        let case = case::parse(&self.source, overrides)?;
+        if let Some(summary) = output::finished_run(folder, &case.fingerprint()) {
+            return Ok(summary);
+        }
+        self.progress.part(&format!("run {of}"), case.problem.steps);
+        let settings = Settings {
+            threads: self.common.threads.map(usize::from),
+            interrupt: Some(self.flag.clone()),
+            certificate: false,
+            watch: Some(self.progress.watch()),
+            ..Settings::default()
+        };
+        let options =
+            FolderOptions { every: case.every, fields: case.fields.clone(), probes: case.probes.clone(), force: true, ..FolderOptions::new(&case.text) };
+        let mut steps = StepSink(self.progress);
+        let result = match Checkpoint::read(folder, &case.fingerprint()) {
+            Ok(checkpoint) => run::resume(&case.problem, checkpoint, &settings, &mut [&mut Folder::reopen(folder, options)?, &mut steps]),
+            // Without a checkpoint of this case there is nothing to go on with.
+            Err(_) => run::run(&case.problem, &settings, &mut [&mut Folder::create(folder, options)?, &mut steps]),
+        };
+        result.map_err(|error| {
+            let hint = matches!(error, RunError::Interrupted(_)).then(|| "the same command goes on where it stopped".to_owned());
+            Failure::Run { error, hint }
+        })
+    }
+
+    /// A study in a folder of its own: as it is if it is finished, else from what it has kept, which a finished one does not need.
+    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<Table, Failure> {
+        let study = case::study(&self.source, overrides, &self.request)?;
+        if let Some(table) = StudyFolder::finished(path, &study) {
+            return Ok(table);
+        }
+        let folder = StudyFolder::create(path, true)?;
+        let part = format!("study {of}");
+        let running = Running { part: &part, progress: self.progress, interrupt: &self.flag };
+        let table = converge::study(&study, &folder, self.common, &running)?;
+        converge::write(&self.source, overrides, &table, path)?;
+        folder.seal(&study)?;
+        folder.clean()?;
+        Ok(table)
+    }
 }
 
 /// Figures 2–5, left θ_F = 0, right θ_F = 10.
@@ -111,11 +157,19 @@ fn figures(folder: &Path, reference: usize) -> Result<(), Failure> {
     Ok(())
 }
 
+/// The pictures of a reading in the report.
+const PICTURES: [(&str, &str); 4] = [
+    ("Figure 2: deformed body", "figure-2-deformed"),
+    ("Figure 3: temperature", "figure-3-temperature"),
+    ("Figure 4: von Mises stress", "figure-4-von-mises"),
+    ("Figure 5: errors", "figure-5-errors"),
+];
+
 fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> String {
     let mut out = String::from("# The paper's section 5, recomputed\n\n");
     let _ = writeln!(
         out,
-        "Runs with h = k = 1/64; errors on the levels {levels:?} against {reference}. Figures are in the folder of each reading.\n\n\
+        "Runs with h = k = 1/64; errors on the levels {levels:?} against {reference}.\n\n\
          **Statement 1** (on Figures 2–4): as the foundation is warmer, deformation, stress and temperature are larger.\n\
          **Statement 2** (on Figure 5): linear convergence (4.40) is almost observed.\n"
     );
@@ -129,8 +183,8 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
         for (label, values) in [
             ("largest displacement component", quantity(largest)),
             ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v)),
-            ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max)),
-            ("largest temperature", quantity(|s| s.last.temperature_max)),
+            ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max.unwrap_or(0.0))),
+            ("largest temperature", quantity(|s| s.last.temperature_max.unwrap_or(0.0))),
         ] {
             if let [cold, warm] = values[..] {
                 let _ = writeln!(out, "| {label} | {cold:.6} | {warm:.6} | {} |", if warm > cold { "yes" } else { "**no**" });
@@ -154,6 +208,9 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
         };
         let late = done.studies.iter().filter_map(|t| t.rows.last()).map(|r| format!("t = {:.4}", r.time_of_error)).collect::<Vec<_>>().join(" and ");
         let _ = writeln!(out, "\n{verdict} On the finest level the maximum over time is taken at {late}.\n");
+        for (title, file) in PICTURES {
+            let _ = writeln!(out, "![{title}, reading {name}]({name}/{file}.png)\n");
+        }
     }
     out
 }

@@ -152,13 +152,13 @@ impl Failure {
             Failure::Output(error) => error.to_string(),
             Failure::Checkpoint(error) => error.to_string(),
             Failure::Study { error: StudyError::Interrupted, folder } => {
-                format!("interrupted; finished levels are in {} and are taken as they are by the same command", folder.display())
+                format!("interrupted; finished levels and the progress of the reference are kept in {}; the same command goes on", folder.display())
             }
             Failure::Study { error, .. } => error.to_string(),
             Failure::Request(message) | Failure::Usage(message) | Failure::Verification { message, .. } => message.clone(),
             Failure::Constants(error) => format!("the constants of the domain: {error}"),
             Failure::Plot(error) => error.to_string(),
-            Failure::Exists(path) => format!("{} is there already; give another name", path.display()),
+            Failure::Exists(path) => format!("{} already exists; give another name", path.display()),
             Failure::Print(error) => format!("cannot write to standard output: {error}"),
         }
     }

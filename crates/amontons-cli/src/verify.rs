@@ -12,7 +12,7 @@ use crate::status::Failure;
 
 /// Evaluates the benchmarks, case files and results folders that are named, all benchmarks without names.
 pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
-    let settings = Settings { threads: common.threads.map(usize::from), interrupt: None, certificate: false };
+    let settings = Settings { threads: common.threads.map(usize::from), certificate: false, ..Settings::default() };
     let mut verdicts: Vec<Verdict> = Vec::new();
     let mut failures: Vec<String> = Vec::new();
     let wanted = chosen(names, &common.set)?;

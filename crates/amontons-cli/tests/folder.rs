@@ -38,6 +38,7 @@ fn a_folder_holds_what_the_contract_says() {
     let names: Vec<String> = files(&out).iter().map(|p| p.strip_prefix(&out).expect("inside").display().to_string()).collect();
     let expected = [
         "case.toml",
+        "certificate.json",
         "checkpoint/state.bin",
         "contact.csv",
         "fields/step_0000000.vtu",
@@ -131,9 +132,9 @@ fn results_are_replaced_only_by_force_and_by_a_run_that_has_started_well() {
     // The load of its first step is infinite.
     let failed = run_paper(&out, 5, &["--force", "--set", "load.body_force=[\"exp(8000*t*(1-t))\", 0]"]);
     assert_code(&failed, 3);
-    assert!(stderr(&failed).contains("holds the results of an earlier run"), "{}", stderr(&failed));
+    assert!(stderr(&failed).contains("still holds the results of an earlier run"), "{}", stderr(&failed));
     assert_eq!(read(&out.join("summary.json")), before);
-    assert_eq!(files(&out).len(), 11, "nothing is left of the run that failed");
+    assert_eq!(files(&out).len(), 12, "nothing is left of the run that failed");
 
     assert_code(&run_paper(&out, 5, &["--force"]), 0);
     assert_eq!(summary(&out)["steps"], 5);

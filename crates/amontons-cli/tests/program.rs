@@ -147,6 +147,40 @@ fn a_run_prints_what_it_is_asked_to() {
     assert!(stdout(&printed).is_empty() && stderr(&printed).is_empty());
 }
 
+/// Each phase has a line of JSON, and so has the last step, with its contact state.
+#[test]
+fn progress_as_json_names_the_phases() {
+    let folder = tempdir().expect("a folder");
+    let printed = run_paper(&folder.path().join("run"), 4, &["--progress", "json", "--quiet"]);
+    assert_code(&printed, 0);
+    let lines: Vec<serde_json::Value> = stderr(&printed).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let phases: Vec<&str> = lines.iter().filter_map(|line| line["phase"].as_str()).filter(|phase| *phase != "steps").collect();
+    assert_eq!(phases, ["mesh", "certificate", "assembly", "factor", "results"]);
+    let last = lines.iter().rfind(|line| line["phase"] == "steps").expect("steps");
+    assert_eq!((&last["step"], &last["steps"], &last["t"]), (&4.into(), &4.into(), &1.0.into()));
+    let count = |status: &str| last["contact"][status].as_u64().expect("a count");
+    assert_eq!(count("open") + count("stick") + count("slip"), 9, "nine contact nodes");
+    assert!(stderr(&run_paper(&folder.path().join("silent"), 4, &["--progress", "none"])).is_empty());
+}
+
+/// The certificate of the same inputs is not computed again: one that was changed in its file comes back.
+#[test]
+fn the_certificate_is_kept_with_its_inputs() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    assert_code(&run_paper(&out, 4, &["--quiet"]), 0);
+    let findings = summary(&out)["findings"].as_array().expect("findings").len();
+    let file = out.join("certificate.json");
+    fs::write(&file, read(&file).replace("is strongly monotone", "IS FROM THE FILE")).expect("a file");
+    assert_code(&run_paper(&out, 4, &["--quiet", "--force"]), 0);
+    assert!(read(&out.join("summary.json")).contains("IS FROM THE FILE"));
+    // Other inputs have their own, and without a certificate there is none to keep.
+    assert_code(&run_paper(&out, 5, &["--quiet", "--force"]), 0);
+    assert!(!read(&out.join("summary.json")).contains("IS FROM THE FILE"));
+    assert_code(&run_paper(&out, 5, &["--quiet", "--force", "--no-certificate"]), 0);
+    assert!(!file.exists() && summary(&out)["findings"].as_array().expect("findings").len() < findings);
+}
+
 #[test]
 fn a_step_that_cannot_be_made_ends_the_run_and_keeps_the_steps_before() {
     let folder = tempdir().expect("a folder");

@@ -268,6 +268,8 @@ fn ctrl_c_leaves_a_checkpoint() {
     let ended = child.wait_with_output().expect("the end");
     assert_code(&ended, 130);
     assert!(stderr(&ended).contains("amontons resume"), "{}", stderr(&ended));
+    let said = stderr(&ended);
+    assert!(said.contains("Ctrl-C: step ") && said.contains("a checkpoint is written; a second Ctrl-C stops at once"), "{said}");
     let steps = summary(&broken)["steps"].as_u64().expect("steps") as usize;
     assert!(steps > 0 && steps < LONG);
 

@@ -237,4 +237,41 @@ fn reproduce_makes_the_figures_and_a_report() {
     let report = text(&out.join("report.md"));
     // With 𝓜 the identity the deformation is smaller on the warm foundation, against the paper's statement.
     assert_eq!(report.matches("do **not** support statement 1").count(), 1);
+    for (reading, figure) in [("default", "figure-2-deformed"), ("literal", "figure-5-errors")] {
+        assert!(report.contains(&format!("]({reading}/{figure}.png)")), "{reading}: {figure} is not in the report");
+    }
+    // States that finished studies do not need are removed, and nothing is computed again.
+    assert!(!out.join("default/study-0/levels").exists());
+    let made = |name: &str| fs::metadata(out.join(name)).and_then(|meta| meta.modified()).expect("a file");
+    let names = ["default/run-0/summary.json", "literal/run-10/history.csv", "identity/study-10/convergence.json"];
+    let before = names.map(made);
+    fs::remove_file(out.join("report.md")).expect("the report");
+    fs::remove_file(out.join("identity/study-0/study.sha256")).expect("the mark of a finished study");
+    let again = [
+        "reproduce",
+        "--levels",
+        "4,8",
+        "--reference",
+        "16",
+        "--set",
+        "mesh.n=16",
+        "--set",
+        "time.steps=16",
+        "--out",
+        &out_text,
+        "--progress",
+        "json",
+        "--quiet",
+    ];
+    let done = amontons(&again);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(names.map(made), before, "a finished part was computed again");
+    assert_eq!(text(&out.join("report.md")), report);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(said.contains("study 3 of 6 (identity, θ_F = 0)") && !said.contains("study 1 of 6") && !said.contains("run 1 of 6"), "{said}");
+    // A study with other levels is another one.
+    fs::remove_file(out.join("report.md")).expect("the report");
+    let other = amontons(&["reproduce", "--levels", "2,4", "--reference", "8", "--set", "mesh.n=16", "--set", "time.steps=16", "--out", &out_text, "--quiet"]);
+    assert_eq!(other.status.code(), Some(0));
+    assert!(names[..2].iter().zip(before).all(|(name, before)| made(name) == before) && made(names[2]) != before[2]);
 }

@@ -16,12 +16,17 @@
 //! let source = case::Source::new("starter.toml", case::STARTER);
 //! let case = case::parse(&source, &["mesh.n=[16, 8]".into()])?;
 //! let summary = run(&case.problem, &Settings::default(), &mut [&mut Memory::default()])?;
-//! println!("{:?}", summary.last.temperature_max);
+//! println!("largest temperature: {:?} K", summary.last.temperature_max);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
 //! [`problem::Problem`] holds the data, [`scheme`] makes the steps, [`output::Sink`]s take the results; laws are
 //! the traits of [`material`] and [`contact`], and [`contract`] tests yours.
+
+/// The README: its program is a test.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+pub struct Readme;
 
 pub mod case;
 pub mod contact;

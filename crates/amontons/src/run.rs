@@ -3,13 +3,14 @@
 //! A run ends for a named reason: it is done ([`Summary`]), or the [`RunError`] says why not. A step that
 //! could not be made is never a result; what the steps before it gave is kept.
 
+use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::ThreadPool;
 
-use crate::hypotheses;
+use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Factor, FactorError, Supernodal, Unknowns};
 use crate::output::{Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work};
 use crate::problem::Problem;
@@ -24,11 +25,40 @@ pub struct Settings {
     pub interrupt: Option<Arc<AtomicBool>>,
     /// Judges all hypotheses for the summary, which takes some factorizations; without it, those that cost nothing.
     pub certificate: bool,
+    /// The certificate of an earlier run of the same inputs, [`crate::output::known_certificate`]: it is not computed again.
+    pub known: Option<Vec<Finding>>,
+    /// Is told when a phase of the run begins.
+    pub watch: Option<Watch>,
+}
+
+/// What a run is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Evaluates the hypotheses.
+    Certificate,
+    /// Assembles the matrices.
+    Assembly,
+    /// Factorizes them.
+    Factor,
+    /// Makes the steps; sinks are told of each.
+    Steps,
+    /// Writes the last results.
+    Results,
+}
+
+/// Is told when a phase of a run begins, from whichever thread begins it.
+#[derive(Clone)]
+pub struct Watch(pub Arc<dyn Fn(Phase) + Send + Sync>);
+
+impl fmt::Debug for Watch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("Watch")
+    }
 }
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { threads: None, interrupt: None, certificate: true }
+        Settings { threads: None, interrupt: None, certificate: true, known: None, watch: None }
     }
 }
 
@@ -88,10 +118,16 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     let begin = Instant::now();
     let pool = pool(settings.threads)?;
     // Before the factors of the run, so that they are not in memory at once.
-    let findings =
-        within(pool.as_ref(), || if settings.certificate { hypotheses::certificate_or_findings(problem).findings } else { hypotheses::findings(problem) });
+    let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));
+    begins(Phase::Certificate);
+    let findings = within(pool.as_ref(), || match &settings.known {
+        Some(known) if settings.certificate => known.clone(),
+        _ if settings.certificate => hypotheses::certificate_or_findings(problem).findings,
+        _ => hypotheses::findings(problem),
+    });
     let certificate = begin.elapsed().as_secs_f64();
-    let backend = Arc::new(Timed::default());
+    begins(Phase::Assembly);
+    let backend = Arc::new(Timed { watch: Mutex::new(settings.watch.clone()), ..Timed::default() });
     let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, Arc::<Timed>::clone(&backend)))?;
     let [displacement, temperature, contact] = scheme.unknowns();
     let unknowns = UnknownCounts { displacement, temperature, contact };
@@ -111,9 +147,10 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
 
     let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
     let from = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work: clock.work(before, &scheme) };
-    let start = RunStart { from, threads, resumed };
+    let start = RunStart { from, threads, resumed, certificate: settings.certificate.then_some(&findings[..]) };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.start(&start)))?;
 
+    begins(Phase::Steps);
     let failed = loop {
         if state.step >= problem.steps || interrupted(settings) {
             break None;
@@ -130,6 +167,7 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
         clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.step(&now)))?;
     };
 
+    begins(Phase::Results);
     let work = clock.work(before, &scheme);
     let last = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
@@ -212,6 +250,8 @@ impl Clock {
 #[derive(Debug, Default)]
 struct Timed {
     backend: Supernodal,
+    /// Is told of the first factorization.
+    watch: Mutex<Option<Watch>>,
     intervals: Mutex<Vec<(Instant, Instant)>>,
 }
 
@@ -233,6 +273,9 @@ impl Timed {
 
 impl Backend for Timed {
     fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+        if let Some(watch) = self.watch.lock().unwrap_or_else(PoisonError::into_inner).take() {
+            (watch.0)(Phase::Factor);
+        }
         let begin = Instant::now();
         let factor = self.backend.factorize(matrix, unknowns);
         self.intervals.lock().unwrap_or_else(PoisonError::into_inner).push((begin, Instant::now()));

@@ -241,9 +241,9 @@ spoiled! {
         "body.toml:2:1: mesh.n: found no such key, expected an integer ≥ 1 or three of them, [nx, ny, nz] (cells per side)"
         "body.toml:4:1: mesh.file: found an unknown key, expected one of elements, kind, n, size; `file` belongs to [mesh] with kind = \"file\"";
     elements_unknown: "kind = \"interval\"\nsize = 1\nn = 2\nelements = \"P3\"", 1, "" => ""
-        "body.toml:6:12: mesh.elements: found \"P3\", expected \"P1\", \"P2\", \"Q1\" or \"Q2\" (what the cells are)";
+        "body.toml:6:12: mesh.elements: found \"P3\", expected \"P1\", \"P2\", \"Q1\" or \"Q2\" (element type of the cells)";
     diagonal_of_quadrilaterals: "kind = \"rectangle\"\nsize = [2, 1]\nn = 2\nelements = \"Q1\"\ndiagonal = \"left\"", 2, "" => ""
-        "body.toml:7:12: mesh.diagonal: found a diagonal besides quadrilaterals, expected a diagonal of triangles, P1 or P2; drop one of them";
+        "body.toml:7:12: mesh.diagonal: found a diagonal besides quadrilaterals, expected a diagonal with triangles only, P1 or P2; remove one of them";
     disc_around: "kind = \"disc\"\nradius = 1\nn = [2, 6]", 2, "on = \"left\"" => "on = \"outer\""
         "body.toml:2:1: mesh: found 6 cells around, expected a multiple of 4, for the square in the middle";
     radii_swapped: "kind = \"ring\"\nradii = [2, 1]\nn = [2, 6]", 2, "on = \"left\"" => "on = \"outer\""
@@ -263,9 +263,9 @@ spoiled! {
 // Materials and regions.
 spoiled! {
     stress_state_in_space: "kind = \"box\"\nsize = [1, 1, 1]\nn = 1", 3, "poisson = 0.0 }" => "poisson = 0.0, stress_state = \"plane-strain\" }"
-        "body.toml:15:79: material.elasticity.stress_state: found a stress state of a body in space, expected one of a plane body or a line; drop it";
+        "body.toml:15:79: material.elasticity.stress_state: found a stress state of a body in space, expected one of a plane body or a line; remove it";
     poisson_in_space: "kind = \"box\"\nsize = [1, 1, 1]\nn = 1", 3, "poisson = 0.0 }" => "poisson = 0.5 }"
-        "body.toml:15:59: material.elasticity.poisson: found 0.5, expected a number > -1 and < 0.5 in space (Poisson's ratio ν); a nearly incompressible material has 0.49; an incompressible one needs a pressure unknown, which there is not";
+        "body.toml:15:59: material.elasticity.poisson: found 0.5, expected a number > -1 and < 0.5 in space (Poisson's ratio ν); use 0.49 for a nearly incompressible material; incompressible materials are not supported";
     compliance_not_positive: "kind = \"box\"\nsize = [1, 1, 1]\nn = 1", 3, "{ law = \"isotropic\", young = 10.0, poisson = 0.0 }" => "{ law = \"orthotropic\", young = [1, 1, 1], poisson = [0.9, 0.9, 0.9], shear = [1, 1, 1] }"
         "body.toml:15:14: material.elasticity: found a compliance −ν_ij (E_j/E_i)^½ of the normal strains, with ones on its diagonal, with eigenvalues from -8.000e-1 to 1.900e0, expected all of them positive";
     softens_too_much: "kind = \"box\"\nsize = [1, 1, 1]\nn = 1", 3, "{ law = \"isotropic\", young = 10.0, poisson = 0.0 }" => "{ law = \"von-mises-projection\", young = 10.0, poisson = 0.25, excess = -9.0, radius = 0.5 }"
@@ -277,7 +277,7 @@ spoiled! {
     tensor_of_a_plane_body_in_space: "kind = \"box\"\nsize = [1, 1, 1]\nn = 1", 3, "conductivity = 1.0" => "conductivity = [[1, 0], [0, 1]]"
         "body.toml:14:16: material.conductivity: found a matrix of 2 rows, expected a number or a symmetric 3 × 3 matrix";
     torsion_of_a_body_of_revolution: "kind = \"rectangle\"\nsize = [2, 1]\nn = 2\naxisymmetric = true", 2, "expansion = 0.0" => "expansion = [[1, 0, 1], [0, 1, 0], [1, 0, 1]]"
-        "body.toml:13:13: material.expansion: found a component rθ or zθ, which is not that of a body of revolution, expected a number or a symmetric 3 × 3 matrix";
+        "body.toml:13:13: material.expansion: found a component rθ or zθ, expected a tensor that is the same around the axis of a body of revolution";
     unheld_part: "file = \"parts.msh\"", 2, "" => ""
         "body.toml:15:1: boundary: found no displacement prescribed and density 0 in part 1 of the body, x from 2.0 to 5.0, y from 0.0 to 1.0, expected a part Γ_D that holds the body; give `displacement` on a side, or a positive material.density"
         "body.toml:15:1: boundary: found no temperature prescribed and heat_capacity 0 in part 1 of the body, x from 2.0 to 5.0, y from 0.0 to 1.0, expected a side whose temperature is known; give `temperature` on a side, or a positive material.heat_capacity";
@@ -302,7 +302,7 @@ regions! {
     region_twice: format!("[[region]]\non = \"stiff\"\n{STEEL}[[region]]\non = \"stiff\"\n{STEEL}"),
         "body.toml:30:6: region[1].on: found \"stiff\" again, expected each region in one [[region]] entry";
     region_without_a_material: "[[region]]\non = \"stiff\"\n",
-        "body.toml:19:1: region[0].material: found no such key, expected a table (material of the region, with all its keys)";
+        "body.toml:19:1: region[0].material: found no such key, expected a table (material of the region, with all keys that the case uses)";
     faulty_region: format!("[[region]]\non = \"stiff\"\n{}", STEEL.replace("young = 40.0", "young = -40.0")),
         "body.toml:27:43: region[0].material.elasticity.young: found -40.0, expected a number > 0 (Young's modulus E in Pa)";
     region_with_a_negative_conductivity: format!("[[region]]\non = \"stiff\"\n{}", STEEL.replace("conductivity = 3.0", "conductivity = -3.0")),

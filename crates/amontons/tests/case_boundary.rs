@@ -144,7 +144,7 @@ spoiled! {
     no_such_time_column: "heat_source = 1.0" => "heat_source = { table = \"load.csv\", time = 4 }"
         "sides.toml:18:44: load.heat_source.time: found 3 columns in load.csv, expected at least 4";
     column_zero: "heat_source = 1.0" => "heat_source = { table = \"load.csv\", column = 0 }"
-        "sides.toml:18:46: load.heat_source.column: found 0, expected an integer ≥ 1 (column of the values, by its header or its number from 1; the second where left out)";
+        "sides.toml:18:46: load.heat_source.column: found 0, expected an integer ≥ 1 (column of the values, by header or by number from 1; default: the second)";
     column_without_header: "heat_source = 1.0" => "heat_source = { table = \"short.csv\", column = \"f\" }"
         "sides.toml:18:47: load.heat_source.column: found \"f\", but short.csv has no header, expected the number of a column from 1 to 2";
     table_too_short: "heat_source = 1.0" => "heat_source = { table = \"short.csv\" }"
@@ -166,17 +166,17 @@ spoiled! {
     one_column: "heat_source = 1.0" => "heat_source = { table = \"one.csv\" }"
         "sides.toml:18:25: load.heat_source.table: found 1 columns in one.csv, expected at least 2";
     empty_file: "heat_source = 1.0" => "heat_source = { table = \"empty.csv\" }"
-        "sides.toml:18:25: load.heat_source.table: found no rows in empty.csv, expected a time and a value a row";
+        "sides.toml:18:25: load.heat_source.table: found no rows in empty.csv, expected a time and a value per row";
     header_alone: "heat_source = 1.0" => "heat_source = { table = \"header.csv\" }"
-        "sides.toml:18:25: load.heat_source.table: found no rows in header.csv, expected a time and a value a row";
+        "sides.toml:18:25: load.heat_source.table: found no rows in header.csv, expected a time and a value per row";
     file_and_values: "heat_source = 1.0" => "heat_source = { table = \"load.csv\", times = [0, 2], values = [0, 1] }"
-        "sides.toml:18:15: load.heat_source: found a table of unclear data, expected either `table`, the name of a file, or `times` and `values`";
+        "sides.toml:18:15: load.heat_source: found a table without clear data, expected either `table`, the name of a file, or `times` and `values`";
     neither_file_nor_values: "heat_source = 1.0" => "heat_source = { times = [0, 2] }"
-        "sides.toml:18:15: load.heat_source: found a table of unclear data, expected either `table`, the name of a file, or `times` and `values`";
+        "sides.toml:18:15: load.heat_source: found a table without clear data, expected either `table`, the name of a file, or `times` and `values`";
     column_of_values: "heat_source = 1.0" => "heat_source = { times = [0, 2], values = [0, 1], column = 2 }"
-        "sides.toml:18:59: load.heat_source.column: found `column` besides `times` and `values`, expected it with `table`, a file";
+        "sides.toml:18:59: load.heat_source.column: found `column` besides `times` and `values`, expected `table`, a file, with it";
     values_are_missing: "values = [0, 1]" => "values = [0]"
-        "sides.toml:35:39: boundary[3].pressure.values: found 1 values for 2 times, expected a value a time";
+        "sides.toml:35:39: boundary[3].pressure.values: found 1 values for 2 times, expected one value per time";
     no_times: "times = [0, 2], values = [0, 1]" => "times = [], values = []"
         "sides.toml:35:22: boundary[3].pressure.times: found no times, expected at least one";
     equal_times: "times = [0, 2], values = [0, 1]" => "times = [0, 2, 2], values = [0, 1, 2]"
@@ -188,35 +188,35 @@ spoiled! {
     factor_infinite: "values = [0, 1]" => "values = [1, 1], factor = \"1/x\""
         "sides.toml:35:12: boundary[3].pressure: found the value inf at x = 0.0, y = 0.0, t = 0.0, expected finite values at all nodes on which it acts, at t = 0 and t = end";
     unknown_extension: "values = [0, 1]" => "values = [0, 1], extend = \"linear\""
-        "sides.toml:35:56: boundary[3].pressure.extend: found \"linear\", expected \"none\" or \"hold\" (what holds outside the times)";
+        "sides.toml:35:56: boundary[3].pressure.extend: found \"linear\", expected \"none\" or \"hold\" (extrapolation outside the times)";
     unknown_key_of_a_table: "values = [0, 1]" => "valeus = [0, 1]"
         "sides.toml:35:30: boundary[3].pressure.valeus: found an unknown key, expected one of column, extend, factor, table, time, times, values; did you mean `values`?";
     table_of_initial_data: "[load]" => "[initial]\ntemperature = { times = [0, 2], values = [0, 1] }\n[load]"
         "sides.toml:18:15: initial.temperature: found a table, expected a number or an expression in x, y, z, t (temperature θ₀ in K)";
     table_of_a_coefficient: "coefficient = 2.0" => "coefficient = { times = [0, 2], values = [0, 1] }"
-        "sides.toml:30:30: boundary[2].convection.coefficient: found a table, expected a number or an expression in x, y, z, t (heat transfer coefficient h in W/(m² K), without t)";
+        "sides.toml:30:30: boundary[2].convection.coefficient: found a table, expected a number or an expression in x, y, z, t (heat transfer coefficient h in W/(m² K), constant in time)";
 }
 
 // Conditions that exclude each other.
 spoiled! {
     displacement_twice: "displacement = [0, \"free\"]" => "displacement = [0, \"free\"]\nnormal_displacement = 0"
-        "sides.toml:22:23: boundary[0].normal_displacement: found a displacement along the normal besides one by components, expected one of the two; drop one of them";
+        "sides.toml:22:23: boundary[0].normal_displacement: found a displacement along the normal and one by components, expected one of the two; remove one of them";
     free_misspelled: "displacement = [0, \"free\"]" => "displacement = [0, \"fre\"]"
         "sides.toml:21:21: boundary[0].displacement[1]: found `fre`, expected a variable (x, y, z, t), a constant (pi, e) or a function";
     free_traction: "traction = [1.0, 0.0]" => "traction = [\"free\", 0.0]"
         "sides.toml:25:14: boundary[1].traction[0]: found `free`, expected a variable (x, y, z, t), a constant (pi, e) or a function";
     traction_on_a_held_component: "displacement = [0, \"free\"]" => "displacement = [0, \"free\"]\ntraction = [1, 2]"
-        "sides.toml:22:13: boundary[0].traction[0]: found a traction in a direction whose displacement is prescribed, expected one of the two: Γ_D and Γ_N do not overlap; put 0";
+        "sides.toml:22:13: boundary[0].traction[0]: found a traction in a direction whose displacement is prescribed, expected one of the two: Γ_D and Γ_N do not overlap; set it to 0";
     traction_on_a_held_normal: "normal_displacement = 0.0" => "normal_displacement = 0.0\ntraction = [1, 2]"
-        "sides.toml:30:16: boundary[2].traction[1]: found a traction in a direction whose displacement is prescribed, expected one of the two: Γ_D and Γ_N do not overlap; put 0";
+        "sides.toml:30:16: boundary[2].traction[1]: found a traction in a direction whose displacement is prescribed, expected one of the two: Γ_D and Γ_N do not overlap; set it to 0";
     pressure_on_a_held_normal: "normal_displacement = 0.0" => "normal_displacement = 0.0\npressure = 1"
-        "sides.toml:30:12: boundary[2].pressure: found a pressure along the normal besides a displacement along it, expected one of the two: Γ_D and Γ_N do not overlap; drop one of them";
+        "sides.toml:30:12: boundary[2].pressure: found a pressure along the normal besides a displacement along it, expected one of the two: Γ_D and Γ_N do not overlap; remove one of them";
     spring_on_a_held_normal: "normal_displacement = 0.0" => "normal_displacement = 0.0\nspring = 1"
-        "sides.toml:30:10: boundary[2].spring: found a spring along the normal besides a displacement along it, expected one of the two: Γ_D and Γ_N do not overlap; drop one of them";
+        "sides.toml:30:10: boundary[2].spring: found a spring along the normal besides a displacement along it, expected one of the two: Γ_D and Γ_N do not overlap; remove one of them";
     dashpot_on_a_held_side: "displacement = [0, \"free\"]" => "displacement = [0, 0]\ndashpot = [1, 1]"
-        "sides.toml:22:11: boundary[0].dashpot: found a dashpot besides a displacement, expected one of the two: Γ_D and Γ_N do not overlap; drop one of them";
+        "sides.toml:22:11: boundary[0].dashpot: found a dashpot besides a displacement, expected one of the two: Γ_D and Γ_N do not overlap; remove one of them";
     convection_besides_a_temperature: "temperature = 0.0" => "temperature = 0.0\nconvection = { coefficient = 1 }"
-        "sides.toml:23:14: boundary[0].convection: found a heat exchange with the surroundings besides a temperature, expected one of the two; drop one of them";
+        "sides.toml:23:14: boundary[0].convection: found a heat exchange with the surroundings besides a temperature, expected one of the two; remove one of them";
     normal_displacement_on_contact: "[load]" => "[contact]\non = \"top\"\nnormal = { law = \"compliance\", stiffness = 1 }\n[load]"
         "sides.toml:32:23: boundary[2].normal_displacement: found a displacement on \"top\", expected Γ_D apart from Γ_C; [contact] is on the same side; a side that bears contact takes loads, springs and heat flows only";
     spring_of_three_components: "spring = 5.0" => "spring = [1, 2, 3]"
@@ -230,7 +230,7 @@ spoiled! {
     negative_convection: "coefficient = 2.0" => "coefficient = -2.0"
         "sides.toml:30:30: boundary[2].convection.coefficient: found the value -2.0, expected no negative value";
     convection_without_coefficient: "coefficient = 2.0, " => ""
-        "sides.toml:30:14: boundary[2].convection.coefficient: found no such key, expected a number or an expression in x, y, z, t (heat transfer coefficient h in W/(m² K), without t)";
+        "sides.toml:30:14: boundary[2].convection.coefficient: found no such key, expected a number or an expression in x, y, z, t (heat transfer coefficient h in W/(m² K), constant in time)";
     convection_that_is_a_number: "convection = { coefficient = 2.0, ambient = \"t\" }" => "convection = 2.0"
         "sides.toml:30:14: boundary[2].convection: found 2.0, expected a table (heat exchange with the surroundings, −q·ν = coefficient (ambient − θ))";
 }

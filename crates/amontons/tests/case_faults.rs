@@ -29,11 +29,11 @@ macro_rules! spoiled {
 // Syntax.
 spoiled! {
     syntax_unclosed: "size = [1.0, 1.0]" => "size = [1.0, 1.0"
-        "paper.toml:16:1: found `n`, expected `,` or `]`; the array before it is not closed";
+        "paper.toml:16:1: found `n`, expected `,` or `]`; close the array before it";
     syntax_no_value: "end = 1.0" => "end ="
         "paper.toml:20:6: found the end of the line, expected a value";
     syntax_bare_word: "law = \"lame\"" => "law = lame"
-        "paper.toml:35:7: found `lame`, expected a value; strings stand in quotes";
+        "paper.toml:35:7: found `lame`, expected a value; put strings in quotes";
     syntax_no_equals: "end = 1.0" => "end 1.0"
         "paper.toml:20:5: found `1`, expected `=`; key with no value";
     duplicate_key: "end = 1.0" => "end = 1.0\nend = 2.0"
@@ -49,7 +49,7 @@ spoiled! {
 // Keys.
 spoiled! {
     unknown_key_misspelled: "density = 1.0 " => "densty = 1.0 "
-        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, heat_capacity, prony, viscosity; did you mean `density`?";
+        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, heat_capacity, prony, viscosity; did you mean `density`?";
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
@@ -71,7 +71,7 @@ spoiled! {
     missing_key_of_a_law: "young = 2.0" => ""
         "paper.toml:29:1: material.elasticity.young: found no such key, expected a number > 0 (Young's modulus E in Pa)";
     missing_name: "name = \"paper\"" => ""
-        "paper.toml: name: found no such key, expected a string (name of the case, also of its results folder)";
+        "paper.toml: name: found no such key, expected a string (name of the case and of its results folder)";
     missing_table: "[time] " => "[initial.x] #"
         "paper.toml: time: found no such key, expected a table (the time interval (0, end) and its steps)"
         "paper.toml:19:10: initial.x: found an unknown key, expected one of displacement, temperature, velocity";
@@ -88,9 +88,9 @@ spoiled! {
     string_for_number: "density = 1.0 " => "density = \"1.0\" "
         "paper.toml:24:11: material.density: found \"1.0\", expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic); write 1.0 without quotes";
     word_for_number: "heat_capacity = 1.0 " => "heat_capacity = \"one\" "
-        "paper.toml:25:17: material.heat_capacity: found \"one\", expected a number ≥ 0 (heat capacity, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)";
+        "paper.toml:25:17: material.heat_capacity: found \"one\", expected a number ≥ 0 (heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)";
     number_for_string: "name = \"paper\"" => "name = 3"
-        "paper.toml:11:8: name: found 3, expected a string (name of the case, also of its results folder)";
+        "paper.toml:11:8: name: found 3, expected a string (name of the case and of its results folder)";
     table_for_number: "end = 1.0" => "end = { value = 1 }"
         "paper.toml:20:7: time.end: found a table, expected a number > 0 (end of the time interval in s)";
     boolean_for_field: "heat_source = 1.0" => "heat_source = true"
@@ -101,9 +101,9 @@ spoiled! {
         "paper.toml:69:1: initial.output: found an unknown key, expected one of displacement, temperature, velocity; `output` belongs to the beginning of the file, above all tables"
         "paper.toml:70:2: load2: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, time, verify; did you mean `load`?";
     number_for_vector: "traction = [1.4, 0.4]" => "traction = 1.4"
-        "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry a component)";
+        "paper.toml:49:12: boundary[1].traction: found 1.4, expected an array, each a number, an expression in x, y, z, t or a table in time (traction f₁ = σν in Pa, one entry per component)";
     table_for_boundary: "[[boundary]]                         # Γ_D: (2.5), (2.7)\non = \"top\"\ndisplacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹: (2.6), (2.7)\non = \"left\"\ntraction = [1.4, 0.4]\ntemperature = 0\n[[boundary]]                         # Γ_N²: (2.6), (2.7)\non = \"right\"" => "[boundary]\non = \"right\""
-        "paper.toml:43:1: boundary: found a table, expected an array, each a table (conditions on the sides, one entry a side); write [[boundary]]";
+        "paper.toml:43:1: boundary: found a table, expected an array, each a table (conditions on the sides, one entry per side); write [[boundary]]";
     fractional_cells: "n = 64" => "n = 6.5"
         "paper.toml:16:5: mesh.n: found 6.5, expected an integer ≥ 1 or two of them, [nx, ny] (cells per side)";
     float_cells: "n = 64" => "n = 64.0"
@@ -125,7 +125,7 @@ spoiled! {
     negative_density: "density = 1.0 " => "density = -1.0 "
         "paper.toml:24:11: material.density: found -1.0, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)";
     nan: "heat_capacity = 1.0 " => "heat_capacity = nan "
-        "paper.toml:25:17: material.heat_capacity: found nan, expected a number ≥ 0 (heat capacity, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)";
+        "paper.toml:25:17: material.heat_capacity: found nan, expected a number ≥ 0 (heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)";
     inf: "stiffness = 1e4" => "stiffness = inf"
         "paper.toml:60:44: contact.normal.stiffness: found inf, expected a number ≥ 0 (stiffness c_ν of the contact in Pa/m)";
     overflow: "stiffness = 1e4" => "stiffness = 1e400"
@@ -159,13 +159,13 @@ spoiled! {
     poisson_below: "poisson = 0.1" => "poisson = -1.5"
         "paper.toml:32:11: material.elasticity.poisson: found -1.5, expected a number > -1 and < 1 (Poisson's ratio ν)";
     poisson_half_in_plane_strain: "poisson = 0.1\nstress_state = \"plane-stress\"" => "poisson = 0.5\nstress_state = \"plane-strain\""
-        "paper.toml:32:11: material.elasticity.poisson: found 0.5, expected a number > -1 and < 0.5 in plane strain (Poisson's ratio ν); a nearly incompressible material has 0.49; an incompressible one needs a pressure unknown, which there is not";
+        "paper.toml:32:11: material.elasticity.poisson: found 0.5, expected a number > -1 and < 0.5 in plane strain (Poisson's ratio ν); use 0.49 for a nearly incompressible material; incompressible materials are not supported";
     viscosity_not_monotone: "first = 10.0" => "first = -10.0"
-        "paper.toml:34:1: material.viscosity: found first = -10.0 and second = 10.0, so 2·first + second = -10.0, expected second > 0 and 2·first + second > 0, as (H1) asks; both 0 for no viscosity";
+        "paper.toml:34:1: material.viscosity: found first = -10.0 and second = 10.0, so 2·first + second = -10.0, expected second > 0 and 2·first + second > 0, as (H1) asks; set both to 0, or leave out `viscosity`, for no viscosity";
     negative_viscosity: "second = 10.0" => "second = -10.0"
         "paper.toml:37:10: material.viscosity.second: found -10.0, expected a number ≥ 0 (factor of τ in Pa s)";
     tiny_steps: "end = 1.0" => "end = 1e-310"
-        "paper.toml:20:7: time.end: found steps of 1.5625e-312 s, expected steps of a length that can be computed with";
+        "paper.toml:20:7: time.end: found steps of 1.5625e-312 s, expected a step length that is a normal number";
 }
 
 // Laws and words.
@@ -181,11 +181,11 @@ spoiled! {
     unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"rectangl\""
         "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\" or \"cylinder\", or the key `file`; did you mean \"rectangle\"?";
     misspelled_word: "stress_state = \"plane-stress\"" => "stress_state = \"plane stress\""
-        "paper.toml:33:16: material.elasticity.stress_state: found \"plane stress\", expected \"plane-stress\" or \"plane-strain\" (how the third direction of a plane body is held); did you mean \"plane-stress\"?";
+        "paper.toml:33:16: material.elasticity.stress_state: found \"plane stress\", expected \"plane-stress\" or \"plane-strain\" (plane stress or plane strain, for bodies of one and two dimensions); did you mean \"plane-stress\"?";
     unknown_word: "quadrature = \"nodal\"" => "quadrature = \"simpson\""
         "paper.toml:59:14: contact.quadrature: found \"simpson\", expected \"nodal\" or \"gauss\" (where the integrals over Γ_C are evaluated)";
     unknown_diagonal: "diagonal = \"right\"" => "diagonal = \"/\""
-        "paper.toml:17:12: mesh.diagonal: found \"/\", expected \"right\", \"left\" or \"crossed\" (how the squares are cut)";
+        "paper.toml:17:12: mesh.diagonal: found \"/\", expected \"right\", \"left\" or \"crossed\" (how the squares are cut into triangles)";
 }
 
 // Tensors.
@@ -214,38 +214,38 @@ spoiled! {
     unknown_contact_side: "on = \"bottom\"" => "on = \"botom\""
         "paper.toml:57:6: contact.on: found \"botom\", expected one of the facet sets bottom, left, right, top; did you mean \"bottom\"?";
     overlapping_sides: "on = \"right\"" => "on = \"left\""
-        "paper.toml:52:6: boundary[2].on: found \"left\" again, expected each side in one [[boundary]] entry; join it with entry 2 of the file, which is on the same side";
+        "paper.toml:52:6: boundary[2].on: found \"left\" again, expected each side in one [[boundary]] entry; merge it with entry 2 of the file, which is on the same side";
     three_components: "traction = [1.4, 0.4]" => "traction = [1.4, 0.4, 0]"
         "paper.toml:49:12: boundary[1].traction: found 3 components, expected 2 components";
     three_components_body: "body_force = [0.0, -1.0]" => "body_force = [0.0, -1.0, 0]"
         "paper.toml:40:14: load.body_force: found 3 components, expected 2 components";
     traction_on_gamma_d: "displacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹" => "displacement = [0, 0]\ntraction = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹"
-        "paper.toml:46:12: boundary[0].traction: found a traction besides a displacement, expected one of the two: Γ_D and Γ_N do not overlap; drop one of them";
+        "paper.toml:46:12: boundary[0].traction: found a traction besides a displacement, expected one of the two: Γ_D and Γ_N do not overlap; remove one of them";
     inflow_and_temperature: "traction = [1.4, 0.4]" => "traction = [1.4, 0.4]\nheat_inflow = 1"
-        "paper.toml:50:15: boundary[1].heat_inflow: found a heat inflow besides a temperature, expected one of the two; drop one of them";
+        "paper.toml:50:15: boundary[1].heat_inflow: found a heat inflow besides a temperature, expected one of the two; remove one of them";
     contact_on_gamma_d: "on = \"bottom\"" => "on = \"top\""
         "paper.toml:45:16: boundary[0].displacement: found a displacement on \"top\", expected Γ_D apart from Γ_C; [contact] is on the same side; a side that bears contact takes loads, springs and heat flows only"
-        "paper.toml:46:15: boundary[0].temperature: found a temperature on \"top\", expected heat exchange or a temperature, not both; drop contact.heat or the temperature";
+        "paper.toml:46:15: boundary[0].temperature: found a temperature on \"top\", expected heat exchange or a temperature, not both; remove contact.heat or the temperature";
     temperature_on_contact: "on = \"bottom\"" => "on = \"right\""
-        "paper.toml:54:15: boundary[2].temperature: found a temperature on \"right\", expected heat exchange or a temperature, not both; drop contact.heat or the temperature";
+        "paper.toml:54:15: boundary[2].temperature: found a temperature on \"right\", expected heat exchange or a temperature, not both; remove contact.heat or the temperature";
     no_gamma_d_and_no_density: "displacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹" => "temperature = 0\n[[boundary]]                         # Γ_N¹" set "material.density=0"
         "paper.toml:43:1: boundary: found no displacement prescribed and density 0, expected a part Γ_D that holds the body; give `displacement` on a side, or a positive material.density";
     steady_heat_without_temperature: "" => "" set "boundary=[]" set "material.heat_capacity=0" set "contact.heat={law='none'}"
         "--set boundary=[]: boundary: found no temperature prescribed and heat_capacity 0, expected a side whose temperature is known; give `temperature` on a side, or a positive material.heat_capacity";
     side_without_condition: "traction = [1.4, 0.4]\ntemperature = 0" => ""
-        "paper.toml:47:1: boundary[1]: found a side without a condition, expected `displacement`, `traction`, `temperature`, `heat_inflow` or another condition; a side without an entry is free and insulated";
+        "paper.toml:47:1: boundary[1]: found a side without a condition, expected `displacement`, `traction`, `temperature`, `heat_inflow` or another condition; add a condition or remove the entry: a side without one is free of load and insulated";
 }
 
 // Names.
 spoiled! {
     empty_name: "name = \"paper\"" => "name = \"\""
-        "paper.toml:11:8: name: found an empty name, expected a name that a folder can have: letters, digits, `-`, `_`; results go to results/<name>";
+        "paper.toml:11:8: name: found an empty name, expected a name that a folder can have: letters, digits, `-`, `_`; choose another name: results go to results/<name>";
     name_with_a_separator: "name = \"paper\"" => "name = \"../paper\""
-        "paper.toml:11:8: name: found `/` in \"../paper\", expected a name that a folder can have: letters, digits, `-`, `_`; results go to results/<name>";
+        "paper.toml:11:8: name: found `/` in \"../paper\", expected a name that a folder can have: letters, digits, `-`, `_`; choose another name: results go to results/<name>";
     name_with_a_leading_dot: "name = \"paper\"" => "name = \".paper\""
-        "paper.toml:11:8: name: found a dot before \".paper\", expected a name that a folder can have: letters, digits, `-`, `_`; results go to results/<name>";
+        "paper.toml:11:8: name: found a dot before \".paper\", expected a name that a folder can have: letters, digits, `-`, `_`; choose another name: results go to results/<name>";
     name_with_a_control_character: "name = \"paper\"" => "name = \"pa\\nper\""
-        "paper.toml:11:8: name: found `\\n` in \"pa\\nper\", expected a name that a folder can have: letters, digits, `-`, `_`; results go to results/<name>";
+        "paper.toml:11:8: name: found `\\n` in \"pa\\nper\", expected a name that a folder can have: letters, digits, `-`, `_`; choose another name: results go to results/<name>";
 }
 
 // Expressions.
@@ -334,7 +334,7 @@ spoiled! {
     coefficient_zero: "" => "" set "contact.friction={ law = 'orthotropic', coefficients = [0, 0.2], direction = [1, 0] }"
         "--set contact.friction={ law = 'orthotropic', coefficients = [0, 0.2], direction = [1, 0] }: contact.friction.coefficients[0]: found 0.0, expected a positive number";
     more_than_all_friction_heat: "" => "" set "contact.frictional_heat=1.5"
-        "--set contact.frictional_heat=1.5: contact.frictional_heat: found 1.5, expected a number ≥ 0 and ≤ 1 (share η of the power of friction that enters the body as heat)";
+        "--set contact.frictional_heat=1.5: contact.frictional_heat: found 1.5, expected a number ≥ 0 and ≤ 1 (fraction η of the friction power that enters the body as heat, from 0 to 1)";
     foundation_velocity_of_three: "" => "" set "contact.foundation_velocity=[1, 0, 0]"
         "--set contact.foundation_velocity=[1, 0, 0]: contact.foundation_velocity: found 3 components, expected 2 components";
     obstacle_without_a_shape: "" => "" set "contact.obstacle={ radius = 1 }"
@@ -344,7 +344,7 @@ spoiled! {
     obstacle_unknown_key: "" => "" set "contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }"
         "--set contact.obstacle={ shape = 'plane', point = [0, 0], normal = [0, 1], radius = 1 }: contact.obstacle.radius: found an unknown key, expected one of geometry, normal, point, shape; `radius` belongs to [contact.obstacle] with shape = \"sphere\" or [contact.obstacle] with shape = \"cylinder\"";
     obstacle_geometry: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }"
-        "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }: contact.obstacle.geometry: found \"update\", expected \"reference\" or \"updated\" (where distances and normals are taken); did you mean \"updated\"?";
+        "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 1, geometry = 'update' }: contact.obstacle.geometry: found \"update\", expected \"reference\" or \"updated\" (configuration of the body in which distances and normals are evaluated); did you mean \"updated\"?";
     obstacle_radius_zero: "" => "" set "contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 0 }"
         "--set contact.obstacle={ shape = 'sphere', center = [0, 0], radius = 0 }: contact.obstacle.radius: found 0, expected a number > 0 (radius in m)";
     obstacle_wavelength_negative: "" => "" set "contact.obstacle={ shape = 'wave', point = [0, 0], normal = [0, 1], direction = [1, 0], amplitude = 0.1, wavelength = -1 }"
@@ -373,7 +373,7 @@ spoiled! {
     obstacle_level_misspelled: "" => "" set "contact.obstacle={ shape = 'surface', level = 'y + sinn(x)' }"
         "--set contact.obstacle={ shape = 'surface', level = 'y + sinn(x)' }: contact.obstacle.level: found `sinn`, expected a variable (x, y, z, t), a constant (pi, e) or a function; did you mean sin?";
     roughness_zero: "" => "" set "contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }"
-        "--set contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }: contact.heat.laws[0].roughness: found 0, expected a number > 0 (width in m that a closed gap still has)";
+        "--set contact.heat={ law = 'sum', laws = [{ law = 'gap', conductivity = 1, roughness = 0 }], foundation_temperature = 0 }: contact.heat.laws[0].roughness: found 0, expected a number > 0 (effective width in m of a closed gap)";
     gauss_points_on_a_rigid_foundation: "quadrature = \"nodal\"" => "quadrature = \"gauss\"" set "contact.normal={ law = 'signorini' }"
         "paper.toml:59:14: contact.quadrature: found Gauss points on a rigid foundation, expected nodal quadrature; more points than nodes have no unique pressures";
     set_law_of_missing: "" => "" set "contact.friction={ law = \"none\", coefficient = 1 }"
@@ -405,7 +405,7 @@ fn faults_of_all_gates_are_reported_together() {
     }
     let expected = [
         "paper.toml:24:11: material.density: found -1.0, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)",
-        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, heat_capacity, prony, viscosity; did you mean `heat_capacity`?",
+        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, heat_capacity, prony, viscosity; did you mean `heat_capacity`?",
         "paper.toml:26:13: material.expansion: found 2.0 in row 1, column 2 but 3.0 in row 2, column 1, expected a number or a symmetric 2 × 2 matrix",
         "paper.toml:41:19: load.heat_source: found the end of the expression, expected a number, a variable, a function or `(`",
         "paper.toml:48:6: boundary[1].on: found \"lefft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?",
@@ -576,19 +576,19 @@ proptest! {
 // Several contacts, and foundations with a heat capacity.
 spoiled! {
     contact_twice_on_a_side: "[contact]  " => "[[contact]]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]  "
-        "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected each side in one [[contact]] entry; join it with entry 1 of the file, which is on the same side";
+        "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected each side in one [[contact]] entry; merge it with entry 1 of the file, which is on the same side";
     contact_unknown_key_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nfrction = 1 #"
         "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of foundation, foundation_velocity, friction, frictional_heat, gap, heat, normal, obstacle, on, quadrature, wear; did you mean `friction`?";
     contact_law_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nwear = { law = \"archard\", coefficient = -1 } #"
-        "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's number over the hardness)";
+        "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness)";
     foundation_surroundings_in_space: "" => "" set "contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }"
-        "--set contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }: contact.foundation.surroundings: found an expression in space, expected a number or an expression in t; a foundation with a heat capacity has one temperature";
+        "--set contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }: contact.foundation.surroundings: found an expression in space, expected a number or an expression in t; remove x, y, z: a foundation with a heat capacity has one temperature";
     foundation_temperature_in_space: "" => "" set "contact.foundation={ heat_capacity = 1 }" set "contact.heat.foundation_temperature='x'"
-        "--set contact.heat.foundation_temperature='x': contact.heat.foundation_temperature: found an expression in space, expected a number or an expression in t; a foundation with a heat capacity has one temperature";
+        "--set contact.heat.foundation_temperature='x': contact.heat.foundation_temperature: found an expression in space, expected a number or an expression in t; remove x, y, z: a foundation with a heat capacity has one temperature";
     foundation_temperature_wrong: "" => "" set "contact.foundation={ heat_capacity = 1 }" set "contact.heat.foundation_temperature='x +'"
         "--set contact.heat.foundation_temperature='x +': contact.heat.foundation_temperature: found the end of the expression, expected a number, a variable, a function or `(`";
     foundation_without_capacity: "" => "" set "contact.foundation={ heat_capacity = 0, exchange = -1 }"
-        "--set contact.foundation={ heat_capacity = 0, exchange = -1 }: contact.foundation.exchange: found -1, expected a number ≥ 0 (heat exchange with the surroundings in W/K, per unit of thickness in two dimensions)"
+        "--set contact.foundation={ heat_capacity = 0, exchange = -1 }: contact.foundation.exchange: found -1, expected a number ≥ 0 (heat transfer to the surroundings in W/K, per unit of thickness in two dimensions)"
         "--set contact.foundation={ heat_capacity = 0, exchange = -1 }: contact.foundation.heat_capacity: found 0, expected a number > 0 (heat capacity of the foundation in J/K, per unit of thickness in two dimensions)";
     wear_table_falls: "" => "" set "contact.wear={ law = 'archard-temperature', temperature = [1, 0], coefficient = [1, 1] }"
         "--set contact.wear={ law = 'archard-temperature', temperature = [1, 0], coefficient = [1, 1] }: contact.wear.temperature: found 0.0 after 1.0, expected larger and larger arguments";

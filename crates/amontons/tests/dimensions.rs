@@ -204,5 +204,5 @@ fn a_mesh_with_an_unknown_node_is_a_fault() {
     mesh.blocks[0].nodes[0] = 1000;
     problem.mesh = Arc::new(mesh);
     let faults = problem.checked().expect_err("a fault").to_string();
-    assert_eq!(faults, "mesh: found a cell names node 1000, expected one below 9, the number of nodes, expected cells and facets of nodes that there are");
+    assert_eq!(faults, "mesh: found a cell names node 1000, expected one below 9, the number of nodes, expected cells and facets whose nodes exist");
 }

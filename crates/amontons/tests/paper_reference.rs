@@ -79,9 +79,9 @@ fn compute(row: &BTreeMap<&str, &str>) -> BTreeMap<String, f64> {
         put(&format!("displacement_max_{axis}"), end.displacement_max[c]);
         put(&format!("velocity_max_{axis}"), end.velocity_max[c]);
     }
-    put("temperature_min", end.temperature_min);
-    put("temperature_max", end.temperature_max);
-    put("von_mises_max", end.von_mises_max);
+    put("temperature_min", end.temperature_min.expect("a coupled run"));
+    put("temperature_max", end.temperature_max.expect("a coupled run"));
+    put("von_mises_max", end.von_mises_max.expect("a coupled run"));
     put("displacement_l2", end.norms.displacement_l2);
     put("displacement_v", end.norms.displacement_v);
     put("velocity_l2", end.norms.velocity_l2);

@@ -6,14 +6,16 @@ use super::check::nearest;
 use super::files::{Files, Loader};
 use super::material;
 use super::path::{Path, Segment};
+use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
 use super::verify::Verify;
 use crate::convergence::Exact;
+use crate::field::Field;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
-use crate::problem::{Coupling, Initial, Problem};
+use crate::problem::{Coupling, Initial, Physics, Problem};
 use crate::tensor::Point;
 
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
@@ -28,12 +30,14 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.iter().copied()).collect();
     let mesh = build.mesh(&raw.mesh, &contact_on, &sides, available);
     build.dim = mesh.dim;
+    let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
-    let exact = raw.exact.map(|exact| build.exact(&exact, &mesh.points));
+    let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let problem = Problem {
         name: raw.name,
         end: raw.time.end,
         steps: raw.time.steps,
+        physics,
         materials,
         dilatation: match raw.material.dilatation {
             raw::Dilatation::Full => Dilatation::Full,
@@ -157,14 +161,14 @@ impl Build<'_> {
             return;
         };
         let expected = "a name that a folder can have: letters, digits, `-`, `_`";
-        self.note("name", At::Value, found, expected, Some("results go to results/<name>"));
+        self.note("name", At::Value, found, expected, Some("choose another name: results go to results/<name>"));
     }
 
     /// Steps are not so short that their length is no number to divide by.
     fn step(&mut self, time: &raw::Time) {
         let k = time.end / time.steps as f64;
         if !(k.is_normal() && k.recip().is_finite()) {
-            self.note("time.end", At::Value, format!("steps of {k:?} s"), "steps of a length that can be computed with", None);
+            self.note("time.end", At::Value, format!("steps of {k:?} s"), "a step length that is a normal number", None);
         }
     }
 
@@ -199,15 +203,17 @@ impl Build<'_> {
         own.into_iter().map(|own| own.unwrap_or_else(|| common.clone())).collect()
     }
 
-    fn exact(&mut self, raw: &raw::Exact, points: &[Point]) -> Exact {
-        if raw.displacement.len() != self.dim {
+    fn exact(&mut self, raw: &raw::Exact, physics: Physics, points: &[Point]) -> Exact {
+        if physics.has_mechanics() && raw.displacement.len() != self.dim {
             let found = format!("{} components", raw.displacement.len());
             self.note("exact.displacement", At::Value, found, format!("{} components", self.dim), None);
         }
-        Exact {
-            displacement: self.scalars("exact.displacement", &raw.displacement, points),
-            temperature: self.scalar("exact.temperature", &raw.temperature, points),
+        if physics.has_heat() && raw.temperature.is_none() {
+            self.note("exact.temperature", At::Missing, "no such key", "a number or an expression in x, y, z, t (temperature in K)", None);
         }
+        let mut displacement = self.scalars("exact.displacement", &raw.displacement, points);
+        displacement.resize(self.dim, Field::ZERO);
+        Exact { displacement, temperature: raw.temperature.as_ref().map_or(Field::ZERO, |scalar| self.scalar("exact.temperature", scalar, points)) }
     }
 
     fn initial(&mut self, raw: &raw::Initial, points: &[Point]) -> Initial {

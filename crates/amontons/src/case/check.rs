@@ -145,6 +145,8 @@ impl<'s> Walk<'s> {
                 None => meant.extend(self.unknown_key(schema, at, key, table)),
             }
         }
+        // A key under another name is not one that is left out.
+        self.doubtful.extend(meant.iter().map(|key| path.key(key)));
         for key in schema.required() {
             if entries.contains_key(key) {
                 continue;

@@ -56,7 +56,7 @@ impl Build<'_> {
         let surroundings = raw.surroundings.map(|datum| self.field(&at, &datum, &[]));
         for (at, field) in [(format!("{path}.heat.foundation_temperature"), Some(prescribed)), (at, surroundings.as_ref())] {
             if field.is_some_and(Field::depends_on_space) {
-                let hint = "a foundation with a heat capacity has one temperature";
+                let hint = "remove x, y, z: a foundation with a heat capacity has one temperature";
                 self.note(&at, At::Value, "an expression in space", "a number or an expression in t", Some(hint));
             }
         }

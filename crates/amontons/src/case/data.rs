@@ -100,7 +100,7 @@ impl Build<'_> {
             (Some(name), None, None) => self.columns(path, name, data)?,
             (None, Some(times), Some(values)) => self.pairs(path, times, values, data)?,
             _ => {
-                self.note(path, At::Value, "a table of unclear data", "either `table`, the name of a file, or `times` and `values`", None);
+                self.note(path, At::Value, "a table without clear data", "either `table`, the name of a file, or `times` and `values`", None);
                 return None;
             }
         };
@@ -128,7 +128,7 @@ impl Build<'_> {
     fn pairs(&mut self, path: &str, times: &[f64], values: &[f64], data: &TableData) -> Option<(Vec<f64>, Vec<f64>)> {
         for (key, given) in [("column", data.column.is_some()), ("time", data.time.is_some())] {
             if given {
-                self.note(&format!("{path}.{key}"), At::Value, format!("`{key}` besides `times` and `values`"), "it with `table`, a file", None);
+                self.note(&format!("{path}.{key}"), At::Value, format!("`{key}` besides `times` and `values`"), "`table`, a file, with it", None);
                 return None;
             }
         }
@@ -139,7 +139,7 @@ impl Build<'_> {
         match error {
             TableError::Empty => self.note(&format!("{path}.times"), At::Value, "no times", "at least one", None),
             TableError::Lengths { times, values } => {
-                self.note(&format!("{path}.values"), At::Value, format!("{values} values for {times} times"), "a value a time", None);
+                self.note(&format!("{path}.values"), At::Value, format!("{values} values for {times} times"), "one value per time", None);
             }
             TableError::NotFinite { row, .. } => {
                 self.note(&format!("{path}.values[{}]", row - 1), At::Value, "a number that is not finite", "finite numbers", None);

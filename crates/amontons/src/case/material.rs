@@ -4,12 +4,12 @@ use std::sync::Arc;
 
 use super::path::Path;
 use super::place::{At, Finding};
-use super::raw::{self, Elasticity, Orientation, Tensor, Viscosity};
+use super::raw::{self, Elasticity, Expansion, Orientation, Tensor, Viscosity};
 use crate::material::{
     Carreau, Hencky, Isotropic, LawError, Linear, Material, Orthotropic, Prony, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced,
 };
 use crate::mesh::Mesh;
-use crate::tensor::{Rotation, Sym};
+use crate::tensor::{Rotation, Sym, mandel_len};
 
 /// Builds the material at `prefix` of the case; what is wrong with it goes to the findings.
 pub(super) fn material(raw: &raw::Material, prefix: &str, mesh: &Mesh, findings: &mut Vec<Finding>) -> Material {
@@ -30,16 +30,23 @@ impl Builder<'_> {
         self.findings.push(Finding::new(path, At::Value, found, expected).hint(hint.map(str::to_owned)));
     }
 
+    /// Keys that are left out stand for zero; those that are required are noted elsewhere.
     fn material(mut self, raw: &raw::Material) -> Material {
-        let state = self.stress_state(&raw.elasticity);
-        let elasticity = self.elasticity(&raw.elasticity, state);
-        let viscosity = self.viscosity(&raw.viscosity, state);
-        let expansion = self.expansion(&raw.expansion, state);
-        let coupling = self.tensor("coupling", &raw.coupling);
-        let conductivity = self.tensor("conductivity", &raw.conductivity);
-        self.check_conductivity(&conductivity, raw.heat_capacity);
+        let dim = self.dim();
+        let state = raw.elasticity.as_ref().map_or_else(StressState::default, |elasticity| self.stress_state(elasticity));
+        let none = || -> Law { Arc::new(Isotropic::lame(dim, 0.0, 0.0, state)) };
+        let elasticity = raw.elasticity.as_ref().map_or_else(none, |elasticity| self.elasticity(elasticity, dim, state));
+        let viscosity = raw.viscosity.as_ref().map_or_else(none, |viscosity| self.viscosity(viscosity, state));
+        let expansion = self.expansion(raw, elasticity.as_ref(), state);
+        let coupling = raw.coupling.as_ref().map_or(Sym::ZERO, |coupling| self.tensor("coupling", coupling));
+        let heat_capacity = raw.heat_capacity.unwrap_or(0.0);
+        let conductivity = raw.conductivity.as_ref().map_or(Sym::ZERO, |conductivity| {
+            let conductivity = self.tensor("conductivity", conductivity);
+            self.check_conductivity(&conductivity, heat_capacity);
+            conductivity
+        });
         let prony = self.prony(&raw.prony, elasticity.as_ref());
-        Material { density: raw.density, heat_capacity: raw.heat_capacity, elasticity, viscosity, prony, expansion, coupling, conductivity }
+        Material { density: raw.density.unwrap_or(0.0), heat_capacity, elasticity, viscosity, prony, expansion, coupling, conductivity }
     }
 
     /// Dimension of the tensors.
@@ -56,7 +63,7 @@ impl Builder<'_> {
         | Elasticity::Hencky { stress_state, .. }) = raw;
         if stress_state.is_some() && self.dim() == 3 {
             let body = if self.mesh.axisymmetric { "a body of revolution" } else { "a body in space" };
-            self.note("elasticity.stress_state", format!("a stress state of {body}"), "one of a plane body or a line", Some("drop it"));
+            self.note("elasticity.stress_state", format!("a stress state of {body}"), "one of a plane body or a line", Some("remove it"));
         }
         match stress_state.unwrap_or_default() {
             raw::StressState::PlaneStress => StressState::PlaneStress,
@@ -64,8 +71,8 @@ impl Builder<'_> {
         }
     }
 
-    fn elasticity(&mut self, raw: &Elasticity, state: StressState) -> Law {
-        let dim = self.dim();
+    /// The law in `dim` dimensions, those of the body or three.
+    fn elasticity(&mut self, raw: &Elasticity, dim: usize, state: StressState) -> Law {
         let built = match *raw {
             Elasticity::Isotropic { young, poisson, .. } => {
                 self.check_poisson(poisson, state);
@@ -99,7 +106,7 @@ impl Builder<'_> {
                 if (first, second) != (0.0, 0.0) && !(second > 0.0 && least > 0.0) {
                     let found = format!("first = {first:?} and second = {second:?}, so {dim}·first + second = {least:?}");
                     let expected = format!("second > 0 and {dim}·first + second > 0, as (H1) asks");
-                    self.note("viscosity", found, expected, Some("both 0 for no viscosity"));
+                    self.note("viscosity", found, expected, Some("set both to 0, or leave out `viscosity`, for no viscosity"));
                 }
                 return Arc::new(Isotropic::lame(dim, first, second, state));
             }
@@ -161,33 +168,99 @@ impl Builder<'_> {
     fn check_poisson(&mut self, poisson: f64, state: StressState) {
         let dim = self.dim();
         if (dim == 3 || (dim == 2 && state == StressState::PlaneStrain)) && poisson >= 0.5 {
-            let hint = "a nearly incompressible material has 0.49; an incompressible one needs a pressure unknown, which there is not";
+            let hint = "use 0.49 for a nearly incompressible material; incompressible materials are not supported";
             let of = if dim == 3 { "in space" } else { "in plane strain" };
             self.note("elasticity.poisson", format!("{poisson:?}"), format!("a number > -1 and < 0.5 {of} (Poisson's ratio ν)"), Some(hint));
         }
     }
 
-    fn expansion(&mut self, raw: &Tensor, state: StressState) -> Sym {
-        let mut expansion = self.tensor("expansion", raw);
-        if let (Tensor::Multiple(factor), StressState::PlaneStrain, 2) = (raw, state, self.dim()) {
+    /// 𝓜 of (2.1), as given or from the coefficients of thermal expansion.
+    fn expansion(&mut self, raw: &raw::Material, elasticity: &dyn TensorLaw, state: StressState) -> Sym {
+        if let (Some(coefficient), Some(law)) = (raw.expansion_coefficient, &raw.elasticity) {
+            if raw.expansion.is_some() {
+                let hint = "remove one of the two: 𝓜 = 𝓔α follows from the coefficient";
+                self.note("expansion_coefficient", "`expansion` besides it".to_owned(), "either `expansion` or `expansion_coefficient`", Some(hint));
+            }
+            return self.thermal_stress(coefficient, law, elasticity, state);
+        }
+        let Some(given) = &raw.expansion else { return Sym::ZERO };
+        let mut expansion = self.tensor("expansion", given);
+        if let (Tensor::Multiple(factor), StressState::PlaneStrain, 2) = (given, state, self.dim()) {
             // The body expands in the third direction too; the strain there is held at 0 by σ₃₃.
             expansion.0[3] = *factor;
         }
         expansion
     }
 
+    /// 𝓜 = 𝓔α. With `elasticity` reduced to plane stress that is 𝓔_red α_red: the strain that makes σ₃₃ vanish takes up α₃₃. Otherwise the
+    /// strain is that of the plane, so that 𝓜 is the part in the plane, with 33, of the product in three dimensions.
+    fn thermal_stress(&mut self, coefficient: Expansion, raw: &Elasticity, elasticity: &dyn TensorLaw, state: StressState) -> Sym {
+        let (dim, alpha) = (self.dim(), self.along_axes(coefficient, raw));
+        let is_plane_stress = dim < 3 && state == StressState::PlaneStress;
+        if !elasticity.is_linear() && (is_plane_stress || !matches!(coefficient, Expansion::Isotropic(_))) {
+            let expected = "one number in space, in plane strain or for a body of revolution: with this law 𝓜 depends on the strain otherwise";
+            self.note("expansion_coefficient", "a law of elasticity that is not linear".to_owned(), expected, Some("give `expansion`, the tensor 𝓜"));
+            return Sym::ZERO;
+        }
+        let in_space;
+        let law = if is_plane_stress {
+            elasticity
+        } else {
+            in_space = self.elasticity(raw, 3, state);
+            in_space.as_ref()
+        };
+        let mut kept = alpha;
+        if is_plane_stress {
+            kept.0[mandel_len(dim)..].fill(0.0);
+        }
+        // A law that is not linear is isotropic, and linear in the change of volume.
+        let mut thermal = law.tangent(&[0.0; 3], &Sym::ZERO).apply(&kept);
+        let last = match (dim, state) {
+            (2, StressState::PlaneStrain) => 4,
+            _ => mandel_len(dim),
+        };
+        thermal.0[last..].fill(0.0);
+        self.check_twist("expansion_coefficient", thermal).unwrap_or(Sym::ZERO)
+    }
+
+    /// α in the axes of the body.
+    fn along_axes(&mut self, coefficient: Expansion, raw: &Elasticity) -> Sym {
+        let along = match coefficient {
+            Expansion::Isotropic(alpha) => return alpha * Sym::identity(3),
+            Expansion::Orthotropic(along) => along,
+        };
+        let (Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. }) = raw else {
+            return Sym::principal(&along, &Rotation::in_plane(0.0));
+        };
+        let rotation = match *orientation {
+            Orientation::Angle(angle) => Rotation::in_plane(angle),
+            Orientation::Euler(angles) => Rotation::euler(angles),
+        };
+        Sym::principal(&along, &rotation)
+    }
+
     /// The symmetric tensor that is meant, of a body of revolution by r, z, θ.
     fn tensor(&mut self, key: &str, raw: &Tensor) -> Sym {
         let dim = self.dim();
-        let around = self.mesh.axisymmetric;
-        let built = symmetric(raw, dim).and_then(|tensor| {
-            let twists = around && (tensor.get(0, 2), tensor.get(1, 2)) != (0.0, 0.0);
-            if twists { Err("a component rθ or zθ, which is not that of a body of revolution".to_owned()) } else { Ok(tensor) }
-        });
-        built.unwrap_or_else(|found| {
-            self.note(key, found, format!("a number or a symmetric {dim} × {dim} matrix"), None);
-            Sym::identity(dim)
-        })
+        match symmetric(raw, dim) {
+            Ok(tensor) => self.check_twist(key, tensor),
+            Err(found) => {
+                self.note(key, found, format!("a number or a symmetric {dim} × {dim} matrix"), None);
+                None
+            }
+        }
+        .unwrap_or_else(|| Sym::identity(dim))
+    }
+
+    /// The tensor, if a body of revolution can have it: one without the components rθ and zθ.
+    fn check_twist(&mut self, key: &str, tensor: Sym) -> Option<Sym> {
+        let twist = tensor.get(0, 2).abs().max(tensor.get(1, 2).abs());
+        // Round-off of a rotation is no twist.
+        if !self.mesh.axisymmetric || twist <= 8.0 * f64::EPSILON * tensor.norm() {
+            return Some(tensor);
+        }
+        self.note(key, "a component rθ or zθ".to_owned(), "a tensor that is the same around the axis of a body of revolution", None);
+        None
     }
 
     /// Heat that flows from cold to warm has no solution; a singular 𝓚 breaks (H3) but can be computed with.
@@ -198,7 +271,7 @@ impl Builder<'_> {
             self.note("conductivity", format!("the eigenvalue {least:?}"), "no negative eigenvalue: heat flows from warm to cold", None);
         } else if heat_capacity == 0.0 && most <= 0.0 {
             let hint = Some("give one of the two a positive value");
-            self.note("conductivity", "0 besides heat_capacity 0".to_owned(), "a conductivity where the heat is steady", hint);
+            self.note("conductivity", "0 besides heat_capacity 0".to_owned(), "a positive conductivity if the heat is steady", hint);
         }
     }
 }

@@ -15,7 +15,7 @@ impl Demand {
     /// Demand of a run in `dim` dimensions on a mesh with so many nodes, so many of them on Γ_C.
     ///
     /// The factors of a plane problem hold about 4.8 N log₂ N doubles, N the unknowns of the
-    /// displacement, and everything else 4.7 kB a node: together the 400 MB measured for the
+    /// displacement, and everything else 4.7 kB per node: together the 400 MB measured for the
     /// square of 256 × 256 cells. In space nested dissection leaves a factor of O(n^{4/3}) blocks for n nodes
     /// (George & Liu, 1981), 9 doubles a block of the displacement and 1 of the temperature: measured 5.6 n^{4/3} blocks on a
     /// box of 9³ nodes, rising to 9.3 n^{4/3} at 21³, so FILL is on the safe side. Everything else has three times as many

@@ -13,7 +13,7 @@ use crate::mesh::{Diagonal, Elements, Mesh, MeshError, gmsh, vtu};
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
 
-/// Cells a direction of a generated mesh, none of a mesh from a file.
+/// Cells per direction of a generated mesh, none of a mesh from a file.
 pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
     match *raw {
         raw::Mesh::Interval { n, .. } => vec![n],
@@ -88,7 +88,7 @@ impl Build<'_> {
             return mesh.unwrap_or_else(empty);
         }
         if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
-            self.note("mesh.diagonal", At::Value, "a diagonal besides quadrilaterals", "a diagonal of triangles, P1 or P2", Some("drop one of them"));
+            self.note("mesh.diagonal", At::Value, "a diagonal besides quadrilaterals", "a diagonal with triangles only, P1 or P2", Some("remove one of them"));
         }
         let demand = demand(raw, &cells, contact_on);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");

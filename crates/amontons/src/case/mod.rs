@@ -27,6 +27,7 @@ mod mesh;
 mod obstacle;
 mod overrides;
 mod path;
+mod physics;
 mod place;
 mod probe;
 mod raw;
@@ -74,7 +75,7 @@ pub struct Case {
     pub exact: Option<Exact>,
     /// What makes the case a benchmark.
     pub verify: Option<Verify>,
-    /// Cells a direction of a generated mesh; none of a mesh from a file.
+    /// Cells per direction of a generated mesh; none of a mesh from a file.
     pub cells: Vec<usize>,
     /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
     pub text: String,
@@ -95,7 +96,7 @@ impl Case {
 pub struct Expected {
     /// Allowed deviation, relative to the largest magnitude in the value.
     pub tolerance: f64,
-    /// The values by their dotted path in `summary.json`, one entry a component.
+    /// The values by their dotted path in `summary.json`, one entry per component.
     pub values: BTreeMap<String, Vec<f64>>,
 }
 

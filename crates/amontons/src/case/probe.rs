@@ -124,8 +124,8 @@ impl Build<'_> {
                 let (found, known, hint) = among(target.region, &known);
                 self.note(&path("region"), At::Value, found, format!("one of the regions {known}"), hint.as_deref());
             }
-            error @ (ProbeError::Component { .. } | ProbeError::Normal(_) | ProbeError::Contact(_) | ProbeError::Hoop) => {
-                self.note(&path(quantity), At::Value, error.to_string(), "a quantity that the body has there", None);
+            error @ (ProbeError::Component { .. } | ProbeError::Normal(_) | ProbeError::Contact(_) | ProbeError::Absent(_) | ProbeError::Hoop) => {
+                self.note(&path(quantity), At::Value, error.to_string(), "a quantity that exists there", None);
             }
         }
     }

@@ -11,6 +11,7 @@ pub fn schema() -> Value {
     let mut schema = schemars::schema_for!(raw::Case);
     NoNull.transform(&mut schema);
     Implied.transform(&mut schema);
+    Tags.transform(&mut schema);
     schema.to_value()
 }
 
@@ -34,6 +35,22 @@ impl Transform for Implied {
             .collect();
         if let Some(Value::Array(required)) = object.get_mut("required") {
             required.retain(|key| key.as_str().is_none_or(|key| !tags.iter().any(|tag| tag == key)));
+        }
+    }
+}
+
+/// Describes the tag of a table, such as `law = "coulomb"`, as the table that it selects.
+struct Tags;
+
+impl Transform for Tags {
+    fn transform(&mut self, schema: &mut schemars::Schema) {
+        transform_subschemas(self, schema);
+        let Some(object) = schema.as_object_mut() else { return };
+        let Some(description) = object.get("description").cloned() else { return };
+        for property in object.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten().map(|(_, property)| property) {
+            if let Some(tag) = property.as_object_mut().filter(|tag| tag.contains_key("const")) {
+                tag.entry("description").or_insert_with(|| description.clone());
+            }
         }
     }
 }

@@ -29,7 +29,13 @@ impl Build<'_> {
         };
         if condition.is_empty() {
             let expected = "`displacement`, `traction`, `temperature`, `heat_inflow` or another condition";
-            self.note(&format!("boundary[{i}]"), At::Value, "a side without a condition", expected, Some("a side without an entry is free and insulated"));
+            self.note(
+                &format!("boundary[{i}]"),
+                At::Value,
+                "a side without a condition",
+                expected,
+                Some("add a condition or remove the entry: a side without one is free of load and insulated"),
+            );
         }
         condition
     }

@@ -40,8 +40,8 @@ fn fault(text: &str, message: &str, span: Range<usize>, place: Place) -> CaseFau
     let (found, expected, hint) = match (what, expected) {
         ("duplicate key", _) => (format!("{found} again"), ONCE.to_owned(), None),
         (_, "literal string") if found.starts_with("the end") => (found, "a value".to_owned(), None),
-        (_, "literal string") => (found, "a value".to_owned(), Some("strings stand in quotes".to_owned())),
-        ("missing comma between array elements", _) => (found, "`,` or `]`".to_owned(), Some("the array before it is not closed".to_owned())),
+        (_, "literal string") => (found, "a value".to_owned(), Some("put strings in quotes".to_owned())),
+        ("missing comma between array elements", _) => (found, "`,` or `]`".to_owned(), Some("close the array before it".to_owned())),
         (_, "nothing") => (found, "valid TOML".to_owned(), Some(what.to_owned())),
         _ => (found, expected.to_owned(), Some(what.to_owned())),
     };

@@ -33,7 +33,7 @@ pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Optio
     };
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
     let Some(&(first, line)) = lines.peek() else {
-        return refuse("table", format!("no rows in {name}"), "a time and a value a row", None);
+        return refuse("table", format!("no rows in {name}"), "a time and a value per row", None);
     };
     let separator = [',', ';', '\t'].into_iter().find(|c| line.contains(*c));
     let fields = |line: &'_ str| -> Vec<String> {
@@ -76,7 +76,7 @@ pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Optio
         }
     }
     if times.is_empty() {
-        return refuse("table", format!("no rows in {name}"), "a time and a value a row", None);
+        return refuse("table", format!("no rows in {name}"), "a time and a value per row", None);
     }
     Ok((times, values))
 }

@@ -43,7 +43,7 @@ pub struct Contact {
     pub obstacle: Option<Obstacle>,
     /// The depth that rubs off; none without wear.
     pub wear: Option<Arc<dyn WearLaw>>,
-    /// v_F in m/s, one field a component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
+    /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
     pub foundation_velocity: Vec<Field>,
 }
 

@@ -10,7 +10,7 @@ use crate::mesh::{CellMap, Mesh};
 use crate::scheme::State;
 
 /// The three errors of (5.2) at one time, and that of the displacement in H.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Errors {
     /// ‖w − w^{hk}‖_H, m/s times a length to the power d/2.
     pub w: f64,
@@ -39,7 +39,7 @@ impl Errors {
 /// A solution in closed form. The velocity is the time derivative of the displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exact {
-    /// u, one field a component, m.
+    /// u, one field per component, m.
     pub displacement: Vec<Field>,
     /// θ in K.
     pub temperature: Field,

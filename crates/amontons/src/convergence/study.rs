@@ -1,9 +1,10 @@
 //! A study: its levels, its reference, and the table that comes out.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::norms::{Errors, Exact, against_exact};
 use super::transfer::{Transfer, TransferError};
@@ -14,7 +15,7 @@ use crate::problem::Problem;
 use crate::scheme::{BackwardEuler, Scheme, SetupError, State, StepError};
 
 /// What is refined from level to level.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Vary {
     /// Mesh and step together.
@@ -68,10 +69,23 @@ pub struct StudySettings<'a> {
     pub load: Option<&'a (dyn Fn(&Level) -> Option<Vec<State>> + Sync)>,
     /// Keeps a finished level.
     pub keep: Option<&'a (dyn Fn(&Level, &[State]) + Sync)>,
+    /// How far the reference had come in an earlier attempt with the same levels.
+    pub load_reference: Option<&'a (dyn Fn() -> Option<ReferenceProgress> + Sync)>,
+    /// Keeps how far the reference has come, when the study is interrupted and once a minute.
+    pub keep_reference: Option<&'a (dyn Fn(&ReferenceProgress) + Sync)>,
+}
+
+/// How far the reference of a study has come: its state, and the errors of the levels up to its time.
+#[derive(Clone, Debug)]
+pub struct ReferenceProgress {
+    /// The state.
+    pub state: State,
+    /// The errors of each level.
+    pub worst: Vec<Worst>,
 }
 
 /// A row of the table: the errors of a level, each the maximum over its own times.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// The number that names the level.
     pub level: usize,
@@ -96,14 +110,14 @@ pub struct Row {
 }
 
 /// The result of a study.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// What was refined.
     pub vary: Vary,
     /// The rows, coarsest first.
     pub rows: Vec<Row>,
     /// Least-squares slopes of the logarithms over all rows, by name of the error.
-    pub slopes: Vec<(&'static str, f64)>,
+    pub slopes: Vec<(String, f64)>,
     /// Whether every comparison was made by interpolation between nested meshes.
     pub nested: bool,
 }
@@ -217,8 +231,24 @@ impl Study {
         for level in &self.levels {
             transfers.push(Transfer::new(&discrete, &strain, &level.problem.mesh).map_err(|source| StudyError::Transfer { level: level.level, source })?);
         }
-        for n in 1..=steps {
-            check(settings)?;
+        if let Some(kept) = settings.load_reference.and_then(|load| load()).filter(|kept| kept.worst.len() == self.levels.len()) {
+            (state, worst) = (kept.state, kept.worst);
+        }
+        let keep = |state: &State, worst: &[Worst]| {
+            if let Some(keep) = settings.keep_reference {
+                keep(&ReferenceProgress { state: state.clone(), worst: worst.to_vec() });
+            }
+        };
+        let mut kept = Instant::now();
+        for n in state.step + 1..=steps {
+            if let Err(interrupted) = check(settings) {
+                keep(&state, &worst);
+                return Err(interrupted);
+            }
+            if kept.elapsed() >= KEEP {
+                keep(&state, &worst);
+                kept = Instant::now();
+            }
             state = scheme.step(&state).map_err(|source| StudyError::Step { level: reference.level, source })?.0;
             if let Some(progress) = settings.progress {
                 progress(reference.level, n, steps);
@@ -238,7 +268,9 @@ impl Study {
         let size = |row: &Row| if self.vary == Vary::Time { row.k } else { row.h };
         for i in 1..rows.len() {
             let (a, b) = (&rows[i - 1], &rows[i]);
-            rows[i].order = Some((a.error / b.error).ln() / (size(a) / size(b)).ln());
+            let order = (a.error / b.error).ln() / (size(a) / size(b)).ln();
+            // Errors of zero have no order.
+            rows[i].order = order.is_finite().then_some(order);
         }
         let fit = |value: fn(&Row) -> f64| slope(&rows.iter().map(|row| (size(row), value(row))).collect::<Vec<_>>());
         let slopes = vec![
@@ -248,6 +280,7 @@ impl Study {
             ("error_u_h", fit(|r| r.error_u_h)),
             ("error", fit(|r| r.error)),
         ];
+        let slopes = slopes.into_iter().map(|(name, slope)| (name.to_owned(), slope)).collect();
         Table { vary: self.vary, rows, slopes, nested }
     }
 }
@@ -266,9 +299,12 @@ impl Table {
     }
 }
 
-/// The largest errors over time.
-#[derive(Clone, Default)]
-struct Worst {
+/// Time after which it is kept how far the reference has come.
+const KEEP: Duration = Duration::from_mins(1);
+
+/// The largest errors of a level over time.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct Worst {
     errors: Errors,
     sum: f64,
     time: f64,

@@ -12,7 +12,7 @@ pub enum TableError {
     #[error("the table has no rows, expected at least one")]
     Empty,
     /// Times and values are not paired.
-    #[error("the table has {times} times and {values} values, expected a value a time")]
+    #[error("the table has {times} times and {values} values, expected one value per time")]
     Lengths {
         /// Number of times.
         times: usize,
@@ -188,7 +188,7 @@ mod tests {
         let of = |times: &[f64], values: &[f64]| Table::new(times.to_vec(), values.to_vec()).map(|_| ()).map_err(|e| e.to_string());
         let told = |message: &str| Err(message.to_owned());
         assert_eq!(of(&[], &[]), told("the table has no rows, expected at least one"));
-        assert_eq!(of(&[0.0], &[]), told("the table has 1 times and 0 values, expected a value a time"));
+        assert_eq!(of(&[0.0], &[]), told("the table has 1 times and 0 values, expected one value per time"));
         assert_eq!(of(&[0.0, f64::NAN], &[1.0, 2.0]), told("row 2 of the table has the time NaN and the value 2, expected finite numbers"));
         assert_eq!(of(&[0.0, 1.0, 1.0], &[1.0; 3]), told("row 3 of the table has the time 1 after 1, expected a later one"));
     }

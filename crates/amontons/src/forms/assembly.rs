@@ -24,7 +24,7 @@ pub(super) struct Cell<'a> {
     pub region: usize,
     /// Number of basis fields N_j e_c: nodes times d.
     pub fields: usize,
-    /// Components 11 · 22, 12 · 33 … of the strain of each basis field N_j e_c, in order (j, c), a row a component:
+    /// Components 11 · 22, 12 · 33 … of the strain of each basis field N_j e_c, in order (j, c), one row per component:
     /// `strains[m][j d + c]`. Empty for forms that do not ask for it.
     strains: Vec<f64>,
     /// Mean over the cell of the divergence of each basis field; empty unless asked for.

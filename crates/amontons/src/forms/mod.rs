@@ -1,4 +1,4 @@
-//! The forms of Problem 4.1, one function a letter of the paper, assembled on the nodes of a mesh.
+//! The forms of Problem 4.1, one function per letter of the paper, assembled on the nodes of a mesh.
 //!
 //! | function | form | blocks |
 //! |---|---|---|

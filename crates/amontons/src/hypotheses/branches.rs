@@ -1,4 +1,4 @@
-//! Laws of contact that fall, with which a step may have several solutions (book, chapter 2).
+//! Laws of contact that fall, with which a step may have several solutions (`book/src/theory.md`).
 
 use super::laws::tests;
 use super::sample::Samples;

@@ -1,4 +1,4 @@
-//! What the theory asks of the data, judged with numbers: findings are reported, never a gate (design decision D6).
+//! What the theory asks of the data, judged with numbers: findings are reported, never a gate.
 //!
 //! | id | what is judged | by |
 //! |---|---|---|
@@ -14,7 +14,7 @@
 //! | `energy`, `heat` | the audit of a run | the run |
 //! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!
-//! The proofs are in the book, chapter 2. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
+//! The proofs are in `book/src/theory.md`. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
 //! [`advice`] as many as its search takes.
 
 mod branches;
@@ -33,7 +33,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::linalg::FactorError;
 use crate::material::Material;
-use crate::problem::Problem;
+use crate::problem::{Physics, Problem};
 use crate::tensor::Sym;
 
 pub use domain::{Constant, DomainConstants, domain_constants};
@@ -263,12 +263,24 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     let mut findings = laws::material(problem, constants);
     findings.push(data::h6(problem));
     findings.extend(laws::contact(problem, constants));
+    findings.retain(|finding| concerns(&finding.id, problem.physics));
     findings.push(theorem::needed(problem, constants, &findings));
     findings.extend(branches::branches(problem));
     findings.extend(laws::rigid_conductance(problem));
     findings.push(quality::cells(&problem.mesh));
     findings.extend(warnings::of_data(problem));
+    findings.retain(|finding| concerns(&finding.id, problem.physics));
     findings
+}
+
+/// Whether a finding says something about a problem with these equations.
+fn concerns(id: &str, physics: Physics) -> bool {
+    match id {
+        "H3" | "heat" | "thermal-layer" => physics.has_heat(),
+        "H4" | "H5" | "H7" | "phi-L" | "contact-heat" | "expansion-scale" | "expansion-zz" => physics == Physics::Coupled,
+        "H6" | "mesh-quality" | "coincident-nodes" | "part-free" => true,
+        _ => physics.has_mechanics(),
+    }
 }
 
 /// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
@@ -280,6 +292,9 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, FactorError> {
     let (domain, unique) = rayon::join(|| domain_constants(problem), || step::unique(problem));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
     let mut findings = judged(problem, &constants);
+    if !problem.physics.has_mechanics() {
+        return Ok(Certificate { findings, constants });
+    }
     let at = findings.iter().position(|f| f.id == "2.23-needed").unwrap_or(findings.len());
     findings.insert(at, theorem::printed(problem, &constants));
     findings.push(unique);
@@ -293,6 +308,9 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, FactorError> {
 /// `contact-possible` under loads that vary in time solves a static problem for every step.
 #[must_use]
 pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
+    if !problem.physics.has_mechanics() {
+        return Vec::new();
+    }
     let mut findings = vec![step::time_step(problem)];
     if reach::loads_vary(problem) {
         findings.push(reach::possible(problem, constants));
@@ -326,9 +344,9 @@ pub const CLOSING: f64 = 1e-10;
 /// these are round-off, so that an identity that misses by ten times as much has another cause.
 pub const GROSS: f64 = 1e-3;
 
-/// Whether the energy and heat identities close.
+/// Whether the identities that a problem has close: that of energy and that of heat.
 #[must_use]
-pub fn audit(energy: f64, heat: f64) -> [Finding; 2] {
+pub fn audit(physics: Physics, energy: f64, heat: f64) -> Vec<Finding> {
     let one = |id: &str, name: &str, error: f64| {
         let holds = error.abs() <= CLOSING;
         let message = if holds {
@@ -338,7 +356,8 @@ pub fn audit(energy: f64, heat: f64) -> [Finding; 2] {
         };
         Finding::new(id, Status::of(holds), message, "the audit of every step").numbers(Some(error.abs()), Some(CLOSING))
     };
-    [one("energy", "energy", energy), one("heat", "heat", heat)]
+    let both = [one("energy", "energy", energy), one("heat", "heat", heat)];
+    both.into_iter().filter(|finding| concerns(&finding.id, physics)).collect()
 }
 
 #[cfg(test)]
@@ -347,6 +366,7 @@ mod tests {
 
     #[test]
     fn an_identity_that_does_not_close_is_a_failure() {
+        let audit = |energy, heat| audit(Physics::Coupled, energy, heat);
         assert!(audit(1e-14, -1e-9)[1].fails() && !audit(1e-14, -1e-9)[0].fails());
         assert!(audit(f64::NAN, 0.0)[0].fails());
     }

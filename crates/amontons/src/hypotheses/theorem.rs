@@ -1,4 +1,4 @@
-//! (2.23): as it is printed, and what the proof of Theorem 3.1 needs instead (book, chapter 2).
+//! (2.23): as it is printed, and what the proof of Theorem 3.1 needs instead (`book/src/theory.md`).
 
 use super::data::not_in_v;
 use super::laws::{Test, beyond, not_lipschitz, tests};
@@ -31,7 +31,7 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
         return Finding::new(id, Status::NotCovered, message, "boundary").repair("a side with `temperature`");
     };
     let (force, heat) = ((nu + tau) * s1 * s1, kc * s2 * s2);
-    let (first, second) = (constants.m_a < force, constants.m_d > heat);
+    let (first, second) = (constants.m_a < force, constants.m_d > heat || !problem.physics.has_heat());
     let relation = |holds: bool| if holds { "holds" } else { "does not hold" };
     let message = format!(
         "m_a < (L_ν + L_τ) s₁² {}: {:.6e} and {force:.6e}; m_d > M_kc s₂² {}: {:.6e} and {heat:.6e}. The first asks for contact that is stiff beside the body and serves no estimate; see 2.23-needed",

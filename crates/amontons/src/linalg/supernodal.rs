@@ -1,4 +1,4 @@
-//! One factorization K = L Lᵀ, contact unknowns last, and the two sweeps of a step (design, D3).
+//! One factorization K = L Lᵀ, contact unknowns last, and the two sweeps of a step.
 //!
 //! The trailing block of the factor is the condensed operator for free: S = L_CC L_CCᵀ. Together the two sweeps read the factor
 //! twice, which is the bound on the time of a step.

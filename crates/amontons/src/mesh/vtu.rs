@@ -77,6 +77,6 @@ fn ids(grid: &Grid, names: &[&str]) -> Result<Option<Vec<i64>>, MeshFileError> {
     let ids: Option<Vec<i64>> = values.iter().map(integer).collect();
     match ids {
         Some(ids) if *components == 1 => Ok(Some(ids)),
-        _ => Err(MeshFileError::Grid { message: format!("the array {name} has {components} components or fractions, expected one integer a cell") }),
+        _ => Err(MeshFileError::Grid { message: format!("the array {name} has {components} components or fractions, expected one integer per cell") }),
     }
 }

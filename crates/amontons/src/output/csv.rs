@@ -1,4 +1,4 @@
-//! `history.csv` and `probes.csv`, a row a step, and `contact.csv`, a row a contact point.
+//! `history.csv` and `probes.csv`, one row per step, and `contact.csv`, one row per contact point.
 
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
@@ -96,7 +96,7 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     Some(values)
 }
 
-/// A table with a row a step, as it grows.
+/// A table with one row per step, as it grows.
 #[derive(Debug)]
 pub(super) struct Rows {
     path: PathBuf,
@@ -177,16 +177,17 @@ pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputErr
             let node = on_node.map_or(i, |&node| node as usize);
             let kept = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
             let traction = state.q.map(|q| 0.0 - q);
+            // Without heat the body has no temperature: both fields stay empty.
+            let heat = if now.problem.physics.has_heat() { format!("{temperature:?},{:?}", flux.value) } else { ",".to_owned() };
             writeln!(
                 out,
-                "{node},{},{:?},{:?},{},{},{},{temperature:?},{:?},{:?},{:?},{:?},{}",
+                "{node},{},{:?},{:?},{},{},{},{heat},{:?},{:?},{:?},{}",
                 join(&point.x[..dim]),
                 state.penetration,
                 state.pressure,
                 join(&traction[..dim]),
                 join(&state.slip[..dim]),
                 state.status.name(),
-                flux.value,
                 point.weight,
                 kept(&now.state.surface.wear),
                 kept(&now.state.surface.friction_work),

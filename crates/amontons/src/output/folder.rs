@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::csv::{Rows, history_columns, history_values, write_contact};
+use super::earlier::{CERTIFICATE, write_certificate};
 use super::files::{copy, create_folder, remove, write_atomically, write_json};
 use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
@@ -16,9 +17,10 @@ use crate::problem::Problem;
 const HISTORY: &str = "history.csv";
 const PROBES: &str = "probes.csv";
 /// What a results folder may hold, studies included.
-const RESULTS: [&str; 13] = [
+const RESULTS: [&str; 14] = [
     "summary.json",
     manifest::FILE,
+    CERTIFICATE,
     HISTORY,
     PROBES,
     "contact.csv",
@@ -54,7 +56,7 @@ pub struct FolderOptions {
 }
 
 impl FolderOptions {
-    /// Options for a case with this text: only the last fields, nothing replaced, a checkpoint a minute.
+    /// Options for a case with this text: only the last fields, nothing replaced, one checkpoint per minute.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
         FolderOptions {
@@ -257,6 +259,10 @@ impl Sink for Folder {
             self.start_anew(start)?;
         }
         let root = self.root();
+        match start.certificate {
+            Some(findings) => write_certificate(&root, &self.options.fingerprint(), findings)?,
+            None => remove(&root.join(CERTIFICATE))?,
+        }
         if let Some(manifest) = &mut self.manifest {
             manifest.begin(start.threads, start.from.state.step);
             manifest.write(&root)?;

@@ -90,6 +90,11 @@ impl Manifest {
         }
     }
 
+    /// Whether it is that of a run with these inputs, made and ended by this version of the program.
+    pub fn is_of(&self, fingerprint: &str) -> bool {
+        self.version == version() && self.input_sha256 == hexadecimal(&Sha256::digest(fingerprint)) && self.end.is_some()
+    }
+
     /// Reads the manifest of a results folder.
     pub fn read(folder: &Path) -> Result<Manifest, OutputError> {
         let path = folder.join(FILE);
@@ -117,7 +122,8 @@ impl Manifest {
     }
 }
 
-fn hexadecimal(bytes: &[u8]) -> String {
+/// Two digits per byte.
+pub(super) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().fold(String::new(), |text, byte| text + &format!("{byte:02x}"))
 }
 

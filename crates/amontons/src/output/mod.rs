@@ -11,6 +11,7 @@
 mod cells;
 pub mod checkpoint;
 mod csv;
+mod earlier;
 mod files;
 mod folder;
 mod inputs;
@@ -30,6 +31,7 @@ use std::path::{Path, PathBuf};
 pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
 pub use csv::{history_columns, history_values};
+pub use earlier::{finished_run, known_certificate};
 pub use folder::{Folder, FolderOptions};
 pub use inputs::{INPUTS, Input, fingerprint};
 pub use memory::Memory;
@@ -41,6 +43,7 @@ pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summar
 pub use vtu::OutputField;
 
 use crate::convergence::Table;
+use crate::hypotheses::Finding;
 use crate::problem::Problem;
 use crate::scheme::{Discretization, State, StepReport};
 
@@ -78,6 +81,8 @@ pub struct RunStart<'a> {
     pub threads: usize,
     /// Whether the run goes on from a checkpoint.
     pub resumed: bool,
+    /// The findings of the certificate, if the run has one.
+    pub certificate: Option<&'a [Finding]>,
 }
 
 /// A run at a time t_n, borrowed.

@@ -84,6 +84,9 @@ pub enum ProbeError {
     /// A quantity of contact elsewhere than on a side that bears contact.
     #[error("{0} elsewhere than on a side that bears contact")]
     Contact(String),
+    /// A field that the problem does not solve for.
+    #[error("{0}, a field that the case does not solve for")]
+    Absent(String),
     /// A hoop stress of a body that is not one of revolution.
     #[error("hoop in a body that is not axisymmetric")]
     Hoop,
@@ -300,7 +303,10 @@ impl<'a> Builder<'a> {
     fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
         let on_side = matches!(probe.place, Place::On(..));
+        let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux);
+        let physics = self.problem.physics;
         match (quantity.base, quantity.part) {
+            _ if !(if of_heat { physics.has_heat() } else { physics.has_mechanics() }) => return Err(ProbeError::Absent(quantity.name())),
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
             (_, Part::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
             (_, Part::Component(c)) if quantity.is_vector() && c >= mesh.dim => {

@@ -1,12 +1,14 @@
 //! The results folder of a convergence study.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::checkpoint::{read_states, write_states};
-use super::files::{create_folder, write_atomically, write_json};
+use super::earlier::hash;
+use super::files::{create_folder, remove, write_atomically, write_json};
 use super::inputs::{Input, write_inputs};
 use super::{OutputError, Table};
-use crate::convergence::Level;
+use crate::convergence::{Level, Reference, ReferenceProgress, Study};
 use crate::scheme::State;
 
 /// A results folder that holds a study: `convergence.csv`, `convergence.json`, and `levels/` with the states of
@@ -56,16 +58,78 @@ impl StudyFolder {
         write_states(&self.file(level), &key(level), states)
     }
 
+    /// The table of a study that was finished before with the same inputs; none if there is none to be had.
+    #[must_use]
+    pub fn finished(path: &Path, study: &Study) -> Option<Table> {
+        let read = |name: &str| std::fs::read_to_string(path.join(name)).ok();
+        (read(INPUT)?.trim() == study_hash(study)).then_some(())?;
+        serde_json::from_str(&read("convergence.json")?).ok()
+    }
+
+    /// How far the reference of a study with these inputs had come.
+    #[must_use]
+    pub fn load_reference(&self, study: &Study) -> Option<ReferenceProgress> {
+        let key = study_hash(study);
+        let state = read_states(&self.levels(REFERENCE), &key).ok()?.pop()?;
+        let (step, worst): (usize, _) = serde_json::from_str(&std::fs::read_to_string(self.levels(REFERENCE_ERRORS)).ok()?).ok()?;
+        // The two files are written one after the other.
+        (state.step == step).then_some(ReferenceProgress { state, worst })
+    }
+
+    /// Keeps how far the reference has come.
+    ///
+    /// # Errors
+    /// When it cannot be written.
+    pub fn keep_reference(&self, study: &Study, progress: &ReferenceProgress) -> Result<(), OutputError> {
+        write_states(&self.levels(REFERENCE), &study_hash(study), std::slice::from_ref(&progress.state))?;
+        write_json(&self.levels(REFERENCE_ERRORS), &(progress.state.step, &progress.worst))
+    }
+
+    /// Removes the states of the levels and of the reference, which a finished study does not need.
+    ///
+    /// # Errors
+    /// When they cannot be removed.
+    pub fn clean(&self) -> Result<(), OutputError> {
+        remove(&self.path.join("levels"))
+    }
+
+    fn levels(&self, name: &str) -> PathBuf {
+        self.path.join("levels").join(name)
+    }
+
+    /// Notes what a study has been made of, so that it is known again: the last that a finished study writes.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    pub fn seal(&self, study: &Study) -> Result<(), OutputError> {
+        write_atomically(&self.path.join(INPUT), |out| writeln!(out, "{}", study_hash(study)))
+    }
+
     /// Writes the table, with the text of the case and the files that it refers to beside it.
     ///
     /// # Errors
     /// When a file cannot be written.
     pub fn finish(&self, table: &Table, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
-        write_atomically(&self.path.join("case.toml"), |out| std::io::Write::write_all(out, case.as_bytes()))?;
+        write_atomically(&self.path.join("case.toml"), |out| out.write_all(case.as_bytes()))?;
         write_inputs(&self.path, inputs)?;
         write_json(&self.path.join("convergence.json"), table)?;
-        write_atomically(&self.path.join("convergence.csv"), |out| std::io::Write::write_all(out, table.csv().as_bytes()))
+        write_atomically(&self.path.join("convergence.csv"), |out| out.write_all(table.csv().as_bytes()))
     }
+}
+
+/// Files of a study: the hash of what it depends on, and how far its reference has come.
+const INPUT: &str = "study.sha256";
+const REFERENCE: &str = "reference.bin";
+const REFERENCE_ERRORS: &str = "reference.json";
+
+/// SHA-256 of what a study depends on: its levels and its reference.
+fn study_hash(study: &Study) -> String {
+    let reference = match &study.reference {
+        Reference::Level(level) => key(level),
+        // The closed form stands in the case.
+        Reference::Exact(_) => "exact".to_owned(),
+    };
+    hash(&study.levels.iter().map(key).chain([reference]).map(|text| hash(&text)).collect::<String>())
 }
 
 /// What the states of a level depend on.

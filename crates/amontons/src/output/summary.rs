@@ -73,7 +73,8 @@ pub struct UnknownCounts {
     pub contact: usize,
 }
 
-/// Values at the last good step.
+/// Values at the last good step. A problem without heat has no temperature, one without mechanics no displacement and no stress:
+/// `null` and empty arrays in `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Final {
     /// Least nodal displacement, m, by component.
@@ -83,14 +84,14 @@ pub struct Final {
     /// Largest nodal velocity, m/s, by component, with its sign.
     pub velocity_max: Vec<f64>,
     /// Least nodal temperature, K.
-    pub temperature_min: f64,
+    pub temperature_min: Option<f64>,
     /// Largest nodal temperature, K.
-    pub temperature_max: f64,
+    pub temperature_max: Option<f64>,
     /// Largest von Mises stress at a cell centre, Pa.
-    pub von_mises_max: f64,
-    /// Largest principal strain in magnitude.
+    pub von_mises_max: Option<f64>,
+    /// Largest principal strain in magnitude; none without mechanics.
     #[serde(default)]
-    pub strain_max: f64,
+    pub strain_max: Option<f64>,
     /// By how much a temperature since the start was below all that the data allow, K; none where they allow any.
     #[serde(default)]
     pub undershoot: Option<f64>,
@@ -250,9 +251,11 @@ impl Summary {
         let Snapshot { problem, discretization, state, report, work } = *last;
         let counts = &state.counts;
         let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
-        let dim = problem.mesh.dim;
+        let (dim, physics) = (problem.mesh.dim, problem.physics);
+        let of_motion = |values: Vec<f64>| if physics.has_mechanics() { values } else { Vec::new() };
+        let von_mises = || max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>());
         let figures = limits::figures(last);
-        let audit = hypotheses::audit(ledger_energy, ledger_heat);
+        let audit = hypotheses::audit(physics, ledger_energy, ledger_heat);
         let findings: Vec<Finding> = findings.into_iter().chain(audit).chain(warnings::of_run(problem, &figures)).collect();
         let energy = Ledger {
             closing_error: state.ledger.relative_closing_error(),
@@ -268,16 +271,16 @@ impl Summary {
             steps: state.step,
             unknowns,
             last: Final {
-                displacement_min: by_component(&state.u, dim, f64::INFINITY, f64::min),
-                displacement_max: by_component(&state.u, dim, f64::NEG_INFINITY, f64::max),
-                velocity_max: by_component(&state.w, dim, f64::NEG_INFINITY, f64::max),
-                temperature_min: state.theta.iter().copied().fold(f64::INFINITY, f64::min),
-                temperature_max: state.theta.iter().copied().fold(f64::NEG_INFINITY, f64::max),
-                von_mises_max: max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>()),
-                strain_max: figures.strain,
-                undershoot: figures.outside[0],
-                overshoot: figures.outside[1],
-                penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell),
+                displacement_min: of_motion(by_component(&state.u, dim, f64::INFINITY, f64::min)),
+                displacement_max: of_motion(by_component(&state.u, dim, f64::NEG_INFINITY, f64::max)),
+                velocity_max: of_motion(by_component(&state.w, dim, f64::NEG_INFINITY, f64::max)),
+                temperature_min: state.theta.iter().copied().reduce(f64::min).filter(|_| physics.has_heat()),
+                temperature_max: state.theta.iter().copied().reduce(f64::max).filter(|_| physics.has_heat()),
+                von_mises_max: physics.has_mechanics().then(von_mises),
+                strain_max: physics.has_mechanics().then_some(figures.strain),
+                undershoot: figures.outside[0].filter(|_| physics.has_heat()),
+                overshoot: figures.outside[1].filter(|_| physics.has_heat()),
+                penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
                 norms: Norms {
                     displacement_l2: discretization.norm(&discretization.mass, &state.u),
                     displacement_v: strain_norm(&problem.mesh, &state.u),
@@ -326,11 +329,14 @@ impl Summary {
         let vectors = [("displacement_min", &last.displacement_min), ("displacement_max", &last.displacement_max), ("velocity_max", &last.velocity_max)];
         let mut all: Vec<(String, f64)> =
             vectors.into_iter().flat_map(|(key, values)| values.iter().enumerate().map(move |(c, value)| (format!("final.{key}[{c}]"), *value))).collect();
-        let numbers = [
+        let some = [
             ("final.temperature_min", last.temperature_min),
             ("final.temperature_max", last.temperature_max),
             ("final.von_mises_max", last.von_mises_max),
             ("final.strain_max", last.strain_max),
+        ];
+        all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
+        let numbers = [
             ("final.norms.displacement_l2", norms.displacement_l2),
             ("final.norms.displacement_v", norms.displacement_v),
             ("final.norms.velocity_l2", norms.velocity_l2),

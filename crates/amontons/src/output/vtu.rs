@@ -8,10 +8,11 @@ use vtkio::model::{Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, U
 use super::files::write_atomically;
 use super::{OutputError, PointValues, Snapshot, cell_values, nodal_stress};
 use crate::material::VTK_COMPONENTS;
+use crate::problem::Physics;
 use crate::tensor::Sym;
 
-/// A field that is written beside those that every file has: displacement, velocity and temperature at the nodes, von Mises
-/// stress and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
+/// A field that is written beside those that every file has: displacement and velocity at the nodes and von Mises stress of the cells if the
+/// problem has mechanics, temperature at the nodes if it has heat, and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputField {
     /// Cell data `stress`: σ of (2.1) in Pa.
@@ -30,6 +31,11 @@ pub enum OutputField {
 impl OutputField {
     /// What a file has unless it is said otherwise.
     pub const DEFAULT: [OutputField; 1] = [OutputField::Stress];
+
+    /// Whether a problem with these equations has the field; one that it does not have is not written.
+    fn is_of(self, physics: Physics) -> bool {
+        if self == OutputField::HeatFlux { physics.has_heat() } else { physics.has_mechanics() }
+    }
 }
 
 /// Writes the fields of a state as an unstructured grid, binary, without compression.
@@ -54,24 +60,30 @@ fn grid(now: &Snapshot, fields: &[OutputField]) -> Vtk {
     }
     cells.cell_verts = VertexNumbers::XML { connectivity, offsets };
     let values = cell_values(now.problem, state);
-    let mut point = vec![
-        Attribute::generic("displacement", 3).with_data(in_space(&state.u)),
-        Attribute::generic("velocity", 3).with_data(in_space(&state.w)),
-        Attribute::generic("temperature", 1).with_data(state.theta.clone()),
-    ];
+    let physics = now.problem.physics;
+    let (mut point, mut cell) = (Vec::new(), Vec::new());
+    if physics.has_mechanics() {
+        point.push(Attribute::generic("displacement", 3).with_data(in_space(&state.u)));
+        point.push(Attribute::generic("velocity", 3).with_data(in_space(&state.w)));
+    }
+    if physics.has_heat() {
+        point.push(Attribute::generic("temperature", 1).with_data(state.theta.clone()));
+    }
+    let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(physics)).collect();
     if fields.contains(&OutputField::NodalStress) {
         let stresses = nodal_stress(now.problem, state).means(mesh.points.len());
         point.push(tensors("nodal_stress", stresses.iter()));
         point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
     }
-    let mut cell = Vec::new();
     if fields.contains(&OutputField::Stress) {
         cell.push(tensors("stress", values.iter().map(|v| &v.stress)));
     }
-    cell.push(Attribute::generic("von_mises", 1).with_data(values.iter().map(|v| v.stress.von_mises()).collect::<Vec<f64>>()));
+    if physics.has_mechanics() {
+        cell.push(Attribute::generic("von_mises", 1).with_data(values.iter().map(|v| v.stress.von_mises()).collect::<Vec<f64>>()));
+    }
     let regions = mesh.blocks.iter().flat_map(|block| std::iter::repeat_n(block.region as u32, block.len()));
     cell.push(Attribute::generic("region", 1).with_data(regions.collect::<Vec<u32>>()));
-    cell.extend(more(&values, fields));
+    cell.extend(more(&values, &fields));
     let piece = UnstructuredGridPiece { points: mesh.points.iter().flatten().copied().collect::<Vec<f64>>().into(), cells, data: Attributes { point, cell } };
     Vtk {
         version: Version::XML { major: 1, minor: 0 },

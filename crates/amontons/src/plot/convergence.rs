@@ -14,7 +14,7 @@ use super::{Options, PlotError, font};
 pub struct ConvergencePlot {
     /// The title; may have subscripts and superscripts: `θ_{F}`.
     pub title: String,
-    /// What is refined, a value a level: mesh widths h or time steps k, all positive.
+    /// What is refined, one value per level: mesh widths h or time steps k, all positive.
     pub sizes: Vec<f64>,
     /// Label of the axis below: `h = k`.
     pub x_label: String,

@@ -34,12 +34,11 @@ impl Run {
             3
         };
         let snapshot = if dimension == 2 {
-            let point = |name: &str, components| array(&grid.point_data, name, components).map_err(format);
             let snapshot = Snapshot {
                 body: Body::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells()).map_err(|e| format(e.to_string()))?,
-                displacement: point("displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1]]).collect(),
-                temperature: point("temperature", 1)?.to_vec(),
-                von_mises: array(&grid.cell_data, "von_mises", 1).map_err(format)?.to_vec(),
+                displacement: displacement(&grid).map_err(format)?.iter().map(|u| [u[0], u[1]]).collect(),
+                temperature: field(&grid.point_data, "temperature").map_err(format)?,
+                von_mises: field(&grid.cell_data, "von_mises").map_err(format)?,
             };
             snapshot.check().map_err(|e| format(e.to_string()))?;
             Some(snapshot)
@@ -62,12 +61,11 @@ impl Run {
 
 /// The fields of a body in space.
 fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> {
-    let point = |name: &str, components| array(&grid.point_data, name, components);
     let solid = Solid {
         surface: Surface::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells())).map_err(|e| e.to_string())?,
-        displacement: point("displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect(),
-        temperature: point("temperature", 1)?.to_vec(),
-        von_mises: array(&grid.cell_data, "von_mises", 1)?.to_vec(),
+        displacement: displacement(grid)?,
+        temperature: field(&grid.point_data, "temperature")?,
+        von_mises: field(&grid.cell_data, "von_mises")?,
         regions: grid.cell_data.get("region").map(|region| region.values.clone()).unwrap_or_default(),
         contact,
     };
@@ -75,7 +73,22 @@ fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> 
     Ok(solid)
 }
 
-fn array<'a>(data: &'a std::collections::BTreeMap<String, vtu::Array>, name: &str, components: usize) -> Result<&'a [f64], String> {
+type Arrays = std::collections::BTreeMap<String, vtu::Array>;
+
+/// A field of numbers; empty if the run does not have it.
+fn field(data: &Arrays, name: &str) -> Result<Vec<f64>, String> {
+    if data.contains_key(name) { Ok(array(data, name, 1)?.to_vec()) } else { Ok(Vec::new()) }
+}
+
+/// The displacement of each node, zero in a run without mechanics.
+fn displacement(grid: &vtu::Grid) -> Result<Vec<[f64; 3]>, String> {
+    if !grid.point_data.contains_key("displacement") {
+        return Ok(vec![[0.0; 3]; grid.points.len()]);
+    }
+    Ok(array(&grid.point_data, "displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect())
+}
+
+fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64], String> {
     let array = data.get(name).ok_or_else(|| format!("it has no array {name}"))?;
     if array.components == components { Ok(&array.values) } else { Err(format!("the array {name} has {} components, expected {components}", array.components)) }
 }
@@ -136,7 +149,8 @@ fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotE
     };
     let (x, traction, slip_velocity) = (pairs("")?, pairs("traction_")?, pairs("slip_velocity_")?);
     let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
-    let (temperature, heat_flux) = (table.numbers("temperature")?, table.numbers("heat_flux")?);
+    let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
+    let (temperature, heat_flux) = (of_heat("temperature")?, of_heat("heat_flux")?);
     let status = statuses(table)?;
     let [wear, friction_work] = worn(table, x.len())?;
     let bound = if table.has("bound") { Some(table.numbers("bound")?) } else { None };

@@ -159,7 +159,8 @@ impl Kind {
     #[must_use]
     pub fn is_in(self, run: &Run) -> bool {
         match self {
-            Kind::Deformed | Kind::Temperature | Kind::VonMises => run.snapshot.is_some() || run.solid.is_some(),
+            Kind::Temperature => run.fields()[0],
+            Kind::Deformed | Kind::VonMises => run.fields()[1],
             Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty() || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty()),
             Kind::Wear => Kind::Contact.is_in(run) && run.worn().contains(&true),
             Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),

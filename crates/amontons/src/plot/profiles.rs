@@ -86,12 +86,15 @@ fn chart_list(parts: &[Part], options: &Options) -> Vec<Chart> {
         let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
         friction.areas.push(Area { label: "within ±p_{τ}".to_owned(), color: INK.with_opacity(0.13), polygons: parts.iter().map(polygon).collect() });
     }
-    vec![
+    let mut charts = vec![
         chart("pressure p_{ν}", "Pa", true, line("", BLUE, &|s| s.row.pressure)),
         friction,
         chart("slip velocity along s", "m/s", true, line("", VERMILION, &|s| along(s.row.slip_velocity, s))),
         chart("gap g − u_{ν}", "m", true, line("", BLUE, &|s| -s.row.penetration)),
-        chart("temperature θ", "K", false, line("", PURPLE, &|s| s.row.temperature)),
-        chart("heat flux q·ν out of the body", "W/m^{2}", true, line("", GREEN, &|s| s.row.heat_flux)),
-    ]
+    ];
+    if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.temperature.is_finite()) {
+        charts.push(chart("temperature θ", "K", false, line("", PURPLE, &|s| s.row.temperature)));
+        charts.push(chart("heat flux q·ν out of the body", "W/m^{2}", true, line("", GREEN, &|s| s.row.heat_flux)));
+    }
+    charts
 }

@@ -59,6 +59,12 @@ impl Table {
         self.rows.iter().enumerate().map(cell).collect()
     }
 
+    /// Whether a column has no values: the run does not have the field.
+    pub(super) fn is_empty(&self, name: &str) -> bool {
+        let column = self.names.iter().position(|n| n == name);
+        column.is_none_or(|c| !self.rows.is_empty() && self.rows.iter().all(|row| row[c].is_empty()))
+    }
+
     /// A column of finite numbers.
     pub(super) fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
         let values: Vec<f64> = self.column(name)?;

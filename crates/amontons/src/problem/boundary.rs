@@ -13,11 +13,11 @@ use crate::tensor::Point;
 pub struct BoundaryCondition {
     /// Name of the facet set.
     pub on: String,
-    /// Prescribed displacement, m, one entry a component, none for a component that is free: (2.5).
+    /// Prescribed displacement, m, one entry per component, none for a component that is free: (2.5).
     pub displacement: Option<Vec<Option<Field>>>,
     /// Prescribed displacement u_ν along the outward normal, m; the side is perpendicular to an axis.
     pub normal_displacement: Option<Field>,
-    /// Traction f₁, Pa, one field a component: (2.6).
+    /// Traction f₁, Pa, one field per component: (2.6).
     pub traction: Option<Vec<Field>>,
     /// Pressure p, Pa: the traction −pν.
     pub pressure: Option<Field>,
@@ -185,7 +185,7 @@ impl Problem {
                 faults.push(Fault::new(format!("{path}.quadrature"), "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
             }
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
-                let hint = format!("join it with entry {} of the file, which is on the same side", first + 1);
+                let hint = format!("merge it with entry {} of the file, which is on the same side", first + 1);
                 faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), "each side in one [[contact]] entry").hint(hint));
             }
         }
@@ -194,7 +194,7 @@ impl Problem {
             if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
                 faults.push(
                     Fault::new(format!("boundary[{i}].on"), format!("\"{}\" again", b.on), "each side in one [[boundary]] entry")
-                        .hint(format!("join it with entry {} of the file, which is on the same side", first + 1)),
+                        .hint(format!("merge it with entry {} of the file, which is on the same side", first + 1)),
                 );
             }
             self.check_displacement(i, b, faults);
@@ -203,14 +203,15 @@ impl Problem {
                 [("heat_inflow", "a heat inflow", b.heat_inflow.is_some()), ("convection", "a heat exchange with the surroundings", b.convection.is_some())]
             {
                 if given && b.temperature.is_some() {
-                    faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a temperature"), "one of the two").hint("drop one of them"));
+                    faults
+                        .push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a temperature"), "one of the two").hint("remove one of them"));
                 }
             }
             let heat = self.contacts.iter().find(|c| c.on == b.on && c.heat.conductance_bound() > 0.0);
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
                     Fault::new(format!("boundary[{i}].temperature"), format!("a temperature on \"{}\"", b.on), "heat exchange or a temperature, not both")
-                        .hint("drop contact.heat or the temperature"),
+                        .hint("remove contact.heat or the temperature"),
                 );
             }
         }
@@ -240,7 +241,7 @@ impl Problem {
         }
         let path = format!("boundary[{i}].normal_displacement");
         if given.iter().all(|(_, given)| *given) {
-            faults.push(Fault::new(&*path, "a displacement along the normal besides one by components", "one of the two").hint("drop one of them"));
+            faults.push(Fault::new(&*path, "a displacement along the normal and one by components", "one of the two").hint("remove one of them"));
         }
         let set = self.mesh.facets.get(&b.on).filter(|_| b.normal_displacement.is_some());
         if let Some(Err((facet, normal))) = set.map(|set| axis_of(&self.mesh, set)) {
@@ -263,14 +264,15 @@ impl Problem {
             })
             .collect();
         let all_held = held.iter().all(|held| *held);
-        let drop = "drop one of them";
+        let drop = "remove one of them";
         let both = "one of the two: Γ_D and Γ_N do not overlap";
         if let Some(traction) = &b.traction {
             if all_held {
                 faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", both).hint(drop));
             } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero())) {
-                faults
-                    .push(Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", both).hint("put 0"));
+                faults.push(
+                    Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", both).hint("set it to 0"),
+                );
             }
         }
         let along_normal = |support: &Option<Support>| matches!(support, Some(Support::Normal(_)));

@@ -2,6 +2,7 @@
 
 mod boundary;
 mod data;
+mod physics;
 mod range;
 
 use std::fmt;
@@ -9,6 +10,7 @@ use std::sync::Arc;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub(crate) use data::Datum;
+pub use physics::Physics;
 
 use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;
@@ -61,9 +63,9 @@ pub struct Faults(pub Vec<Fault>);
 /// u₀, u̇₀ and θ₀ of (2.11).
 #[derive(Clone, Debug, Default)]
 pub struct Initial {
-    /// u₀ in m, one field a component; empty for zero.
+    /// u₀ in m, one field per component; empty for zero.
     pub displacement: Vec<Field>,
-    /// u̇₀ in m/s, one field a component; empty for zero.
+    /// u̇₀ in m/s, one field per component; empty for zero.
     pub velocity: Vec<Field>,
     /// θ₀ in K.
     pub temperature: Field,
@@ -103,9 +105,11 @@ pub struct Problem {
     pub end: f64,
     /// N, the number of steps; k = T/N.
     pub steps: usize,
+    /// The equations that are solved.
+    pub physics: Physics,
     /// The materials by region, as [`Mesh::regions`] lists them, or one for all.
     pub materials: Vec<Material>,
-    /// f₀ in N/m³, one field a component; empty for zero.
+    /// f₀ in N/m³, one field per component; empty for zero.
     pub body_force: Vec<Field>,
     /// q₀ in W/m³.
     pub heat_source: Field,
@@ -182,7 +186,7 @@ impl Problem {
         self.check_time(&mut faults);
         self.check_material(&mut faults);
         if let Err(error) = self.mesh.check_nodes() {
-            faults.push(Fault::new("mesh", error.to_string(), "cells and facets of nodes that there are"));
+            faults.push(Fault::new("mesh", error.to_string(), "cells and facets whose nodes exist"));
             return Err(Faults(faults));
         }
         self.check_parts(&mut faults);
@@ -265,7 +269,8 @@ impl Problem {
                 "give `temperature` on a side, or a positive material.heat_capacity",
             ),
         ] {
-            let Some(number) = (0..parts.len()).find(|&part| lacks[part][what] && !held[part][what]) else { continue };
+            let solved = [self.physics.has_mechanics(), self.physics.has_heat()][what];
+            let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else { continue };
             let found =
                 if parts.len() == 1 { found.to_owned() } else { format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh)) };
             faults.push(Fault::new("boundary", found, expected).hint(hint));

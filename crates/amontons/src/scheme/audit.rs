@@ -77,7 +77,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_prescribed: before.heat_prescribed + amounts.prescribed,
         heat_supplied: before.heat_supplied + amounts.supplied,
         heat_coupling: before.heat_coupling + amounts.coupling,
-        heat_friction: before.heat_friction + friction,
+        heat_friction: before.heat_friction + if problem.physics.has_heat() { friction } else { 0.0 },
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,

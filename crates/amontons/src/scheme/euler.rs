@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::alone;
 use super::audit::audit;
 use super::coupling::{Coupled, Made};
 use super::datum;
@@ -34,28 +35,34 @@ pub struct BackwardEuler {
     products: Option<Products>,
 }
 
-/// The systems of both half-steps for one length of step.
+/// The systems of the half-steps that a problem has, for one step length.
 #[derive(Debug)]
 struct Systems {
     k: f64,
-    mechanics: System,
-    heat: System,
+    mechanics: Option<System>,
+    heat: Option<System>,
 }
 
 impl Systems {
-    /// Laws that are not linear have their tangent at rest here; each step makes its own.
-    /// The mechanical system and that of heat.
-    fn factorize(discrete: &Discretization, k: f64, backend: &Arc<dyn Backend>) -> [Result<System, FactorError>; 2] {
+    /// Factorizes K_u and K_θ for step length `k`. For nonlinear laws K_u is the tangent at rest; each step replaces it.
+    ///
+    /// # Errors
+    /// The name of the system that cannot be factorized, and why.
+    fn factorize(problem: &Problem, discrete: &Discretization, k: f64, backend: &Arc<dyn Backend>) -> Result<Systems, (&'static str, FactorError)> {
         let rest = vec![0.0; discrete.v.free.len()];
-        let (mechanics, heat) = rayon::join(
-            || System::new(&discrete.mechanical_tangent(k, &rest, &rest), discrete, &discrete.v, backend),
-            || System::new(&discrete.thermal_matrix(k), discrete, &discrete.q, backend),
-        );
-        [mechanics, heat]
+        let mechanics = || System::new(&discrete.mechanical_tangent(k, &rest, &rest), discrete, &discrete.v, backend);
+        let heat = || System::new(&discrete.thermal_matrix(k), discrete, &discrete.q, backend);
+        let physics = problem.physics;
+        let (mechanics, heat) = rayon::join(|| physics.has_mechanics().then(mechanics).transpose(), || physics.has_heat().then(heat).transpose());
+        Ok(Systems { k, mechanics: mechanics.map_err(|source| ("mechanical", source))?, heat: heat.map_err(|source| ("heat", source))? })
+    }
+
+    fn all(&self) -> impl Iterator<Item = &System> {
+        self.mechanics.iter().chain(&self.heat)
     }
 
     fn factorizations(&self) -> (usize, usize) {
-        (self.mechanics.factorizations() + self.heat.factorizations(), self.mechanics.condensed.factorizations() + self.heat.condensed.factorizations())
+        self.all().fold((0, 0), |(matrices, contacts), system| (matrices + system.factorizations(), contacts + system.condensed.factorizations()))
     }
 }
 
@@ -67,24 +74,21 @@ impl BackwardEuler {
     pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
         let k = problem.k();
-        let [mechanics, heat] = Systems::factorize(&discrete, k, &backend);
-        let mechanics = mechanics.map_err(|source| SetupError::Factor { part: "mechanical", source })?;
-        let heat = heat.map_err(|source| SetupError::Factor { part: "heat", source })?;
-        let systems = Systems { k, mechanics, heat };
+        let systems = Systems::factorize(problem, &discrete, k, &backend).map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler { problem: problem.clone(), discrete, backend, systems, halved: Vec::new(), given_up: (0, 0), products: None })
     }
 
     /// Unknowns of displacement, temperature and on Γ_C.
     #[must_use]
     pub fn unknowns(&self) -> [usize; 3] {
-        let Systems { mechanics, heat, .. } = &self.systems;
-        [mechanics.unknowns.len(), heat.unknowns.len(), mechanics.condensed.len()]
+        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat].map(|system| system.as_ref().map_or(0, |system| system.unknowns.len()));
+        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, |system| system.condensed.len())]
     }
 
     /// Numbers that both factors store.
     #[must_use]
     pub fn stored(&self) -> usize {
-        self.systems.mechanics.factor.stored() + self.systems.heat.factor.stored()
+        self.systems.all().map(|system| system.factor.stored()).sum()
     }
 
     /// Goes from a state to t, a part 2^−halvings of the step n; in halves where it has to be.
@@ -110,15 +114,21 @@ impl BackwardEuler {
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
-            let [mechanics, heat] =
-                Systems::factorize(&self.discrete, k, &self.backend).map(|system| system.map_err(|source| StepError::Singular { step: n, t, source }));
-            self.halved.push(Systems { k, mechanics: mechanics?, heat: heat? });
+            let systems = Systems::factorize(&self.problem, &self.discrete, k, &self.backend);
+            self.halved.push(systems.map_err(|(_, source)| StepError::Singular { step: n, t, source })?);
         }
         let products = self.products.take().filter(|p| p.t.to_bits() == old.t.to_bits()).unwrap_or_else(|| Products::of(&self.discrete, old));
         let Self { problem, discrete, systems, halved, .. } = self;
         let Systems { k, mechanics, heat } = halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let now = Step { problem, discrete, old, products: &products, n, t, k: *k };
-        let Made { mechanics, heat, report, iterations, sweeps } = Coupled::new(now, mechanics, heat).solve()?;
+        let made = match (mechanics, heat) {
+            (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
+            (Some(mechanics), None) => alone::mechanics(&now, mechanics),
+            (None, Some(heat)) => alone::heat(&now, heat),
+            // `Physics` has no such value.
+            (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
+        };
+        let Made { mechanics, heat, report, iterations, sweeps } = made?;
         let ledger = audit(&now, &mechanics, &heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });

@@ -41,7 +41,7 @@ pub(super) struct Mechanics {
 }
 
 /// What is known on Γ_C before the half-step is solved.
-#[derive(Clone)]
+#[derive(Clone, Default)]
 pub(super) struct Given {
     u_old: Vec<f64>,
     w_prescribed: Vec<f64>,

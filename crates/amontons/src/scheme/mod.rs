@@ -1,5 +1,6 @@
 //! Time stepping: Problem 4.1, one step after the other.
 
+mod alone;
 mod audit;
 mod coupling;
 mod datum;

@@ -11,15 +11,15 @@ use super::{Component, Datum, Scalar};
 pub(in crate::case) struct Boundary {
     /// Name of the side.
     pub on: String,
-    /// Prescribed displacement in m, one entry a component.
+    /// Prescribed displacement in m, one entry per component.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Vec<Component>>,
     /// Prescribed displacement u_ν along the outward normal in m.
     ///
-    /// 0 for a plane of symmetry. The side lies in a plane perpendicular to an axis.
+    /// 0 on a plane of symmetry. The side must lie in a plane perpendicular to a coordinate axis.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_displacement: Option<Datum>,
-    /// Traction f₁ = σν in Pa, one entry a component.
+    /// Traction f₁ = σν in Pa, one entry per component.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traction: Option<Vec<Datum>>,
     /// Pressure p in Pa, the traction −p ν.
@@ -27,12 +27,12 @@ pub(in crate::case) struct Boundary {
     pub pressure: Option<Datum>,
     /// Stiffness of springs to the ground in Pa/m.
     ///
-    /// A number k acts along the normal, −k u_ν ν; entries by component, −k_i u_i.
+    /// One number k acts along the normal, with the traction −k u_ν ν; entries per component act with −k_i u_i.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spring: Option<Support>,
     /// Damping of dashpots to the ground in Pa s/m.
     ///
-    /// A number c acts along the normal, −c u̇_ν ν; entries by component, −c_i u̇_i.
+    /// One number c acts along the normal, with the traction −c u̇_ν ν; entries per component act with −c_i u̇_i.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dashpot: Option<Support>,
     /// Prescribed temperature in K.
@@ -46,10 +46,10 @@ pub(in crate::case) struct Boundary {
     pub convection: Option<Convection>,
 }
 
-/// Stiffness or damping of a foundation.
+/// Stiffness or damping to the ground.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
-#[schemars(title = "a number or an expression in x, y, z, or one a component")]
+#[schemars(title = "a number or an expression in x, y, z, or one per component")]
 pub(in crate::case) enum Support {
     /// Along the normal.
     Number(f64),
@@ -63,7 +63,7 @@ pub(in crate::case) enum Support {
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Convection {
-    /// Heat transfer coefficient h in W/(m² K), without t.
+    /// Heat transfer coefficient h in W/(m² K), constant in time.
     pub coefficient: Scalar,
     /// Temperature θ_a of the surroundings in K.
     #[serde(default)]

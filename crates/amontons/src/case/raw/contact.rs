@@ -25,12 +25,17 @@ impl Contacts {
         }
     }
 
+    /// The contacts with their paths, borrowed.
+    pub fn each(&self) -> Vec<(String, &Contact)> {
+        match self {
+            Contacts::One(contact) => vec![("contact".to_owned(), &**contact)],
+            Contacts::Several(all) => all.iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect(),
+        }
+    }
+
     /// Their sides.
     pub fn sides(&self) -> Vec<&str> {
-        match self {
-            Contacts::One(contact) => vec![&contact.on],
-            Contacts::Several(all) => all.iter().map(|contact| contact.on.as_str()).collect(),
-        }
+        self.each().into_iter().map(|(_, contact)| contact.on.as_str()).collect()
     }
 }
 
@@ -42,13 +47,15 @@ pub(in crate::case) struct Contact {
     pub on: String,
     /// Gap g to the foundation along the outward normal, in m.
     ///
-    /// With an obstacle what is added to the distance from it.
+    /// With an obstacle: an offset added to the distance.
     #[serde(default)]
     pub gap: Datum,
-    /// Shape of a rigid foundation that is not told by the gap alone.
+    /// Shape of the rigid foundation. Omit it if the gap describes the foundation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<Obstacle>,
-    /// Velocity v_F of the foundation in m/s, one entry a component, of which the tangential part counts; empty for a foundation at rest. Slip is w_τ − v_F.
+    /// Velocity v_F of the foundation in m/s, one entry per component; empty for a foundation at rest.
+    ///
+    /// Only its tangential part is used. The slip velocity is w_τ − v_F.
     #[serde(default)]
     pub foundation_velocity: Vec<Datum>,
     /// Where the integrals over Γ_C are evaluated.
@@ -62,50 +69,50 @@ pub(in crate::case) struct Contact {
     /// Law of the heat exchange with the foundation (2.10).
     #[serde(default)]
     pub heat: Heat,
-    /// Share η of the power of friction that enters the body as heat.
+    /// Fraction η of the friction power that enters the body as heat, from 0 to 1.
     #[serde(default)]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub frictional_heat: f64,
-    /// Heat capacity of the foundation; without it its temperature is prescribed.
+    /// Heat balance of the foundation. Without it `foundation_temperature` prescribes the temperature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation: Option<Foundation>,
-    /// Wear of the contact, by which the gap grows.
+    /// Wear law; wear increases the gap.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub wear: Option<Wear>,
 }
 
-/// A foundation with one temperature, which the heat from the contact and from friction raises.
+/// A foundation with one temperature, heated through the contact and by friction.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Foundation {
     /// Heat capacity of the foundation in J/K, per unit of thickness in two dimensions.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub heat_capacity: f64,
-    /// Temperature at t = 0 in K; without it `heat.foundation_temperature`.
+    /// Temperature at t = 0 in K; default: `heat.foundation_temperature` at t = 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub temperature: Option<f64>,
-    /// Heat exchange with the surroundings in W/K, per unit of thickness in two dimensions.
+    /// Heat transfer to the surroundings in W/K, per unit of thickness in two dimensions.
     #[serde(default)]
     #[schemars(range(min = 0.0))]
     pub exchange: f64,
-    /// Temperature of the surroundings in K, a number or an expression in t; without it the temperature at t = 0.
+    /// Temperature of the surroundings in K, a number or an expression in t; default: the temperature at t = 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surroundings: Option<Datum>,
 }
 
-/// Wear by its law.
+/// Wear law.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Wear {
-    /// The depth grows at the rate coefficient · p · ‖w_τ‖.
+    /// Archard's law: the wear depth grows at the rate coefficient · p · ‖slip velocity‖.
     Archard {
-        /// Wear coefficient in 1/Pa: Archard's number over the hardness.
+        /// Wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness.
         #[schemars(range(min = 0.0))]
         coefficient: f64,
     },
-    /// Archard's law with a coefficient by the temperature of the body, linear between the points of a table and constant outside.
+    /// Archard's law with a coefficient that depends on the temperature of the body, linear between the points of a table and constant outside.
     ArchardTemperature {
-        /// Temperatures in K, each larger than the one before.
+        /// Temperatures in K in increasing order.
         temperature: Vec<f64>,
         /// Wear coefficients in 1/Pa.
         #[schemars(inner(range(min = 0.0)))]
@@ -117,24 +124,24 @@ pub(in crate::case) enum Wear {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Quadrature {
-    /// At the nodes: each contact node obeys the laws on its own.
+    /// At the nodes: the contact laws hold at each contact node separately.
     #[default]
     Nodal,
-    /// At Gauss points, two a segment.
+    /// At Gauss points, degree + 1 per direction: the laws hold at each of them.
     Gauss,
 }
 
-/// Contact pressure by its law, r the penetration.
+/// Law of the contact pressure p_ν as a function of the penetration r.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Normal {
-    /// p_ν(r) = stiffness · max(r, 0), r the penetration.
+    /// Normal compliance: p_ν(r) = stiffness · max(r, 0), r the penetration.
     Compliance {
         /// Stiffness c_ν of the contact in Pa/m.
         #[schemars(range(min = 0.0))]
         stiffness: f64,
     },
-    /// p_ν(r) = stiffness · max(r, 0)^exponent.
+    /// Power law: p_ν(r) = stiffness · max(r, 0)^exponent.
     Power {
         /// Factor c of the power law in Pa/m^exponent.
         #[schemars(range(min = 0.0))]
@@ -143,27 +150,27 @@ pub(in crate::case) enum Normal {
         #[schemars(range(min = 1.0))]
         exponent: f64,
     },
-    /// Pressures at penetrations, linear between them; beyond the last the last piece goes on.
+    /// Table of pressures over penetrations, linear between its points and extrapolated beyond the last one.
     Table {
-        /// Penetrations in m, each larger than the one before, the first 0.
+        /// Penetrations in m in increasing order, the first 0.
         penetration: Vec<f64>,
-        /// Pressures in Pa, none smaller than the one before, the first 0.
+        /// Pressures in Pa, not decreasing, the first 0.
         pressure: Vec<f64>,
     },
-    /// Compliance down to a depth at which the foundation is rigid.
+    /// Compliant layer on a rigid stop: compliance up to the penetration `depth`, no further penetration.
     Stop {
         /// Stiffness of the layer in Pa/m.
         #[schemars(range(min = 0.0))]
         stiffness: f64,
-        /// Penetration in m at which the stop is.
+        /// Penetration in m at which the stop is reached.
         #[schemars(range(min = 0.0))]
         depth: f64,
     },
-    /// A rigid foundation: no penetration, no tension.
+    /// Signorini's conditions: a rigid foundation without penetration and without tension.
     Signorini,
-    /// A rigid foundation that the body cannot leave.
+    /// Bilateral contact: a rigid foundation from which the body cannot separate.
     Bilateral,
-    /// A spring and a dashpot that do not pull: max(stiffness · r + damping · ṙ, 0) where r > 0.
+    /// Spring and dashpot without tension: max(stiffness · r + damping · ṙ, 0) for r > 0.
     Damped {
         /// Stiffness of the spring in Pa/m.
         #[schemars(range(min = 0.0))]
@@ -172,7 +179,7 @@ pub(in crate::case) enum Normal {
         #[schemars(range(min = 0.0))]
         damping: f64,
     },
-    /// Hunt and Crossley: stiffness · max(r, 0)^exponent · max(1 + damping · ṙ, 0).
+    /// Hunt and Crossley's law: stiffness · max(r, 0)^exponent · max(1 + damping · ṙ, 0).
     HuntCrossley {
         /// Factor c of the power law in Pa/m^exponent.
         #[schemars(range(min = 0.0))]
@@ -185,120 +192,124 @@ pub(in crate::case) enum Normal {
         #[schemars(range(min = 0.0))]
         damping: f64,
     },
-    /// A layer that gives way: linear up to the peak, then falling to the residual pressure.
+    /// Softening layer: linear up to the peak pressure, then decreasing to the residual pressure.
     Softening {
         /// Stiffness up to the peak in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
         stiffness: f64,
-        /// Largest pressure in Pa.
+        /// Peak pressure in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
         peak: f64,
-        /// Rate in Pa/m at which the pressure falls after the peak.
+        /// Slope in Pa/m at which the pressure decreases after the peak.
         #[schemars(extend("exclusiveMinimum" = 0))]
         softening: f64,
-        /// Pressure in Pa that is left at last, at most the peak.
+        /// Residual pressure in Pa, at most the peak.
         #[serde(default)]
         #[schemars(range(min = 0.0))]
         residual: f64,
     },
-    /// A layer that pulls up to a bound: p = stiffness · r, released where −p would exceed the strength.
+    /// Adhesive layer: p = stiffness · r, also in tension, until −p reaches the strength.
     Adhesion {
         /// Stiffness of the layer in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
         stiffness: f64,
-        /// Largest tension in Pa.
+        /// Tensile strength in Pa.
         #[schemars(range(min = 0.0))]
         strength: f64,
-        /// Further opening in m over which the tension falls to zero; 0: at once.
+        /// Further opening in m over which the tension decreases to zero; 0: at once.
         #[serde(default)]
         #[schemars(range(min = 0.0))]
         release: f64,
     },
 }
 
-/// Friction bound by its law, p the pressure and v the slip speed.
+/// Law of the friction bound p_τ as a function of the pressure p and the slip speed v.
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Friction {
     /// No friction.
     #[default]
     None,
-    /// p_τ = coefficient · p_ν.
+    /// Coulomb's law: p_τ = coefficient · p_ν.
     Coulomb {
         /// Friction coefficient μ.
         #[schemars(range(min = 0.0))]
         coefficient: f64,
-        /// Shear strength in Pa that the bound does not exceed.
+        /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0))]
         cap: Option<f64>,
     },
-    /// A bound that is given, on all of Γ_C and whatever the pressure.
+    /// Tresca friction: a constant bound on all of Γ_C, whatever the pressure.
     Tresca {
         /// Friction bound in Pa.
         #[schemars(range(min = 0.0))]
         bound: f64,
     },
-    /// μ(v) = kinetic + (static − kinetic) exp(−v/decay_speed); without a decay speed the static coefficient holds where a point sticks only.
+    /// Static and kinetic friction: μ(v) = kinetic + (static − kinetic) exp(−v/decay_speed).
+    ///
+    /// Without a decay speed μ is static where a point sticks and kinetic where it slips.
     StaticKinetic {
-        /// Coefficient of a point at rest, at least the kinetic one.
+        /// Static friction coefficient, not less than the kinetic one.
         #[serde(rename = "static")]
         #[schemars(range(min = 0.0))]
         at_rest: f64,
-        /// Coefficient of a point that slips.
+        /// Kinetic friction coefficient.
         #[schemars(range(min = 0.0))]
         kinetic: f64,
-        /// Slip speed in m/s over which the coefficient falls.
+        /// Slip speed in m/s over which the coefficient decreases.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         decay_speed: Option<f64>,
-        /// Shear strength in Pa that the bound does not exceed.
+        /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0))]
         cap: Option<f64>,
     },
-    /// A coefficient by the slip speed, linear between the points of a table and constant outside.
+    /// Friction coefficient that depends on the slip speed, linear between the points of a table and constant outside.
     SlipRate {
-        /// Slip speeds in m/s, each larger than the one before.
+        /// Slip speeds in m/s in increasing order.
         speed: Vec<f64>,
         /// Friction coefficients.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
-        /// Shear strength in Pa that the bound does not exceed.
+        /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0))]
         cap: Option<f64>,
     },
-    /// A coefficient by the temperature of the body, linear between the points of a table and constant outside.
+    /// Friction coefficient that depends on the temperature of the body, linear between the points of a table and constant outside.
     Temperature {
-        /// Temperatures in K, each larger than the one before.
+        /// Temperatures in K in increasing order.
         temperature: Vec<f64>,
         /// Friction coefficients.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
-        /// Shear strength in Pa that the bound does not exceed.
+        /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0))]
         cap: Option<f64>,
     },
-    /// A coefficient by the pressure, linear between the points of a table and constant outside.
+    /// Friction coefficient that depends on the pressure, linear between the points of a table and constant outside.
     Pressure {
-        /// Pressures in Pa, each larger than the one before.
+        /// Pressures in Pa in increasing order.
         pressure: Vec<f64>,
         /// Friction coefficients.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
-        /// Shear strength in Pa that the bound does not exceed.
+        /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(range(min = 0.0))]
         cap: Option<f64>,
     },
-    /// A coefficient along a direction and one across it: an elliptic cone, with slip along its normal.
+    /// Orthotropic friction: an elliptic friction cone with one coefficient along a direction and one across it.
+    ///
+    /// The slip velocity is normal to the cone.
     Orthotropic {
         /// Coefficients along and across the direction, both positive.
         #[schemars(inner(range(min = 0.0)))]
         coefficients: [f64; 2],
-        /// The direction of the first coefficient, one entry a component, of which the tangential part counts.
+        /// Direction of the first coefficient, one entry per component; only its tangential part is used.
         direction: Vec<f64>,
     },
 }
@@ -306,7 +317,7 @@ pub(in crate::case) enum Friction {
 /// One law of heat exchange, h the conductance, r the penetration and p the pressure; in a sum it stands without a foundation temperature.
 macro_rules! heat_laws {
     ($($(#[$about:meta])* $variant:ident { $($(#[$doc:meta])* $field:ident: $type:ty,)* },)*) => {
-        /// Heat exchange by its law.
+        /// Law of the heat exchange with the foundation.
         #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
         #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
         pub(in crate::case) enum Heat {
@@ -318,7 +329,7 @@ macro_rules! heat_laws {
                 /// Temperature θ_F of the foundation in K.
                 foundation_temperature: Datum,
             },)*
-            /// Several laws side by side, their fluxes added.
+            /// Sum of several laws: their heat fluxes are added.
             Sum {
                 /// The laws.
                 laws: Vec<HeatTerm>,
@@ -350,7 +361,7 @@ macro_rules! heat_laws {
 }
 
 heat_laws! {
-    /// k_c(r) rises linearly over 0 ≤ r ≤ width and is the conductance above, r the penetration.
+    /// Conductance that rises linearly over 0 ≤ r ≤ width and is constant above, r the penetration.
     Ramp {
         /// Conductance of closed contact in W/(m² K).
         #[schemars(range(min = 0.0))]
@@ -358,12 +369,12 @@ heat_laws! {
         /// Penetration in m at which the conductance is reached.
         #[schemars(extend("exclusiveMinimum" = 0))]
         width: f64,
-        /// Bound L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
+        /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         truncation: Option<f64>,
     },
-    /// A conductance coefficient · max(r, 0)^exponent, r the penetration.
+    /// Conductance coefficient · max(r, 0)^exponent, r the penetration.
     Power {
         /// Factor of the power law in W/(m² K m^exponent).
         #[schemars(range(min = 0.0))]
@@ -371,12 +382,12 @@ heat_laws! {
         /// Exponent of the penetration.
         #[schemars(range(min = 1.0))]
         exponent: f64,
-        /// Bound L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
+        /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         truncation: Option<f64>,
     },
-    /// A conductance coefficient · max(p, 0)^exponent, p the pressure.
+    /// Conductance coefficient · max(p, 0)^exponent, p the pressure.
     Pressure {
         /// Factor of the power law in W/(m² K Pa^exponent).
         #[schemars(range(min = 0.0))]
@@ -385,30 +396,30 @@ heat_laws! {
         #[serde(default = "one")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         exponent: f64,
-        /// Bound L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
+        /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         truncation: Option<f64>,
     },
-    /// A conductance conductivity/(g + roughness), g the width of the gap where it is open and zero where it is closed.
+    /// Gas conduction across the gap: conductance conductivity/(g + roughness), g the width of an open gap and zero in contact.
     Gap {
         /// Conductivity of the gas in W/(m K).
         #[schemars(range(min = 0.0))]
         conductivity: f64,
-        /// Width in m that a closed gap still has.
+        /// Effective width in m of a closed gap.
         #[schemars(extend("exclusiveMinimum" = 0))]
         roughness: f64,
-        /// Bound L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
+        /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         truncation: Option<f64>,
     },
-    /// A flux constant · emissivity · (θ⁴ − θ_F⁴) with temperatures above absolute zero.
+    /// Radiation: heat flux constant · emissivity · (θ⁴ − θ_F⁴), temperatures measured from absolute zero.
     Radiation {
-        /// Emissivity of both surfaces together.
+        /// Effective emissivity of the two surfaces.
         #[schemars(range(min = 0.0))]
         emissivity: f64,
-        /// Absolute zero on the scale of the temperatures.
+        /// Absolute zero on the temperature scale of the case: 0 for kelvin, −273.15 for degrees Celsius.
         #[serde(default)]
         absolute_zero: f64,
         /// Constant of Stefan and Boltzmann in W/(m² K⁴).

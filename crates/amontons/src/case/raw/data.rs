@@ -77,25 +77,25 @@ impl Component {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct TableData {
-    /// Name of a file of comma-separated values, seen from the case file.
+    /// Path of a file of comma-separated values, relative to the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
-    /// Column of the values, by its header or its number from 1; the second where left out.
+    /// Column of the values, by header or by number from 1; default: the second.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub column: Option<Column>,
-    /// Column of the times in s, by its header or its number from 1; the first where left out.
+    /// Column of the times in s, by header or by number from 1; default: the first.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub time: Option<Column>,
-    /// Times in s in place of a file, each later than the one before.
+    /// Times in s in increasing order, instead of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times: Option<Vec<f64>>,
-    /// Values in place of a file, one a time.
+    /// Values, one per time, instead of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub values: Option<Vec<f64>>,
     /// Factor of the values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Scalar>,
-    /// What holds outside the times.
+    /// Extrapolation outside the times.
     #[serde(default)]
     pub extend: Extend,
 }
@@ -111,13 +111,13 @@ pub(in crate::case) enum Column {
     Name(String),
 }
 
-/// What holds outside the times of a table.
+/// Extrapolation outside the times of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Extend {
-    /// Nothing: the times must cover those of the run.
+    /// None: the times must cover those of the run.
     #[default]
     None,
-    /// The first value before, the last one after.
+    /// Constant: the first value before, the last value after.
     Hold,
 }

@@ -9,34 +9,60 @@ use serde::{Deserialize, Serialize};
 pub(in crate::case) struct Region {
     /// Name of the region in the mesh.
     pub on: String,
-    /// Material of the region, with all its keys.
+    /// Material of the region, with all keys that the case uses.
     pub material: Material,
 }
 
 /// Material: σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜 (2.1), q = −𝓚∇θ (2.2).
+///
+/// A case without heat leaves out `heat_capacity`, `conductivity`, `expansion` and `coupling`; a case without mechanics leaves
+/// out `density`, `elasticity` and `viscosity`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Material {
     /// Density ρ in kg/m³; 0: quasistatic.
+    ///
+    /// Required for mechanics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
-    pub density: f64,
-    /// Heat capacity, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat.
+    pub density: Option<f64>,
+    /// Heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat.
+    ///
+    /// Density times specific heat. Required for heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0.0))]
-    pub heat_capacity: f64,
-    /// Thermal expansion tensor 𝓜 of (2.1) in Pa/K.
-    pub expansion: Tensor,
-    /// Tensor 𝓡 of (2.4), heat per strain, in W/m³.
-    pub coupling: Tensor,
+    pub heat_capacity: Option<f64>,
+    /// Thermal stress tensor 𝓜 of (2.1) in Pa/K, 0 if left out.
+    ///
+    /// Give `expansion_coefficient` instead if you know the coefficient of thermal expansion α.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion: Option<Tensor>,
+    /// Coefficient of thermal expansion α in 1/K, from which 𝓜 = 𝓔α follows.
+    ///
+    /// Three numbers are the coefficients along the axes of the material, those of `elasticity.orientation`. The product with the
+    /// three-dimensional elasticity is taken first and then reduced to plane stress or plane strain.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion_coefficient: Option<Expansion>,
+    /// Tensor 𝓡 of (2.4), heat per strain, in W/m³, 0 if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coupling: Option<Tensor>,
     /// Heat conductivity tensor 𝓚 of (2.2) in W/(m K).
-    pub conductivity: Tensor,
+    ///
+    /// Required for heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub conductivity: Option<Tensor>,
     /// Elasticity 𝓔.
-    pub elasticity: Elasticity,
-    /// Viscosity 𝓥.
-    pub viscosity: Viscosity,
-    /// Branches of a generalized Maxwell body: stress that relaxes, besides 𝓔 and 𝓥.
+    ///
+    /// Required for mechanics.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elasticity: Option<Elasticity>,
+    /// Viscosity 𝓥; none if left out.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub viscosity: Option<Viscosity>,
+    /// Branches of a generalized Maxwell body: relaxing stress in addition to 𝓔 and 𝓥.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prony: Vec<Branch>,
-    /// How the change of volume of a cell is taken, for the body as a whole.
+    /// How the dilatation (change of volume) of a cell is computed, for the whole body.
     #[serde(default)]
     pub dilatation: Dilatation,
 }
@@ -52,7 +78,18 @@ pub(in crate::case) enum Tensor {
     Matrix(Vec<Vec<f64>>),
 }
 
-/// Elasticity by its law.
+/// Coefficients of thermal expansion.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, or three along the axes of the material")]
+pub(in crate::case) enum Expansion {
+    /// The same in all directions.
+    Isotropic(f64),
+    /// α₁, α₂, α₃ along the axes of the material.
+    Orthotropic([f64; 3]),
+}
+
+/// Law of elasticity.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Elasticity {
@@ -66,11 +103,11 @@ pub(in crate::case) enum Elasticity {
         /// Above −1; below 1 in plane stress, below 0.5 in plane strain.
         #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
         poisson: f64,
-        /// How the third direction of a plane body is held.
+        /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
-    /// A material with three planes of symmetry, in its own axes 1, 2, 3.
+    /// An orthotropic material: three planes of symmetry, axes 1, 2, 3.
     Orthotropic {
         /// Young's moduli E₁, E₂, E₃ in Pa.
         young: [f64; 3],
@@ -81,18 +118,18 @@ pub(in crate::case) enum Elasticity {
         /// Orientation of the axes of the material.
         #[serde(default)]
         orientation: Orientation,
-        /// How the third direction of a plane body is held.
+        /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
-    /// A material of any symmetry, by its stiffness.
+    /// A material of any symmetry, given by its stiffness matrix.
     Anisotropic {
         /// Stiffness in Pa in the order 11 22 33 23 13 12; shear entries act on engineering strains.
         voigt: Box<[[f64; 6]; 6]>,
         /// Orientation of the axes of the material.
         #[serde(default)]
         orientation: Orientation,
-        /// How the third direction of a plane body is held.
+        /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -109,7 +146,7 @@ pub(in crate::case) enum Elasticity {
         /// Radius κ of the convex, a strain.
         #[schemars(extend("exclusiveMinimum" = 0))]
         radius: f64,
-        /// How the third direction of a plane body is held.
+        /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -124,13 +161,13 @@ pub(in crate::case) enum Elasticity {
         /// Shear modulus μ_∞ at large strain in Pa, from 0 to μ₀.
         #[schemars(range(min = 0.0))]
         shear_infinite: f64,
-        /// Norm of the deviatoric strain at which it softens.
+        /// Norm of the deviatoric strain at which the material softens.
         #[schemars(extend("exclusiveMinimum" = 0))]
         strain: f64,
-        /// Exponent n of the stress in between.
+        /// Exponent n of the stress between the two limits.
         #[schemars(range(min = 0.0, max = 1.0))]
         exponent: f64,
-        /// How the third direction of a plane body is held.
+        /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
@@ -141,9 +178,9 @@ pub(in crate::case) enum Elasticity {
 #[serde(untagged)]
 #[schemars(title = "an angle in rad or three Euler angles")]
 pub(in crate::case) enum Orientation {
-    /// Axis 1 is turned from x towards y by this angle in rad.
+    /// Angle in rad by which axis 1 is rotated from x towards y.
     Angle(f64),
-    /// Bunge's Euler angles in rad: about z, the turned x, the turned z.
+    /// Bunge's Euler angles in rad: rotations about z, the rotated x and the rotated z.
     Euler([f64; 3]),
 }
 
@@ -153,18 +190,18 @@ impl Default for Orientation {
     }
 }
 
-/// How the third direction of a plane body is held.
+/// Plane stress or plane strain, for bodies of one and two dimensions.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum StressState {
-    /// σ₃₃ = 0: a thin sheet.
+    /// Plane stress, σ₃₃ = 0: a thin sheet.
     #[default]
     PlaneStress,
-    /// ε₃₃ = 0: a long body.
+    /// Plane strain, ε₃₃ = 0: a long body.
     PlaneStrain,
 }
 
-/// Viscosity by its law.
+/// Law of viscosity.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Viscosity {
@@ -176,7 +213,7 @@ pub(in crate::case) enum Viscosity {
         #[schemars(range(min = 0.0))]
         second: f64,
     },
-    /// A viscosity of any symmetry.
+    /// A viscosity of any symmetry, given by its matrix.
     Anisotropic {
         /// Viscosity in Pa s in the order 11 22 33 23 13 12; shear entries act on engineering strain rates.
         voigt: Box<[[f64; 6]; 6]>,
@@ -195,10 +232,10 @@ pub(in crate::case) enum Viscosity {
         /// Viscosity η_∞ at high rates in Pa s, from 0 to η₀.
         #[schemars(range(min = 0.0))]
         infinite: f64,
-        /// Time λ in s, the inverse of the rate at which it falls.
+        /// Time λ in s: the viscosity decreases at strain rates above 1/λ.
         #[schemars(extend("exclusiveMinimum" = 0))]
         time: f64,
-        /// Exponent n of the stress in between.
+        /// Exponent n of the stress between the two limits.
         #[schemars(range(min = 0.0, max = 1.0))]
         exponent: f64,
     },
@@ -213,7 +250,7 @@ pub(in crate::case) enum Viscosity {
         /// Exponent n of the stress.
         #[schemars(range(min = 0.0, max = 1.0))]
         exponent: f64,
-        /// Rate δ below which the viscosity stays finite, in 1/s.
+        /// Strain rate δ in 1/s below which the viscosity is nearly constant.
         #[schemars(extend("exclusiveMinimum" = 0))]
         threshold: f64,
         /// Viscosity at high rates in Pa s.
@@ -227,7 +264,7 @@ pub(in crate::case) enum Viscosity {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Branch {
-    /// Modulus of the branch over that of 𝓔, the long-term one.
+    /// Modulus of the branch divided by that of 𝓔, the long-term modulus.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub ratio: f64,
     /// Relaxation time in s.
@@ -235,13 +272,13 @@ pub(in crate::case) struct Branch {
     pub time: f64,
 }
 
-/// How the change of volume of a cell is taken.
+/// How the dilatation (change of volume) of a cell is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Dilatation {
-    /// Point by point.
+    /// At each point.
     #[default]
     Full,
-    /// By its mean over the cell, against locking of nearly incompressible bodies; for Q1, Q2 and P2.
+    /// Its mean over the cell, which prevents locking of nearly incompressible bodies; for Q1, Q2 and P2.
     Mean,
 }

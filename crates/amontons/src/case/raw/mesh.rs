@@ -3,31 +3,31 @@
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-/// The mesh by its kind, or from a file.
+/// The mesh: generated, or read from a file.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Mesh {
-    /// The rectangle of the lower left corner `origin`; its sides are named left, right, bottom and top.
+    /// A rectangle with the lower left corner `origin`. Its sides are named left, right, bottom and top.
     Rectangle {
         /// Lengths of the sides in m.
         #[schemars(transform = positive_items)]
         size: [f64; 2],
         /// Cells per side.
         n: Cells2,
-        /// What the cells are.
+        /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
-        /// How the squares are cut.
+        /// How the squares are cut into triangles.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         diagonal: Option<Diagonal>,
-        /// Lower left corner in m, (0, 0) where left out.
+        /// Lower left corner in m; default: (0, 0).
         #[serde(default)]
         origin: [f64; 2],
-        /// Whether it is the half section of a body of revolution, x the distance from the axis.
+        /// Whether the mesh is the half section of a body of revolution, x being the distance from the axis.
         #[serde(default)]
         axisymmetric: bool,
     },
-    /// The interval (0, size); its ends are named left and right.
+    /// The interval (0, size). Its ends are named left and right.
     Interval {
         /// Length in m.
         #[schemars(extend("exclusiveMinimum" = 0))]
@@ -35,70 +35,70 @@ pub(in crate::case) enum Mesh {
         /// Number of cells.
         #[schemars(range(min = 1))]
         n: usize,
-        /// What the cells are.
+        /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
     },
-    /// The box (0, size₀) × (0, size₁) × (0, size₂); its sides are named left, right (x), bottom, top (y), back and front (z).
+    /// The box (0, size₀) × (0, size₁) × (0, size₂). Its sides are named left, right (x), bottom, top (y), back and front (z).
     Box {
         /// Lengths of the sides in m.
         #[schemars(transform = positive_items)]
         size: [f64; 3],
         /// Cells per side.
         n: Cells3,
-        /// What the cells are.
+        /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
     },
-    /// The disc around the origin; its side is named outer.
+    /// A disc around the origin. Its side is named outer.
     Disc {
         /// Radius in m.
         #[schemars(extend("exclusiveMinimum" = 0))]
         radius: f64,
-        /// Layers of cells around a square in the middle, and cells around, a multiple of 4.
+        /// Number of layers around a square in the middle, and number of cells around, a multiple of 4.
         n: Cells2,
-        /// What the cells are.
+        /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
     },
-    /// The ring around the origin or a sector of it, from the x-axis on; its sides are named inner, outer, start and end.
+    /// A ring around the origin, or a sector of it that begins at the x-axis. Its sides are named inner, outer, start and end.
     Ring {
         /// Inner and outer radius in m.
         #[schemars(transform = positive_items)]
         radii: [f64; 2],
-        /// Angle of the sector in rad; a whole ring where left out.
+        /// Angle of the sector in rad; default: a whole ring.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         angle: Option<f64>,
-        /// Layers of cells and cells around.
+        /// Number of layers and number of cells around.
         n: Cells2,
-        /// What the cells are.
+        /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
     },
-    /// The cylinder around the z-axis, 0 < z < height; its sides are named inner, outer, bottom and top.
+    /// A cylinder around the z-axis, 0 < z < height. Its sides are named inner, outer, bottom and top.
     Cylinder {
         /// Inner radius, 0 for a solid cylinder, and outer radius in m.
         radii: [f64; 2],
         /// Height in m.
         #[schemars(extend("exclusiveMinimum" = 0))]
         height: f64,
-        /// Layers of cells, cells around, and cells over the height.
+        /// Number of layers, of cells around, and of cells over the height.
         n: Cells3,
-        /// What the cells are.
+        /// Element type of the cells.
         #[serde(default)]
         elements: Elements,
     },
-    /// The mesh of a file, Gmsh (.msh) or VTK (.vtu); its sides and regions are those of the file.
+    /// A mesh file, Gmsh (.msh) or VTK (.vtu). Its sides and regions are those of the file.
     #[schemars(extend("x-implied-by" = "file"))]
     File {
-        /// Name of a mesh file, seen from the case file.
+        /// Path of the mesh file, relative to the case file.
         file: String,
-        /// Factor of the coordinates: 0.001 where they are in mm.
+        /// Factor of the coordinates: 0.001 if the file is in mm.
         #[serde(default = "one")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         scale: f64,
-        /// Whether it is the half section of a body of revolution, x the distance from the axis.
+        /// Whether the mesh is the half section of a body of revolution, x being the distance from the axis.
         #[serde(default)]
         axisymmetric: bool,
     },
@@ -111,7 +111,7 @@ pub(in crate::case) enum Mesh {
 pub(in crate::case) enum Cells2 {
     /// The same number in both directions.
     Same(#[schemars(range(min = 1))] usize),
-    /// A number a direction.
+    /// One number per direction.
     Each(#[schemars(inner(range(min = 1)))] [usize; 2]),
 }
 
@@ -122,12 +122,12 @@ pub(in crate::case) enum Cells2 {
 pub(in crate::case) enum Cells3 {
     /// The same number in all directions.
     Same(#[schemars(range(min = 1))] usize),
-    /// A number a direction.
+    /// One number per direction.
     Each(#[schemars(inner(range(min = 1)))] [usize; 3]),
 }
 
 impl Cells2 {
-    /// A number a direction.
+    /// One number per direction.
     pub fn each(self) -> [usize; 2] {
         match self {
             Cells2::Same(n) => [n; 2],
@@ -137,7 +137,7 @@ impl Cells2 {
 }
 
 impl Cells3 {
-    /// A number a direction.
+    /// One number per direction.
     pub fn each(self) -> [usize; 3] {
         match self {
             Cells3::Same(n) => [n; 3],
@@ -146,7 +146,7 @@ impl Cells3 {
     }
 }
 
-/// What the cells of a mesh are.
+/// Element type of the cells.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 pub(in crate::case) enum Elements {
     /// Linear segments, triangles, tetrahedra.

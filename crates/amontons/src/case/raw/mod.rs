@@ -19,9 +19,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::case) use boundary::{Boundary, Support};
-pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, HeatTerm, Normal, Quadrature, Wear};
+pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
-pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Material, Orientation, Region, StressState, Tensor, Viscosity};
+pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Expansion, Material, Orientation, Region, StressState, Tensor, Viscosity};
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
@@ -34,27 +34,27 @@ pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Case file of amontons")]
 pub(in crate::case) struct Case {
-    /// Name of the case, also of its results folder.
+    /// Name of the case and of its results folder.
     pub name: String,
     /// The mesh of the body.
     pub mesh: Mesh,
     /// The time interval (0, end) and its steps.
     pub time: Time,
-    /// The material of the body, but for regions with their own.
+    /// Material of the body, except in regions with their own.
     pub material: Material,
-    /// Regions of the mesh with materials of their own, one entry a region.
+    /// Regions of the mesh with their own material, one entry per region.
     #[serde(default)]
     pub region: Vec<Region>,
     /// Loads in the body.
     #[serde(default)]
     pub load: Load,
-    /// Conditions on the sides, one entry a side.
+    /// Conditions on the sides, one entry per side.
     ///
-    /// A side without a displacement and without a traction is free; a side without a temperature
-    /// and without a heat inflow is insulated.
+    /// A side without displacement and traction is free of load; a side without temperature and heat
+    /// inflow is insulated.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
-    /// Contact of a side with its foundation, or of several sides, one entry a side.
+    /// Contact with a foundation, one entry per side in contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact: Option<Contacts>,
     /// State at t = 0.
@@ -63,19 +63,19 @@ pub(in crate::case) struct Case {
     /// The time-stepping scheme.
     #[serde(default)]
     pub scheme: Scheme,
-    /// What is written during a run.
+    /// Results written during a run.
     #[serde(default)]
     pub output: Output,
-    /// Numbers read off the run after every step, one entry a probe: probes.csv.
+    /// Values recorded after every step in probes.csv, one entry per probe.
     #[serde(default)]
     pub probe: Vec<Probe>,
-    /// Values that a run of the case must give.
+    /// Values that a run of the case must reproduce.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expected: Option<Expected>,
-    /// A solution in closed form, for studies of the error.
+    /// Exact solution, for convergence studies.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub exact: Option<Exact>,
-    /// What makes the case a benchmark.
+    /// Reference values that make the case a benchmark.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verify: Option<Verify>,
 }
@@ -96,7 +96,7 @@ pub(in crate::case) struct Time {
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Load {
-    /// Body force f₀ in N/m³, one entry a component; empty for zero.
+    /// Body force f₀ in N/m³, one entry per component; empty for zero.
     #[serde(default)]
     pub body_force: Vec<Datum>,
     /// Heat source q₀ in W/m³.
@@ -108,10 +108,10 @@ pub(in crate::case) struct Load {
 #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Initial {
-    /// Displacement u₀ in m, one entry a component; empty for zero.
+    /// Displacement u₀ in m, one entry per component; empty for zero.
     #[serde(default)]
     pub displacement: Vec<Scalar>,
-    /// Velocity in m/s, one entry a component; empty for zero.
+    /// Velocity in m/s, one entry per component; empty for zero.
     #[serde(default)]
     pub velocity: Vec<Scalar>,
     /// Temperature θ₀ in K.
@@ -132,12 +132,12 @@ pub(in crate::case) struct Scheme {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Coupling {
-    /// One after the other, with the temperature and the displacement of the step before in the coupling terms.
+    /// Mechanics and heat are solved in turn; the coupling terms use the temperature and displacement of the previous step.
     #[default]
     Staggered,
-    /// With those of the step itself, by iterating the two half-steps; it may fail to settle where they act strongly on each other.
+    /// The coupling terms use the present step; the two half-steps are iterated. Strong coupling may keep the iteration from converging.
     FixedPoint,
-    /// With those of the step itself, by Newton's method for both together.
+    /// The coupling terms use the present step; Newton's method solves both half-steps together.
     Monolithic,
 }
 
@@ -145,9 +145,9 @@ pub(in crate::case) enum Coupling {
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub(in crate::case) struct Output {
-    /// Steps between field snapshots; 0: only the last.
+    /// Number of steps between field snapshots; 0: only the last step.
     pub every: usize,
-    /// Fields of the snapshots besides displacement, velocity, temperature, von Mises stress and region.
+    /// Fields written in addition to displacement, velocity, temperature, von Mises stress and region.
     pub fields: Vec<OutputField>,
 }
 
@@ -161,13 +161,13 @@ impl Default for Output {
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum OutputField {
-    /// Stress of the cells.
+    /// Stress per cell.
     Stress,
-    /// Strain of the cells.
+    /// Strain per cell.
     Strain,
-    /// Principal stresses of the cells with their directions.
+    /// Principal stresses and their directions per cell.
     Principal,
-    /// Heat flux of the cells.
+    /// Heat flux per cell.
     HeatFlux,
     /// Stress at the nodes, recovered from the cells.
     NodalStress,
@@ -177,7 +177,7 @@ pub(in crate::case) enum OutputField {
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Expected {
-    /// Allowed deviation, relative to the largest magnitude in the value.
+    /// Tolerance relative to the largest magnitude in the value.
     #[serde(default = "tolerance")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub tolerance: f64,
@@ -189,10 +189,12 @@ pub(in crate::case) struct Expected {
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Exact {
-    /// Displacement in m, one entry a component.
+    /// Displacement in m, one entry per component; left out in a case without mechanics.
+    #[serde(default)]
     pub displacement: Vec<Scalar>,
-    /// Temperature in K.
-    pub temperature: Scalar,
+    /// Temperature in K; left out in a case without heat.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Scalar>,
 }
 
 /// A value of a summary.
@@ -202,7 +204,7 @@ pub(in crate::case) struct Exact {
 pub(in crate::case) enum Values {
     /// A number.
     One(f64),
-    /// An array, one entry a component.
+    /// An array, one entry per component.
     Several(Vec<f64>),
 }
 

@@ -5,16 +5,16 @@ use serde::{Deserialize, Serialize};
 
 use crate::output::{Part, Quantity};
 
-/// A number, or the components of a vector or tensor, that is read off the run after every step.
+/// A number, or the components of a vector or tensor, that is recorded after every step.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Probe {
-    /// Name of the probe, the beginning of the names of its columns in probes.csv.
+    /// Name of the probe: its columns in probes.csv begin with it.
     pub name: String,
-    /// What is read.
+    /// Quantity that is recorded.
     #[schemars(transform = quantities)]
     pub quantity: String,
-    /// The point in m, one entry a coordinate.
+    /// The point in m, one entry per coordinate.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1, max = 3))]
     pub at: Option<Vec<f64>>,
@@ -24,16 +24,16 @@ pub(in crate::case) struct Probe {
     /// Name of the region.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub region: Option<String>,
-    /// What is taken of the values on the side or in the region.
+    /// Reduction of the values on the side or in the region.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub take: Option<Over>,
 }
 
-/// What is taken of the values on a side or in a region, component by component.
+/// Reduction of the values on a side or in a region, component by component.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Over {
-    /// The integral over the measure.
+    /// The mean: the integral divided by the length, area or volume.
     Mean,
     /// The largest value at a node.
     Max,

@@ -3,28 +3,28 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What makes a case a benchmark.
+/// Reference values that make a case a benchmark.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Verify {
-    /// What is shown, in one line.
+    /// What the benchmark shows, in one line.
     pub title: String,
-    /// Where the reference values come from.
+    /// Source of the reference values.
     pub source: String,
-    /// The values to compare.
+    /// Values to compare.
     pub check: Vec<Check>,
 }
 
-/// A value to compare, by kind.
+/// A value to compare.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Check {
-    /// A field at a point, on a side or in a region at a time, interpolated in space and time.
+    /// A field at a point, on a side or in a region at one time, interpolated in space and time.
     Probe {
         /// The field, one number.
         #[schemars(transform = super::probe::numbers)]
         field: String,
-        /// The point in m, one entry a coordinate.
+        /// The point in m, one entry per coordinate.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(length(min = 1, max = 3))]
         at: Option<Vec<f64>>,
@@ -34,37 +34,37 @@ pub(in crate::case) enum Check {
         /// Name of the region.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         region: Option<String>,
-        /// What is taken of the values on the side or in the region.
+        /// Reduction of the values on the side or in the region.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         take: Option<super::Over>,
         /// The time in s.
         time: f64,
         /// Reference value.
         reference: f64,
-        /// Allowed deviation, relative to the reference or to `scale`.
+        /// Tolerance relative to the reference, or to `scale` if given.
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Magnitude that the deviation is relative to.
+        /// Magnitude to which the tolerance is relative.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         scale: Option<f64>,
     },
-    /// A column of history.csv at a time, or its extreme over all times.
+    /// A column of history.csv at one time, or its extreme over all times.
     History {
         /// The column.
         column: String,
         /// The time in s, interpolated.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         time: Option<f64>,
-        /// Which value where no time is given.
+        /// Which value is taken if no time is given.
         #[serde(default)]
         take: Take,
         /// Reference value.
         reference: f64,
-        /// Allowed deviation, relative to the reference or to `scale`.
+        /// Tolerance relative to the reference, or to `scale` if given.
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Magnitude that the deviation is relative to.
+        /// Magnitude to which the tolerance is relative.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         scale: Option<f64>,
@@ -74,9 +74,9 @@ pub(in crate::case) enum Check {
         /// What is refined.
         #[serde(default)]
         vary: Vary,
-        /// Cells per side of the levels, or steps where time is varied.
+        /// Cells per side of the levels, or numbers of steps if time is refined.
         levels: Vec<usize>,
-        /// Steps are those of the case times (level / cells of the case) to this power.
+        /// Power p in: number of steps = steps of the case · (level / cells of the case)^p.
         #[serde(default = "one")]
         #[schemars(range(min = 1, max = 2))]
         power: u32,
@@ -84,7 +84,7 @@ pub(in crate::case) enum Check {
         error: ErrorName,
         /// Expected order.
         reference: f64,
-        /// Allowed deviation.
+        /// Tolerance of the order.
         #[serde(default = "tenth")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
@@ -95,10 +95,10 @@ pub(in crate::case) enum Check {
         error: ErrorName,
         /// Reference value.
         reference: f64,
-        /// Allowed deviation, relative to the reference or to `scale`.
+        /// Tolerance relative to the reference, or to `scale` if given.
         #[schemars(extend("exclusiveMinimum" = 0))]
         tolerance: f64,
-        /// Magnitude that the deviation is relative to.
+        /// Magnitude to which the tolerance is relative.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         scale: Option<f64>,

@@ -206,7 +206,7 @@ impl Level<'_> {
     }
 }
 
-/// Unit vectors in the space of some axes: towards the points of a lattice of five a direction, 16 in a plane and 98 in space.
+/// Unit vectors in the space of some axes: towards the points of a lattice with five points per direction, 16 in a plane and 98 in space.
 fn rays(axes: &[usize]) -> Vec<Point> {
     let mut points: Vec<[i8; 3]> = vec![[0; 3]];
     for &axis in axes {

@@ -1,4 +1,4 @@
-//! Rigid surfaces that may move: what of them is nearest to a point, one shape a file.
+//! Rigid surfaces that may move: what of them is nearest to a point, one shape per file.
 //!
 //! An obstacle gives (2.8)–(2.10) their geometry: contact acts along ν = −n, n the normal of the obstacle at the point of it that
 //! is nearest, and the gap is the distance there. Both are functions of the place alone, whatever the mesh of the body is.

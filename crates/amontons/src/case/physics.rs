@@ -1,0 +1,131 @@
+//! Which equations a case has: the keys of its materials say so, and every other key must belong to one of them.
+
+use super::path::Path;
+use super::place::{At, Finding};
+use super::raw::{self, Datum, Friction, Heat, Scalar, Wear};
+use super::schema::{View, schema};
+use crate::problem::Physics;
+
+/// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat capacity or a
+/// conductivity, and both if one expands or gives off heat as it is strained.
+///
+/// Keys that are missing, and data of equations that the case does not have, go to the findings.
+pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
+    let own = raw.region.iter().enumerate().map(|(i, region)| (format!("region[{i}].material"), &region.material));
+    let materials: Vec<(String, &raw::Material)> = std::iter::once(("material".to_owned(), &raw.material)).chain(own).collect();
+    let coupled = |m: &raw::Material| m.expansion.is_some() || m.expansion_coefficient.is_some() || m.coupling.is_some();
+    let moves = |m: &raw::Material| m.density.is_some() || m.elasticity.is_some() || m.viscosity.is_some() || !m.prony.is_empty() || coupled(m);
+    let conducts = |m: &raw::Material| m.heat_capacity.is_some() || m.conductivity.is_some() || coupled(m);
+    let [mechanics, heat] = [materials.iter().any(|(_, m)| moves(m)), materials.iter().any(|(_, m)| conducts(m))];
+    let physics = match (mechanics, heat) {
+        (true, false) => Physics::Mechanics,
+        (false, true) => Physics::Heat,
+        (true, true) => Physics::Coupled,
+        (false, false) => {
+            let expected = "`density` and `elasticity` for mechanics, `heat_capacity` and `conductivity` for heat, or all four";
+            findings.push(Finding::new(path("material"), At::Value, "a material without keys of mechanics or heat", expected));
+            return Physics::Coupled;
+        }
+    };
+    for (prefix, material) in &materials {
+        if mechanics {
+            needs(prefix, "density", material.density.is_some(), findings);
+            needs(prefix, "elasticity", material.elasticity.is_some(), findings);
+        }
+        if heat {
+            needs(prefix, "heat_capacity", material.heat_capacity.is_some(), findings);
+            needs(prefix, "conductivity", material.conductivity.is_some(), findings);
+        }
+    }
+    let (others, hint) = match physics {
+        Physics::Coupled => return physics,
+        Physics::Mechanics => (of_heat(raw), "remove it, or give material.heat_capacity and material.conductivity"),
+        Physics::Heat => (of_mechanics(raw), "remove it, or give material.density and material.elasticity"),
+    };
+    let (what, expected) = if mechanics { ("heat", "keys of mechanics only") } else { ("mechanics", "keys of heat only") };
+    findings.extend(others.into_iter().map(|(key, found)| {
+        Finding::new(path(&key), At::Value, format!("{found} in a case without {what}"), format!("{expected}: no material has any of {what}"))
+            .hint(Some(hint.to_owned()))
+    }));
+    physics
+}
+
+fn path(text: &str) -> Path {
+    Path::parse(text).unwrap_or_default()
+}
+
+/// Notes a key of a material that is required and not given.
+fn needs(prefix: &str, key: &str, given: bool, findings: &mut Vec<Finding>) {
+    if given {
+        return;
+    }
+    let schema = schema();
+    let expected = View::new(&schema).property("material").and_then(|material| Some(material.property(key)?.expected()));
+    findings.push(Finding::new(path(&format!("{prefix}.{key}")), At::Missing, "no such key", expected.unwrap_or_default()));
+}
+
+fn is_zero(scalar: &Scalar) -> bool {
+    matches!(scalar, Scalar::Number(value) if *value == 0.0)
+}
+
+/// The data of heat outside the materials: where, and what.
+fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
+    let mut found = Vec::new();
+    if !matches!(raw.load.heat_source, Datum::Number(value) if value == 0.0) {
+        found.push(("load.heat_source".to_owned(), "a heat source"));
+    }
+    for (i, b) in raw.boundary.iter().enumerate() {
+        let given = [
+            ("temperature", b.temperature.is_some(), "a temperature"),
+            ("heat_inflow", b.heat_inflow.is_some(), "a heat inflow"),
+            ("convection", b.convection.is_some(), "convection"),
+        ];
+        found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("boundary[{i}].{key}"), what)));
+    }
+    if !is_zero(&raw.initial.temperature) {
+        found.push(("initial.temperature".to_owned(), "an initial temperature"));
+    }
+    if raw.exact.as_ref().is_some_and(|exact| exact.temperature.is_some()) {
+        found.push(("exact.temperature".to_owned(), "a temperature"));
+    }
+    for (path, contact) in raw.contact.iter().flat_map(raw::Contacts::each) {
+        let given = [
+            ("heat", !matches!(contact.heat, Heat::None), "heat exchange"),
+            ("frictional_heat", contact.frictional_heat > 0.0, "heat of friction"),
+            ("foundation", contact.foundation.is_some(), "a foundation with a heat capacity"),
+            ("friction", matches!(contact.friction, Friction::Temperature { .. }), "friction of the temperature"),
+            ("wear", matches!(contact.wear, Some(Wear::ArchardTemperature { .. })), "wear of the temperature"),
+        ];
+        found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("{path}.{key}"), what)));
+    }
+    found
+}
+
+/// The data of mechanics outside the materials: where, and what.
+fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
+    let mut found = Vec::new();
+    if !raw.load.body_force.is_empty() {
+        found.push(("load.body_force".to_owned(), "a body force"));
+    }
+    for (i, b) in raw.boundary.iter().enumerate() {
+        let given = [
+            ("displacement", b.displacement.is_some(), "a displacement"),
+            ("normal_displacement", b.normal_displacement.is_some(), "a displacement"),
+            ("traction", b.traction.is_some(), "a traction"),
+            ("pressure", b.pressure.is_some(), "a pressure"),
+            ("spring", b.spring.is_some(), "a spring"),
+            ("dashpot", b.dashpot.is_some(), "a dashpot"),
+        ];
+        found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("boundary[{i}].{key}"), what)));
+    }
+    for (key, given, what) in [("displacement", &raw.initial.displacement, "an initial displacement"), ("velocity", &raw.initial.velocity, "a velocity")] {
+        if !given.is_empty() {
+            found.push((format!("initial.{key}"), what));
+        }
+    }
+    if raw.exact.as_ref().is_some_and(|exact| !exact.displacement.is_empty()) {
+        found.push(("exact.displacement".to_owned(), "a displacement"));
+    }
+    found.extend(raw.contact.iter().flat_map(raw::Contacts::each).map(|(path, _)| (path, "contact")));
+    found
+}

@@ -1,0 +1,53 @@
+//! What an earlier run of the same inputs left in its results folder: its certificate, and its summary if it was done.
+
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::files::write_json;
+use super::manifest::{Manifest, hexadecimal};
+use super::{Outcome, OutputError, Summary};
+use crate::hypotheses::Finding;
+use sha2::{Digest, Sha256};
+
+/// Name of the file of the certificate in a results folder.
+pub(super) const CERTIFICATE: &str = "certificate.json";
+
+/// `certificate.json`: the findings on the data, with what they depend on.
+#[derive(Debug, Serialize, Deserialize)]
+struct Certificate {
+    version: String,
+    /// SHA-256 of the inputs, as in `manifest.json`.
+    input_sha256: String,
+    findings: Vec<Finding>,
+}
+
+/// Writes the certificate of a run with these inputs.
+pub(super) fn write_certificate(folder: &Path, fingerprint: &str, findings: &[Finding]) -> Result<(), OutputError> {
+    let (version, input_sha256) = (env!("CARGO_PKG_VERSION").to_owned(), hash(fingerprint));
+    write_json(&folder.join(CERTIFICATE), &Certificate { version, input_sha256, findings: findings.to_vec() })
+}
+
+/// The certificate that a results folder holds, if it is one of these inputs and of this version of the program.
+///
+/// `fingerprint` is that of the case: [`crate::case::Case::fingerprint`].
+#[must_use]
+pub fn known_certificate(folder: &Path, fingerprint: &str) -> Option<Vec<Finding>> {
+    let text = fs::read_to_string(folder.join(CERTIFICATE)).ok()?;
+    let kept: Certificate = serde_json::from_str(&text).ok()?;
+    (kept.version == env!("CARGO_PKG_VERSION") && kept.input_sha256 == hash(fingerprint)).then_some(kept.findings)
+}
+
+/// The summary of a run with these inputs that is done, if a results folder holds one of this version of the program.
+#[must_use]
+pub fn finished_run(folder: &Path, fingerprint: &str) -> Option<Summary> {
+    let manifest = Manifest::read(folder).ok()?;
+    let summary: Summary = serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).ok()?).ok()?;
+    (manifest.is_of(fingerprint) && summary.outcome == Outcome::Done).then_some(summary)
+}
+
+/// SHA-256, hexadecimal.
+pub(super) fn hash(fingerprint: &str) -> String {
+    hexadecimal(&Sha256::digest(fingerprint))
+}

@@ -1,0 +1,27 @@
+//! Which equations a problem has.
+
+/// The equations that a problem solves. A half-step that it does not have is not computed, and its fields are not results.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Physics {
+    /// (4.1) and (4.2).
+    #[default]
+    Coupled,
+    /// (4.1) alone: no temperature.
+    Mechanics,
+    /// (4.2) alone: no displacement and no contact.
+    Heat,
+}
+
+impl Physics {
+    /// Whether (4.1) is solved for the displacement.
+    #[must_use]
+    pub fn has_mechanics(self) -> bool {
+        self != Physics::Heat
+    }
+
+    /// Whether (4.2) is solved for the temperature.
+    #[must_use]
+    pub fn has_heat(self) -> bool {
+        self != Physics::Mechanics
+    }
+}

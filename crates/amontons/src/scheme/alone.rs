@@ -1,0 +1,71 @@
+//! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero.
+
+use super::coupling::Made;
+use super::heat::{Amounts, Begun, Heat};
+use super::mechanics::{Given, Mechanics};
+use super::system::{Step, System};
+use super::{CouplingReport, StepError};
+use crate::contact::Flux;
+use crate::inclusion::Exchange;
+
+/// Solves (4.1) without a temperature.
+pub(super) fn mechanics(step: &Step, system: &mut System) -> Result<Made, StepError> {
+    Ok(made(Mechanics::solve(step, system, &step.old.theta, None)?, no_heat(step)))
+}
+
+/// Solves (4.2) of a body that does not move and has no contact.
+pub(super) fn heat(step: &Step, system: &mut System) -> Result<Made, StepError> {
+    let heat = Begun::new(step, system, &step.old.u, None)?.solve(step, system, &[])?;
+    Ok(made(no_mechanics(step), heat))
+}
+
+fn made(mechanics: Mechanics, heat: Heat) -> Made {
+    let (iterations, sweeps) = ([mechanics.iterations, heat.iterations], mechanics.sweeps + heat.sweeps);
+    Made { mechanics, heat, report: CouplingReport { passes: 1, ..CouplingReport::default() }, iterations, sweeps }
+}
+
+/// θ = 0 and no heat that moves.
+fn no_heat(step: &Step) -> Heat {
+    let (zero, points) = (vec![0.0; step.old.theta.len()], step.discrete.boundary.points.len());
+    Heat {
+        theta: zero.clone(),
+        mass_theta: zero.clone(),
+        d_theta: zero.clone(),
+        supply: zero.clone(),
+        coupling: zero,
+        exchange: Exchange { temperature: vec![0.0; points], flux: vec![Flux::default(); points], foundation: step.old.surface.foundation.clone() },
+        through_contact: 0.0,
+        iterations: 0,
+        sweeps: 0,
+        residual: 0.0,
+        scale: 0.0,
+        amounts: Amounts { supplied: 0.0, coupling: 0.0, contact: 0.0, prescribed: 0.0 },
+    }
+}
+
+/// u = w = 0 and no forces.
+fn no_mechanics(step: &Step) -> Mechanics {
+    let zero = || vec![0.0; step.old.u.len()];
+    Mechanics {
+        u: zero(),
+        w: zero(),
+        multipliers: step.old.multipliers.clone(),
+        branches: step.old.branches.clone(),
+        relaxing: Vec::new(),
+        states: Vec::new(),
+        is_unique: true,
+        iterations: 0,
+        sweeps: 0,
+        residual: 0.0,
+        scale: 0.0,
+        load: zero(),
+        thermal: zero(),
+        mass_w: zero(),
+        a_u: zero(),
+        a_w: zero(),
+        b_w: zero(),
+        given: Given::default(),
+        force: [0.0; 3],
+        support_work: 0.0,
+    }
+}
