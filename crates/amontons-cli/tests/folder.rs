@@ -39,6 +39,9 @@ fn a_folder_holds_what_the_contract_says() {
     let expected = [
         "case.toml",
         "checkpoint/state.bin",
+        "contact/step_0000003.csv",
+        "contact/step_0000006.csv",
+        "contact/step_0000008.csv",
         "contact.csv",
         "fields/step_0000000.vtu",
         "fields/step_0000003.vtu",

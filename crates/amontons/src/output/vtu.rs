@@ -10,8 +10,8 @@ use super::{OutputError, PointValues, Snapshot, cell_values, nodal_stress};
 use crate::material::VTK_COMPONENTS;
 use crate::tensor::Sym;
 
-/// A field that is written beside those that every file has: displacement, velocity and temperature at the nodes, von Mises
-/// stress and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
+/// A field that is written beside those that every file has: displacement, velocity, temperature and recovered von Mises stress at the nodes,
+/// von Mises stress and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputField {
     /// Cell data `stress`: σ of (2.1) in Pa.
@@ -22,8 +22,7 @@ pub enum OutputField {
     Principal,
     /// Cell data `heat_flux`: q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// Point data `nodal_stress` and `nodal_von_mises`: the recovered stress ([`nodal_stress`]) in Pa, where regions meet the mean
-    /// of their values.
+    /// Point data `nodal_stress`: the recovered stress ([`nodal_stress`]) in Pa, where regions meet the mean of their values.
     NodalStress,
 }
 
@@ -59,11 +58,11 @@ fn grid(now: &Snapshot, fields: &[OutputField]) -> Vtk {
         Attribute::generic("velocity", 3).with_data(in_space(&state.w)),
         Attribute::generic("temperature", 1).with_data(state.theta.clone()),
     ];
+    let stresses = nodal_stress(now.problem, state).means(mesh.points.len());
     if fields.contains(&OutputField::NodalStress) {
-        let stresses = nodal_stress(now.problem, state).means(mesh.points.len());
         point.push(tensors("nodal_stress", stresses.iter()));
-        point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
     }
+    point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
     let mut cell = Vec::new();
     if fields.contains(&OutputField::Stress) {
         cell.push(tensors("stress", values.iter().map(|v| &v.stress)));
