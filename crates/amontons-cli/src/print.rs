@@ -54,7 +54,9 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         let ends = [&end.displacement_min, &end.displacement_max].map(|all| all.get(c).copied().unwrap_or(f64::NAN));
         lines.push(row(&format!("displacement {axis}"), &range(units, ends, Measure::Length)));
     }
-    lines.push(row("temperature", &range(units, [end.temperature_min, end.temperature_max], Measure::Temperature)));
+    if end.temperature_min != 0.0 || end.temperature_max != 0.0 {
+        lines.push(row("temperature", &range(units, [end.temperature_min, end.temperature_max], Measure::Temperature)));
+    }
     lines.push(row("von Mises stress", &format!("up to {}", units.write(end.von_mises_max, Measure::Stress))));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
         lines.extend(touching("contact", contact, units));
@@ -107,12 +109,14 @@ fn row(name: &str, value: &str) -> String {
 /// Contact on one side or on all, with wear and the temperature of the foundation if there are any.
 fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<String> {
     let write = |value: f64, measure: Measure| units.write(value, measure);
-    let force = contact.force.iter().map(|f| write(*f, Measure::Force)).collect::<Vec<_>>().join(", ");
+    let force = units.vector(&contact.force, Measure::Force);
     let mut lines = vec![
         row(name, &format!("{} open, {} stick, {} slip; area {}", contact.open, contact.stick, contact.slip, write(contact.area, Measure::Area))),
-        row("contact force", &format!("({force}), pressure up to {}", write(contact.pressure_max, Measure::Stress))),
-        row("heat through it", &write(contact.heat_flow, Measure::Power)),
+        row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
     ];
+    if contact.heat_flow != 0.0 {
+        lines.push(row("heat through it", &write(contact.heat_flow, Measure::Power)));
+    }
     if contact.wear_max > 0.0 {
         let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
         lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));

@@ -164,13 +164,36 @@ impl Units {
     /// The ends of a range in one unit, and the unit: `("-3.2", "12", "µm")`.
     #[must_use]
     pub fn range(self, [low, high]: [f64; 2], measure: Measure) -> (String, String, String) {
-        let power = self.power(low.abs().max(high.abs()), measure);
-        (self.digits(low, power, measure), self.digits(high, power, measure), self.prefixed(power, measure).unwrap_or_default())
+        let largest = low.abs().max(high.abs());
+        let power = self.power(largest, measure);
+        let unit = self.prefixed(power, measure).unwrap_or_default();
+        let scaled = |value: f64| value / 10f64.powi(power);
+        // As many decimals as the larger end has with its digits.
+        let decimals = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32 - 1 - scaled(largest).log10().floor() as i32;
+        let number = |value: f64| match usize::try_from(decimals) {
+            Ok(decimals) if largest > 0.0 && decimals < 8 => rounded(scaled(value), decimals),
+            _ => self.digits(value, power, measure),
+        };
+        (number(low), number(high), unit)
+    }
+
+    /// The components of a vector in one unit: `(0, -824) N/m`.
+    #[must_use]
+    pub fn vector(self, components: &[f64], measure: Measure) -> String {
+        // What is the round-off of the largest is zero.
+        const ROUND_OFF: f64 = 1e-9;
+        let largest = components.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let power = self.power(largest, measure);
+        let number = |v: &f64| self.digits(if v.abs() < ROUND_OFF * largest { 0.0 } else { *v }, power, measure);
+        let numbers: Vec<String> = components.iter().map(number).collect();
+        format!("({}) {}", numbers.join(", "), self.prefixed(power, measure).unwrap_or_default()).trim_end().to_owned()
     }
 
     /// Three digits, of temperatures four: they count from a zero that is far away.
+    const DIGITS: [usize; 2] = [3, 4];
+
     fn digits(self, value: f64, power: i32, measure: Measure) -> String {
-        significant(value / 10f64.powi(power), if measure == Measure::Temperature { 4 } else { 3 })
+        significant(value / 10f64.powi(power), Units::DIGITS[usize::from(measure == Measure::Temperature)])
     }
 }
 
@@ -185,13 +208,23 @@ fn significant(value: f64, digits: usize) -> String {
     let scientific = format!("{value:.*e}", digits - 1);
     let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let trimmed = |text: &str| if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() };
     if !(-4..6).contains(&exponent) {
         return format!("{}e{exponent}", trimmed(mantissa));
     }
     // Rounded once, to these digits: zeros stand for those that are cut.
     let rounded: f64 = scientific.parse().unwrap_or(value);
-    trimmed(&format!("{rounded:.*}", usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0)))
+    self::rounded(rounded, usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0))
+}
+
+/// A number with so many decimals at most; zero has no sign.
+fn rounded(value: f64, decimals: usize) -> String {
+    let text = trimmed(&format!("{value:.decimals$}"));
+    if text == "-0" { "0".to_owned() } else { text }
+}
+
+/// A decimal number without zeros behind that say nothing.
+fn trimmed(text: &str) -> String {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
 }
 
 impl Measure {
@@ -213,9 +246,25 @@ impl Measure {
             "heat_flow" => Measure::Power,
             "contact_area" | "weight" => Measure::Area,
             "wear_volume" => Measure::Volume,
-            "kinetic" | "elastic" | "viscous_dissipation" | "friction_dissipation" | "contact_energy" | "load_work" | "thermal_work"
-            | "scheme_dissipation" | "closing_error" | "heat_content" | "heat_contact" | "heat_prescribed" | "heat_supplied" | "heat_coupling"
-            | "heat_closing_error" | "wear_dissipation" | "heat_friction" | "heat_foundation" | "heat_surroundings" => Measure::Energy,
+            "kinetic"
+            | "elastic"
+            | "viscous_dissipation"
+            | "friction_dissipation"
+            | "contact_energy"
+            | "load_work"
+            | "thermal_work"
+            | "scheme_dissipation"
+            | "closing_error"
+            | "heat_content"
+            | "heat_contact"
+            | "heat_prescribed"
+            | "heat_supplied"
+            | "heat_coupling"
+            | "heat_closing_error"
+            | "wear_dissipation"
+            | "heat_friction"
+            | "heat_foundation"
+            | "heat_surroundings" => Measure::Energy,
             _ => return None,
         })
     }
@@ -279,6 +328,12 @@ mod tests {
         assert_eq!(text([-3.2e-6, 1.2e-5], Measure::Length), "-3.2 … 12 µm");
         assert_eq!(text([20.0, 50.0], Measure::Temperature), "20 … 50 K");
         assert_eq!(text([0.0, 2.5e6], Measure::Stress), "0 … 2.5 MPa");
+        assert_eq!(text([-0.003_484, 15.108], Measure::Temperature), "0 … 15.11 K");
+        assert_eq!(text([0.0, 0.0], Measure::Stress), "0 … 0 Pa");
+        assert_eq!(text([1.694e-6, 7.5e-5], Measure::Length), "1.7 … 75 µm");
+        // The round-off of the largest is zero.
+        assert_eq!(Units::PLANE.vector(&[-1.8e-13, -823.9], Measure::Force), "(0, -824) N/m");
+        assert_eq!(Units::SPACE.without().vector(&[0.5, -2.0, 1e-3], Measure::Force), "(0.5, -2, 0.001)");
     }
 
     /// Per metre of thickness in the plane, per square metre of cross-section on a line, for the full turn and in space as a whole; nothing
