@@ -90,10 +90,10 @@ fn plates_are_where_the_ring_touches_them() {
             let svg = picture(kind, run);
             let plates = paths(&svg, "#d55e00", "1.6");
             assert_eq!(plates.len(), 2, "{kind:?}");
-            let (places, [x, y]) = places(&svg, run, 1.0, &touching(run, 1.0));
-            assert!(places.len() >= 4, "{} points touch", places.len());
+            let (drawn, [x, y]) = places(&svg, run, 1.0, &touching(run, 1.0));
+            assert!(drawn.len() >= 4, "{} points touch", drawn.len());
             assert!((x / y - 1.0).abs() < 2e-3, "scales {x} and {y}");
-            for place in places {
+            for place in drawn {
                 let off = plates.iter().map(|plate| distance(place, plate)).fold(f64::INFINITY, f64::min);
                 assert!(off < 1.0, "{kind:?}, t = {}: {off} units beside the plates", run.t);
             }
@@ -116,17 +116,17 @@ fn an_enlarged_body_still_touches_its_foundation() {
     let factor = (2..=10).map(f64::from).find(|f| svg.contains(&format!("aria-label=\"displacement × {f}\""))).expect("a factor above 1");
     let foundation = paths(&svg, "#d55e00", "1.6");
     assert_eq!(foundation.len(), 1);
-    let (places, _) = places(&svg, &run, factor, &touching(&run, factor));
-    assert!(places.len() > 3);
-    assert!(places.iter().all(|place| distance(*place, &foundation[0]) < 1.0), "{places:?}");
+    let (drawn, _) = places(&svg, &run, factor, &touching(&run, factor));
+    assert!(drawn.len() > 3);
+    assert!(drawn.iter().all(|place| distance(*place, &foundation[0]) < 1.0), "{drawn:?}");
     // A gap that varies is drawn to scale.
     let dir = solved("varies", "cases/paper.toml", &["mesh.n=16", "time.steps=16", "contact.gap=\"0.01*x\""]);
     let run = Run::read(&dir).expect("a run");
     let svg = picture(Kind::Deformed, &run);
     assert!(svg.contains("displacement to scale"));
     let foundation = paths(&svg, "#d55e00", "1.6");
-    let (places, _) = places(&svg, &run, 1.0, &touching(&run, 1.0));
-    assert!(places.iter().all(|place| distance(*place, &foundation[0]) < 1.0), "{places:?}");
+    let (drawn, _) = places(&svg, &run, 1.0, &touching(&run, 1.0));
+    assert!(drawn.iter().all(|place| distance(*place, &foundation[0]) < 1.0), "{drawn:?}");
 }
 
 /// A thin facing of 3 mm on which 6 µm are large beside its thickness, not beside its length, is not turned inside out.

@@ -168,11 +168,11 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
         obstacle.nearest(&x, t).distance + contact.gap.value(&x, t)
     };
     let lines = contour(&level, window);
-    // The velocity is told where it is out of the way: far from the middle, but not at the border.
+    // The velocity is told where it is out of the way: at the right, but not at the border.
     let middle = [0, 1].map(|d| 0.5 * (window[d][0] + window[d][1]));
     let inner = |p: &&[f64; 2]| (0..2).all(|d| (p[d] - middle[d]).abs() < 0.44 * (window[d][1] - window[d][0]));
-    let far = |p: &[f64; 2]| (p[0] - middle[0]).hypot(p[1] - middle[1]);
-    let farthest = lines.iter().flatten().filter(inner).max_by(|a, b| far(a).total_cmp(&far(b))).or(lines.iter().flatten().next());
+    let rightmost = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
+    let farthest = lines.iter().flatten().filter(inner).max_by(rightmost).or(lines.iter().flatten().next());
     let moves = farthest.and_then(|&p| moving(p, velocity(problem, contact, &[p[0], p[1], 0.0], None, t)));
     Ground { lines, moves }
 }
@@ -280,7 +280,8 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
             let n = normals[i].map(|c| c / length(&normals[i]));
             let u = displacement.get(nodes[i] as usize).copied().unwrap_or_default();
             let size = length(&outwards[i]);
-            let share = if size > 0.0 { beyond / size } else { 0.0 };
+            // The sum of the normals of two edges, long enough for the corner to stay a corner.
+            let share = if size > 0.0 { 2.0 * beyond / (size * size).max(0.5) } else { 0.0 };
             let wide: Point = [0, 1, 2].map(|d| x[i][d] + share * outwards[i][d]);
             match &contact.obstacle {
                 Some(obstacle) => {

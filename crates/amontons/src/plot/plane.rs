@@ -145,15 +145,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let factor = factor(kind, &runs, sizes, options);
     let mut shapes: Vec<Shape> = bodies.iter().map(|(panel, s)| Shape::of(kind, panel.run, s, factor)).collect();
     let extents: Vec<[f64; 2]> = shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
-    let mut ranges: Vec<[f64; 2]> = shapes
-        .iter()
-        .zip(&extents)
-        .map(|(s, extent)| if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent })
-        .collect();
-    if options.shared_scale {
-        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-        ranges.fill(common);
-    }
+    let ranges = ranges(kind, &shapes, &extents, options);
     let windows = windows(&shapes, factor);
     for (shape, window) in shapes.iter_mut().zip(&windows) {
         if let Some(problem) = &shape.run.problem {
@@ -195,6 +187,17 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
         }
     }
     picture
+}
+
+/// The ranges of values that the colours show, one for all panels if they share it.
+fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
+    let own = |(s, extent): (&Shape, &[f64; 2])| if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent };
+    let mut ranges: Vec<[f64; 2]> = shapes.iter().zip(extents).map(own).collect();
+    if options.shared_scale {
+        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+        ranges.fill(common);
+    }
+    ranges
 }
 
 /// The windows of the panels, the same for the same body everywhere.

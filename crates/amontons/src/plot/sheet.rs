@@ -2,8 +2,9 @@
 
 use super::axes::{self, HEADING, LABEL, NUMBER, Scale, TITLE};
 use super::color::{INK, SOFT};
+use super::font;
 use super::picture::{Anchor, Picture, Rect};
-use super::{font, ticks};
+use super::ticks::{self, Ticks};
 use crate::units::{Measure, Units};
 
 /// What a panel is to show.
@@ -75,6 +76,28 @@ fn columns(count: usize, wide: bool) -> usize {
     }
 }
 
+/// Marks of both axes of a panel of some size.
+fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
+    let marks = |range: [f64; 2], length: f64, each: f64| ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length);
+    [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
+}
+
+/// Draws the heading of a panel above its frame, which is lifted where it is wide, and its axes with their names, the upright one `left` of the frame.
+fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, f64), units: Units) {
+    let rect = frame.rect;
+    let middle = rect.x + 0.5 * rect.width;
+    let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
+    picture.text([middle, rect.y - 8.0 - lift - note_height], HEADING, Anchor::Middle, INK, &plan.title);
+    picture.text([middle, rect.y - 7.0 - lift], NUMBER, Anchor::Middle, SOFT, &plan.note);
+    let [x_ticks, y_ticks] = plan_ticks(plan, [rect.width, rect.height], units);
+    axes::x_marks(picture, rect, &frame.x, &x_ticks, false, true);
+    axes::y_marks(picture, rect, &frame.y, &y_ticks, false);
+    axes::border(picture, rect);
+    let named = |name: &str, exponent: i32| axes::labelled(name, exponent, units, Measure::Length);
+    picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, named(plan.labels[0], x_ticks.exponent));
+    picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * rect.height], LABEL, INK, named(plan.labels[1], y_ticks.exponent));
+}
+
 /// Lays out the panels and draws titles, borders, marks and labels.
 pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> (Picture, Vec<Frame>) {
     let wide = is_wide(plans);
@@ -91,13 +114,8 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         let scale = longest / size[0].max(size[1]);
         size.map(|s| (s * scale).round().max(24.0))
     };
-    let marks = |range: [f64; 2], length: f64, each: f64| ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length);
-    let plan_ticks = |plan: &Plan| {
-        let [w, h] = extent(plan);
-        [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
-    };
     // Left of a frame: a label that runs upwards and the numbers.
-    let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
+    let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan, extent(plan), units)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
     let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
     let text = |plan: &Plan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
     // Headings wider than their frame stand above what is beside the frame.
@@ -132,17 +150,7 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         let rect = Rect { x: corner[0] + left + shift, y: corner[1] + headings + lowered, width: w, height: h };
         let [left_end, right_end] = if plan.mirrored { [rect.right(), rect.x] } else { [rect.x, rect.right()] };
         let frame = Frame { rect, x: Scale::new(plan.window[0], [left_end, right_end]), y: Scale::new(plan.window[1], [rect.bottom(), rect.y]) };
-        let middle = rect.x + 0.5 * w;
-        let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
-        picture.text([middle, rect.y - 8.0 - lift - note_height], HEADING, Anchor::Middle, INK, &plan.title);
-        picture.text([middle, rect.y - 7.0 - lift], NUMBER, Anchor::Middle, SOFT, &plan.note);
-        let [x_ticks, y_ticks] = plan_ticks(plan);
-        axes::x_marks(&mut picture, rect, &frame.x, &x_ticks, false, true);
-        axes::y_marks(&mut picture, rect, &frame.y, &y_ticks, false);
-        axes::border(&mut picture, rect);
-        let label = |name: &str, exponent: i32| axes::labelled(name, exponent, units, Measure::Length);
-        picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, label(plan.labels[0], x_ticks.exponent));
-        picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label(plan.labels[1], y_ticks.exponent));
+        label(&mut picture, plan, &frame, (left, lift), units);
         frames.push(frame);
     }
     (picture, frames)
