@@ -158,7 +158,7 @@ impl Units {
     pub fn write(self, value: f64, measure: Measure) -> String {
         let power = self.power(value, measure);
         let unit = self.prefixed(power, measure).unwrap_or_default();
-        format!("{} {unit}", self.digits(value, power, measure)).trim_end().to_owned()
+        format!("{} {unit}", Units::digits(value, power, measure)).trim_end().to_owned()
     }
 
     /// The ends of a range in one unit, and the unit: `("-3.2", "12", "µm")`.
@@ -172,7 +172,7 @@ impl Units {
         let decimals = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32 - 1 - scaled(largest).log10().floor() as i32;
         let number = |value: f64| match usize::try_from(decimals) {
             Ok(decimals) if largest > 0.0 && decimals < 8 => rounded(scaled(value), decimals),
-            _ => self.digits(value, power, measure),
+            _ => Units::digits(value, power, measure),
         };
         (number(low), number(high), unit)
     }
@@ -184,7 +184,7 @@ impl Units {
         const ROUND_OFF: f64 = 1e-9;
         let largest = components.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let power = self.power(largest, measure);
-        let number = |v: &f64| self.digits(if v.abs() < ROUND_OFF * largest { 0.0 } else { *v }, power, measure);
+        let number = |v: &f64| Units::digits(if v.abs() < ROUND_OFF * largest { 0.0 } else { *v }, power, measure);
         let numbers: Vec<String> = components.iter().map(number).collect();
         format!("({}) {}", numbers.join(", "), self.prefixed(power, measure).unwrap_or_default()).trim_end().to_owned()
     }
@@ -192,7 +192,7 @@ impl Units {
     /// Three digits, of temperatures four: they count from a zero that is far away.
     const DIGITS: [usize; 2] = [3, 4];
 
-    fn digits(self, value: f64, power: i32, measure: Measure) -> String {
+    fn digits(value: f64, power: i32, measure: Measure) -> String {
         significant(value / 10f64.powi(power), Units::DIGITS[usize::from(measure == Measure::Temperature)])
     }
 }

@@ -77,7 +77,7 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
         assert!(has_text(&svg, what) && has_text(&svg, "from above") && has_text(&svg, "from below"), "{what}");
     }
     let svg = svg(Kind::Contact);
-    assert!(has_text(&svg, "pressure") && has_text(&svg, "on &quot;back&quot;: state and direction of slip") && has_text(&svg, "0 open"));
+    assert!(has_text(&svg, "on &quot;back&quot;: pressure") && has_text(&svg, "on &quot;back&quot;: state and direction of slip") && has_text(&svg, "0 open"));
 }
 
 /// A unit cube whose faces z = 1 and z = 0 have temperatures of their own.

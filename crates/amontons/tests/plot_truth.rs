@@ -1,5 +1,12 @@
 //! Pictures of shipped cases are true: the foundation is where the body touches it, scales are equal, and nothing is drawn that a case does not have.
-#![allow(clippy::expect_used, reason = "a test fails by panicking")]
+#![allow(
+    clippy::expect_used,
+    clippy::err_expect,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and positions have the same bits"
+)]
 
 mod common;
 

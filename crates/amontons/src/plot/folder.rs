@@ -55,7 +55,7 @@ pub(super) fn problem(folder: &Path) -> Result<Problem, PlotError> {
     let path = folder.join("case.toml");
     let case = case::read(&path, &[]).map_err(|error| match error {
         CaseError::Read { path, source } => PlotError::Read { path, source },
-        faults => PlotError::Format { path, what: faults.to_string() },
+        faults @ CaseError::Faults { .. } => PlotError::Format { path, what: faults.to_string() },
     })?;
     Ok(case.problem)
 }

@@ -177,6 +177,9 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
     Ground { lines, moves }
 }
 
+/// An edge of a grid by its ends, the lower one first.
+type Edge = ((usize, usize), (usize, usize));
+
 /// Lines on which a level is zero, the negative side on their right; where it is not a number counts as positive.
 fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
     let (width, height) = (wx[1] - wx[0], wy[1] - wy[0]);
@@ -198,7 +201,6 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
         [0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])]
     };
     // Edges of the grid by their lower end and direction; a segment starts where a turn around its cell enters the obstacle and ends where it leaves it.
-    type Edge = ((usize, usize), (usize, usize));
     let key = |a: (usize, usize), b: (usize, usize)| -> Edge { if a < b { (a, b) } else { (b, a) } };
     let mut next: HashMap<Edge, Edge> = HashMap::new();
     let mut order = Vec::new();
@@ -259,7 +261,9 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
             for part in parts {
                 let triangle = part.map(|i| number[&facet[i]]);
                 let across = super::surface::across(triangle.map(|n| x[n as usize]));
-                triangle.iter().for_each(|&n| normals[n as usize] = [0, 1, 2].map(|d| normals[n as usize][d] + across[d]));
+                for n in triangle {
+                    normals[n as usize] = [0, 1, 2].map(|d| normals[n as usize][d] + across[d]);
+                }
                 triangles.push(triangle);
             }
         }
@@ -274,7 +278,9 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
             let n = normals[a as usize];
             let out = super::surface::across([[0.0; 3], edge, n]);
             let size = length(&out);
-            [a, b].iter().for_each(|&n| outwards[n as usize] = [0, 1, 2].map(|d| outwards[n as usize][d] + out[d] / size));
+            for n in [a, b] {
+                outwards[n as usize] = [0, 1, 2].map(|d| outwards[n as usize][d] + out[d] / size);
+            }
         }
         let place = |i: usize| {
             let n = normals[i].map(|c| c / length(&normals[i]));

@@ -65,7 +65,6 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
 #[derive(Clone, Copy)]
 struct What {
     friction: bool,
-    slip: bool,
     heat: bool,
     work: bool,
 }
@@ -73,10 +72,8 @@ struct What {
 impl What {
     fn of(panels: &[Panel]) -> What {
         let any = |f: &dyn Fn(&ContactRow) -> bool| panels.iter().flat_map(|panel| &panel.run.contact).any(f);
-        let friction = any(&|row| row.traction != [0.0; 2] || row.bound.is_some_and(|b| b > 0.0));
         What {
-            friction,
-            slip: friction && any(&|row| row.slip_velocity != [0.0; 2]),
+            friction: any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)),
             heat: panels.iter().any(|panel| panel.run.has_heat()),
             work: any(&|row| row.friction_work != 0.0),
         }
@@ -130,8 +127,6 @@ fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
             friction.areas.push(Area { label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(), color: INK.with_opacity(0.13), polygons });
         }
         charts.push(friction);
-    }
-    if has.slip {
         charts.push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| along(s.row.slip_velocity, s)));
     }
     charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| -s.row.penetration));
