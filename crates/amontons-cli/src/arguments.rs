@@ -67,12 +67,18 @@ pub enum Command {
     Plot {
         /// The results folder
         dir: PathBuf,
-        /// Leave out the SI units: the case is dimensionless
+        /// Times of the frames, each that of the nearest snapshot [default: the end, or four frames where most happens before]
+        #[arg(long, value_delimiter = ',', value_name = "T,T,…")]
+        time: Vec<f64>,
+        /// Leave out the units, also those of a case with units = "SI"
         #[arg(long)]
         dimensionless: bool,
-        /// Factor of the displacement in the picture of the deformed body [default: a nice one]
+        /// Factor of the displacement in the picture of the deformed body [default: 1 beside obstacles, else a nice one]
         #[arg(long, value_name = "F")]
         scale: Option<f64>,
+        /// Pixels of a PNG per unit of 1/96 inch
+        #[arg(long, value_name = "P", default_value_t = 2.0)]
+        pixels: f64,
     },
     /// Compare runs with the reference values of a case or of the shipped benchmarks
     Verify {

@@ -26,7 +26,9 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::Resume { dir, no_certificate, common } => resume(&dir, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
-        Command::Plot { dir, dimensionless, scale } => draw(&dir, &plot::Options { dimensionless, scale_factor: scale, ..plot::Options::default() }, false),
+        Command::Plot { dir, time, dimensionless, scale, pixels } => {
+            draw(&dir, &plot::Options { times: time, dimensionless, pixels, scale_factor: scale, ..plot::Options::default() }, false)
+        }
         Command::Verify { names, common } => verify::execute(&names, &common),
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
         Command::Schema => Ok(print::json(&case::schema())?),

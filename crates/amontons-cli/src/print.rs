@@ -7,6 +7,7 @@ use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::model::Model;
 use amontons::output::{ContactSummary, Outcome, Solver, Summary};
 use amontons::problem::Problem;
+use amontons::units::{Extent, Measure, Units};
 use serde_json::{Value, json};
 
 use crate::{model, voices};
@@ -40,9 +41,10 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         Outcome::Interrupted => "interrupted",
         Outcome::Unsound => "unsound",
     };
-    let seconds = &summary.seconds;
+    let (seconds, units) = (&summary.seconds, summary.units);
+    let time = format!("{} {}", summary.time, units.of(Measure::Time));
     let mut lines = vec![
-        format!("{}: {state}, {} steps to t = {} s in {:.2} s", summary.case, summary.steps, summary.time, seconds.total),
+        format!("{}: {state}, {} steps to t = {} in {:.2} s", summary.case, summary.steps, time.trim_end(), seconds.total),
         row("unknowns", &format!("{} displacement, {} temperature, {} on the contact side", unknowns.displacement, unknowns.temperature, unknowns.contact)),
         row(
             "time",
@@ -53,19 +55,20 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         ),
     ];
     for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
-        lines.push(row(&format!("displacement {axis}"), &format!("{min:.5e} … {max:.5e} m")));
+        lines.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
     }
     if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
-        lines.push(row("temperature", &format!("{min:.5e} … {max:.5e} K")));
+        lines.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
     }
-    lines.extend(end.von_mises_max.map(|most| row("von Mises stress", &format!("up to {most:.5e} Pa"))));
-    lines.extend(end.strain_max.map(|most| row("strain", &format!("up to {most:.5e}"))));
+    lines.extend(end.von_mises_max.map(|most| row("von Mises stress", &format!("up to {}", units.write(most, Measure::Stress)))));
+    lines.extend(end.strain_max.map(|most| row("strain", &format!("up to {}", units.write(most, Measure::Number)))));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
-        lines.extend(touching("contact", contact));
+        lines.extend(touching("contact", contact, units));
         for (side, contact) in &contact.sides {
-            lines.extend(touching(&format!("on \"{side}\""), contact));
+            lines.extend(touching(&format!("on \"{side}\""), contact, units));
         }
     }
+    lines.extend(extent(units));
     lines.push(row(
         "energy closes to",
         &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error),
@@ -86,23 +89,44 @@ fn halved(solver: &Solver) -> Option<String> {
     (halved_steps > 0 || ambiguous_steps > 0).then(|| row("made in halves", &format!("{halved_steps} steps, {ambiguous}")))
 }
 
+/// The ends of a range in one unit.
+fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
+    let (low, high, unit) = units.range(ends, measure);
+    format!("{low} … {high} {unit}").trim_end().to_owned()
+}
+
+/// What integrals over a body are over, where that is not plain.
+fn extent(units: Units) -> Option<String> {
+    let text = match units.extent {
+        Extent::Line => "per unit of cross-section",
+        Extent::Plane => "per unit of thickness",
+        Extent::Revolution => "of the full turn",
+        Extent::Space => return None,
+    };
+    Some(row("forces, energies", text))
+}
+
 /// A line with a name.
 pub fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
 }
 
-/// Contact on one side or on all, what there is of wear and of a foundation that warms up included.
-fn touching(name: &str, contact: &ContactSummary) -> Vec<String> {
-    let force = contact.force.iter().map(|f| format!("{f:.6e}")).collect::<Vec<_>>().join(", ");
+/// Contact on one side or on all, with wear and the temperature of the foundation if there are any.
+fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<String> {
+    let write = |value: f64, measure: Measure| units.write(value, measure);
+    let force = units.vector(&contact.force, Measure::Force);
     let mut lines = vec![
-        row(name, &format!("{} open, {} stick, {} slip; area {:.5e}", contact.open, contact.stick, contact.slip, contact.area)),
-        row("contact force", &format!("({force}) N, pressure up to {:.5e} Pa", contact.pressure_max)),
-        row("heat through it", &format!("{:.5e} W", contact.heat_flow)),
+        row(name, &format!("{} open, {} stick, {} slip; area {}", contact.open, contact.stick, contact.slip, write(contact.area, Measure::Area))),
+        row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
     ];
-    if contact.wear_max > 0.0 {
-        lines.push(row("wear", &format!("up to {:.5e} m deep, volume {:.5e}", contact.wear_max, contact.wear_volume)));
+    if contact.heat_flow != 0.0 {
+        lines.push(row("heat through it", &write(contact.heat_flow, Measure::Power)));
     }
-    lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &format!("{theta:.5e} K"))));
+    if contact.wear_max > 0.0 {
+        let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
+        lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
+    }
+    lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
     lines
 }
 
@@ -111,10 +135,11 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
     let mesh = &problem.mesh;
     let sides: Vec<String> = problem.contacts.iter().map(|c| format!("\"{}\"", c.on)).collect();
     let contact = if sides.is_empty() { "none".to_owned() } else { format!("on {}", sides.join(", ")) };
+    let write = |value: f64, measure: Measure| problem.units().write(value, measure);
     let mut lines = vec![
         format!("{name}: case is valid"),
-        row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {:.5e} m", mesh.dim, mesh.points.len(), mesh.cell_count(), mesh.h())),
-        row("time", &format!("{} steps of {:.5e} s to {} s", problem.steps, problem.k(), problem.end)),
+        row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {}", mesh.dim, mesh.points.len(), mesh.cell_count(), write(mesh.h(), Measure::Length))),
+        row("time", &format!("{} steps of {} to {}", problem.steps, write(problem.k(), Measure::Time), write(problem.end, Measure::Time))),
         row("contact", &contact),
     ];
     let width = certificate.findings.iter().map(|f| f.id.len()).max().unwrap_or(0) + 2;

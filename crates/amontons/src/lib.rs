@@ -51,5 +51,6 @@ pub mod run;
 pub mod scheme;
 pub mod space;
 pub mod tensor;
+pub mod units;
 pub mod verify;
 mod vtu;

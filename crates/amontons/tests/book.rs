@@ -4,6 +4,7 @@
 mod common;
 
 use amontons::case::{self, Source};
+use amontons::units::{Measure, Units};
 use common::file;
 
 /// What a part of a case leaves out.
@@ -64,6 +65,27 @@ fn read(chapter: &str) -> (usize, usize) {
 fn every_block_of_the_guides_is_a_case() {
     assert_eq!(read("meshes.md"), (1, 9), "blocks that include a case, and parts of cases");
     assert_eq!(read("contact.md"), (1, 8), "blocks that include a case, and parts of cases");
+}
+
+/// The chapter on results gives every column of the tables its unit, in the plane and in space.
+#[test]
+fn the_table_of_columns_has_their_units() {
+    let text = std::fs::read_to_string(file("book/src/results.md")).expect("the chapter");
+    let section = text.split("## Tables").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
+    let mut told = Vec::new();
+    for line in section.lines().filter(|line| line.starts_with("| `")) {
+        let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
+        for name in cells[0].split(", ").map(|name| name.trim_matches('`')) {
+            let measure = Measure::of_column(name).unwrap_or_else(|| panic!("{name} is no column"));
+            assert_eq!([Units::PLANE.of(measure), Units::SPACE.of(measure)], [cells[2], cells[3]], "{name}");
+            told.push(name.to_owned());
+        }
+    }
+    let problem = common::paper(&[]).problem;
+    for column in amontons::output::history_columns(&problem) {
+        let is_count = Measure::of_column(&column) == Some(Measure::Number);
+        assert!(is_count || told.contains(&column), "the chapter says nothing of {column}");
+    }
 }
 
 /// The tables of the chapter on contact name every law of the case file's schema, and no other.

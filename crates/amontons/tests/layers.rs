@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules on one line may not use each other; a module may use those on the lines before.
 const LAYERS: &[&[&str]] = &[
-    &["tensor", "expression"],
+    &["tensor", "expression", "units"],
     &["quadrature", "field", "vtu"],
     &["element"],
     &["mesh"],
@@ -20,8 +20,9 @@ const LAYERS: &[&[&str]] = &[
     &["hypotheses"],
     &["scheme"],
     &["convergence"],
-    &["output", "plot"],
+    &["output"],
     &["run", "case"],
+    &["plot"],
     &["contract", "verify"],
 ];
 

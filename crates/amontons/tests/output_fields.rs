@@ -567,8 +567,8 @@ fn files_have_the_fields_asked_for() {
         names.sort();
         names.join(" ")
     };
-    assert_eq!(names(""), "displacement region stress temperature velocity von_mises");
-    assert_eq!(names("[]"), "displacement region temperature velocity von_mises");
+    assert_eq!(names(""), "displacement nodal_von_mises region stress temperature velocity von_mises");
+    assert_eq!(names("[]"), "displacement nodal_von_mises region temperature velocity von_mises");
     assert_eq!(
         names("[\"stress\", \"strain\", \"principal\", \"heat-flux\", \"nodal-stress\", \"stress\"]"),
         "displacement heat_flux nodal_stress nodal_von_mises principal principal_direction_1 principal_direction_2 principal_direction_3 region strain stress \

@@ -8,8 +8,9 @@ use amontons::case::{self, Source};
 use amontons::contact::Status;
 use amontons::mesh::{Elements, Mesh};
 use amontons::output::{Folder, FolderOptions};
-use amontons::plot::{self, ColorMap, History, Kind, Options, Panel, Run, Solid, SolidContact, Surface};
+use amontons::plot::{self, ColorMap, Kind, Options, Panel, Run, Solid, SolidContact, Surface};
 use amontons::run;
+use amontons::units::Units;
 use tiny_skia::Pixmap;
 
 /// A block that is pressed on a warm foundation.
@@ -63,7 +64,8 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
     let dir = solved("block");
     let paths = plot::folder(&dir, &Options::default()).expect("pictures");
     let names: Vec<String> = paths.iter().map(|p| p.strip_prefix(dir.join("plots")).expect("in plots").display().to_string()).collect();
-    let expected: Vec<String> = Kind::ALL.iter().flat_map(|k| [format!("{}.svg", k.file_name()), format!("{}.png", k.file_name())]).collect();
+    let expected: Vec<String> =
+        Kind::ALL.iter().filter(|k| **k != Kind::Wear).flat_map(|k| [format!("{}.svg", k.file_name()), format!("{}.png", k.file_name())]).collect();
     assert_eq!(names, expected);
     let first: Vec<Vec<u8>> = paths.iter().map(|p| fs::read(p).expect("a picture")).collect();
     for path in plot::folder(&dir, &Options::default()).expect("pictures").iter().zip(&first) {
@@ -75,7 +77,7 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
         assert!(has_text(&svg, what) && has_text(&svg, "from above") && has_text(&svg, "from below"), "{what}");
     }
     let svg = svg(Kind::Contact);
-    assert!(has_text(&svg, "pressure") && has_text(&svg, "state of the contact points") && has_text(&svg, "0 open"));
+    assert!(has_text(&svg, "on &quot;back&quot;: pressure") && has_text(&svg, "on &quot;back&quot;: state and direction of slip") && has_text(&svg, "0 open"));
 }
 
 /// A unit cube whose faces z = 1 and z = 0 have temperatures of their own.
@@ -86,17 +88,18 @@ fn cube() -> Run {
         .points
         .iter()
         .filter(|p| p[2] == 0.0)
-        .map(|p| SolidContact { x: *p, pressure: 1.0 + p[0], status: Status::Stick, wear: 3.0 * p[1], friction_work: 0.0 })
+        .map(|p| SolidContact { x: *p, pressure: 1.0 + p[0], status: Status::Stick, slip_velocity: [0.0; 3], wear: 3.0 * p[1], friction_work: 0.0, side: 0 })
         .collect();
     let solid = Solid {
         surface,
         displacement: vec![[0.0; 3]; mesh.points.len()],
         temperature: mesh.points.iter().map(|p| p[2]).collect(),
         von_mises: vec![1.0; mesh.cell_count()],
+        nodal_von_mises: Vec::new(),
         regions: Vec::new(),
         contact,
     };
-    Run { name: String::new(), dimension: 3, t: 0.0, snapshot: None, contact: Vec::new(), solid: Some(solid), history: History::new() }
+    Run { dimension: 3, solid: Some(solid), units: Units::SPACE, ..Run::default() }
 }
 
 /// The hot top is seen from above, the cold bottom from below, each in the half of the picture that is so named, and never the other one.
@@ -129,22 +132,65 @@ fn contact_points_are_drawn_where_they_are() {
     assert!(has_text(&svg, "0 open, 9 stick, 0 slip") && has_text(&svg, "min 1, max 2 Pa"));
 }
 
-/// Wear and friction work each with its own bar, and only what there is of them.
+/// Wear has a picture of its own where there is some; friction work is a panel of the contact, where there is some.
 #[test]
-fn wear_is_drawn_where_there_is_some() {
-    let svg = |run: &Run| plot::picture(Kind::Wear, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg();
+fn wear_and_friction_work_are_drawn_where_there_are_some() {
+    let svg = |kind: Kind, run: &Run| plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg();
     let mut run = cube();
     assert!(Kind::Wear.is_in(&run));
-    let worn = svg(&run);
-    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m") && !has_text(&worn, "friction work"), "wear alone");
+    let worn = svg(Kind::Wear, &run);
+    assert!(has_text(&worn, "depth worn off") && has_text(&worn, "min 0, max 3 m"), "wear");
+    assert!(!has_text(&svg(Kind::Contact, &run), "friction work"), "no friction work");
     let change = |run: &mut Run, f: fn(&mut SolidContact)| run.solid.iter_mut().flat_map(|solid| &mut solid.contact).for_each(f);
     change(&mut run, |row| row.friction_work = 5.0 + row.x[0]);
-    let both = svg(&run);
-    assert!(has_text(&both, "min 0, max 3 m") && has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m2"));
-    change(&mut run, |row| (row.wear, row.friction_work) = (0.0, 0.0));
+    let both = svg(Kind::Contact, &run);
+    assert!(has_text(&both, "friction work since the start") && has_text(&both, "min 5, max 6 J/m²"));
+    change(&mut run, |row| row.wear = 0.0);
     assert!(!Kind::Wear.is_in(&run));
     let error = plot::picture(Kind::Wear, &[Panel { title: "", run: &run }], &Options::default()).err().expect("an error");
     assert!(error.to_string().contains("`wear`"), "{error}");
+}
+
+/// The bottom z = 0 is seen from below: with y upwards x runs to the left, so the higher pressure, at x = 1, is on the left. The top is seen from above.
+#[test]
+fn a_side_is_seen_from_its_own_side() {
+    let end = |run: &Run| -> [u32; 2] {
+        let picture = plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture");
+        let image = Pixmap::decode_png(&picture.png(1.0).expect("a PNG")).expect("a valid PNG");
+        let column = |value: f64| {
+            let full = ColorMap::Viridis.at(value);
+            let is = |p: &tiny_skia::PremultipliedColorU8| [p.red(), p.green(), p.blue()].iter().zip(full).all(|(a, b)| a.abs_diff(b) <= 4);
+            // Of the field, which is the left third of the picture; its bar of colours is farther to the right.
+            let width = image.width() as usize;
+            let found = image.pixels().iter().enumerate().filter(|(_, p)| is(p)).map(|(i, _)| (i % width) as u32);
+            found.min().expect("a pixel of this value")
+        };
+        [column(0.02), column(0.98)]
+    };
+    let mut run = cube();
+    let [low, high] = end(&run);
+    assert!(high < low, "from below: pressure 2 at {high}, 1 at {low}");
+    if let Some(solid) = &mut run.solid {
+        solid.contact.iter_mut().for_each(|row| row.x[2] = 1.0);
+    }
+    let [low, high] = end(&run);
+    assert!(low < high, "from above: pressure 1 at {low}, 2 at {high}");
+}
+
+/// Arrows say where the body slips to, and none where it sticks.
+#[test]
+fn slip_has_a_direction() {
+    let draw = |run: &Run| plot::picture(Kind::Contact, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg();
+    let mut run = cube();
+    let stuck = draw(&run);
+    if let Some(solid) = &mut run.solid {
+        solid.contact.iter_mut().for_each(|row| (row.status, row.slip_velocity) = (Status::Slip, [2e-3, 0.0, 0.0]));
+    }
+    let slipping = draw(&run);
+    assert!(has_text(&slipping, "0 open, 0 stick, 9 slip; slip up to 2 mm/s") && !stuck.contains("slip up to"));
+    // An arrow is a line and a head.
+    let paths = |svg: &str| svg.matches("<path").count();
+    assert!(paths(&slipping) >= paths(&stuck) + 2 * 9, "{} paths, {} without slip", paths(&slipping), paths(&stuck));
 }
 
 #[test]

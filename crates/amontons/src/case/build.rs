@@ -17,6 +17,7 @@ use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem};
 use crate::tensor::Point;
+use crate::units::System;
 
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
 ///
@@ -35,6 +36,10 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let problem = Problem {
         name: raw.name,
+        system: match raw.units {
+            raw::Units::Si => System::Si,
+            raw::Units::Dimensionless => System::Dimensionless,
+        },
         end: raw.time.end,
         steps: raw.time.steps,
         physics,

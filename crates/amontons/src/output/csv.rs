@@ -154,20 +154,21 @@ impl Rows {
     }
 }
 
-/// Writes `contact.csv`: with nodal quadrature `node` is the node, otherwise it counts the contact points from 0. `weight` is the area of a
-/// point, and `side` the name of its side.
+/// Names of the columns of `contact.csv` in `dim` dimensions.
+pub(super) fn contact_columns(dim: usize) -> Vec<String> {
+    let [x, traction, slip] = ["", "traction_", "slip_velocity_"].map(|prefix| components(prefix, dim));
+    let all = format!("node,{x},penetration,pressure,{traction},{slip},status,temperature,heat_flux,weight,wear,friction_work,side,bound");
+    all.split(',').map(str::to_owned).collect()
+}
+
+/// Writes the contact points, one row per point: with nodal quadrature `node` is the node, otherwise it counts the contact points from 0. `weight`
+/// is the area of a point, `side` the name of its side, `bound` the friction bound s.
 pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputError> {
     let dim = now.problem.mesh.dim;
     let boundary = &now.discretization.boundary;
     let nodal = |side: usize| now.problem.contacts.get(side).is_some_and(|c| c.quadrature == Quadrature::Nodal);
     write_atomically(path, |out| {
-        writeln!(
-            out,
-            "node,{},penetration,pressure,{},{},status,temperature,heat_flux,weight,wear,friction_work,side",
-            components("", dim),
-            components("traction_", dim),
-            components("slip_velocity_", dim)
-        )?;
+        writeln!(out, "{}", contact_columns(dim).join(","))?;
         let Some(report) = now.report else { return Ok(()) };
         let contact = &report.contact;
         for (i, ((point, state), (temperature, flux))) in
@@ -181,7 +182,7 @@ pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputErr
             let heat = if now.problem.physics.has_heat() { format!("{temperature:?},{:?}", flux.value) } else { ",".to_owned() };
             writeln!(
                 out,
-                "{node},{},{:?},{:?},{},{},{},{heat},{:?},{:?},{:?},{}",
+                "{node},{},{:?},{:?},{},{},{},{heat},{:?},{:?},{:?},{},{:?}",
                 join(&point.x[..dim]),
                 state.penetration,
                 state.pressure,
@@ -192,6 +193,7 @@ pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputErr
                 kept(&now.state.surface.wear),
                 kept(&now.state.surface.friction_work),
                 quoted(now.problem.contacts.get(point.side).map_or("", |contact| &contact.on)),
+                state.bound,
             )?;
         }
         io::Result::Ok(())

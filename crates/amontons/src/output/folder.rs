@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::csv::{Rows, history_columns, history_values, write_contact};
+use super::csv::{Rows, contact_columns, history_columns, history_values, write_contact};
 use super::earlier::{CERTIFICATE, write_certificate};
 use super::files::{copy, create_folder, remove, write_atomically, write_json};
 use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
@@ -13,17 +13,21 @@ use super::manifest::{Manifest, Settings};
 use super::vtu::{write_collection, write_fields};
 use super::{OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, Summary, checkpoint, manifest};
 use crate::problem::Problem;
+use crate::units::Measure;
 
 const HISTORY: &str = "history.csv";
 const PROBES: &str = "probes.csv";
+/// Folder of the contact points at the times of the field snapshots.
+const CONTACT: &str = "contact";
 /// What a results folder may hold, studies included.
-const RESULTS: [&str; 14] = [
+const RESULTS: [&str; 15] = [
     "summary.json",
     manifest::FILE,
     CERTIFICATE,
     HISTORY,
     PROBES,
     "contact.csv",
+    "contact",
     "fields.pvd",
     "fields",
     "checkpoint",
@@ -180,6 +184,10 @@ impl Folder {
         let root = self.root();
         let file = fields_file(now.state.step);
         write_fields(&root.join(&file), now, &self.options.fields)?;
+        if !now.problem.contacts.is_empty() && now.report.is_some() {
+            create_folder(&root.join(CONTACT))?;
+            write_contact(&root.join(contact_file(now.state.step)), now)?;
+        }
         self.snapshots.push((now.state.t, file));
         write_collection(&root.join("fields.pvd"), &self.snapshots)
     }
@@ -217,11 +225,25 @@ impl Folder {
         self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);
         self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
         let settings = Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
-        self.manifest = Some(Manifest::new(&problem.name, &self.options.fingerprint(), settings));
+        let mut manifest = Manifest::new(&problem.name, &self.options.fingerprint(), settings);
+        manifest.units(problem.units(), &self.tables(problem));
+        self.manifest = Some(manifest);
         if self.is_due(0) {
             self.write_fields(&start.from)?;
         }
         Ok(())
+    }
+
+    /// The tables of the run, and what their columns measure where it is known.
+    fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 3] {
+        let known = |columns: Vec<String>| columns.into_iter().filter_map(|name| Some((name.clone(), Measure::of_column(&name)?))).collect::<Vec<_>>();
+        let probes = self.options.probes.iter().filter_map(|probe| Some((probe, probe.measure()?)));
+        let columns = |(probe, measure): (&Probe, Measure)| {
+            let endings = probe.quantity.columns(problem.mesh.dim);
+            endings.into_iter().map(move |ending| (format!("{}{ending}", probe.name), measure)).collect::<Vec<_>>()
+        };
+        let of_probes = std::iter::once(("t".to_owned(), Measure::Time)).chain(probes.flat_map(columns)).collect();
+        [(HISTORY, known(history_columns(problem))), ("contact.csv", known(contact_columns(problem.mesh.dim))), (PROBES, of_probes)]
     }
 
     /// Brings the files back to the step of the checkpoint.
@@ -232,18 +254,32 @@ impl Folder {
         self.manifest = Some(Manifest::read(&self.path)?);
         let due = (0..=step).filter(|&n| self.is_due(n)).map(|n| (problem.time(n), fields_file(n)));
         self.snapshots = due.filter(|(_, file)| self.path.join(file).is_file()).collect();
-        let fields = self.path.join("fields");
-        create_folder(&fields)?;
-        for entry in fs::read_dir(&fields).map_err(OutputError::io("read", &fields))? {
-            let entry = entry.map_err(OutputError::io("read", &fields))?;
-            let name = format!("fields/{}", entry.file_name().to_string_lossy());
-            let ours = name.starts_with("fields/step_") || name.starts_with("fields/.step_");
-            if ours && !self.snapshots.iter().any(|(_, file)| *file == name) {
-                remove(&entry.path())?;
-            }
+        for folder in ["fields", CONTACT] {
+            self.remove_later(folder)?;
         }
         write_collection(&self.path.join("fields.pvd"), &self.snapshots)
     }
+
+    /// Removes the snapshots in a folder that are not of the run so far.
+    fn remove_later(&self, folder: &str) -> Result<(), OutputError> {
+        let path = self.path.join(folder);
+        create_folder(&path)?;
+        let stem = |name: &str| Path::new(name).file_stem().map(std::ffi::OsStr::to_os_string);
+        for entry in fs::read_dir(&path).map_err(OutputError::io("read", &path))? {
+            let entry = entry.map_err(OutputError::io("read", &path))?;
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let ours = name.starts_with("step_") || name.starts_with(".step_");
+            if ours && !self.snapshots.iter().any(|(_, file)| stem(file) == stem(&name)) {
+                remove(&entry.path())?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The file of the contact points beside the fields at a step, seen from the results folder.
+fn contact_file(step: usize) -> String {
+    format!("{CONTACT}/step_{step:07}.csv")
 }
 
 /// The file of the fields at a step, seen from the results folder.

@@ -1,5 +1,6 @@
 //! `manifest.json`: what made the results.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 use std::time::SystemTime;
@@ -11,6 +12,7 @@ use super::OutputError;
 use super::files::write_json;
 use crate::inclusion::TOLERANCE;
 use crate::scheme::{ACCEPTED, REFINE};
+use crate::units::{Measure, Units};
 
 /// Name of the file in a results folder.
 pub(super) const FILE: &str = "manifest.json";
@@ -26,6 +28,12 @@ pub(super) struct Manifest {
     tolerances: Tolerances,
     platform: Platform,
     threads: usize,
+    /// Units of the numbers.
+    #[serde(default)]
+    units: Units,
+    /// The units of the columns of each table that have one.
+    #[serde(default)]
+    columns: BTreeMap<String, BTreeMap<String, String>>,
     start: String,
     end: Option<String>,
     /// One entry each time the run was started or resumed.
@@ -84,6 +92,8 @@ impl Manifest {
                 cores: std::thread::available_parallelism().ok().map(usize::from),
             },
             threads: 0,
+            units: Units::default(),
+            columns: BTreeMap::new(),
             start: now(),
             end: None,
             sessions: Vec::new(),
@@ -100,6 +110,16 @@ impl Manifest {
         let path = folder.join(FILE);
         let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
         serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent { path, found: error.to_string(), expected: "the manifest of a run".to_owned() })
+    }
+
+    /// Notes the units of the tables, given by their names and columns.
+    pub fn units(&mut self, units: Units, tables: &[(&str, Vec<(String, Measure)>)]) {
+        let of = |columns: &[(String, Measure)]| {
+            let with_unit = columns.iter().filter(|(_, measure)| !units.of(*measure).is_empty());
+            with_unit.map(|(name, measure)| (name.clone(), units.of(*measure).to_owned())).collect()
+        };
+        self.units = units;
+        self.columns = tables.iter().map(|(name, columns)| ((*name).to_owned(), of(columns))).collect();
     }
 
     /// Notes that the run starts, or goes on, from a step.

@@ -13,6 +13,7 @@ use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::{Rule, rule};
 use crate::tensor::{Point, length};
+use crate::units::Measure;
 
 /// A number, or the components of a vector or tensor, read off a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -121,6 +122,22 @@ struct Spot {
     /// Sampling points with their weights, by number once all probes are known.
     samples: Stencil,
     numbers: Vec<(usize, f64)>,
+}
+
+impl Probe {
+    /// What its values measure; none of an integral that has no name of its own.
+    #[must_use]
+    pub fn measure(&self) -> Option<Measure> {
+        match (&self.place, self.quantity.measure()) {
+            (Place::On(_, Take::Integral), Measure::Stress) => Some(Measure::Force),
+            (Place::On(_, Take::Integral), Measure::HeatFlux) => Some(Measure::Power),
+            (Place::On(_, Take::Integral), Measure::SurfaceWork) => Some(Measure::Energy),
+            (Place::On(_, Take::Integral), Measure::Length) => Some(Measure::Volume),
+            (Place::On(_, Take::Integral), Measure::Number) => Some(Measure::Area),
+            (Place::On(_, Take::Integral) | Place::Region(_, Take::Integral), _) => None,
+            (_, measure) => Some(measure),
+        }
+    }
 }
 
 impl ProbeSet {

@@ -4,6 +4,7 @@ use super::PointValues;
 use crate::material::VTK_COMPONENTS;
 use crate::scheme::State;
 use crate::tensor::{Point, Sym, dot, length};
+use crate::units::Measure;
 
 /// What a quantity is of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,6 +134,21 @@ impl Quantity {
     #[must_use]
     pub fn name(self) -> String {
         Quantity::all().find(|(_, known)| *known == self).map(|(name, _)| name).unwrap_or_default()
+    }
+
+    /// What its values measure.
+    #[must_use]
+    pub fn measure(self) -> Measure {
+        match self.base {
+            Base::Displacement | Base::Contact(OnContact::Penetration | OnContact::Wear) => Measure::Length,
+            Base::Velocity | Base::Contact(OnContact::SlipVelocity) => Measure::Velocity,
+            Base::Temperature => Measure::Temperature,
+            Base::Stress | Base::VonMises | Base::MeanStress | Base::Principal | Base::Hoop => Measure::Stress,
+            Base::Contact(OnContact::Pressure | OnContact::Traction) => Measure::Stress,
+            Base::Strain | Base::Contact(OnContact::Touching) => Measure::Number,
+            Base::HeatFlux => Measure::HeatFlux,
+            Base::Contact(OnContact::FrictionWork) => Measure::SurfaceWork,
+        }
     }
 
     /// Endings of the names of its columns in `dim` dimensions: one, empty, for a number.

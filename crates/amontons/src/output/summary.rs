@@ -9,6 +9,7 @@ use crate::contact::Status;
 use crate::hypotheses::{self, Finding, warnings};
 use crate::linalg::max_abs;
 use crate::scheme::{ContactReport, Contraction, Ledger};
+use crate::units::Units;
 
 /// Why a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,6 +39,9 @@ pub struct Summary {
     pub error: Option<String>,
     /// Spatial dimension d.
     pub dimension: usize,
+    /// The units of the numbers below.
+    #[serde(default)]
+    pub units: Units,
     /// Time of the last good step in s.
     pub time: f64,
     /// Number of good steps.
@@ -123,9 +127,9 @@ pub struct Norms {
 /// The state of Γ_C.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
-    /// Resultant of σν, N (per unit of thickness in two dimensions), by component.
+    /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution.
     pub force: Vec<f64>,
-    /// ∫ q·ν in W.
+    /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution.
     pub heat_flow: f64,
     /// Largest penetration, m; 0 where all is open.
     pub penetration_max: f64,
@@ -137,7 +141,7 @@ pub struct ContactSummary {
     pub stick: usize,
     /// Contact points that slip.
     pub slip: usize,
-    /// Area that is in contact, m² (m in two dimensions).
+    /// Area that is in contact: m²/m in the plane, m² in space and of a whole body of revolution.
     #[serde(default)]
     pub area: f64,
     /// Centre of pressure Σ ω p₊ x / Σ ω p₊, m, by component; zero where nothing presses.
@@ -146,7 +150,7 @@ pub struct ContactSummary {
     /// Largest depth worn off, m.
     #[serde(default)]
     pub wear_max: f64,
-    /// ∫ h, the volume worn off, m³ (m² in two dimensions).
+    /// ∫ h, the volume worn off: m³/m in the plane, m³ in space and of a whole body of revolution.
     #[serde(default)]
     pub wear_volume: f64,
     /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
@@ -267,6 +271,7 @@ impl Summary {
             outcome,
             error,
             dimension: dim,
+            units: problem.units(),
             time: state.t,
             steps: state.step,
             unknowns,

@@ -11,8 +11,9 @@ use crate::material::VTK_COMPONENTS;
 use crate::problem::Physics;
 use crate::tensor::Sym;
 
-/// A field that is written beside those that every file has: displacement and velocity at the nodes and von Mises stress of the cells if the
-/// problem has mechanics, temperature at the nodes if it has heat, and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
+/// A field that is written beside those that every file has: displacement, velocity and recovered von Mises stress at the nodes and von Mises
+/// stress of the cells if the problem has mechanics, temperature at the nodes if it has heat, and region of the cells. Values of cells are those at
+/// their centres; tensors have the components xx yy zz xy yz zx.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputField {
     /// Cell data `stress`: σ of (2.1) in Pa.
@@ -23,8 +24,7 @@ pub enum OutputField {
     Principal,
     /// Cell data `heat_flux`: q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// Point data `nodal_stress` and `nodal_von_mises`: the recovered stress ([`nodal_stress`]) in Pa, where regions meet the mean
-    /// of their values.
+    /// Point data `nodal_stress`: the recovered stress ([`nodal_stress`]) in Pa, where regions meet the mean of their values.
     NodalStress,
 }
 
@@ -70,9 +70,11 @@ fn grid(now: &Snapshot, fields: &[OutputField]) -> Vtk {
         point.push(Attribute::generic("temperature", 1).with_data(state.theta.clone()));
     }
     let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(physics)).collect();
+    let stresses = if physics.has_mechanics() { nodal_stress(now.problem, state).means(mesh.points.len()) } else { Vec::new() };
     if fields.contains(&OutputField::NodalStress) {
-        let stresses = nodal_stress(now.problem, state).means(mesh.points.len());
         point.push(tensors("nodal_stress", stresses.iter()));
+    }
+    if physics.has_mechanics() {
         point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
     }
     if fields.contains(&OutputField::Stress) {

@@ -4,6 +4,7 @@ use super::color::{Color, GRID, INK, SOFT};
 use super::font;
 use super::picture::{Anchor, Line, Picture, Rect, Stroke};
 use super::ticks::Ticks;
+use crate::units::{Measure, Units};
 
 pub(super) const TITLE: f64 = 16.0;
 pub(super) const HEADING: f64 = 13.0;
@@ -50,6 +51,14 @@ pub(super) fn padded([lo, hi]: [f64; 2], share: f64) -> [f64; 2] {
     } else {
         let room = if lo == 0.0 { 1.0 } else { 0.5 * lo.abs() };
         [lo - room, hi + room]
+    }
+}
+
+/// `pressure (kPa)`, or `θ (×10^{3} K)` where the unit has no such prefix.
+pub(super) fn labelled(quantity: &str, exponent: i32, units: Units, measure: Measure) -> String {
+    match units.prefixed(exponent, measure) {
+        Some(unit) => with_unit(quantity, 0, &unit),
+        None => with_unit(quantity, exponent, units.of(measure)),
     }
 }
 
@@ -244,5 +253,8 @@ mod tests {
         assert_eq!(with_unit("p", 0, ""), "p");
         assert_eq!(with_unit("p", -3, ""), "p (×10^{−3})");
         assert_eq!(with_unit("p", 3, "Pa"), "p (×10^{3} Pa)");
+        assert_eq!(labelled("p", 3, Units::PLANE, Measure::Stress), "p (kPa)");
+        assert_eq!(labelled("θ", 3, Units::PLANE, Measure::Temperature), "θ (×10^{3} K)");
+        assert_eq!(labelled("p", 3, Units::PLANE.without(), Measure::Stress), "p (×10^{3})");
     }
 }

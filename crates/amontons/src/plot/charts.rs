@@ -4,6 +4,7 @@ use super::axes::{self, HEADING, LABEL, LEGEND, Scale, Sign, TITLE};
 use super::color::{Color, GREY, INK};
 use super::picture::{Anchor, Picture, Rect, Stroke};
 use super::{font, ticks};
+use crate::units::{Measure, Units};
 
 /// A line of a chart.
 #[derive(Clone, Debug)]
@@ -25,10 +26,11 @@ pub(super) struct Area {
 }
 
 /// A chart of one quantity.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Chart {
     pub quantity: String,
-    pub unit: String,
+    pub units: Units,
+    pub measure: Measure,
     pub areas: Vec<Area>,
     pub series: Vec<Series>,
     /// Whether the axis must reach zero.
@@ -47,7 +49,7 @@ impl Chart {
     }
 
     fn entries(&self, exponent: i32) -> Vec<(Sign, String)> {
-        let heading = (Sign::None, axes::with_unit(&self.quantity, exponent, &self.unit));
+        let heading = (Sign::None, axes::labelled(&self.quantity, exponent, self.units, self.measure));
         let areas = self.areas.iter().map(|a| (Sign::Box(a.color), a.label.clone()));
         let lines = self.series.iter().map(|s| (Sign::Line(s.stroke.clone(), None), s.label.clone()));
         std::iter::once(heading).chain(areas.chain(lines).filter(|(_, label)| !label.is_empty())).collect()
@@ -55,13 +57,14 @@ impl Chart {
 }
 
 /// Charts above each other.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub(super) struct Column {
     /// Empty for none.
     pub title: String,
     pub x: [f64; 2],
     pub x_label: String,
-    pub x_unit: String,
+    pub x_units: Units,
+    pub x_measure: Measure,
     /// Intervals of x with a colour: a strip on top and a tint behind each chart.
     pub bands: Vec<([f64; 2], Color)>,
     pub charts: Vec<Chart>,
@@ -84,8 +87,8 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
         axes::range(columns.iter().filter_map(|c| c.charts.get(r)).flat_map(Chart::range)).unwrap_or(own)
     };
     let marks = |c: usize, r: usize| {
-        let [lo, hi] = range(c, r);
-        ticks::linear(lo, hi, MOST_MARKS)
+        let chart = &columns[c].charts[r];
+        ticks::in_units(range(c, r), MOST_MARKS, chart.units, chart.measure)
     };
     let entries = |c: usize, r: usize| columns[c].charts[r].entries(marks(c, r).exponent);
     let cells = |r: usize| (0..columns.len()).filter(move |&c| r < columns[c].charts.len());
@@ -131,7 +134,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
     for (c, column) in columns.iter().enumerate() {
         x += rooms[c];
         let scale_x = Scale::new(column.x, [x, x + width]);
-        let x_ticks = ticks::linear(column.x[0], column.x[1], 7);
+        let x_ticks = ticks::in_units(column.x, 7, column.x_units, column.x_measure);
         if has_titles {
             picture.text([x + 0.5 * width, titles_at], HEADING, Anchor::Middle, INK, &column.title);
         }
@@ -165,7 +168,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
             let first = frame.y - 6.0 - LEGEND * (axes::flow(&entries(c, r), width).1 - 1) as f64;
             axes::legend(&mut picture, [x, first], width, &entries(c, r));
         }
-        let label = axes::with_unit(&column.x_label, x_ticks.exponent, &column.x_unit);
+        let label = axes::labelled(&column.x_label, x_ticks.exponent, column.x_units, column.x_measure);
         let last = column.charts.len().checked_sub(1).map_or(bottom, |r| row_tops[r] + HEIGHT);
         picture.text([x + 0.5 * width, last + 24.0 + LABEL], LABEL, Anchor::Middle, INK, label);
         x += width + MARGIN + 8.0;

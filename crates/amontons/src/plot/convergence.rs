@@ -8,6 +8,7 @@ use super::picture::{Anchor, Picture, Rect, Stroke};
 use super::table::Table;
 use super::ticks::{self, Ticks};
 use super::{Options, PlotError, font};
+use crate::units::{Measure, Units};
 
 /// What Figure 5 of the paper shows: errors of a sequence of discretizations.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,9 +49,9 @@ impl ConvergencePlot {
             // Equal as numbers only: a width and a step have no unit in common.
             (h, "h = k".to_owned())
         } else if h.windows(2).all(|h| near(h[0], h[1])) {
-            (k, axes::with_unit("k", 0, options.unit("s")))
+            (k, axes::labelled("k", 0, options.units(Units::PLANE), Measure::Time))
         } else {
-            (h, axes::with_unit("h", 0, options.unit("m")))
+            (h, axes::labelled("h", 0, options.units(Units::PLANE), Measure::Length))
         };
         Ok(ConvergencePlot {
             title: "Errors against the reference solution".to_owned(),

@@ -1,96 +1,47 @@
-//! Temperature and von Mises stress with their colour bars.
+//! What a field is called, how it is coloured, and its colour bar.
 
 use super::axes::{self, LABEL, NUMBER, Scale};
-use super::color::{Color, ColorMap, INK, WHITE};
+use super::color::{Color, ColorMap, INK};
 use super::picture::{Anchor, Image, Line, Picture, Rect, Stroke};
-use super::run::Snapshot;
-use super::shade::{self, Values};
-use super::sheet::{self, Frame, Plan, Room};
+use super::plane::typeset;
 use super::ticks::{self, Ticks};
-use super::{Kind, Options, Panel, font, title};
+use super::{Kind, font};
+use crate::units::{Measure, Units};
 
-/// Pixels of an image to a unit.
-const DENSITY: f64 = 2.0;
 const BAR: f64 = 14.0;
 
 /// What a field is called and how it is coloured.
+#[derive(Clone, Copy)]
 pub(super) struct Quantity {
     pub name: &'static str,
     pub symbol: &'static str,
-    pub unit: &'static str,
+    pub measure: Measure,
     pub map: ColorMap,
 }
 
 impl Quantity {
     pub(super) fn of(kind: Kind) -> Quantity {
-        if kind == Kind::VonMises {
-            Quantity { name: "von Mises stress", symbol: "σ_{vM}", unit: "Pa", map: ColorMap::Viridis }
-        } else {
-            Quantity { name: "temperature", symbol: "θ", unit: "K", map: ColorMap::Inferno }
+        match kind {
+            Kind::VonMises => Quantity { name: "von Mises stress", symbol: "σ_{vM}", measure: Measure::Stress, map: ColorMap::Viridis },
+            Kind::Deformed => Quantity { name: "displacement", symbol: "‖u‖", measure: Measure::Length, map: ColorMap::Viridis },
+            _ => Quantity { name: "temperature", symbol: "θ", measure: Measure::Temperature, map: ColorMap::Inferno },
         }
     }
 }
 
-fn values(kind: Kind, snapshot: &Snapshot) -> Values<'_> {
-    if kind == Kind::VonMises { Values::Cells(&snapshot.von_mises) } else { Values::Nodes(&snapshot.temperature) }
+/// `min 1, max 2 MPa`.
+pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure) -> String {
+    let (low, high, unit) = units.range(extent, measure);
+    format!("min {}, max {} {unit}", typeset(&low), typeset(&high)).trim_end().to_owned()
 }
 
-pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
-    let quantity = Quantity::of(kind);
-    let snapshots: Vec<&Snapshot> = panels.iter().filter_map(|panel| panel.run.snapshot.as_ref()).collect();
-    let extents: Vec<[f64; 2]> = snapshots.iter().map(|s| axes::range(values(kind, s).all().iter().copied()).unwrap_or([0.0, 1.0])).collect();
-    let mut ranges: Vec<[f64; 2]> = snapshots.iter().zip(&extents).map(|(s, extent)| shown(values(kind, s), &s.body.areas(), *extent)).collect();
-    if options.shared_scale {
-        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-        ranges.fill(common);
-    }
-    let unit = options.unit(quantity.unit);
-    let note = |[lo, hi]: [f64; 2]| format!("min {}, max {} {unit}", ticks::number(lo), ticks::number(hi)).trim_end().to_owned();
-    let plan = |((panel, s), extent): ((&Panel, &&Snapshot), &[f64; 2])| Plan {
-        title: panel.title.to_owned(),
-        note: note(*extent),
-        window: sheet::widened(s.body.window(), 0.03),
-        labels: ["x", "y"],
-    };
-    let plans: Vec<Plan> = panels.iter().zip(&snapshots).zip(&extents).map(plan).collect();
-    let wide = sheet::is_wide(&plans);
-    let bars: Vec<Bar> = ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, unit, wide)).collect();
-    let room = if wide {
-        Room { right: 8.0, below: 50.0, ..Room::default() }
-    } else {
-        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
-    };
-    let (mut picture, frames) = sheet::lay_out(&title(panels, quantity.name, options), &plans, room, options);
-    for ((s, bar), frame) in snapshots.iter().zip(&bars).zip(&frames) {
-        bar.draw(&mut picture, frame.rect);
-        shaded(&mut picture, frame, s, kind, quantity.map, bar.range);
-        if kind == Kind::Temperature {
-            let levels = bar.ticks.marks.iter().flat_map(|(level, _)| shade::level_line(&s.body, &s.temperature, *level));
-            let pieces: Vec<_> = levels.map(|[a, b]| [frame.at(&a), frame.at(&b)]).collect();
-            picture.lines(&pieces, Stroke::new(WHITE.with_opacity(0.55), 0.7));
-        }
-        let outline: Vec<_> = s.body.boundary.iter().map(|e| e.map(|n| frame.at(&s.body.points[n as usize]))).collect();
-        picture.lines(&outline, Stroke::new(INK, 0.9));
-    }
-    picture
-}
-
-fn shaded(picture: &mut Picture, frame: &Frame, s: &Snapshot, kind: Kind, map: ColorMap, range: [f64; 2]) {
-    let [x, y] = s.body.window();
-    let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
-    let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
-    let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-    let image = shade::image(&s.body, values(kind, s), map, range, pixels(place.width), pixels(place.height));
-    picture.image(place, image);
-}
-
-/// The range that the colours show: all values, but for the few of a cell field that lie far above the rest.
+/// The range that the colours show: all values, but for the few that lie far above the rest.
 ///
-/// Stresses are singular in corners and where conditions change; the cells there would take most of the colours for themselves.
+/// Stresses are singular in corners and where conditions change; the triangles there would take most of the colours for themselves.
 /// At most a half per cent of the area is left out, and only if the colours then show less than four fifths of the values.
-pub(super) fn shown(values: Values, areas: &[f64], [lo, hi]: [f64; 2]) -> [f64; 2] {
-    let Values::Cells(cells) = values else { return [lo, hi] };
-    let mut by_value: Vec<(f64, f64)> = cells.iter().copied().zip(areas.iter().copied()).collect();
+pub(super) fn shown(values: &[[f64; 3]], areas: &[f64], [lo, hi]: [f64; 2]) -> [f64; 2] {
+    let largest = |corners: &[f64; 3]| corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mut by_value: Vec<(f64, f64)> = values.iter().map(largest).zip(areas.iter().copied()).collect();
     by_value.sort_unstable_by(|a, b| b.0.total_cmp(&a.0));
     let most = 0.005 * by_value.iter().map(|(_, area)| area).sum::<f64>();
     let mut above = 0.0;
@@ -118,12 +69,17 @@ pub(super) struct Bar {
 impl Bar {
     const POINT: f64 = 10.0;
 
-    pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], unit: &str, below: bool) -> Bar {
+    pub(super) fn new(quantity: &Quantity, range: [f64; 2], extent: [f64; 2], units: Units, below: bool) -> Bar {
         // A field of one value has a bar all the same.
         let shown = if range[1] > range[0] { range } else { axes::padded(range, 0.0) };
-        let ticks = ticks::linear(shown[0], shown[1], 7);
-        let label = axes::with_unit(quantity.symbol, ticks.exponent, unit);
+        let ticks = ticks::in_units(shown, 7, units, quantity.measure);
+        let label = axes::labelled(quantity.symbol, ticks.exponent, units, quantity.measure);
         Bar { map: quantity.map, range: shown, pointed: extent[1] > range[1], ticks, label, below }
+    }
+
+    /// The values that have a mark.
+    pub(super) fn levels(&self) -> impl Iterator<Item = f64> {
+        self.ticks.marks.iter().map(|(level, _)| *level)
     }
 
     /// Room on the right of the frame.
@@ -187,18 +143,18 @@ mod tests {
     #[test]
     fn a_few_cells_far_above_the_rest_are_off_the_scale() -> Result<(), Box<dyn std::error::Error>> {
         let body = Body::of_mesh(&Mesh::rectangle([1.0, 1.0], [20, 20], Diagonal::Right)?)?;
-        let mut stress: Vec<f64> = (0..800).map(|c| 1.0 + f64::from(c) / 800.0).collect();
-        assert_eq!(shown(Values::Cells(&stress), &body.areas(), [1.0, 2.0]), [1.0, 2.0]);
+        let mut stress: Vec<[f64; 3]> = (0..800).map(|c| [1.0 + f64::from(c) / 800.0; 3]).collect();
+        assert_eq!(shown(&stress, &body.areas(), [1.0, 2.0]), [1.0, 2.0]);
         // Three of 800 cells are less than half a per cent of the area, ten are more.
         for c in 0..3 {
-            stress[c] = 9.0;
+            stress[c] = [9.0; 3];
         }
-        let [lo, hi] = shown(Values::Cells(&stress), &body.areas(), [1.0, 9.0]);
+        let [lo, hi] = shown(&stress, &body.areas(), [1.0, 9.0]);
         assert!(lo <= 1.0 && hi > 1.99 && hi < 2.0, "{lo} to {hi}");
         for c in 0..10 {
-            stress[c] = 9.0;
+            stress[c] = [9.0; 3];
         }
-        assert_eq!(shown(Values::Cells(&stress), &body.areas(), [1.0, 9.0]), [1.0, 9.0]);
+        assert_eq!(shown(&stress, &body.areas(), [1.0, 9.0]), [1.0, 9.0]);
         Ok(())
     }
 }

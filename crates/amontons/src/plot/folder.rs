@@ -1,13 +1,17 @@
 //! Reads a results folder.
 
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::body::Body;
 use super::run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
 use super::surface::Surface;
-use super::table::{self, Table};
-use super::{PlotError, vtu};
+use super::table::Table;
+use super::{PlotError, frames, vtu};
+use crate::case::{self, CaseError};
 use crate::contact::Status;
+use crate::problem::Problem;
 
 /// Cell types of VTK that are plane: triangles and quadrilaterals, linear and quadratic.
 const PLANE: [u8; 4] = [5, 9, 22, 28];
@@ -15,48 +19,126 @@ const PLANE: [u8; 4] = [5, 9, 22, 28];
 const LINES: [u8; 2] = [3, 21];
 
 impl Run {
-    /// Reads the run in a results folder: `case.toml`, `fields.pvd` with its latest snapshot, `contact.csv` and `history.csv`.
+    /// Reads the run in a results folder at its latest time: `case.toml`, `fields.pvd` with its latest snapshot, `contact.csv` and `history.csv`.
     ///
     /// # Errors
     /// When a file is missing or is not what a run writes; the error names the file.
     pub fn read(folder: &Path) -> Result<Run, PlotError> {
-        let case = Case::read(&folder.join("case.toml"))?;
-        let collection = folder.join("fields.pvd");
-        let (t, file) = vtu::latest(&collection)?;
-        let path = folder.join(file);
+        let results = Results::read(folder)?;
+        results.run(results.snapshots.len() - 1)
+    }
+
+    /// Reads the run at several times, each that of the nearest snapshot, in the order of time; without times at those of a strip that shows what
+    /// happens, or at the latest alone where that is at the end.
+    ///
+    /// # Errors
+    /// As [`Run::read`]; also [`PlotError::Data`] when a time lies beyond the snapshots.
+    pub fn frames(folder: &Path, times: &[f64]) -> Result<Vec<Run>, PlotError> {
+        let results = Results::read(folder)?;
+        let snapshots: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
+        let chosen = if times.is_empty() { frames::choose(&results.history, &snapshots) } else { frames::at(times, &snapshots)? };
+        chosen.into_iter().map(|i| results.run(i)).collect()
+    }
+}
+
+/// What all times of a run have in common.
+struct Results<'f> {
+    folder: &'f Path,
+    problem: Arc<Problem>,
+    history: History,
+    /// Times and files of the fields, at least one.
+    snapshots: Vec<(f64, String)>,
+}
+
+/// The problem of the case in a results folder.
+pub(super) fn problem(folder: &Path) -> Result<Problem, PlotError> {
+    let path = folder.join("case.toml");
+    let case = case::read(&path, &[]).map_err(|error| match error {
+        CaseError::Read { path, source } => PlotError::Read { path, source },
+        faults @ CaseError::Faults { .. } => PlotError::Format { path, what: faults.to_string() },
+    })?;
+    Ok(case.problem)
+}
+
+impl Results<'_> {
+    fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
+        let problem = Arc::new(problem(folder)?);
+        let snapshots = vtu::snapshots(&folder.join("fields.pvd"))?;
+        let history = history(&Table::read(&folder.join("history.csv"))?)?;
+        Ok(Results { folder, problem, history, snapshots })
+    }
+
+    /// The run at the time of a snapshot.
+    fn run(&self, snapshot: usize) -> Result<Run, PlotError> {
+        let (t, file) = &self.snapshots[snapshot];
+        let path = self.folder.join(file);
         let grid = vtu::read(&path)?;
         let format = |what: String| PlotError::Format { path: path.clone(), what };
-        let dimension = if grid.types.iter().all(|kind| PLANE.contains(kind)) {
+        let all = |kinds: &[u8]| grid.types.iter().all(|kind| kinds.contains(kind));
+        let dimension = if all(&PLANE) {
             2
-        } else if grid.types.iter().all(|kind| LINES.contains(kind)) {
+        } else if all(&LINES) {
             1
         } else {
             3
         };
-        let snapshot = if dimension == 2 {
-            let snapshot = Snapshot {
-                body: Body::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells()).map_err(|e| format(e.to_string()))?,
-                displacement: displacement(&grid).map_err(format)?.iter().map(|u| [u[0], u[1]]).collect(),
-                temperature: field(&grid.point_data, "temperature").map_err(format)?,
-                von_mises: field(&grid.cell_data, "von_mises").map_err(format)?,
-            };
-            snapshot.check().map_err(|e| format(e.to_string()))?;
-            Some(snapshot)
-        } else {
-            None
+        let sides: Vec<String> = self.problem.contacts.iter().map(|contact| contact.on.clone()).collect();
+        let mut run = Run {
+            name: self.problem.name.clone(),
+            dimension,
+            t: *t,
+            history: self.history.clone(),
+            units: self.problem.units(),
+            // Of another mesh the foundation is not known.
+            problem: (self.problem.mesh.points.len() == grid.points.len()).then(|| self.problem.clone()),
+            sides,
+            ..Run::default()
         };
-        let points =
-            |dimension_drawn: usize| if case.has_contact && dimension == dimension_drawn { Some(Table::read(&folder.join("contact.csv"))) } else { None };
-        let contact = points(2).transpose()?.map_or_else(|| Ok(Vec::new()), |table| contact(&table, case.coulomb))?;
-        let solid = if dimension == 3 {
-            let rows = points(3).transpose()?.map_or_else(|| Ok(Vec::new()), |table| contact_in_space(&table))?;
-            Some(solid(&grid, rows).map_err(format)?)
-        } else {
-            None
-        };
-        let history = history(&Table::read(&folder.join("history.csv"))?)?;
-        Ok(Run { name: case.name, dimension, t, snapshot, contact, solid, history })
+        let table = if dimension > 1 { self.contact(snapshot)? } else { None };
+        match (dimension, table) {
+            (2, table) => {
+                run.snapshot = Some(plane(&grid).map_err(format)?);
+                run.contact = table.map_or_else(|| Ok(Vec::new()), |table| contact(&table, &run.sides))?;
+            }
+            (3, table) => {
+                let rows = table.map_or_else(|| Ok(Vec::new()), |table| contact_in_space(&table, &run.sides))?;
+                run.solid = Some(solid(&grid, rows).map_err(format)?);
+            }
+            _ => {}
+        }
+        Ok(run)
     }
+
+    /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not written.
+    fn contact(&self, snapshot: usize) -> Result<Option<Table>, PlotError> {
+        if self.problem.contacts.is_empty() {
+            return Ok(None);
+        }
+        if snapshot + 1 == self.snapshots.len() {
+            return Table::read(&self.folder.join("contact.csv")).map(Some);
+        }
+        let stem = Path::new(&self.snapshots[snapshot].1).file_stem().unwrap_or_default();
+        let path = self.folder.join("contact").join(stem).with_extension("csv");
+        if path.exists() { Table::read(&path).map(Some) } else { Ok(None) }
+    }
+}
+
+/// The fields of a plane body.
+fn plane(grid: &vtu::Grid) -> Result<Snapshot, String> {
+    let snapshot = Snapshot {
+        body: Body::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells()).map_err(|e| e.to_string())?,
+        displacement: displacement(grid)?.iter().map(|u| [u[0], u[1]]).collect(),
+        temperature: field(&grid.point_data, "temperature")?,
+        von_mises: field(&grid.cell_data, "von_mises")?,
+        nodal_von_mises: optional(&grid.point_data, "nodal_von_mises"),
+        regions: optional(&grid.cell_data, "region"),
+    };
+    snapshot.check().map_err(|e| e.to_string())?;
+    Ok(snapshot)
+}
+
+fn optional(data: &BTreeMap<String, vtu::Array>, name: &str) -> Vec<f64> {
+    data.get(name).filter(|array| array.components == 1).map(|array| array.values.clone()).unwrap_or_default()
 }
 
 /// The fields of a body in space.
@@ -66,14 +148,15 @@ fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> 
         displacement: displacement(grid)?,
         temperature: field(&grid.point_data, "temperature")?,
         von_mises: field(&grid.cell_data, "von_mises")?,
-        regions: grid.cell_data.get("region").map(|region| region.values.clone()).unwrap_or_default(),
+        nodal_von_mises: optional(&grid.point_data, "nodal_von_mises"),
+        regions: optional(&grid.cell_data, "region"),
         contact,
     };
     solid.check().map_err(|e| e.to_string())?;
     Ok(solid)
 }
 
-type Arrays = std::collections::BTreeMap<String, vtu::Array>;
+type Arrays = BTreeMap<String, vtu::Array>;
 
 /// A field of numbers; empty if the run does not have it.
 fn field(data: &Arrays, name: &str) -> Result<Vec<f64>, String> {
@@ -93,33 +176,23 @@ fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64
     if array.components == components { Ok(&array.values) } else { Err(format!("the array {name} has {} components, expected {components}", array.components)) }
 }
 
-/// What the pictures need of a case file.
-struct Case {
-    name: String,
-    has_contact: bool,
-    /// Coefficient of Coulomb's law, where that is the law of friction.
-    coulomb: Option<f64>,
-}
-
-impl Case {
-    fn read(path: &Path) -> Result<Case, PlotError> {
-        let text = table::text(path)?;
-        let case: toml::Table = text.parse().map_err(|e: toml::de::Error| PlotError::Format { path: path.to_owned(), what: e.message().to_owned() })?;
-        let name = case.get("name").and_then(toml::Value::as_str).unwrap_or_default().to_owned();
-        let contact = case.get("contact");
-        let friction = contact.and_then(|c| c.get("friction"));
-        let coefficient = friction.filter(|f| f.get("law").and_then(toml::Value::as_str) == Some("coulomb")).and_then(|f| f.get("coefficient"));
-        let coulomb = coefficient.and_then(|c| c.as_float().or_else(|| c.as_integer().map(|i| i as f64)));
-        Ok(Case { name, has_contact: contact.is_some(), coulomb })
-    }
-}
-
 /// The contact points of a body in space.
-fn contact_in_space(table: &Table) -> Result<Vec<SolidContact>, PlotError> {
-    let [x, y, z] = [table.numbers("x")?, table.numbers("y")?, table.numbers("z")?];
-    let (pressure, status) = (table.numbers("pressure")?, statuses(table)?);
+fn contact_in_space(table: &Table, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
+    let triple = |name: &str| -> Result<[Vec<f64>; 3], PlotError> {
+        Ok([table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?, table.numbers(&format!("{name}z"))?])
+    };
+    let ([x, y, z], slip) = (triple("")?, triple("slip_velocity_")?);
+    let (pressure, status, side) = (table.numbers("pressure")?, statuses(table)?, on_sides(table, sides)?);
     let [wear, friction_work] = worn(table, x.len())?;
-    let row = |i: usize| SolidContact { x: [x[i], y[i], z[i]], pressure: pressure[i], status: status[i], wear: wear[i], friction_work: friction_work[i] };
+    let row = |i: usize| SolidContact {
+        x: [x[i], y[i], z[i]],
+        pressure: pressure[i],
+        status: status[i],
+        slip_velocity: [slip[0][i], slip[1][i], slip[2][i]],
+        wear: wear[i],
+        friction_work: friction_work[i],
+        side: side[i],
+    };
     Ok((0..x.len()).map(row).collect())
 }
 
@@ -127,6 +200,16 @@ fn contact_in_space(table: &Table) -> Result<Vec<SolidContact>, PlotError> {
 fn worn(table: &Table, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
     let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
     Ok([column("wear")?, column("friction_work")?])
+}
+
+/// The side of each contact point; the first where the table does not say.
+fn on_sides(table: &Table, sides: &[String]) -> Result<Vec<usize>, PlotError> {
+    if !table.has("side") {
+        return Ok(vec![0; table.rows()]);
+    }
+    let names: Vec<String> = table.column("side")?;
+    let fault = |name: &String| PlotError::Format { path: table.path().to_owned(), what: format!("the side `{name}` is none of {}", sides.join(", ")) };
+    names.iter().map(|name| sides.iter().position(|side| side == name).ok_or_else(|| fault(name))).collect()
 }
 
 /// The states of the contact points.
@@ -142,7 +225,7 @@ fn statuses(table: &Table) -> Result<Vec<Status>, PlotError> {
     words.iter().map(status).collect()
 }
 
-fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotError> {
+fn contact(table: &Table, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
     let pairs = |name: &str| -> Result<Vec<[f64; 2]>, PlotError> {
         let (x, y) = (table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
@@ -151,14 +234,14 @@ fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotE
     let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
     let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
     let (temperature, heat_flux) = (of_heat("temperature")?, of_heat("heat_flux")?);
-    let status = statuses(table)?;
+    let (status, side) = (statuses(table)?, on_sides(table, sides)?);
     let [wear, friction_work] = worn(table, x.len())?;
     let bound = if table.has("bound") { Some(table.numbers("bound")?) } else { None };
     let row = |i: usize| ContactRow {
         x: x[i],
         penetration: penetration[i],
         pressure: pressure[i],
-        bound: bound.as_ref().map(|b| b[i]).or(coulomb.map(|mu| mu * pressure[i])),
+        bound: bound.as_ref().map(|b| b[i]),
         traction: traction[i],
         slip_velocity: slip_velocity[i],
         status: status[i],
@@ -166,6 +249,7 @@ fn contact(table: &Table, coulomb: Option<f64>) -> Result<Vec<ContactRow>, PlotE
         heat_flux: heat_flux[i],
         wear: wear[i],
         friction_work: friction_work[i],
+        side: side[i],
     };
     Ok((0..x.len()).map(row).collect())
 }

@@ -1,36 +1,79 @@
-//! The contact side of a body in space: pressure and state of each contact point, wear and work of friction.
+//! The contact sides of a body in space, each seen from outside the body: pressure, state and direction of slip of each point, wear.
 
 use std::collections::{HashMap, HashSet};
 
 use super::axes::{self, LEGEND, NUMBER, Sign};
 use super::body::{Body, window};
 use super::color::{Color, ColorMap, GREY, INK};
-use super::field::{Bar, Quantity};
+use super::field::{self, Bar, Quantity};
 use super::picture::{Line, Picture, Rect, Stroke};
+use super::plane::typeset;
 use super::profiles::{STATUSES, color};
-use super::run::{Solid, SolidContact};
-use super::shade::{self, Values};
+use super::run::{Run, Solid, SolidContact, at_corners};
 use super::sheet::{self, Frame, Plan, Room};
-use super::{Kind, Options, Panel, PlotError, ticks, title};
+use super::surface::{dot, norm};
+use super::{Kind, Options, Panel, PlotError, shade, title};
+use crate::contact::Status;
+use crate::units::{Measure, Units};
 
 /// Pixels of an image to a unit.
 const DENSITY: f64 = 2.0;
+/// Most arrows along the longer side of a panel.
+const ARROWS: f64 = 16.0;
 
-/// Γ_C seen along the axis that is nearest to its normal.
+/// A side of Γ_C as it is seen by an eye in front of it.
 struct Side<'a> {
-    rows: &'a [SolidContact],
-    /// The coordinates that are seen.
-    shown: [usize; 2],
+    title: String,
+    rows: Vec<&'a SolidContact>,
+    view: View,
     /// The part of the surface whose nodes are the contact points; none where the points are not nodes.
     plane: Option<Plane>,
 }
 
-/// A part of a surface that is seen along an axis.
+/// From where a side is seen.
+#[derive(Clone, Copy)]
+struct View {
+    /// Unit vectors of the coordinates that are shown; the second points upwards.
+    along: [[f64; 3]; 2],
+    labels: [&'static str; 2],
+    /// Whether the first coordinate runs to the left.
+    mirrored: bool,
+}
+
+impl View {
+    /// The view of an eye in this direction: z upwards, or y, so that the eye sees the surface as it is and not through the body.
+    fn new(eye: [f64; 3]) -> View {
+        const NAMES: [&str; 3] = ["x", "y", "z"];
+        const ALONG_AXIS: f64 = 0.985;
+        let unit = |d: usize| [0, 1, 2].map(|c| if c == d { 1.0 } else { 0.0 });
+        let size = norm(eye);
+        let eye = eye.map(|c| c / size);
+        let axis = (0..3).max_by(|&i, &j| eye[i].abs().total_cmp(&eye[j].abs())).unwrap_or(2);
+        if eye[axis].abs() > ALONG_AXIS {
+            let shown = [[1, 2], [0, 2], [0, 1]][axis];
+            // right × up = eye holds for (y, z) and (x, y) in front of x and z, and for (x, z) in front of −y.
+            let right_handed = (eye[axis] > 0.0) == (axis != 1);
+            return View { along: shown.map(unit), labels: shown.map(|d| NAMES[d]), mirrored: !right_handed };
+        }
+        let upwards = if eye[2].abs() < 0.9 { unit(2) } else { unit(1) };
+        let part = dot(upwards, eye);
+        let up = [0, 1, 2].map(|c| upwards[c] - part * eye[c]);
+        let up = up.map(|c| c / norm(up));
+        let right = [up[1] * eye[2] - up[2] * eye[1], up[2] * eye[0] - up[0] * eye[2], up[0] * eye[1] - up[1] * eye[0]];
+        View { along: [right, up], labels: ["s_{1}", "s_{2}"], mirrored: false }
+    }
+
+    fn at(&self, x: [f64; 3]) -> [f64; 2] {
+        self.along.map(|direction| dot(direction, x))
+    }
+}
+
+/// A part of a surface that is seen in a plane.
 struct Plane {
     body: Body,
     /// Nodes of each facet.
     facets: Vec<Vec<u32>>,
-    /// The contact point of each node that bears one.
+    /// The contact point of each node that bears one, of the rows of the side.
     rows: Vec<Option<usize>>,
 }
 
@@ -41,78 +84,117 @@ struct Field {
 }
 
 impl Field {
-    /// What a picture shows: of wear and friction work what there is of them.
+    /// What a picture shows: pressure, and work of friction where there is some, or wear.
     fn of(kind: Kind, panels: &[Panel]) -> Vec<Field> {
-        let field = |name, symbol, unit, map, of| Field { quantity: Quantity { name, symbol, unit, map }, of };
-        if kind != Kind::Wear {
-            return vec![field("pressure", "p_{ν}", "Pa", ColorMap::Viridis, |row| row.pressure)];
+        let field = |name, symbol, measure, map, of| Field { quantity: Quantity { name, symbol, measure, map }, of };
+        if kind == Kind::Wear {
+            return vec![field("depth worn off", "depth", Measure::Length, ColorMap::Viridis, |row| row.wear)];
         }
-        let [wear, work] = [0, 1].map(|i| panels.iter().any(|panel| panel.run.worn()[i]));
-        let wear = wear.then(|| field("depth worn off", "depth", "m", ColorMap::Viridis, |row| row.wear));
-        let work = work.then(|| field("friction work since the start", "work", "J/m^{2}", ColorMap::Inferno, |row| row.friction_work));
-        wear.into_iter().chain(work).collect()
+        let work = panels.iter().any(|panel| panel.run.worn()[1]);
+        let pressure = field("pressure", "p", Measure::Stress, ColorMap::Viridis, |row| row.pressure);
+        let work = work.then(|| field("friction work since the start", "work", Measure::SurfaceWork, ColorMap::Inferno, |row| row.friction_work));
+        std::iter::once(pressure).chain(work).collect()
     }
 }
 
-impl Side<'_> {
-    fn of(solid: &Solid) -> Result<Side<'_>, PlotError> {
+/// The sides of a run, each from in front; one that bends around, such as a bore, from two opposite directions.
+fn sides<'a>(panel: &Panel, run: &'a Run, solid: &'a Solid) -> Result<Vec<Side<'a>>, PlotError> {
+    let count = solid.contact.iter().map(|row| row.side + 1).max().unwrap_or(0);
+    let mut all = Vec::new();
+    for number in 0..count {
+        let rows: Vec<&SolidContact> = solid.contact.iter().filter(|row| row.side == number).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let title = format!("{}{}", panel.title, run.side(number)).trim_start().to_owned();
+        all.extend(Side::of(title, &rows, solid)?);
+    }
+    Ok(all)
+}
+
+impl<'a> Side<'a> {
+    fn of(title: String, rows: &[&'a SolidContact], solid: &Solid) -> Result<Vec<Side<'a>>, PlotError> {
         // Positions have the same bits in both files; adding zero makes −0 and 0 one.
         let key = |p: [f64; 3]| p.map(|x| (x + 0.0).to_bits());
-        let rows: HashMap<[u64; 3], usize> = solid.contact.iter().enumerate().map(|(i, row)| (key(row.x), i)).collect();
+        let numbers: HashMap<[u64; 3], usize> = rows.iter().enumerate().map(|(i, row)| (key(row.x), i)).collect();
         let surface = &solid.surface;
-        let row = |n: u32| rows.get(&key(surface.points[n as usize])).copied();
+        let row = |n: u32| numbers.get(&key(surface.points[n as usize])).copied();
         // Vertices of quadratic triangles may bear no contact point.
         let bearing = |nodes: &[u32]| nodes.iter().skip(if nodes.len() == 6 { 3 } else { 0 }).all(|&n| row(n).is_some());
         let facets: Vec<usize> = (0..surface.facets.len()).filter(|&f| bearing(&surface.facets[f].0)).collect();
         let on_facets: HashSet<u32> = facets.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
-        let sum = |sizes: &mut [f64; 3], normal: [f64; 3]| sizes.iter_mut().zip(normal).for_each(|(s, n)| *s += n.abs());
-        let mut sizes = [0.0; 3];
-        let are_nodes = on_facets.iter().filter(|&&n| row(n).is_some()).count() == solid.contact.len();
-        if are_nodes {
-            for &f in &facets {
-                sum(&mut sizes, surface.normal(f));
-            }
-        } else {
+        if on_facets.iter().filter(|&&n| row(n).is_some()).count() != rows.len() {
             // The points alone: they lie flattest along the axis of their least extent.
-            let extent = |d: usize| axes::range(solid.contact.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);
-            sizes = [0, 1, 2].map(|d| -extent(d));
+            let extent = |d: usize| axes::range(rows.iter().map(|r| r.x[d])).map_or(0.0, |[lo, hi]| hi - lo);
+            let axis = (0..3).min_by(|&i, &j| extent(i).total_cmp(&extent(j))).unwrap_or(2);
+            let eye = [0, 1, 2].map(|d| if d == axis { 1.0 } else { 0.0 });
+            return Ok(vec![Side { title, rows: rows.to_vec(), view: View::new(eye), plane: None }]);
         }
-        let along = (0..3).max_by(|&i, &j| sizes[i].total_cmp(&sizes[j])).unwrap_or(2);
-        let shown = [[1, 2], [0, 2], [0, 1]][along];
-        let mut side = Side { rows: &solid.contact, shown, plane: None };
-        if are_nodes {
-            let mut nodes: Vec<u32> = on_facets.into_iter().collect();
+        let normals: Vec<[f64; 3]> = facets.iter().map(|&f| surface.normal(f)).collect();
+        let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|d| sum[d] + n[d]));
+        let area: f64 = normals.iter().map(|n| norm(*n)).sum();
+        let eyes = if norm(sum) > 0.35 * area {
+            vec![sum]
+        } else {
+            let across = |d: usize| normals.iter().map(|n| n[d].abs()).sum::<f64>();
+            let axis = (0..3).max_by(|&i, &j| across(i).total_cmp(&across(j))).unwrap_or(0);
+            [1.0, -1.0].map(|sign| [0, 1, 2].map(|d| if d == axis { sign } else { 0.0 })).to_vec()
+        };
+        let mut all = Vec::new();
+        for &eye in &eyes {
+            let view = View::new(eye);
+            let seen: Vec<usize> = facets.iter().zip(&normals).filter(|(_, n)| dot(**n, eye) > 0.0).map(|(f, _)| *f).collect();
+            let mut nodes: Vec<u32> = seen.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
             nodes.sort_unstable();
+            nodes.dedup();
             let number: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, &n)| (n, i as u32)).collect();
-            let points = nodes.iter().map(|&n| shown.map(|d| surface.points[n as usize][d])).collect();
-            let cells: Vec<Vec<u32>> = facets.iter().map(|&f| surface.facets[f].0.iter().map(|n| number[n]).collect()).collect();
+            let points = nodes.iter().map(|&n| view.at(surface.points[n as usize])).collect();
+            let cells: Vec<Vec<u32>> = seen.iter().map(|&f| surface.facets[f].0.iter().map(|n| number[n]).collect()).collect();
             let body = Body::new(points, cells.iter().map(Vec::as_slice))?;
-            side.plane = Some(Plane { body, facets: cells, rows: nodes.iter().map(|&n| row(n)).collect() });
+            let plane = Plane { body, facets: cells, rows: nodes.iter().map(|&n| row(n)).collect() };
+            let from = if eyes.len() > 1 {
+                format!(", seen from {}{}", if eye.iter().sum::<f64>() > 0.0 { "+" } else { "−" }, axis_name(eye))
+            } else {
+                String::new()
+            };
+            all.push(Side { title: format!("{title}{from}"), rows: rows.to_vec(), view, plane: Some(plane) });
         }
-        Ok(side)
+        Ok(all)
+    }
+
+    /// The rows that are seen.
+    fn seen(&self) -> Vec<&'a SolidContact> {
+        match &self.plane {
+            Some(plane) => plane.rows.iter().flatten().filter_map(|&row| self.rows.get(row).copied()).collect(),
+            None => self.rows.clone(),
+        }
     }
 
     fn at(&self, row: &SolidContact) -> [f64; 2] {
-        self.shown.map(|d| row.x[d])
+        self.view.at(row.x)
     }
 
     fn window(&self) -> [[f64; 2]; 2] {
-        window(&self.rows.iter().map(|row| self.at(row)).collect::<Vec<_>>())
+        window(&self.seen().into_iter().map(|row| self.at(row)).collect::<Vec<_>>())
     }
 
     /// A panel for each field, which has these extents, and one for the states.
-    fn plans(&self, name: &str, fields: &[Field], extents: &[[f64; 2]], has_states: bool, options: &Options) -> Vec<Plan> {
-        const NAMES: [&str; 3] = ["x", "y", "z"];
-        let heading = |what: &str| if name.is_empty() { what.to_owned() } else { format!("{name}: {what}") };
-        let plan =
-            |what: &str, note: String| Plan { title: heading(what), note, window: sheet::widened(self.window(), 0.04), labels: self.shown.map(|d| NAMES[d]) };
-        let field = |(field, [lo, hi]): (&Field, &[f64; 2])| {
-            let note = format!("min {}, max {} {}", ticks::number(*lo), ticks::number(*hi), options.unit(field.quantity.unit));
-            plan(field.quantity.name, note.trim_end().to_owned())
+    fn plans(&self, fields: &[Field], extents: &[[f64; 2]], has_states: bool, units: Units) -> Vec<Plan> {
+        let heading = |what: &str| if self.title.is_empty() { what.to_owned() } else { format!("{}: {what}", self.title) };
+        let plan = |what: &str, note: String| Plan {
+            title: heading(what),
+            note,
+            window: sheet::widened(self.window(), 0.04),
+            labels: self.view.labels,
+            mirrored: self.view.mirrored,
         };
-        let count = |status| self.rows.iter().filter(|row| row.status == status).count();
-        let states = || STATUSES.map(|s| format!("{} {}", count(s), s.name())).join(", ");
-        let states = has_states.then(|| plan("state of the contact points", states()));
+        let field = |(field, extent): (&Field, &[f64; 2])| plan(field.quantity.name, field::extremes(units, *extent, field.quantity.measure));
+        let seen = self.seen();
+        let count = |status| seen.iter().filter(|row| row.status == status).count();
+        let fastest = seen.iter().filter(|row| row.status == Status::Slip).map(|row| norm(row.slip_velocity)).fold(0.0, f64::max);
+        let slip = if fastest > 0.0 { format!("; slip up to {}", typeset(&units.write(fastest, Measure::Velocity))) } else { String::new() };
+        let states = || format!("{}{slip}", STATUSES.map(|s| format!("{} {}", count(s), s.name())).join(", "));
+        let states = has_states.then(|| plan("state and direction of slip", states()));
         fields.iter().zip(extents).map(field).chain(states).collect()
     }
 
@@ -125,18 +207,23 @@ impl Side<'_> {
     fn field(&self, picture: &mut Picture, frame: &Frame, field: &Field, range: [f64; 2]) {
         let map = field.quantity.map;
         if let Some(plane) = &self.plane {
-            let values = plane.values(|row| self.rows.get(row).map(field.of));
+            let nodal = plane.values(|row| self.rows.get(row).map(|row| (field.of)(row)));
+            let values = at_corners(&plane.body.triangles, &plane.body.owners, &nodal, (&[], &[]));
             let [x, y] = plane.body.window();
             let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
-            let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
+            let place = Rect { x: a[0].min(b[0]), y: a[1], width: (b[0] - a[0]).abs(), height: b[1] - a[1] };
             let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-            picture.image(place, shade::image(&plane.body, Values::Nodes(&values), map, range, pixels(place.width), pixels(place.height)));
+            let mut image = shade::image(&plane.body, &values, map, range, [pixels(place.width), pixels(place.height)]);
+            if self.view.mirrored {
+                image.mirror();
+            }
+            picture.image(place, image);
         } else {
-            for row in self.rows {
+            for row in &self.rows {
                 let value = (field.of)(row);
                 let [red, green, blue] = map.at(if range[1] > range[0] { (value - range[0]) / (range[1] - range[0]) } else { 0.5 });
                 let fill = Color { red, green, blue, opacity: 1.0 };
-                picture.polygon(dot(frame.at(&self.at(row)), self.radius(frame)), fill);
+                picture.polygon(dot_at(frame.at(&self.at(row)), self.radius(frame)), fill);
             }
         }
         self.outline(picture, frame, INK);
@@ -144,10 +231,29 @@ impl Side<'_> {
 
     fn states(&self, picture: &mut Picture, frame: &Frame) {
         self.outline(picture, frame, GREY);
+        let seen = self.seen();
         for status in STATUSES {
-            let of = |row: &&SolidContact| row.status == status;
-            let line = |row: &SolidContact| Line { points: dot(frame.at(&self.at(row)), self.radius(frame)), closed: true };
-            picture.shape(self.rows.iter().filter(of).map(line).collect(), Some(color(status)), None);
+            let of = |row: &&&SolidContact| row.status == status;
+            let line = |row: &&SolidContact| Line { points: dot_at(frame.at(&self.at(row)), self.radius(frame)), closed: true };
+            picture.shape(seen.iter().filter(of).map(line).collect(), Some(color(status)), None);
+        }
+        self.arrows(picture, frame, &seen);
+    }
+
+    /// The direction in which the body slips on the foundation, at most one arrow in each square of a grid.
+    fn arrows(&self, picture: &mut Picture, frame: &Frame, seen: &[&SolidContact]) {
+        let each = frame.rect.width.max(frame.rect.height) / ARROWS;
+        let mut taken = HashSet::new();
+        for row in seen.iter().filter(|row| row.status == Status::Slip) {
+            let at = frame.at(&self.at(row));
+            let square = at.map(|x| (x / each).floor() as i64);
+            let [right, up] = self.view.at(row.slip_velocity);
+            let (dx, dy) = (if self.view.mirrored { -right } else { right }, -up);
+            let size = dx.hypot(dy);
+            if size > 1e-9 * norm(row.slip_velocity) && taken.insert(square) {
+                let half = [0.42 * each * dx / size, 0.42 * each * dy / size];
+                picture.arrow([at[0] - half[0], at[1] - half[1]], [at[0] + half[0], at[1] + half[1]], INK, 1.2);
+            }
         }
     }
 
@@ -156,6 +262,16 @@ impl Side<'_> {
             let lines: Vec<_> = body.boundary.iter().map(|e| e.map(|n| frame.at(&body.points[n as usize]))).collect();
             picture.lines(&lines, Stroke::new(color, 0.9));
         }
+    }
+}
+
+fn axis_name(eye: [f64; 3]) -> &'static str {
+    if eye[0] != 0.0 {
+        "x"
+    } else if eye[1] != 0.0 {
+        "y"
+    } else {
+        "z"
     }
 }
 
@@ -183,51 +299,59 @@ fn extended(nodes: &[u32], known: impl Fn(u32) -> Option<f64>) -> Vec<(u32, f64)
 }
 
 /// A disc as a polygon of ten corners.
-fn dot([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+fn dot_at([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     let angle = |i: u32| f64::from(i) * std::f64::consts::TAU / 10.0;
     (0..10).map(|i| [x + radius * angle(i).cos(), y + radius * angle(i).sin()]).collect()
 }
 
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+    let units = super::units(panels, options);
     let fields = Field::of(kind, panels);
     let has_states = kind != Kind::Wear;
-    let mut sides = Vec::new();
+    let mut all = Vec::new();
     for panel in panels {
         if let Some(solid) = &panel.run.solid {
-            sides.push((panel.title, Side::of(solid)?));
+            all.extend(sides(panel, panel.run, solid)?);
         }
     }
-    let shown: Vec<(&Side, &Field)> = sides.iter().flat_map(|(_, side)| fields.iter().map(move |field| (side, field))).collect();
-    let extents: Vec<[f64; 2]> = shown.iter().map(|(side, field)| axes::range(side.rows.iter().map(field.of)).unwrap_or([0.0, 1.0])).collect();
+    let shown: Vec<(&Side, &Field)> = all.iter().flat_map(|side| fields.iter().map(move |field| (side, field))).collect();
+    let extents: Vec<[f64; 2]> = shown.iter().map(|(side, field)| axes::range(side.rows.iter().map(|row| (field.of)(row))).unwrap_or([0.0, 1.0])).collect();
     let common = |i: usize| axes::range(extents.iter().skip(i % fields.len()).step_by(fields.len()).flatten().copied()).unwrap_or([0.0, 1.0]);
     let range = |i: usize| if options.shared_scale { common(i) } else { extents[i] };
-    let titled = sides.iter().map(|(name, side)| (*name, side)).zip(extents.chunks(fields.len().max(1)));
-    let plans: Vec<Plan> = titled.flat_map(|((name, side), extents)| side.plans(name, &fields, extents, has_states, options)).collect();
-    let wide = sheet::is_wide(&plans);
-    let bar = |(i, (_, field)): (usize, &(&Side, &Field))| Bar::new(&field.quantity, range(i), extents[i], options.unit(field.quantity.unit), wide);
-    let bars: Vec<Bar> = shown.iter().enumerate().map(bar).collect();
-    let room = if wide {
-        Room { right: 8.0, below: 50.0, ..Room::default() }
-    } else {
-        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
-    };
-    let above = if has_states { LEGEND } else { 0.0 };
-    let what = if has_states { "contact" } else { "wear" };
-    let (mut picture, frames) = sheet::lay_out(&title(panels, what, options), &plans, Room { above, ..room }, options);
-    if has_states {
-        let legend: Vec<(Sign, String)> = STATUSES.map(|s| (Sign::Box(color(s)), s.name().to_owned())).to_vec();
-        let width = axes::line_width(&legend);
-        let left = 0.5 * (picture.width - width);
-        axes::legend(&mut picture, [left, 30.0 + LEGEND + 0.3 * NUMBER], width, &legend);
-    }
-    let mut frames = frames.iter();
-    for ((i, (side, field)), bar) in shown.iter().enumerate().zip(&bars) {
-        let Some(frame) = frames.next() else { break };
-        bar.draw(&mut picture, frame.rect);
-        side.field(&mut picture, frame, field, bar.range);
-        if has_states && (i + 1) % fields.len() == 0 {
-            frames.next().into_iter().for_each(|frame| side.states(&mut picture, frame));
+    let mut rows = Vec::new();
+    let legend: Vec<(Sign, String)> = STATUSES.map(|s| (Sign::Box(color(s)), s.name().to_owned())).to_vec();
+    let heading = title(panels, if has_states { "contact" } else { "wear" }, options);
+    // A row of panels per side and time.
+    for (s, (side, extents)) in all.iter().zip(extents.chunks(fields.len().max(1))).enumerate() {
+        let plans = side.plans(&fields, extents, has_states, units);
+        let wide = sheet::is_wide(&plans);
+        let bars: Vec<Bar> = fields
+            .iter()
+            .zip(extents)
+            .enumerate()
+            .map(|(f, (field, extent))| Bar::new(&field.quantity, range(s * fields.len() + f), *extent, units, wide))
+            .collect();
+        let room = if wide {
+            Room { right: 8.0, below: 50.0, ..Room::default() }
+        } else {
+            Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), ..Room::default() }
+        };
+        let first = s == 0;
+        let room = Room { above: if first && has_states { LEGEND } else { 0.0 }, ..room };
+        let (mut row, frames) = sheet::lay_out(if first { &heading } else { "" }, &plans, room, units);
+        if first && has_states {
+            let width = axes::line_width(&legend);
+            let left = 0.5 * (row.width - width);
+            axes::legend(&mut row, [left, 30.0 + LEGEND + 0.3 * NUMBER], width, &legend);
         }
+        for ((field, bar), frame) in fields.iter().zip(&bars).zip(&frames) {
+            bar.draw(&mut row, frame.rect);
+            side.field(&mut row, frame, field, bar.range);
+        }
+        if let Some(frame) = frames.get(fields.len()) {
+            side.states(&mut row, frame);
+        }
+        rows.push(row);
     }
-    Ok(picture)
+    Ok(Picture::stacked(heading, rows))
 }

@@ -6,8 +6,10 @@ use super::picture::{Picture, Stroke};
 use super::profiles::{STATUSES, color};
 use super::run::{History, Run};
 use super::{Options, Panel, PlotError, axes, heading};
+use crate::units::{Measure, Units};
 
 pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
+    let units = super::units(panels, options);
     let mut columns = Vec::new();
     for panel in panels {
         let history = &panel.run.history;
@@ -18,12 +20,13 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
         let [first, last] = axes::range(times.iter().copied()).unwrap_or([0.0, 1.0]);
         // A run starts at 0, one step before its first row.
         let x = if first > 0.0 { [0.0, last] } else { axes::padded([first, last], 0.0) };
-        let charts = chart_list(panel.run, options);
+        let charts = chart_list(panel.run, units);
         columns.push(Column {
             title: panel.title.to_owned(),
             x,
             x_label: "time t".to_owned(),
-            x_unit: options.unit("s").to_owned(),
+            x_units: units,
+            x_measure: Measure::Time,
             bands: Vec::new(),
             charts,
         });
@@ -36,89 +39,68 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     Ok(charts::draw(&heading(panels, "history"), &[], &columns, options.shared_scale))
 }
 
-/// A unit in d dimensions: what is integrated over a plane body is per unit of thickness.
-fn per_thickness(unit: &str, dimension: usize) -> String {
-    match dimension {
-        1 => format!("{unit}/m^{{2}}"),
-        2 => format!("{unit}/m"),
-        _ => unit.to_owned(),
-    }
+/// Lines of columns by their names and labels, those that are not zero throughout.
+fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
+    // Small quantities lie upon each other near zero: the later lines have gaps through which the earlier ones show.
+    let dashes: [&[f64]; 5] = [&[], &[], &[], &[7.0, 4.0], &[2.0, 3.0]];
+    let known = columns.iter().zip(LINES.into_iter().zip(dashes)).filter(|((name, _), _)| run.has(name));
+    let series = known.map(|((name, label), (color, dashes))| Series {
+        label: (*label).to_owned(),
+        stroke: Stroke::new(color, 1.6).dashed(dashes),
+        pieces: vec![points(&run.history, name)],
+    });
+    series.collect()
 }
 
-fn chart_list(run: &Run, options: &Options) -> Vec<Chart> {
+/// Charts of what the run has, the closing error always.
+fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     let history = &run.history;
-    let unit = |unit: &str| if options.dimensionless { String::new() } else { per_thickness(unit, run.dimension) };
-    let chart = |quantity: &str, unit: String, columns: &[(&str, &str)]| {
-        let known = columns.iter().filter(|(name, _)| history.contains_key(*name));
-        // Small quantities lie upon each other near zero: the later lines have gaps through which the earlier ones show.
-        let dashes: [&[f64]; 5] = [&[], &[], &[], &[7.0, 4.0], &[2.0, 3.0]];
-        let series = known.zip(LINES.into_iter().zip(dashes)).map(|((name, label), (color, dashes))| Series {
-            label: (*label).to_owned(),
-            stroke: Stroke::new(color, 1.6).dashed(dashes),
-            pieces: vec![points(history, name)],
-        });
-        Chart { quantity: quantity.to_owned(), unit, areas: Vec::new(), series: series.collect(), zero: true }
-    };
+    let chart =
+        |quantity: &str, measure: Measure, series: Vec<Series>| Chart { quantity: quantity.to_owned(), units, measure, areas: Vec::new(), series, zero: true };
+    let of = |quantity: &str, measure: Measure, columns: &[(&str, &str)]| chart(quantity, measure, lines(run, columns));
     let counts = STATUSES.map(|s| history.get(s.name()));
     let has_contact = counts.iter().flatten().any(|count| count.iter().any(|&c| c > 0.0));
-    let contact_energy: &[(&str, &str)] = if has_contact { &[("contact_energy", "contact")] } else { &[] };
-    let energies = [&[("kinetic", "kinetic"), ("elastic", "elastic")], contact_energy].concat();
-    let mut charts = vec![
-        chart("energies", unit("J"), &energies),
-        chart(
-            "work and dissipation since the start",
-            unit("J"),
-            &[
-                ("load_work", "loads"),
-                ("thermal_work", "thermal"),
-                ("viscous_dissipation", "viscous"),
-                ("friction_dissipation", "friction"),
-                ("scheme_dissipation", "time scheme"),
-            ],
-        ),
-        chart("closing error of the energy balance", unit("J"), &[("closing_error", "")]),
+    let works = [
+        ("load_work", "loads"),
+        ("thermal_work", "thermal"),
+        ("viscous_dissipation", "viscous"),
+        ("friction_dissipation", "friction"),
+        ("scheme_dissipation", "time scheme"),
     ];
+    let mut charts = vec![
+        of("energies", Measure::Energy, &[("kinetic", "kinetic"), ("elastic", "elastic"), ("contact_energy", "contact")]),
+        of("work and dissipation since the start", Measure::Energy, &works),
+    ];
+    charts.retain(|chart| !chart.series.is_empty());
+    if let Some(error) = history.contains_key("closing_error").then(|| points(history, "closing_error")) {
+        let series = vec![Series { label: String::new(), stroke: Stroke::new(LINES[0], 1.6), pieces: vec![error] }];
+        charts.push(chart("closing error of the energy balance", Measure::Energy, series));
+    }
     if has_contact {
-        charts.push(chart("contact force", unit("N"), &[("contact_force_x", "x"), ("contact_force_y", "y"), ("contact_force_z", "z")]));
-        charts.push(status_chart(history));
-        let is_lumped = has(history, "heat_foundation");
-        let of_foundation = if is_lumped { &[("heat_foundation", "content of the foundation")][..] } else { &[] };
-        let heat = [&[("heat_content", "content"), ("heat_contact", "left through Γ_{C} since the start")], of_foundation].concat();
-        charts.push(chart("heat", unit("J"), &heat));
-        charts.extend(surface_charts(run, options));
-    } else {
-        charts.push(chart("heat", unit("J"), &[("heat_content", "content")]));
+        let force = of("contact force", Measure::Force, &[("contact_force_x", "x"), ("contact_force_y", "y"), ("contact_force_z", "z")]);
+        charts.extend(Some(force).filter(|chart| !chart.series.is_empty()));
+        charts.push(status_chart(history, units));
+    }
+    if run.has_heat() {
+        let columns = [("heat_content", "content"), ("heat_contact", "left through Γ_{C} since the start"), ("heat_foundation", "content of the foundation")];
+        charts.extend(Some(of("heat", Measure::Energy, &columns)).filter(|chart| !chart.series.is_empty()));
+    }
+    if has_contact {
+        charts.extend(surface_charts(run, &chart));
     }
     charts
 }
 
-/// Whether a column has values other than zero.
-fn has(history: &History, name: &str) -> bool {
-    history.get(name).is_some_and(|column| column.iter().any(|v| *v != 0.0))
-}
-
-/// What friction, wear and the heat of the foundation are over time, where there is something to show.
-fn surface_charts(run: &Run, options: &Options) -> Vec<Chart> {
+/// What friction, wear and the temperature of the foundation are over time, where there is something to show.
+fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Vec<Chart> {
     let history = &run.history;
-    let chart = |quantity: &str, unit: &str, series: Vec<Series>| Chart {
-        quantity: quantity.to_owned(),
-        unit: if options.dimensionless { String::new() } else { unit.to_owned() },
-        areas: Vec::new(),
-        series,
-        zero: true,
-    };
     let line = |label: &str, color: usize, pieces: Vec<[f64; 2]>| Series {
         label: label.to_owned(),
         stroke: Stroke::new(LINES[color % LINES.len()], 1.6),
         pieces: vec![pieces],
     };
-    let [area, volume] = match run.dimension {
-        1 => ["", "m"],
-        2 => ["m", "m^{2}"],
-        _ => ["m^{2}", "m^{3}"],
-    };
     let mut charts = Vec::new();
-    if has(history, "friction_dissipation") {
+    if run.has("friction_dissipation") {
         // The mean over each step, from the works since the start.
         let mut before = [0.0; 2];
         let power = points(history, "friction_dissipation").into_iter().map(|now| {
@@ -126,19 +108,21 @@ fn surface_charts(run: &Run, options: &Options) -> Vec<Chart> {
             before = now;
             [now[0], if mean.is_finite() { mean } else { 0.0 }]
         });
-        charts.push(chart("power of friction", &per_thickness("W", run.dimension), vec![line("", 1, power.collect())]));
+        charts.push(chart("power of friction", Measure::Power, vec![line("", 1, power.collect())]));
     }
     let foundation = |name: &&String| name.starts_with("foundation_temperature");
     let lines = history.keys().filter(foundation).enumerate();
     let lines: Vec<Series> = lines.map(|(i, name)| line(name.split_once('@').map_or("", |(_, side)| side), i, points(history, name))).collect();
     if !lines.is_empty() {
-        charts.push(chart("temperature of the foundation", "K", lines));
+        charts.push(chart("temperature of the foundation", Measure::Temperature, lines));
     }
-    for (name, quantity, unit) in
-        [("contact_area", "area of contact", area), ("wear_max", "largest depth worn off", "m"), ("wear_volume", "volume worn off", volume)]
-    {
-        if has(history, name) {
-            charts.push(chart(quantity, unit, vec![line("", 0, points(history, name))]));
+    for (name, quantity, measure) in [
+        ("contact_area", "area of contact", Measure::Area),
+        ("wear_max", "largest depth worn off", Measure::Length),
+        ("wear_volume", "volume worn off", Measure::Volume),
+    ] {
+        if run.has(name) {
+            charts.push(chart(quantity, measure, vec![line("", 0, points(history, name))]));
         }
     }
     charts
@@ -150,7 +134,7 @@ fn points(history: &History, name: &str) -> Vec<[f64; 2]> {
 }
 
 /// The numbers of open, sticking and slipping points, one upon the other.
-fn status_chart(history: &History) -> Chart {
+fn status_chart(history: &History, units: Units) -> Chart {
     let times = points(history, "t");
     let mut below: Vec<[f64; 2]> = times.iter().map(|p| [p[0], 0.0]).collect();
     let mut areas = Vec::new();
@@ -162,5 +146,5 @@ fn status_chart(history: &History) -> Chart {
         areas.push(Area { label: status.name().to_owned(), color: color(status), polygons: vec![polygon] });
         below = above;
     }
-    Chart { quantity: "contact points".to_owned(), unit: String::new(), areas, series: Vec::new(), zero: true }
+    Chart { quantity: "contact points".to_owned(), units, measure: Measure::Number, areas, series: Vec::new(), zero: true }
 }

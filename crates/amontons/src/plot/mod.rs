@@ -20,14 +20,16 @@ mod body;
 mod charts;
 mod color;
 mod convergence;
-mod deformed;
 mod field;
 mod folder;
 mod font;
 mod footprint;
+mod frames;
+mod ground;
 mod history;
 mod oblique;
 mod picture;
+mod plane;
 mod profiles;
 mod raster;
 mod render;
@@ -42,11 +44,13 @@ mod vtu;
 
 use std::path::{Path, PathBuf};
 
+use crate::units::{Measure, System, Units};
+
 pub use body::Body;
 pub use color::ColorMap;
 pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};
-pub use deformed::scale_factor;
 pub use picture::Picture;
+pub use plane::scale_factor;
 pub use run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
 pub use surface::Surface;
 
@@ -93,11 +97,14 @@ pub enum PlotError {
 /// How pictures are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Leave out the SI units, for a case that is dimensionless.
+    /// Leave out the units also of a case that has some.
     pub dimensionless: bool,
+    /// Times of the frames that [`folder`] draws; without any it chooses them.
+    pub times: Vec<f64>,
     /// Pixels of a PNG to a unit of the picture, which is 1/96 inch.
     pub pixels: f64,
-    /// Factor of the displacement in pictures of the deformed body; a nice one is chosen where there is none.
+    /// Factor of the displacement in pictures of the deformed body. Without it the factor is 1 where an obstacle, a curved side or a gap that varies would
+    /// make an enlarged displacement false, and a nice one elsewhere.
     pub scale_factor: Option<f64>,
     /// Whether panels side by side have one scale of values in common, or one each.
     pub shared_scale: bool,
@@ -105,34 +112,40 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Options {
-        Options { dimensionless: false, pixels: 2.0, scale_factor: None, shared_scale: false }
+        Options { dimensionless: false, times: Vec::new(), pixels: 2.0, scale_factor: None, shared_scale: false }
     }
 }
 
 impl Options {
-    /// A unit, or nothing where the case is dimensionless.
-    fn unit<'u>(&self, unit: &'u str) -> &'u str {
-        if self.dimensionless { "" } else { unit }
+    /// The units of a run, or none.
+    fn units(&self, units: Units) -> Units {
+        if self.dimensionless { units.without() } else { units }
     }
+}
 
-    /// `t = 0.5 s`.
-    fn time(&self, t: f64) -> String {
-        format!("t = {} {}", ticks::number(t), self.unit("s")).trim_end().to_owned()
-    }
+/// The units of the runs in a picture.
+fn units(panels: &[Panel], options: &Options) -> Units {
+    options.units(panels.first().map(|panel| panel.run.units).unwrap_or_default())
+}
+
+/// `t = 0.5 s`.
+fn time(t: f64, units: Units) -> String {
+    format!("t = {} {}", ticks::number(t), units.of(Measure::Time)).trim_end().to_owned()
 }
 
 /// What a picture of a run shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// The deformed mesh over the undeformed one; of a body in space, coloured by the displacement.
+    /// The deformed mesh and its foundation, coloured by the displacement.
     Deformed,
     /// The temperature.
     Temperature,
-    /// The von Mises stress.
+    /// The von Mises stress, recovered at the nodes.
     VonMises,
-    /// Pressure, friction, slip velocity, gap, temperature and heat flux along Γ_C; pressure and states on that of a body in space.
+    /// Pressure, friction with its cone, slip velocity, gap, temperature and heat flux along each side of Γ_C; pressure, states and directions of slip on
+    /// each side of a body in space.
     Contact,
-    /// Depth worn off and work of friction on Γ_C, what there is of them.
+    /// Depth worn off on Γ_C.
     Wear,
     /// Energies, works, contact force, contact states, heat, friction power, wear and the temperature of the foundation over time.
     History,
@@ -155,16 +168,28 @@ impl Kind {
         }
     }
 
-    /// Whether a run has what the picture shows: the fields of a body that is plane or in space, contact, wear or friction work, or rows of its history.
+    /// Whether a run has the data that the picture shows: the fields of a body that is plane or in space, contact, wear, or rows of its history.
     #[must_use]
     pub fn is_in(self, run: &Run) -> bool {
         match self {
             Kind::Temperature => run.fields()[0],
             Kind::Deformed | Kind::VonMises => run.fields()[1],
             Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty() || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty()),
-            Kind::Wear => Kind::Contact.is_in(run) && run.worn().contains(&true),
+            Kind::Wear => Kind::Contact.is_in(run) && run.worn()[0],
             Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
         }
+    }
+
+    /// Whether the picture shows something: displacements that are not zero, stresses, temperatures that differ or a flow of heat.
+    #[must_use]
+    pub fn is_told_by(self, run: &Run) -> bool {
+        self.is_in(run)
+            && match self {
+                Kind::Deformed => run.has_moved(),
+                Kind::VonMises => run.has_stress(),
+                Kind::Temperature => run.has_heat(),
+                Kind::Contact | Kind::Wear | Kind::History => true,
+            }
     }
 }
 
@@ -209,8 +234,7 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
     match kind {
         Kind::Contact | Kind::Wear if in_space > 0 => footprint::draw(kind, panels, options),
         Kind::Deformed | Kind::Temperature | Kind::VonMises if in_space > 0 => Ok(oblique::draw(kind, panels, options)),
-        Kind::Deformed => deformed::draw(panels, options),
-        Kind::Temperature | Kind::VonMises => Ok(field::draw(kind, panels, options)),
+        Kind::Deformed | Kind::Temperature | Kind::VonMises => Ok(plane::draw(kind, panels, options)),
         Kind::Contact | Kind::Wear => profiles::draw(kind, panels, options),
         Kind::History => history::draw(panels, options),
     }
@@ -219,20 +243,23 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
 /// `paper: temperature at t = 1 s`, without the name where several runs stand side by side.
 fn title(panels: &[Panel], what: &str, options: &Options) -> String {
     let same_time = panels.windows(2).all(|p| p[0].run.t.total_cmp(&p[1].run.t).is_eq());
-    let when = panels.first().filter(|_| same_time).map_or_else(String::new, |p| format!(" at {}", options.time(p.run.t)));
+    let when = panels.first().filter(|_| same_time).map_or_else(String::new, |p| format!(" at {}", time(p.run.t, units(panels, options))));
     heading(panels, &format!("{what}{when}"))
 }
 
 fn heading(panels: &[Panel], what: &str) -> String {
+    // One run, at one time or at several.
+    let same = panels.windows(2).all(|p| p[0].run.name == p[1].run.name && p[0].run.t.total_cmp(&p[1].run.t).is_ne());
     match panels {
-        [Panel { run, .. }] if !run.name.is_empty() => format!("{}: {what}", run.name),
+        [Panel { run, .. }, ..] if same && !run.name.is_empty() => format!("{}: {what}", run.name),
         _ => what.chars().take(1).flat_map(char::to_uppercase).chain(what.chars().skip(1)).collect(),
     }
 }
 
 /// Draws all pictures of the run, and of the convergence study, in a results folder into its folder `plots`; returns their paths.
 ///
-/// A body in one dimension has no pictures of its fields and of Γ_C.
+/// Pictures of the body and of Γ_C show the times of the options, or those that [`Run::frames`] chooses. A body in one dimension has no pictures of its
+/// fields and of Γ_C, and what a run does not have is not drawn: no temperature without heat, no wear without wear.
 ///
 /// # Errors
 /// When a file is missing or damaged, or a picture cannot be written; the error names the file.
@@ -243,19 +270,34 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     let study = dir.join("convergence.csv");
     let is_study = study.exists();
     if is_study {
-        let plot = ConvergencePlot::read(&study, options)?;
+        let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == System::Dimensionless;
+        let plot = ConvergencePlot::read(&study, &Options { dimensionless: options.dimensionless || has_none, ..options.clone() })?;
         make()?;
         paths.extend(convergence(&plot)?.save(&into.join("convergence"), options.pixels)?);
     }
     if !is_study || dir.join("fields.pvd").exists() {
-        let run = Run::read(dir)?;
+        let runs = Run::frames(dir, &options.times)?;
         make()?;
-        for kind in Kind::ALL.into_iter().filter(|kind| kind.is_in(&run)) {
-            let picture = picture(kind, &[Panel { title: "", run: &run }], options)?;
-            paths.extend(picture.save(&into.join(kind.file_name()), options.pixels)?);
+        for kind in Kind::ALL {
+            paths.extend(
+                strip(kind, &runs, options)?.map(|picture| picture.save(&into.join(kind.file_name()), options.pixels)).transpose()?.into_iter().flatten(),
+            );
         }
     }
     Ok(paths)
+}
+
+/// The picture of a run at several times, with one scale of values; none where there is nothing to show.
+fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>, PlotError> {
+    if !runs.iter().any(|run| kind.is_told_by(run)) {
+        return Ok(None);
+    }
+    // The history is that of the whole run at each time.
+    let frames: Vec<&Run> = if kind == Kind::History { runs.iter().rev().take(1).collect() } else { runs.iter().filter(|run| kind.is_in(run)).collect() };
+    let several = frames.len() > 1;
+    let titles: Vec<String> = frames.iter().map(|run| if several { time(run.t, options.units(run.units)) } else { String::new() }).collect();
+    let panels: Vec<Panel> = frames.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
+    picture(kind, &panels, &Options { shared_scale: options.shared_scale || several, ..options.clone() }).map(Some)
 }
 
 /// Draws the runs of several results folders side by side, each under its title, and writes `out`.svg and `out`.png.

@@ -66,12 +66,36 @@ pub(super) enum Item {
     Image { place: Rect, image: Image },
 }
 
+impl Item {
+    /// The item moved to the right and downwards.
+    fn moved(mut self, [dx, dy]: [f64; 2]) -> Item {
+        match &mut self {
+            Item::Shape { lines, .. } => lines.iter_mut().flat_map(|line| &mut line.points).for_each(|p| *p = [p[0] + dx, p[1] + dy]),
+            Item::Text { at, .. } => *at = [at[0] + dx, at[1] + dy],
+            Item::Image { place, .. } => (place.x, place.y) = (place.x + dx, place.y + dy),
+        }
+        self
+    }
+}
+
 /// An image of straight RGBA pixels, row by row from the top.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Image {
     pub width: u32,
     pub height: u32,
     pub rgba: Vec<u8>,
+}
+
+impl Image {
+    /// Exchanges left and right.
+    pub(super) fn mirror(&mut self) {
+        for row in self.rgba.chunks_exact_mut(4 * self.width as usize) {
+            for i in 0..self.width as usize / 2 {
+                let j = self.width as usize - 1 - i;
+                (0..4).for_each(|c| row.swap(4 * i + c, 4 * j + c));
+            }
+        }
+    }
 }
 
 #[cfg(test)]
@@ -96,6 +120,30 @@ impl Picture {
     /// A blank picture; the title is for readers who cannot see it.
     pub(super) fn new(width: f64, height: f64, title: impl Into<String>) -> Picture {
         Picture { width: width.ceil(), height: height.ceil(), title: title.into(), items: Vec::new() }
+    }
+
+    /// Pictures above each other as one.
+    pub(super) fn stacked(title: impl Into<String>, pictures: Vec<Picture>) -> Picture {
+        let width = pictures.iter().map(|p| p.width).fold(0.0, f64::max);
+        let mut all = Picture::new(width, pictures.iter().map(|p| p.height).sum(), title);
+        let mut top = 0.0;
+        for picture in pictures {
+            let by = [(0.5 * (width - picture.width)).floor(), top];
+            top += picture.height;
+            all.items.extend(picture.items.into_iter().map(|item| item.moved(by)));
+        }
+        all
+    }
+
+    /// Adds an arrow between two points.
+    pub(super) fn arrow(&mut self, from: [f64; 2], to: [f64; 2], color: Color, width: f64) {
+        let (dx, dy) = (to[0] - from[0], to[1] - from[1]);
+        let length = dx.hypot(dy);
+        let (x, y, head) = (dx / length, dy / length, (3.5 * width).min(0.6 * length));
+        let back = [to[0] - head * x, to[1] - head * y];
+        let wing = |side: f64| [back[0] - side * 0.5 * head * y, back[1] + side * 0.5 * head * x];
+        self.line(&[from, back], Stroke::new(color, width));
+        self.polygon(vec![wing(1.0), to, wing(-1.0)], color);
     }
 
     /// Width and height in units of 1/96 inch.

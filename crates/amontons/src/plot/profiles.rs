@@ -4,9 +4,10 @@ use super::axes::Sign;
 use super::charts::{self, Area, Chart, Column, Series};
 use super::color::{BLUE, Color, GREEN, INK, LINES, ORANGE, PURPLE, VERMILION};
 use super::picture::{Picture, Stroke};
-use super::run::{self, Part, Stop};
+use super::run::{self, ContactRow, Part, Stop};
 use super::{Kind, Options, Panel, PlotError, title};
 use crate::contact::Status;
+use crate::units::{Measure, Units};
 
 /// Colour of a status.
 pub(super) fn color(status: Status) -> Color {
@@ -19,26 +20,64 @@ pub(super) fn color(status: Status) -> Color {
 
 pub(super) const STATUSES: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
+/// One block of charts per side that bears contact, its columns the panels.
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
-    let mut columns = Vec::new();
-    for panel in panels {
-        let Some(snapshot) = &panel.run.snapshot else { continue };
-        let parts = run::along(&snapshot.body, &panel.run.contact)?;
-        columns.push(Column {
-            title: panel.title.to_owned(),
-            x: [0.0, parts.last().map_or(1.0, |part| part.s[1])],
-            x_label: "arc length s along Γ_{C}".to_owned(),
-            x_unit: options.unit("m").to_owned(),
-            bands: bands(&parts),
-            charts: if kind == Kind::Wear { wear_list(&parts, panel.run.worn(), options) } else { chart_list(&parts, options) },
-        });
-    }
-    if let ([column], Kind::Contact) = (&mut columns[..], kind) {
-        let right = Column { charts: column.charts.split_off(3), ..column.clone() };
-        columns.push(right);
-    }
+    let units = super::units(panels, options);
+    let sides = panels.iter().flat_map(|panel| &panel.run.contact).map(|row| row.side + 1).max().unwrap_or(1);
+    let what = if kind == Kind::Wear { "wear" } else { "contact" };
+    let has = What::of(panels);
     let legend: Vec<(Sign, String)> = STATUSES.map(|s| (Sign::Box(color(s)), s.name().to_owned())).to_vec();
-    Ok(charts::draw(&title(panels, if kind == Kind::Wear { "wear" } else { "contact" }, options), &legend, &columns, options.shared_scale))
+    let mut blocks = Vec::new();
+    for side in 0..sides {
+        let mut columns = Vec::new();
+        for panel in panels {
+            let Some(snapshot) = &panel.run.snapshot else { continue };
+            let rows: Vec<&ContactRow> = panel.run.contact.iter().filter(|row| row.side == side).collect();
+            if rows.is_empty() {
+                continue;
+            }
+            let parts = run::along(&snapshot.body, &rows)?;
+            columns.push(Column {
+                title: panel.title.to_owned(),
+                x: [0.0, parts.last().map_or(1.0, |part| part.s[1])],
+                x_label: "arc length s along Γ_{C}".to_owned(),
+                x_units: units,
+                x_measure: Measure::Length,
+                bands: bands(&parts),
+                charts: if kind == Kind::Wear { vec![wear(&parts, units)] } else { chart_list(&parts, units, has) },
+            });
+        }
+        if let ([column], Kind::Contact) = (&mut columns[..], kind) {
+            let half = column.charts.len().div_ceil(2);
+            let right = Column { charts: column.charts.split_off(half), ..column.clone() };
+            columns.push(right);
+        }
+        if !columns.is_empty() {
+            let name = panels.first().map_or_else(String::new, |panel| panel.run.side(side));
+            let legend = if kind == Kind::Wear { &[][..] } else { &legend };
+            blocks.push(charts::draw(&title(panels, &format!("{what}{name}"), options), legend, &columns, options.shared_scale));
+        }
+    }
+    Ok(Picture::stacked(title(panels, what, options), blocks))
+}
+
+/// What there is on Γ_C besides pressure and gap, in any of the panels.
+#[derive(Clone, Copy)]
+struct What {
+    friction: bool,
+    heat: bool,
+    work: bool,
+}
+
+impl What {
+    fn of(panels: &[Panel]) -> What {
+        let any = |f: &dyn Fn(&ContactRow) -> bool| panels.iter().flat_map(|panel| &panel.run.contact).any(f);
+        What {
+            friction: any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)),
+            heat: panels.iter().any(|panel| panel.run.has_heat()),
+            work: any(&|row| row.friction_work != 0.0),
+        }
+    }
 }
 
 /// Intervals of the same status, each reaching half way to the next point.
@@ -66,35 +105,37 @@ fn line(parts: &[Part], label: &str, color: Color, value: &dyn Fn(&Stop) -> f64)
 }
 
 /// A chart of one line.
-fn chart(quantity: &str, unit: &str, zero: bool, series: Series) -> Chart {
-    Chart { quantity: quantity.to_owned(), unit: unit.to_owned(), areas: Vec::new(), series: vec![series], zero }
+fn chart(quantity: &str, units: Units, measure: Measure, zero: bool, series: Series) -> Chart {
+    Chart { quantity: quantity.to_owned(), units, measure, areas: Vec::new(), series: vec![series], zero }
 }
 
-fn wear_list(parts: &[Part], [wear, work]: [bool; 2], options: &Options) -> Vec<Chart> {
-    let wear = wear.then(|| chart("depth worn off", options.unit("m"), true, line(parts, "", BLUE, &|s| s.row.wear)));
-    let work = work.then(|| chart("friction work since the start", options.unit("J/m^{2}"), true, line(parts, "", VERMILION, &|s| s.row.friction_work)));
-    wear.into_iter().chain(work).collect()
+fn wear(parts: &[Part], units: Units) -> Chart {
+    chart("depth worn off", units, Measure::Length, true, line(parts, "", BLUE, &|s| s.row.wear))
 }
 
-fn chart_list(parts: &[Part], options: &Options) -> Vec<Chart> {
-    let line = |label: &str, color: Color, value: &dyn Fn(&Stop) -> f64| line(parts, label, color, value);
+fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
     let along = |v: [f64; 2], stop: &Stop| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
-    let chart = |quantity: &str, unit: &str, zero: bool, series: Series| chart(quantity, options.unit(unit), zero, series);
-    let mut friction = chart("friction traction", "Pa", true, line("σ_{τ} along s", VERMILION, &|s| along(s.row.traction, s)));
-    if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.bound.is_some()) {
-        let edge = |part: &Part, sign: f64| part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>();
-        let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
-        friction.areas.push(Area { label: "within ±p_{τ}".to_owned(), color: INK.with_opacity(0.13), polygons: parts.iter().map(polygon).collect() });
+    let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&Stop) -> f64| chart(quantity, units, measure, zero, line(parts, "", color, value));
+    let mut charts = vec![one("pressure p", Measure::Stress, true, BLUE, &|s| s.row.pressure)];
+    if has.friction {
+        let series = line(parts, "σ_{τ} along s", VERMILION, &|s| along(s.row.traction, s));
+        let mut friction = chart("friction traction", units, Measure::Stress, true, series);
+        if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.bound.is_some()) {
+            let edge = |part: &Part, sign: f64| part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>();
+            let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
+            let polygons = parts.iter().map(polygon).collect();
+            friction.areas.push(Area { label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(), color: INK.with_opacity(0.13), polygons });
+        }
+        charts.push(friction);
+        charts.push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| along(s.row.slip_velocity, s)));
     }
-    let mut charts = vec![
-        chart("pressure p_{ν}", "Pa", true, line("", BLUE, &|s| s.row.pressure)),
-        friction,
-        chart("slip velocity along s", "m/s", true, line("", VERMILION, &|s| along(s.row.slip_velocity, s))),
-        chart("gap g − u_{ν}", "m", true, line("", BLUE, &|s| -s.row.penetration)),
-    ];
-    if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.temperature.is_finite()) {
-        charts.push(chart("temperature θ", "K", false, line("", PURPLE, &|s| s.row.temperature)));
-        charts.push(chart("heat flux q·ν out of the body", "W/m^{2}", true, line("", GREEN, &|s| s.row.heat_flux)));
+    charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| -s.row.penetration));
+    if has.heat {
+        charts.push(one("temperature θ", Measure::Temperature, false, PURPLE, &|s| s.row.temperature));
+        charts.push(one("heat flux q·ν out of the body", Measure::HeatFlux, true, GREEN, &|s| s.row.heat_flux));
+    }
+    if has.work {
+        charts.push(one("friction work since the start", Measure::SurfaceWork, true, VERMILION, &|s| s.row.friction_work));
     }
     charts
 }

@@ -1,14 +1,17 @@
 //! What the pictures of a run show, as plain data.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
+use std::sync::Arc;
 
 use super::PlotError;
 use super::body::Body;
 use super::surface::Surface;
 use crate::contact::Status;
+use crate::problem::Problem;
+use crate::units::Units;
 
-/// A run with what there is to be drawn of it.
-#[derive(Clone, Debug)]
+/// A run at a time, with what there is to be drawn of it.
+#[derive(Clone, Debug, Default)]
 pub struct Run {
     /// Name of the case.
     pub name: String,
@@ -24,6 +27,12 @@ pub struct Run {
     pub solid: Option<Solid>,
     /// Rows a step.
     pub history: History,
+    /// Names of the sides that bear contact.
+    pub sides: Vec<String>,
+    /// The problem that was solved; without it the foundation is not drawn.
+    pub problem: Option<Arc<Problem>>,
+    /// The units of its numbers.
+    pub units: Units,
 }
 
 /// Fields of a plane body at a time.
@@ -37,6 +46,10 @@ pub struct Snapshot {
     pub temperature: Vec<f64>,
     /// Von Mises stress in each cell, Pa; empty in a run without mechanics.
     pub von_mises: Vec<f64>,
+    /// Recovered von Mises stress at each node, Pa; empty where it is not known.
+    pub nodal_von_mises: Vec<f64>,
+    /// Region of each cell; empty where it is not known.
+    pub regions: Vec<f64>,
 }
 
 impl Run {
@@ -53,6 +66,68 @@ impl Run {
         let all: Vec<[f64; 2]> = self.contact.iter().map(|row| [row.wear, row.friction_work]).chain(solid).collect();
         [0, 1].map(|i| all.iter().any(|values| values[i] != 0.0))
     }
+
+    fn temperatures(&self) -> &[f64] {
+        let solid = self.solid.as_ref().map(|s| &s.temperature);
+        self.snapshot.as_ref().map(|s| &s.temperature).or(solid).map_or(&[], Vec::as_slice)
+    }
+
+    /// Whether there is heat: temperatures that differ, or a flow of heat since the start.
+    pub(super) fn has_heat(&self) -> bool {
+        let theta = self.temperatures();
+        let first = theta.first().copied().unwrap_or_default();
+        let flows = ["heat_contact", "heat_prescribed", "heat_supplied", "heat_coupling"];
+        theta.iter().any(|v| (v - first).abs() > 1e-9 * first.abs()) || flows.iter().any(|name| self.has(name))
+    }
+
+    /// Whether a node has moved.
+    pub(super) fn has_moved(&self) -> bool {
+        let plane = self.snapshot.iter().flat_map(|s| s.displacement.iter().flatten());
+        let space = self.solid.iter().flat_map(|s| s.displacement.iter().flatten());
+        plane.chain(space).any(|u| *u != 0.0)
+    }
+
+    /// Whether a cell is under stress.
+    pub(super) fn has_stress(&self) -> bool {
+        let cells = self.snapshot.iter().flat_map(|s| &s.von_mises).chain(self.solid.iter().flat_map(|s| &s.von_mises));
+        cells.into_iter().any(|v| *v != 0.0)
+    }
+
+    /// Whether a column of the history has values other than zero.
+    pub(super) fn has(&self, column: &str) -> bool {
+        self.history.get(column).is_some_and(|values| values.iter().any(|v| *v != 0.0))
+    }
+
+    /// Name of a side in quotes; empty where it has none.
+    pub(super) fn side(&self, side: usize) -> String {
+        self.sides.get(side).filter(|name| !name.is_empty()).map_or_else(String::new, |name| format!(" on \"{name}\""))
+    }
+}
+
+/// Values at the corners of triangles: those at the nodes, but for nodes where regions meet. There a field of stresses jumps, and a corner has
+/// the mean of the cells of its own region.
+pub(super) fn at_corners(triangles: &[[u32; 3]], owners: &[u32], nodal: &[f64], (cells, regions): (&[f64], &[f64])) -> Vec<[f64; 3]> {
+    let cell = |t: usize| owners.get(t).and_then(|&c| cells.get(c as usize)).copied().unwrap_or(f64::NAN);
+    if nodal.is_empty() {
+        return (0..triangles.len()).map(|t| [cell(t); 3]).collect();
+    }
+    let region = |t: usize| owners.get(t).and_then(|&c| regions.get(c as usize)).map_or(0, |r| r.to_bits());
+    let mut sums: HashMap<(u32, u64), (f64, f64)> = HashMap::new();
+    let mut count: HashMap<u32, HashSet<u64>> = HashMap::new();
+    if regions.windows(2).any(|pair| pair[0].to_bits() != pair[1].to_bits()) {
+        for (t, nodes) in triangles.iter().enumerate() {
+            for &n in nodes {
+                count.entry(n).or_default().insert(region(t));
+                let sum = sums.entry((n, region(t))).or_default();
+                *sum = (sum.0 + cell(t), sum.1 + 1.0);
+            }
+        }
+    }
+    let value = |t: usize, n: u32| match sums.get(&(n, region(t))) {
+        Some((sum, number)) if count.get(&n).is_some_and(|all| all.len() > 1) => sum / number,
+        _ => nodal.get(n as usize).copied().unwrap_or(f64::NAN),
+    };
+    triangles.iter().enumerate().map(|(t, nodes)| nodes.map(|n| value(t, n))).collect()
 }
 
 impl Snapshot {
@@ -67,6 +142,12 @@ impl Snapshot {
             ("displacement", self.displacement.len(), nodes, self.displacement.iter().all(|u| finite(u))),
             ("temperature", self.temperature.len(), nodes, finite(&self.temperature)),
             ("von Mises stress", self.von_mises.len(), cells, finite(&self.von_mises)),
+            (
+                "von Mises stress at the nodes",
+                self.nodal_von_mises.len(),
+                if self.nodal_von_mises.is_empty() { 0 } else { nodes },
+                finite(&self.nodal_von_mises),
+            ),
         ];
         for (name, found, expected, is_finite) in fields {
             if found != expected && !(found == 0 && name != "displacement") {
@@ -91,6 +172,8 @@ pub struct Solid {
     pub temperature: Vec<f64>,
     /// Von Mises stress in each cell, Pa; empty in a run without mechanics.
     pub von_mises: Vec<f64>,
+    /// Recovered von Mises stress at each node, Pa; empty where it is not known.
+    pub nodal_von_mises: Vec<f64>,
     /// Region of each cell; empty where it is not known.
     pub regions: Vec<f64>,
     /// The contact points, in any order; empty without contact.
@@ -106,10 +189,14 @@ pub struct SolidContact {
     pub pressure: f64,
     /// Open, stick or slip.
     pub status: Status,
+    /// Slip velocity of the body against the foundation, m/s.
+    pub slip_velocity: [f64; 3],
     /// Depth worn off, m.
     pub wear: f64,
     /// Work of friction since the start, J/m².
     pub friction_work: f64,
+    /// Which of the sides of the run it is on.
+    pub side: usize,
 }
 
 impl Solid {
@@ -122,6 +209,7 @@ impl Solid {
         fits("displacement", self.displacement.as_flattened(), 3 * nodes)?;
         fits("temperature", &self.temperature, if self.temperature.is_empty() { 0 } else { nodes })?;
         fits("von Mises stress", &self.von_mises, if self.von_mises.is_empty() { 0 } else { cells })?;
+        fits("von Mises stress at the nodes", &self.nodal_von_mises, if self.nodal_von_mises.is_empty() { 0 } else { nodes })?;
         let of = |value: fn(&SolidContact) -> f64| self.contact.iter().map(value).collect::<Vec<f64>>();
         let places: Vec<f64> = self.contact.iter().flat_map(|row| row.x).collect();
         fits("place of the contact points", &places, 3 * self.contact.len())?;
@@ -167,6 +255,8 @@ pub struct ContactRow {
     pub wear: f64,
     /// Work of friction since the start, J/m².
     pub friction_work: f64,
+    /// Which of the sides of the run it is on.
+    pub side: usize,
 }
 
 /// Columns of numbers by the names of `history.csv`, one row per step.
@@ -179,10 +269,6 @@ pub(super) struct Stop<'a> {
     pub s: f64,
     /// Unit tangent in the direction of growing arc length.
     pub tangent: [f64; 2],
-    /// Unit outward normal.
-    pub normal: [f64; 2],
-    /// The two nodes of an edge on which the point lies, with their shares in it.
-    pub on: [(usize, f64); 2],
     pub row: &'a ContactRow,
 }
 
@@ -201,7 +287,7 @@ type OnEdge = (f64, usize);
 /// Follows Γ_C through its contact points, which may come in any order.
 ///
 /// A part that is not closed runs to the right, or upwards where it is more upright than level.
-pub(super) fn along<'a>(body: &Body, rows: &'a [ContactRow]) -> Result<Vec<Part<'a>>, PlotError> {
+pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part<'a>>, PlotError> {
     const NEAR: f64 = 1e-6;
     let p = |n: u32| body.points[n as usize];
     // The body lies on the left of its boundary edges: they run around it, and one leaves each node.
@@ -258,7 +344,7 @@ pub(super) fn along<'a>(body: &Body, rows: &'a [ContactRow]) -> Result<Vec<Part<
 /// The part of Γ_C that consists of these edges, its arc length beginning at `begin`.
 fn follow<'a>(
     body: &Body,
-    rows: &'a [ContactRow],
+    rows: &[&'a ContactRow],
     edges: &[[u32; 2]],
     inside: &HashMap<u32, Vec<OnEdge>>,
     at_node: &HashMap<u32, usize>,
@@ -270,27 +356,26 @@ fn follow<'a>(
     let backwards = if across[0].abs() >= across[1].abs() { across[0] < 0.0 } else { across[1] < 0.0 };
     let total: f64 = edges.iter().map(|&e| length(along(e))).sum();
     let mut stops = Vec::new();
-    let mut stop = |s: f64, direction: [f64; 2], [a, b]: [u32; 2], place: f64, r: usize| {
+    let mut stop = |s: f64, direction: [f64; 2], r: usize| {
         let t = unit(direction);
         let (s, tangent) = if backwards { (total - s, [-t[0], -t[1]]) } else { (s, t) };
-        let on = [(a as usize, 1.0 - place), (b as usize, place)];
-        stops.push(Stop { s: begin + s, tangent, normal: [t[1], -t[0]], on, row: &rows[r] });
+        stops.push(Stop { s: begin + s, tangent, row: rows[r] });
     };
     let mut s = 0.0;
     for (i, &edge) in edges.iter().enumerate() {
         let direction = unit(along(edge));
         if let Some(&r) = at_node.get(&edge[0]) {
             let before = i.checked_sub(1).map_or(direction, |i| unit(along(edges[i])));
-            stop(s, [before[0] + direction[0], before[1] + direction[1]], edge, 0.0, r);
+            stop(s, [before[0] + direction[0], before[1] + direction[1]], r);
         }
         let mut points = inside.get(&edge[0]).cloned().unwrap_or_default();
         points.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         for (place, r) in points {
-            stop(s + place * length(along(edge)), direction, edge, place, r);
+            stop(s + place * length(along(edge)), direction, r);
         }
         s += length(along(edge));
         if let (true, Some(&r)) = (i + 1 == edges.len(), at_node.get(&edge[1])) {
-            stop(s, direction, edge, 1.0, r);
+            stop(s, direction, r);
         }
     }
     if backwards {
@@ -331,6 +416,7 @@ mod tests {
             heat_flux: 0.0,
             wear: 0.0,
             friction_work: 0.0,
+            side: 0,
         }
     }
 
@@ -343,22 +429,18 @@ mod tests {
     }
 
     #[test]
-    fn sides_run_to_the_right_and_upwards_with_outward_normals() -> Outcome {
-        let sides =
-            [("bottom", [1.0, 0.0], [0.0, -1.0]), ("top", [1.0, 0.0], [0.0, 1.0]), ("left", [0.0, 1.0], [-1.0, 0.0]), ("right", [0.0, 1.0], [1.0, 0.0])];
+    fn sides_run_to_the_right_and_upwards() -> Outcome {
+        let sides = [("bottom", [1.0, 0.0]), ("top", [1.0, 0.0]), ("left", [0.0, 1.0]), ("right", [0.0, 1.0])];
         for (quadrature, count) in [(Quadrature::Nodal, 5), (Quadrature::Gauss, 8)] {
-            for (name, tangent, normal) in sides {
+            for (name, tangent) in sides {
                 let (body, rows) = side(name, quadrature)?;
-                let parts = along(&body, &rows)?;
+                let parts = along(&body, &rows.iter().collect::<Vec<_>>())?;
                 assert_eq!((parts.len(), parts[0].stops.len()), (1, count), "{name}");
                 assert_eq!(parts[0].s, [0.0, if tangent[0] == 1.0 { 2.0 } else { 1.0 }]);
                 for stop in &parts[0].stops {
                     assert!(length([stop.tangent[0] - tangent[0], stop.tangent[1] - tangent[1]]) < 1e-12, "{name}");
-                    assert!(length([stop.normal[0] - normal[0], stop.normal[1] - normal[1]]) < 1e-12, "{name}");
                     let place = stop.row.x[0] * tangent[0] + stop.row.x[1] * tangent[1];
                     assert!((stop.s - place).abs() < 1e-12, "{name}: {} at {place}", stop.s);
-                    let x = [0, 1].map(|d| stop.on.iter().map(|(n, share)| share * body.points[*n][d]).sum::<f64>());
-                    assert!(length([x[0] - stop.row.x[0], x[1] - stop.row.x[1]]) < 1e-12, "{name}");
                 }
                 assert!(parts[0].stops.windows(2).all(|w| w[1].s > w[0].s), "{name}");
             }
@@ -371,10 +453,10 @@ mod tests {
         let (body, mut rows) = side("bottom", Quadrature::Nodal)?;
         rows.remove(2);
         // The middle node is gone: two parts of one edge each.
-        let parts = along(&body, &rows)?;
+        let parts = along(&body, &rows.iter().collect::<Vec<_>>())?;
         assert_eq!(parts.iter().map(|p| p.stops.len()).collect::<Vec<_>>(), [2, 2]);
         let around: Vec<ContactRow> = body.boundary.iter().map(|e| row(body.points[e[0] as usize])).collect();
-        let parts = along(&body, &around)?;
+        let parts = along(&body, &around.iter().collect::<Vec<_>>())?;
         assert_eq!((parts.len(), parts[0].stops.len(), parts[0].s), (1, 17, [0.0, 6.0]));
         Ok(())
     }
@@ -382,7 +464,7 @@ mod tests {
     #[test]
     fn a_point_off_the_boundary_is_named() -> Outcome {
         let (body, _) = side("bottom", Quadrature::Nodal)?;
-        let message = along(&body, &[row([0.25, 0.75])]).map(|_| ()).map_err(|e| e.to_string());
+        let message = along(&body, &[&row([0.25, 0.75])]).map(|_| ()).map_err(|e| e.to_string());
         assert!(message.is_err_and(|m| m.contains("(0.25, 0.75)")));
         Ok(())
     }

@@ -4,35 +4,10 @@ use super::body::Body;
 use super::color::ColorMap;
 use super::picture::Image;
 
-/// Values on a body.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Values<'a> {
-    /// One a node, linear on each triangle.
-    Nodes(&'a [f64]),
-    /// One a cell, constant there.
-    Cells(&'a [f64]),
-}
-
-impl<'a> Values<'a> {
-    pub(super) fn all(&self) -> &'a [f64] {
-        match self {
-            Values::Nodes(values) | Values::Cells(values) => values,
-        }
-    }
-
-    /// The values at the corners of a triangle.
-    fn corners(&self, body: &Body, triangle: usize) -> [f64; 3] {
-        match self {
-            Values::Nodes(values) => body.triangles[triangle].map(|n| values[n as usize]),
-            Values::Cells(values) => [values[body.owners[triangle] as usize]; 3],
-        }
-    }
-}
-
-/// Colours the triangles of a body; the image covers the window of the body and is transparent outside of it.
+/// Colours the triangles of a body by the values at their corners, linear in between; the image covers the window of the body and is transparent outside of it.
 ///
 /// A pixel has the colour of the value at its centre.
-pub(super) fn image(body: &Body, values: Values, map: ColorMap, range: [f64; 2], width: u32, height: u32) -> Image {
+pub(super) fn image(body: &Body, values: &[[f64; 3]], map: ColorMap, range: [f64; 2], [width, height]: [u32; 2]) -> Image {
     let [wx, wy] = body.window();
     let mut rgba = vec![0; 4 * width as usize * height as usize];
     let scale = [f64::from(width) / (wx[1] - wx[0]), f64::from(height) / (wy[1] - wy[0])];
@@ -43,10 +18,8 @@ pub(super) fn image(body: &Body, values: Values, map: ColorMap, range: [f64; 2],
     };
     let span = range[1] - range[0];
     let color = |v: f64| map.at(if span > 0.0 { (v - range[0]) / span } else { 0.5 });
-    for (t, nodes) in body.triangles.iter().enumerate() {
+    for (nodes, &[va, vb, vc]) in body.triangles.iter().zip(values) {
         let [a, b, c] = nodes.map(place);
-        let [va, vb, vc] = values.corners(body, t);
-        let flat = color(va);
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
         if area == 0.0 {
             continue;
@@ -64,10 +37,7 @@ pub(super) fn image(body: &Body, values: Values, map: ColorMap, range: [f64; 2],
                 if sa.min(sb).min(sc) < -1e-6 {
                     continue;
                 }
-                let [red, green, blue] = match values {
-                    Values::Nodes(_) => color(sa * va + sb * vb + sc * vc),
-                    Values::Cells(_) => flat,
-                };
+                let [red, green, blue] = color(sa * va + sb * vb + sc * vc);
                 let at = 4 * (j as usize * width as usize + i as usize);
                 rgba[at..at + 4].copy_from_slice(&[red, green, blue, 255]);
             }
@@ -109,8 +79,8 @@ mod tests {
     fn a_linear_nodal_field_has_the_colours_of_its_values() -> Outcome {
         let body = Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [6, 3], Diagonal::Crossed)?)?;
         let f = |x: f64, y: f64| 3.0 * x - y;
-        let values: Vec<f64> = body.points.iter().map(|p| f(p[0], p[1])).collect();
-        let image = image(&body, Values::Nodes(&values), ColorMap::Viridis, [-1.0, 6.0], 80, 40);
+        let values: Vec<[f64; 3]> = body.triangles.iter().map(|t| t.map(|n| f(body.points[n as usize][0], body.points[n as usize][1]))).collect();
+        let image = image(&body, &values, ColorMap::Viridis, [-1.0, 6.0], [80, 40]);
         for i in 0..80 {
             for j in 0..40 {
                 let value = f((f64::from(i) + 0.5) / 40.0, 1.0 - (f64::from(j) + 0.5) / 40.0);
@@ -124,10 +94,10 @@ mod tests {
     }
 
     #[test]
-    fn a_cell_field_is_flat_and_outside_is_transparent() -> Outcome {
+    fn a_field_of_one_value_is_flat_and_outside_is_transparent() -> Outcome {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
         let body = Body::new(points, [[0u32, 1, 2].as_slice()])?;
-        let image = image(&body, Values::Cells(&[5.0]), ColorMap::Inferno, [0.0, 10.0], 20, 20);
+        let image = image(&body, &[[5.0; 3]], ColorMap::Inferno, [0.0, 10.0], [20, 20]);
         let [r, g, b] = ColorMap::Inferno.at(0.5);
         assert_eq!(image.pixel(3, 15), [r, g, b, 255]);
         assert_eq!(image.pixel(15, 3), [0, 0, 0, 0]);

@@ -2,8 +2,10 @@
 
 use super::axes::{self, HEADING, LABEL, NUMBER, Scale, TITLE};
 use super::color::{INK, SOFT};
+use super::font;
 use super::picture::{Anchor, Picture, Rect};
-use super::{Options, font, ticks};
+use super::ticks::{self, Ticks};
+use crate::units::{Measure, Units};
 
 /// What a panel is to show.
 #[derive(Clone, Debug)]
@@ -15,6 +17,8 @@ pub(super) struct Plan {
     pub window: [[f64; 2]; 2],
     /// Names of both coordinates.
     pub labels: [&'static str; 2],
+    /// Whether the first coordinate runs to the left.
+    pub mirrored: bool,
 }
 
 /// Room beside the panels of a sheet.
@@ -63,8 +67,39 @@ fn size(plan: &Plan) -> [f64; 2] {
     plan.window.map(|r| (r[1] - r[0]).max(f64::MIN_POSITIVE))
 }
 
+/// Number of columns of so many panels: wide ones stand above each other, others in rows of at most four.
+fn columns(count: usize, wide: bool) -> usize {
+    match count {
+        _ if wide => 1,
+        0..=3 => count.max(1),
+        _ => count.div_ceil(2).min(4),
+    }
+}
+
+/// Marks of both axes of a panel of some size.
+fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
+    let marks = |range: [f64; 2], length: f64, each: f64| ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length);
+    [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
+}
+
+/// Draws the heading of a panel above its frame, which is lifted where it is wide, and its axes with their names, the upright one `left` of the frame.
+fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, f64), units: Units) {
+    let rect = frame.rect;
+    let middle = rect.x + 0.5 * rect.width;
+    let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
+    picture.text([middle, rect.y - 8.0 - lift - note_height], HEADING, Anchor::Middle, INK, &plan.title);
+    picture.text([middle, rect.y - 7.0 - lift], NUMBER, Anchor::Middle, SOFT, &plan.note);
+    let [x_ticks, y_ticks] = plan_ticks(plan, [rect.width, rect.height], units);
+    axes::x_marks(picture, rect, &frame.x, &x_ticks, false, true);
+    axes::y_marks(picture, rect, &frame.y, &y_ticks, false);
+    axes::border(picture, rect);
+    let named = |name: &str, exponent: i32| axes::labelled(name, exponent, units, Measure::Length);
+    picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, named(plan.labels[0], x_ticks.exponent));
+    picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * rect.height], LABEL, INK, named(plan.labels[1], y_ticks.exponent));
+}
+
 /// Lays out the panels and draws titles, borders, marks and labels.
-pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options) -> (Picture, Vec<Frame>) {
+pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> (Picture, Vec<Frame>) {
     let wide = is_wide(plans);
     let longest = if wide {
         720.0
@@ -79,19 +114,15 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options
         let scale = longest / size[0].max(size[1]);
         size.map(|s| (s * scale).round().max(24.0))
     };
-    let marks = |range: [f64; 2], length: f64, each: f64| ticks::linear(range[0], range[1], ((length / each) as usize).clamp(2, 7));
-    let plan_ticks = |plan: &Plan| {
-        let [w, h] = extent(plan);
-        [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
-    };
     // Left of a frame: a label that runs upwards and the numbers.
-    let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
+    let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan, extent(plan), units)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
     let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
     let text = |plan: &Plan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
     // Headings wider than their frame stand above what is beside the frame.
     let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
     let headings = lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
-    let apart = if wide { 14.0 } else { 0.0 };
+    let columns = columns(plans.len(), wide);
+    let apart = if plans.len() > columns { 14.0 } else { 0.0 };
     let below = 8.0 + NUMBER + 6.0 + LABEL + room.below + apart;
     let cell = |plan: &Plan| {
         let [w, h] = extent(plan);
@@ -100,34 +131,27 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, options: &Options
     };
     let top = (MARGIN + TITLE + 10.0 + room.above).ceil();
     let cells: Vec<[f64; 2]> = plans.iter().map(cell).collect();
-    let (sum, most) = (|d: usize| cells.iter().map(|c| c[d]).sum::<f64>(), |d: usize| cells.iter().map(|c| c[d]).fold(0.0, f64::max));
-    let [inner_width, inner_height] = if wide { [most(0), sum(1)] } else { [sum(0), most(1)] };
+    let widths: Vec<f64> = (0..columns).map(|c| cells.iter().skip(c).step_by(columns).map(|cell| cell[0]).fold(0.0, f64::max)).collect();
+    let heights: Vec<f64> = cells.chunks(columns).map(|row| row.iter().map(|cell| cell[1]).fold(0.0, f64::max)).collect();
+    let [inner_width, inner_height]: [f64; 2] = [widths.iter().sum(), heights.iter().sum()];
     let width = (MARGIN + inner_width.max(room.least)).max(font::width(title, TITLE) + 2.0 * MARGIN);
     let mut picture = Picture::new(width.ceil(), top + inner_height + MARGIN, title);
     picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
 
-    let mut corner = [MARGIN + ((width - MARGIN - inner_width) / 2.0).floor(), top];
-    let tallest = plans.iter().map(|plan| extent(plan)[1]).fold(0.0, f64::max);
+    let start = [MARGIN + ((width - MARGIN - inner_width) / 2.0).floor(), top];
     let mut frames = Vec::new();
-    for (plan, cell) in plans.iter().zip(&cells) {
+    for (i, plan) in plans.iter().enumerate() {
         let [w, h] = extent(plan);
-        let lowered = if wide { 0.0 } else { tallest - h };
+        let (row, column) = (i / columns, i % columns);
+        let corner = [start[0] + widths[..column].iter().sum::<f64>(), start[1] + heights[..row].iter().sum::<f64>()];
+        let tallest = plans.iter().skip(row * columns).take(columns).map(|plan| extent(plan)[1]).fold(0.0, f64::max);
+        let lowered = tallest - h;
         let shift = (0.5 * (text(plan) - w) - left).max(0.0).ceil();
         let rect = Rect { x: corner[0] + left + shift, y: corner[1] + headings + lowered, width: w, height: h };
-        let frame = Frame { rect, x: Scale::new(plan.window[0], [rect.x, rect.right()]), y: Scale::new(plan.window[1], [rect.bottom(), rect.y]) };
-        let middle = rect.x + 0.5 * w;
-        let note_height = if plan.note.is_empty() { 0.0 } else { NUMBER + 5.0 };
-        picture.text([middle, rect.y - 8.0 - lift - note_height], HEADING, Anchor::Middle, INK, &plan.title);
-        picture.text([middle, rect.y - 7.0 - lift], NUMBER, Anchor::Middle, SOFT, &plan.note);
-        let [x_ticks, y_ticks] = plan_ticks(plan);
-        axes::x_marks(&mut picture, rect, &frame.x, &x_ticks, false, true);
-        axes::y_marks(&mut picture, rect, &frame.y, &y_ticks, false);
-        axes::border(&mut picture, rect);
-        let label = |name: &str, exponent: i32| axes::with_unit(name, exponent, options.unit("m"));
-        picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, label(plan.labels[0], x_ticks.exponent));
-        picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * h], LABEL, INK, label(plan.labels[1], y_ticks.exponent));
+        let [left_end, right_end] = if plan.mirrored { [rect.right(), rect.x] } else { [rect.x, rect.right()] };
+        let frame = Frame { rect, x: Scale::new(plan.window[0], [left_end, right_end]), y: Scale::new(plan.window[1], [rect.bottom(), rect.y]) };
+        label(&mut picture, plan, &frame, (left, lift), units);
         frames.push(frame);
-        corner[usize::from(wide)] += cell[usize::from(wide)];
     }
     (picture, frames)
 }

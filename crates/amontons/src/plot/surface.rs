@@ -122,13 +122,9 @@ impl Surface {
         self.cells
     }
 
-    /// Area of the surface that each cell has.
+    /// Area of each triangle.
     pub(super) fn areas(&self) -> Vec<f64> {
-        let mut areas = vec![0.0; self.cells];
-        for (triangle, &owner) in self.triangles.iter().zip(&self.owners) {
-            areas[owner as usize] += 0.5 * norm(self.across(triangle));
-        }
-        areas
+        self.triangles.iter().map(|triangle| 0.5 * norm(self.across(triangle))).collect()
     }
 
     /// Twice the outward area vector of a triangle.

@@ -18,10 +18,25 @@ pub(super) struct Table {
     rows: Vec<Vec<String>>,
 }
 
+/// The cells of a line; a cell in quotes may have commas, and a quote twice for one.
+fn cut(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let (mut quoted, mut chars) = (false, line.chars().peekable());
+    while let Some(c) = chars.next() {
+        match (c, cells.last_mut()) {
+            ('"', Some(cell)) if quoted && chars.peek() == Some(&'"') => cell.extend(chars.next()),
+            ('"', _) => quoted = !quoted,
+            (',', _) if !quoted => cells.push(String::new()),
+            (_, Some(cell)) => cell.push(c),
+            (_, None) => {}
+        }
+    }
+    cells.iter().map(|cell| cell.trim().to_owned()).collect()
+}
+
 impl Table {
     pub(super) fn read(path: &Path) -> Result<Table, PlotError> {
         let text = text(path)?;
-        let cut = |line: &str| line.split(',').map(|cell| cell.trim().to_owned()).collect::<Vec<_>>();
         let mut lines = text.lines();
         let names = lines.next().map(cut).unwrap_or_default();
         let mut table = Table { path: path.to_owned(), names, rows: Vec::new() };
@@ -41,6 +56,10 @@ impl Table {
 
     pub(super) fn names(&self) -> &[String] {
         &self.names
+    }
+
+    pub(super) fn rows(&self) -> usize {
+        self.rows.len()
     }
 
     pub(super) fn has(&self, name: &str) -> bool {

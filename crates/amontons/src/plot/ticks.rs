@@ -1,5 +1,7 @@
 //! Where an axis has its marks and what is written there.
 
+use crate::units::{Measure, Units};
+
 /// Marks of an axis.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Ticks {
@@ -11,8 +13,15 @@ pub(super) struct Ticks {
     pub exponent: i32,
 }
 
-/// Marks at multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most` of them, in the closed interval from `lo` to `hi`.
-pub(super) fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
+/// Marks at multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most` of them, in a closed interval; the power of ten of the labels is that
+/// of a prefix where the unit has one.
+pub(super) fn in_units(range: [f64; 2], most: usize, units: Units, measure: Measure) -> Ticks {
+    let power = power_of_thousand(range[0].abs().max(range[1].abs()));
+    let takes_it = !units.of(measure).is_empty() && units.prefixed(power, measure).is_some();
+    marks(range, most, |largest| if takes_it { power } else { exponent(largest) })
+}
+
+fn marks([lo, hi]: [f64; 2], most: usize, exponent: impl Fn(f64) -> i32) -> Ticks {
     let span = hi - lo;
     if !(span.is_finite() && span > 0.0) {
         return Ticks { marks: vec![(lo, number(lo))], minor: Vec::new(), exponent: 0 };
@@ -45,7 +54,11 @@ fn multiples(lo: f64, hi: f64, step: f64) -> (f64, usize) {
 
 /// Power of ten, a multiple of three, that keeps labels short: the largest is then from 0.4 to 400.
 fn exponent(largest: f64) -> i32 {
-    if largest == 0.0 || (0.01..10_000.0).contains(&largest) { 0 } else { 3 * ((largest.log10() + 0.4) / 3.0).floor() as i32 }
+    if (0.01..10_000.0).contains(&largest) { 0 } else { power_of_thousand(largest) }
+}
+
+fn power_of_thousand(largest: f64) -> i32 {
+    if largest > 0.0 && largest.is_finite() { 3 * ((largest.log10() + 0.4) / 3.0).floor() as i32 } else { 0 }
 }
 
 /// Decimals that write multiples of a step exactly.
@@ -108,6 +121,20 @@ pub(super) fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn linear(lo: f64, hi: f64, most: usize) -> Ticks {
+        in_units([lo, hi], most, Units::PLANE.without(), Measure::Number)
+    }
+
+    #[test]
+    fn labels_follow_the_prefix_of_the_unit() {
+        let t = in_units([0.0, 0.012], 4, Units::PLANE, Measure::Length);
+        assert_eq!((t.exponent, labels(&t)), (-3, vec!["0", "5", "10"]));
+        let t = in_units([0.0, 4.5e6], 5, Units::PLANE, Measure::Stress);
+        assert_eq!((t.exponent, labels(&t)), (6, vec!["0", "1", "2", "3", "4"]));
+        // Kelvins are not counted in thousands.
+        assert_eq!(in_units([0.0, 1500.0], 4, Units::PLANE, Measure::Temperature).exponent, 0);
+    }
 
     fn labels(t: &Ticks) -> Vec<&str> {
         t.marks.iter().map(|(_, l)| l.as_str()).collect()

@@ -17,6 +17,7 @@ use crate::field::Field;
 use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
+use crate::units::{Extent, System, Units};
 
 /// One fault of the data: where, what was found, what was expected, what to try.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,6 +100,8 @@ impl fmt::Display for Coupling {
 pub struct Problem {
     /// Name, used for result folders and titles.
     pub name: String,
+    /// Whether the data are in SI units or without units.
+    pub system: System,
     /// The body.
     pub mesh: Arc<Mesh>,
     /// T in s.
@@ -126,6 +129,18 @@ pub struct Problem {
 }
 
 impl Problem {
+    /// The units of its numbers.
+    #[must_use]
+    pub fn units(&self) -> Units {
+        let extent = match self.mesh.dim {
+            1 => Extent::Line,
+            2 if self.mesh.axisymmetric => Extent::Revolution,
+            2 => Extent::Plane,
+            _ => Extent::Space,
+        };
+        Units { system: self.system, extent }
+    }
+
     /// Length of a time step, s.
     #[must_use]
     pub fn k(&self) -> f64 {

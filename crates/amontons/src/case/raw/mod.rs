@@ -29,13 +29,16 @@ pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
 
 /// A contact problem of a thermo-viscoelastic body with friction and heat.
 ///
-/// SI units; a case may also be dimensionless throughout.
+/// Numbers are in SI units, or without units throughout: `units = "dimensionless"`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(title = "Case file of amontons")]
 pub(in crate::case) struct Case {
     /// Name of the case and of its results folder.
     pub name: String,
+    /// Units of all numbers: SI, or none. It decides what summary and pictures write behind a number.
+    #[serde(default)]
+    pub units: Units,
     /// The mesh of the body.
     pub mesh: Mesh,
     /// The time interval (0, end) and its steps.
@@ -78,6 +81,18 @@ pub(in crate::case) struct Case {
     /// Reference values that make the case a benchmark.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub verify: Option<Verify>,
+}
+
+/// Units of a case.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+pub(in crate::case) enum Units {
+    /// SI units: m, s, kg, K.
+    #[default]
+    #[serde(rename = "SI")]
+    Si,
+    /// Numbers without units.
+    #[serde(rename = "dimensionless")]
+    Dimensionless,
 }
 
 /// Time.

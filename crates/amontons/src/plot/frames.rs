@@ -1,0 +1,129 @@
+//! Which times of a run are drawn.
+
+use super::PlotError;
+use super::run::History;
+
+/// Frames of a strip that is not asked for by its times.
+const FRAMES: usize = 4;
+/// What is above this share of its largest value at the end has its story there.
+const STILL_THERE: f64 = 0.8;
+
+/// The snapshots nearest to some times, each once, in the order of time.
+pub(super) fn at(times: &[f64], snapshots: &[f64]) -> Result<Vec<usize>, PlotError> {
+    let (first, last) = (snapshots.first().copied().unwrap_or_default(), snapshots.last().copied().unwrap_or_default());
+    let slack = 1e-9 * first.abs().max(last.abs());
+    if let Some(t) = times.iter().find(|t| !(first - slack..=last + slack).contains(*t)) {
+        let there = if snapshots.len() == 1 { format!("at t = {last} only") } else { format!("from t = {first} to t = {last}") };
+        let hint = "`every` under [output] says after how many steps fields are written";
+        return Err(PlotError::Data(format!("there is no picture at t = {t}: the run has fields {there}; {hint}")));
+    }
+    let mut chosen: Vec<usize> = times.iter().filter_map(|t| nearest(*t, snapshots)).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    Ok(chosen)
+}
+
+fn nearest(t: f64, snapshots: &[f64]) -> Option<usize> {
+    (0..snapshots.len()).min_by(|&i, &j| (snapshots[i] - t).abs().total_cmp(&(snapshots[j] - t).abs()))
+}
+
+/// The end alone where the story is there, else a strip of frames between which equal amounts of change lie.
+///
+/// Four quantities tell the story: elastic energy, contact force, power of friction and heat content. It is at the end if each of them is there
+/// still at least four fifths of its largest value. Else the change of a run up to a time is the sum of their variations, each divided by its
+/// variation over the whole run; the frames are the snapshots nearest to the times at which a quarter, a half and three quarters of it have passed,
+/// and the end. A snapshot at t = 0 is not among them.
+pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
+    let Some(end) = snapshots.len().checked_sub(1) else { return Vec::new() };
+    let times = history.get("t").map_or(&[][..], Vec::as_slice);
+    let series = story(history, times);
+    let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let is_there = |values: &Vec<f64>| values.last().is_none_or(|v| v.abs() >= STILL_THERE * largest(values));
+    if series.iter().all(is_there) {
+        return vec![end];
+    }
+    let mut change = vec![0.0; times.len()];
+    for values in &series {
+        let steps: Vec<f64> = (0..values.len()).map(|i| (values[i] - if i > 0 { values[i - 1] } else { 0.0 }).abs()).collect();
+        let total: f64 = steps.iter().sum();
+        let mut sum = 0.0;
+        for (change, step) in change.iter_mut().zip(&steps) {
+            sum += step;
+            *change += if total > 0.0 { sum / total } else { 0.0 };
+        }
+    }
+    let whole = change.last().copied().unwrap_or_default();
+    let reached = |share: f64| change.iter().position(|c| *c >= share * whole).and_then(|i| times.get(i)).copied();
+    let start = usize::from(snapshots.len() > 1 && snapshots[0] <= 0.0);
+    let wanted = (1..FRAMES).filter_map(|i| reached(i as f64 / FRAMES as f64));
+    let mut chosen: Vec<usize> = wanted.filter_map(|t| nearest(t, &snapshots[start..])).map(|i| i + start).chain([end]).collect();
+    chosen.sort_unstable();
+    chosen.dedup();
+    chosen
+}
+
+/// Elastic energy, contact force, power of friction and heat content over time, those that are not zero throughout.
+fn story(history: &History, times: &[f64]) -> Vec<Vec<f64>> {
+    let column = |name: &str| history.get(name).filter(|values| values.len() == times.len());
+    let force = (0..times.len()).map(|i| {
+        let components = ["contact_force_x", "contact_force_y", "contact_force_z"];
+        components.iter().filter_map(|name| column(name)).map(|values| values[i] * values[i]).sum::<f64>().sqrt()
+    });
+    let work = column("friction_dissipation").cloned().unwrap_or_default();
+    let rate = |i: usize| {
+        let (t, w) = if i > 0 { (times[i - 1], work[i - 1]) } else { (0.0, 0.0) };
+        if times[i] > t { (work[i] - w) / (times[i] - t) } else { 0.0 }
+    };
+    let power: Vec<f64> = (0..work.len()).map(rate).collect();
+    let plain = ["elastic", "heat_content"].into_iter().filter_map(column).cloned();
+    let all = plain.chain([force.collect(), power]);
+    all.filter(|values: &Vec<f64>| values.iter().any(|v| *v != 0.0)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn history(columns: &[(&str, fn(f64) -> f64)]) -> History {
+        let times: Vec<f64> = (1..=100).map(|i| 0.01 * f64::from(i)).collect();
+        let column = |f: &fn(f64) -> f64| times.iter().map(|t| f(*t)).collect();
+        let mut all: History = columns.iter().map(|(name, f)| ((*name).to_owned(), column(f))).collect();
+        all.insert("t".to_owned(), times);
+        all
+    }
+
+    fn snapshots() -> Vec<f64> {
+        (0..=20).map(|i| 0.05 * f64::from(i)).collect()
+    }
+
+    #[test]
+    fn what_grows_to_the_end_is_drawn_there() {
+        assert_eq!(choose(&history(&[("elastic", |t| t), ("heat_content", |t| t * t)]), &snapshots()), [20]);
+        assert_eq!(choose(&history(&[]), &snapshots()), [20]);
+    }
+
+    /// A force that rises evenly to t = 0.4 and is gone at 0.8: quarters of its variation lie at 0.2, 0.4 and 0.6.
+    #[test]
+    fn a_story_before_the_end_is_a_strip_of_equal_change() {
+        let force = |t: f64| if t < 0.4 { t } else { (0.8 - t).max(0.0) };
+        assert_eq!(choose(&history(&[("contact_force_y", force)]), &snapshots()), [4, 8, 12, 20]);
+        // With two snapshots, one of them at the start, there is no strip.
+        assert_eq!(choose(&history(&[("contact_force_y", force)]), &[0.0, 1.0]), [1]);
+    }
+
+    /// Work that is done within the first tenth: its power is over at the end, though the work itself is not.
+    #[test]
+    fn power_counts_and_not_work() {
+        let chosen = choose(&history(&[("friction_dissipation", |t| 10.0 * t.min(0.1))]), &snapshots());
+        assert!(chosen.len() > 1 && chosen[0] <= 2, "{chosen:?}");
+    }
+
+    #[test]
+    fn times_that_are_asked_for_take_the_nearest_snapshot() -> Result<(), PlotError> {
+        assert_eq!(at(&[0.52, 0.0, 0.501, 1.0], &snapshots())?, [0, 10, 20]);
+        let error = at(&[0.2], &[1.0]).map_err(|e| e.to_string());
+        assert!(error.as_ref().is_err_and(|e| e.contains("t = 0.2") && e.contains("at t = 1 only") && e.contains("`every`")), "{error:?}");
+        assert!(at(&[f64::NAN], &snapshots()).is_err());
+        Ok(())
+    }
+}

@@ -1,0 +1,357 @@
+//! The foundation as it stands at the time of a picture: obstacles by their exact surface, others by their gap.
+
+use std::collections::{HashMap, HashSet};
+
+use super::body::Body;
+use crate::contact::{Contact, Obstacle};
+use crate::mesh::FacetSet;
+use crate::problem::Problem;
+use crate::tensor::{Point, dot, length};
+
+/// Cells of the grid along the longer side of a window in which the surface of an obstacle is sought.
+const GRID: usize = 160;
+/// Halvings of an edge of that grid: a crossing is found to 1e-12 of its length.
+const HALVINGS: usize = 40;
+
+/// The surface of a foundation in the plane.
+#[derive(Clone, Debug)]
+pub(super) struct Ground {
+    /// Lines along the surface, the matter of the foundation on their right.
+    pub lines: Vec<Vec<[f64; 2]>>,
+    /// A point of the surface and the velocity of the foundation there, m/s, where it moves.
+    pub moves: Option<([f64; 2], [f64; 2])>,
+}
+
+/// Whether displacements and gaps of a body can be enlarged alike so that touching points still touch: every side that bears contact is flat, and its
+/// gap the same along it. An enlarged displacement beside an obstacle, a curved side or a gap that varies would be false.
+pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
+    problem.contacts.iter().enumerate().all(|(side, contact)| {
+        contact.obstacle.is_none() && !contact.gap.depends_on_space() && {
+            let boundary = problem.contact_boundary();
+            let mut normals = boundary.points.iter().filter(|point| point.side == side).map(|point| point.normal);
+            normals.next().is_none_or(|first| normals.all(|n| dot(&n, &first) > 1.0 - 1e-9))
+        }
+    })
+}
+
+/// The foundations of a plane body whose displacements and gaps are drawn `factor` times as large; obstacles in a window of the picture.
+pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, window: [[f64; 2]; 2]) -> Vec<Ground> {
+    let of = |contact: &Contact| {
+        let set = problem.mesh.facets.get(&contact.on)?;
+        let ground = match &contact.obstacle {
+            Some(obstacle) => around(problem, contact, obstacle, t, window),
+            None => offset(problem, contact, &chains(body, set), body, (t, factor)),
+        };
+        (!ground.lines.is_empty()).then_some(ground)
+    };
+    problem.contacts.iter().filter_map(of).collect()
+}
+
+/// Points of the foundation that a picture should show: without an obstacle its surface, else the foot below the nearest point of the side.
+pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, factor: f64) -> Vec<[f64; 2]> {
+    let mut all = Vec::new();
+    for contact in &problem.contacts {
+        let Some(set) = problem.mesh.facets.get(&contact.on) else { continue };
+        let Some(obstacle) = &contact.obstacle else {
+            all.extend(offset(problem, contact, &chains(body, set), body, (t, factor)).lines.into_iter().flatten());
+            continue;
+        };
+        let nodes = set.node_list().into_iter().filter_map(|n| moved.get(n as usize));
+        let near = nodes.map(|p| (p, obstacle.nearest(&[p[0], p[1], 0.0], t))).min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+        all.extend(near.map(|(p, at)| [0, 1].map(|d| p[d] - at.distance * at.normal[d])).filter(|p| p.iter().all(|x| x.is_finite())));
+    }
+    all
+}
+
+/// Velocity of the foundation of a contact at a point: that of its obstacle as a whole, or of its surface along its normal, and v_F.
+fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Point>, t: f64) -> Point {
+    let h = 1e-6 * problem.end;
+    let [from, to] = [(t - h).max(0.0), (t + h).min(problem.end)];
+    let mut v: Point = std::array::from_fn(|c| contact.foundation_velocity.get(c).map_or(0.0, |field| field.value(x, t)));
+    let along_normal = |rate: f64, n: &Point| -> Point { n.map(|c| c * rate) };
+    let more = match &contact.obstacle {
+        Some(obstacle) => {
+            let [p, q] = [from, to].map(|t| obstacle.place(t));
+            if p.iter().zip(&q).any(|(p, q)| (p - q).abs() > 0.0) {
+                std::array::from_fn(|c| (q[c] - p[c]) / (to - from))
+            } else {
+                // Distances fall where the surface comes nearer.
+                let at = obstacle.nearest(x, t);
+                along_normal((obstacle.nearest(x, from).distance - obstacle.nearest(x, to).distance) / (to - from), &at.normal)
+            }
+        }
+        // The gap is along the normal of the body.
+        None => normal.map_or([0.0; 3], |n| along_normal((contact.gap.value(x, to) - contact.gap.value(x, from)) / (to - from), &n)),
+    };
+    v.iter_mut().zip(more).for_each(|(v, more)| *v += more);
+    v
+}
+
+fn moving(at: [f64; 2], v: Point) -> Option<([f64; 2], [f64; 2])> {
+    (length(&v) > 0.0 && v.iter().all(|c| c.is_finite())).then_some((at, [v[0], v[1]]))
+}
+
+/// Chains of nodes along the boundary of a body that a facet set has, the body on their left.
+fn chains(body: &Body, set: &FacetSet) -> Vec<Vec<u32>> {
+    let nodes: HashSet<[u32; 2]> = set.facets().flat_map(|(_, facet)| pairs(facet)).collect();
+    let edges: Vec<[u32; 2]> = body.boundary.iter().copied().filter(|[a, b]| nodes.contains(&[*a.min(b), *a.max(b)])).collect();
+    chained(&edges)
+}
+
+/// The pieces of a segment, whose middle node is the last, by their ends in ascending order.
+fn pairs(facet: &[u32]) -> Vec<[u32; 2]> {
+    let pair = |a: u32, b: u32| [a.min(b), a.max(b)];
+    match *facet {
+        [a, b] => vec![pair(a, b)],
+        [a, b, m] => vec![pair(a, m), pair(m, b)],
+        _ => Vec::new(),
+    }
+}
+
+/// Edges joined end to end, open chains before closed ones.
+fn chained(edges: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let mut next: HashMap<u32, u32> = edges.iter().map(|&[a, b]| (a, b)).collect();
+    let entered: HashSet<u32> = edges.iter().map(|e| e[1]).collect();
+    let mut starts: Vec<u32> = edges.iter().map(|e| e[0]).collect();
+    starts.sort_unstable_by_key(|n| (entered.contains(n), *n));
+    let mut all = Vec::new();
+    for start in starts {
+        let (mut chain, mut at) = (vec![start], start);
+        while let Some(b) = next.remove(&at) {
+            chain.push(b);
+            at = b;
+        }
+        if chain.len() > 1 {
+            all.push(chain);
+        }
+    }
+    all
+}
+
+/// The foundation at the gap g from a side: the points x + factor·g ν, and a little beyond the ends of a flat side.
+fn offset(problem: &Problem, contact: &Contact, chains: &[Vec<u32>], body: &Body, (t, factor): (f64, f64)) -> Ground {
+    let mut ground = Ground { lines: Vec::new(), moves: None };
+    for chain in chains {
+        let p = |i: usize| body.points[chain[i] as usize];
+        let last = chain.len() - 1;
+        let normal = |i: usize| {
+            let (a, b) = (p(i.saturating_sub(1)), p((i + 1).min(last)));
+            let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+            let size = dx.hypot(dy);
+            [dy / size, -dx / size]
+        };
+        let at = |i: usize| -> [f64; 2] {
+            let (x, n) = (p(i), normal(i));
+            let gap = factor * contact.gap.value(&[x[0], x[1], 0.0], t);
+            [x[0] + gap * n[0], x[1] + gap * n[1]]
+        };
+        let mut line: Vec<[f64; 2]> = (0..=last).map(at).collect();
+        let is_flat = (1..last).all(|i| (normal(i)[0] * normal(0)[0] + normal(i)[1] * normal(0)[1]) > 1.0 - 1e-9);
+        if is_flat {
+            let (a, b) = (line[0], line[last]);
+            let beyond = |from: [f64; 2], to: [f64; 2]| [0, 1].map(|d| to[d] + 0.06 * (to[d] - from[d]));
+            line.insert(0, beyond(b, a));
+            line.push(beyond(a, b));
+        }
+        let (x, n) = (p(last), normal(last));
+        let v = velocity(problem, contact, &[x[0], x[1], 0.0], Some([n[0], n[1], 0.0]), t);
+        ground.moves = ground.moves.or(moving(at(last), v));
+        ground.lines.push(line);
+    }
+    ground
+}
+
+/// The surface of an obstacle, moved outwards by minus the gap that is added to its distance, in a window.
+fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, window: [[f64; 2]; 2]) -> Ground {
+    let level = |p: [f64; 2]| {
+        let x = [p[0], p[1], 0.0];
+        obstacle.nearest(&x, t).distance + contact.gap.value(&x, t)
+    };
+    let lines = contour(&level, window);
+    // The velocity is told where it is out of the way: at the right, but not at the border.
+    let middle = [0, 1].map(|d| 0.5 * (window[d][0] + window[d][1]));
+    let inner = |p: &&[f64; 2]| (0..2).all(|d| (p[d] - middle[d]).abs() < 0.44 * (window[d][1] - window[d][0]));
+    let rightmost = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
+    let farthest = lines.iter().flatten().filter(inner).max_by(rightmost).or(lines.iter().flatten().next());
+    let moves = farthest.and_then(|&p| moving(p, velocity(problem, contact, &[p[0], p[1], 0.0], None, t)));
+    Ground { lines, moves }
+}
+
+/// An edge of a grid by its ends, the lower one first.
+type Edge = ((usize, usize), (usize, usize));
+
+/// Lines on which a level is zero, the negative side on their right; where it is not a number counts as positive.
+fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<[f64; 2]>> {
+    let (width, height) = (wx[1] - wx[0], wy[1] - wy[0]);
+    let size = width.max(height) / GRID as f64;
+    let (nx, ny) = ((width / size).ceil() as usize, (height / size).ceil() as usize);
+    if nx == 0 || ny == 0 {
+        return Vec::new();
+    }
+    let corner = |i: usize, j: usize| [wx[0] + width * i as f64 / nx as f64, wy[0] + height * j as f64 / ny as f64];
+    let is_in: Vec<bool> = (0..=ny).flat_map(|j| (0..=nx).map(move |i| (i, j))).map(|(i, j)| level(corner(i, j)) < 0.0).collect();
+    let inside = |i: usize, j: usize| is_in[j * (nx + 1) + i];
+    let crossing = |a: (usize, usize), b: (usize, usize)| {
+        let (mut lo, mut hi) = (corner(a.0, a.1), corner(b.0, b.1));
+        let start = inside(a.0, a.1);
+        for _ in 0..HALVINGS {
+            let middle = [0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])];
+            if (level(middle) < 0.0) == start { lo = middle } else { hi = middle }
+        }
+        [0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])]
+    };
+    // Edges of the grid by their lower end and direction; a segment starts where a turn around its cell enters the obstacle and ends where it leaves it.
+    let key = |a: (usize, usize), b: (usize, usize)| -> Edge { if a < b { (a, b) } else { (b, a) } };
+    let mut next: HashMap<Edge, Edge> = HashMap::new();
+    let mut order = Vec::new();
+    for j in 0..ny {
+        for i in 0..nx {
+            let around = [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)];
+            let turn: Vec<(Edge, bool)> = (0..4)
+                .map(|k| (around[k], around[(k + 1) % 4]))
+                .filter(|(a, b)| inside(a.0, a.1) != inside(b.0, b.1))
+                .map(|(a, b)| (key(a, b), inside(b.0, b.1)))
+                .collect();
+            for (k, (from, enters)) in turn.iter().enumerate() {
+                if *enters {
+                    next.insert(*from, turn[(k + 1) % turn.len()].0);
+                    order.push(*from);
+                }
+            }
+        }
+    }
+    let entered: HashSet<Edge> = next.values().copied().collect();
+    order.sort_by_key(|edge| entered.contains(edge));
+    let mut lines = Vec::new();
+    for start in order {
+        let (mut line, mut at) = (vec![crossing(start.0, start.1)], start);
+        while let Some(edge) = next.remove(&at) {
+            line.push(crossing(edge.0, edge.1));
+            at = edge;
+        }
+        if line.len() > 1 {
+            lines.push(line);
+        }
+    }
+    lines
+}
+
+/// Part of the foundation below a side of a body in space: triangles of points of its surface, somewhat larger than the side.
+pub(super) struct Patch {
+    pub points: Vec<[f64; 3]>,
+    pub triangles: Vec<[u32; 3]>,
+    /// Mean normal of the body there, which points into the foundation.
+    pub normal: [f64; 3],
+}
+
+/// The foundation below the contact sides of a body in space, whose nodes are displaced by `factor` times their displacements.
+pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, factor: f64) -> Vec<Patch> {
+    /// How far a patch reaches beyond its side, in the size of the side.
+    const BEYOND: f64 = 0.05;
+    let mut all = Vec::new();
+    for contact in &problem.contacts {
+        let Some(set) = problem.mesh.facets.get(&contact.on) else { continue };
+        let nodes = set.node_list();
+        let number: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, &n)| (n, i as u32)).collect();
+        let x: Vec<Point> = nodes.iter().map(|&n| problem.mesh.points[n as usize]).collect();
+        let mut normals = vec![[0.0; 3]; nodes.len()];
+        let mut triangles = Vec::new();
+        for (_, facet) in set.facets() {
+            let Some((_, parts)) = super::body::pieces(facet.len()) else { continue };
+            for part in parts {
+                let triangle = part.map(|i| number[&facet[i]]);
+                let across = super::surface::across(triangle.map(|n| x[n as usize]));
+                for n in triangle {
+                    normals[n as usize] = [0, 1, 2].map(|d| normals[n as usize][d] + across[d]);
+                }
+                triangles.push(triangle);
+            }
+        }
+        let sum = normals.iter().fold([0.0; 3], |sum, n| [0, 1, 2].map(|d| sum[d] + n[d]));
+        let extent = |d: usize| super::axes::range(x.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo);
+        let beyond = BEYOND * (0..3).map(extent).fold(0.0, f64::max);
+        // Outwards in the surface, along its rim.
+        let mut outwards = vec![[0.0; 3]; nodes.len()];
+        for [a, b] in rim(&triangles) {
+            let [p, q] = [a, b].map(|n| x[n as usize]);
+            let edge: Point = [0, 1, 2].map(|d| q[d] - p[d]);
+            let n = normals[a as usize];
+            let out = super::surface::across([[0.0; 3], edge, n]);
+            let size = length(&out);
+            for n in [a, b] {
+                outwards[n as usize] = [0, 1, 2].map(|d| outwards[n as usize][d] + out[d] / size);
+            }
+        }
+        let place = |i: usize| {
+            let n = normals[i].map(|c| c / length(&normals[i]));
+            let u = displacement.get(nodes[i] as usize).copied().unwrap_or_default();
+            let size = length(&outwards[i]);
+            // The sum of the normals of two edges, long enough for the corner to stay a corner.
+            let share = if size > 0.0 { 2.0 * beyond / (size * size).max(0.5) } else { 0.0 };
+            let wide: Point = [0, 1, 2].map(|d| x[i][d] + share * outwards[i][d]);
+            match &contact.obstacle {
+                Some(obstacle) => {
+                    let at: Point = [0, 1, 2].map(|d| wide[d] + factor * u[d]);
+                    let foot = obstacle.nearest(&at, t);
+                    let distance = foot.distance + contact.gap.value(&x[i], t);
+                    [0, 1, 2].map(|d| at[d] - distance * foot.normal[d])
+                }
+                None => [0, 1, 2].map(|d| wide[d] + factor * contact.gap.value(&x[i], t) * n[d]),
+            }
+        };
+        let points: Vec<[f64; 3]> = (0..nodes.len()).map(place).collect();
+        if points.iter().flatten().all(|c| c.is_finite()) {
+            all.push(Patch { points, triangles, normal: sum });
+        }
+    }
+    all
+}
+
+/// Edges of one triangle only.
+pub(super) fn rim(triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+    let edges = || triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
+    let all: HashSet<[u32; 2]> = edges().collect();
+    edges().filter(|[a, b]| !all.contains(&[*b, *a])).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WINDOW: [[f64; 2]; 2] = [[-2.0, 2.0], [-1.5, 1.5]];
+
+    /// A circle of radius 1: one closed line of length 2π around the disc, which lies on its right.
+    #[test]
+    fn a_contour_follows_its_level() {
+        let lines = contour(&|p| p[0].hypot(p[1]) - 1.0, WINDOW);
+        assert_eq!(lines.len(), 1);
+        let line = &lines[0];
+        assert!(line.iter().all(|p| (p[0].hypot(p[1]) - 1.0).abs() < 1e-12));
+        let area: f64 = line.windows(2).map(|e| 0.5 * (e[0][0] * e[1][1] - e[1][0] * e[0][1])).sum();
+        assert!((area + std::f64::consts::PI).abs() < 1e-3, "signed area {area}: it turns clockwise");
+        assert_eq!(line.first(), line.last());
+        // Its outside is the obstacle of a bore.
+        let area: f64 = contour(&|p| 1.0 - p[0].hypot(p[1]), WINDOW)[0].windows(2).map(|e| 0.5 * (e[0][0] * e[1][1] - e[1][0] * e[0][1])).sum();
+        assert!(area > 0.0);
+    }
+
+    #[test]
+    fn a_contour_may_leave_the_window_and_have_parts() {
+        let lines = contour(&|p| (p[1] - 0.7).min(-0.3 - p[1]), WINDOW);
+        assert_eq!(lines.len(), 2);
+        for line in &lines {
+            let level = line[0][1];
+            assert!((level - 0.7).abs() < 1e-12 || (level + 0.3).abs() < 1e-12);
+            assert!(line.iter().all(|p| (p[1] - level).abs() < 1e-12));
+            assert!(((line[line.len() - 1][0] - line[0][0]).abs() - 4.0).abs() < 1e-12);
+        }
+        assert!(contour(&|_| f64::NAN, WINDOW).is_empty());
+    }
+
+    #[test]
+    fn edges_are_joined() {
+        assert_eq!(chained(&[[3, 4], [1, 2], [2, 3]]), [vec![1, 2, 3, 4]]);
+        assert_eq!(chained(&[[1, 2], [2, 1]]), [vec![1, 2, 1]]);
+        assert_eq!(chained(&[[5, 6], [1, 2]]).len(), 2);
+    }
+}

@@ -1,0 +1,381 @@
+//! A plane body with a field in colours, its foundation, and what it was before.
+
+use super::axes::{self, LEGEND, NUMBER, Sign};
+use super::body::{Body, window};
+use super::color::{Color, INK, VERMILION, WHITE};
+use super::field::{self, Bar, Quantity};
+use super::ground::{self, Ground};
+use super::picture::{Anchor, Line, Picture, Rect, Stroke};
+use super::run::{Run, Snapshot, at_corners};
+use super::shade;
+use super::sheet::{self, Frame, Plan, Room};
+use super::{Kind, Options, Panel, title};
+use crate::mesh::Mesh;
+use crate::units::{Extent, Measure, Units};
+
+/// Pixels of an image to a unit.
+const DENSITY: f64 = 2.0;
+const REFERENCE: Color = Color::new(0x9A_9A_9A);
+const MESH: Color = Color::new(0x22_22_22);
+
+/// The factor by which displacements of some magnitude are drawn on a body of some size: the largest of 1, 2, 5, 10, 20 … with
+/// which no point moves by more than a fifth of the size, and at least 1.
+#[must_use]
+pub fn scale_factor(displacement: f64, size: f64) -> f64 {
+    let most = 0.2 * size / displacement;
+    if !(most.is_finite() && most > 1.0) {
+        return 1.0;
+    }
+    let power = 10f64.powf(most.log10().floor());
+    // Where the quotient is 10 but for rounding, the next power is meant.
+    [10.0, 5.0, 2.0, 1.0].into_iter().map(|m| (m * power).round()).find(|&f| f <= most * (1.0 + 1e-9)).unwrap_or(1.0)
+}
+
+/// The factor of the displacement in the picture `deformed`, one for all panels: that of the options, or 1 where enlarging would be false, or a nice one.
+/// Other pictures show the body as it stands.
+pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64, f64)>, options: &Options) -> f64 {
+    if kind != Kind::Deformed {
+        return 1.0;
+    }
+    if let Some(factor) = options.scale_factor {
+        return factor;
+    }
+    let mut factor = sizes.map(|(u, size)| scale_factor(u, size)).fold(f64::INFINITY, f64::min);
+    for run in runs {
+        let Some(problem) = &run.problem else { continue };
+        if !ground::can_be_enlarged(problem) {
+            return 1.0;
+        }
+        // A thin body must not be turned inside out: with half as much again every cell still has its orientation.
+        while factor > 1.0 && !keeps_orientation(run, &problem.mesh, 1.5 * factor) {
+            factor = below(factor);
+        }
+    }
+    factor
+}
+
+/// The next smaller of 1, 2, 5, 10, 20 …
+fn below(factor: f64) -> f64 {
+    let power = 10f64.powf((factor.log10() + 1e-9).floor());
+    let leading = (factor / power).round();
+    (if leading > 4.0 {
+        2.0 * power
+    } else if leading > 1.0 {
+        power
+    } else {
+        0.5 * power
+    })
+    .max(1.0)
+}
+
+/// Whether no cell is inverted with so many times the displacement.
+fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
+    let mut moved = mesh.clone();
+    let plane = run.snapshot.iter().flat_map(|s| s.displacement.iter().map(|u| [u[0], u[1], 0.0]));
+    let space = run.solid.iter().flat_map(|s| s.displacement.iter().copied());
+    for (p, u) in moved.points.iter_mut().zip(plane.chain(space)) {
+        *p = [0, 1, 2].map(|d| p[d] + factor * u[d]);
+    }
+    moved.check().is_ok()
+}
+
+/// `displacement × 50`.
+pub(super) fn times(factor: f64) -> String {
+    if (factor - 1.0).abs() < 1e-9 { "displacement to scale".to_owned() } else { format!("displacement × {}", super::ticks::number(factor)) }
+}
+
+/// A body as it is drawn.
+struct Shape<'a> {
+    run: &'a Run,
+    snapshot: &'a Snapshot,
+    /// The body with its nodes displaced.
+    moved: Body,
+    /// The field at the corners of its triangles.
+    values: Vec<[f64; 3]>,
+    grounds: Vec<Ground>,
+}
+
+impl Shape<'_> {
+    fn of<'a>(kind: Kind, run: &'a Run, snapshot: &'a Snapshot, factor: f64) -> Shape<'a> {
+        let body = &snapshot.body;
+        let points = body.points.iter().zip(&snapshot.displacement).map(|(p, u)| [p[0] + factor * u[0], p[1] + factor * u[1]]);
+        let moved = body.moved(points.collect());
+        let nodal: Vec<f64>;
+        let (nodal, cells) = match kind {
+            Kind::VonMises => (&snapshot.nodal_von_mises, (&snapshot.von_mises[..], &snapshot.regions[..])),
+            Kind::Deformed => {
+                nodal = snapshot.displacement.iter().map(|u| u[0].hypot(u[1])).collect();
+                (&nodal, (&[][..], &[][..]))
+            }
+            _ => (&snapshot.temperature, (&[][..], &[][..])),
+        };
+        let values = at_corners(&body.triangles, &body.owners, nodal, cells);
+        Shape { run, snapshot, moved, values, grounds: Vec::new() }
+    }
+
+    /// Whether the body before would be seen beside the body now: something moves by more than 0.3 per cent of its size.
+    fn shows_reference(&self) -> bool {
+        let [x, y] = self.snapshot.body.window();
+        let size = (x[1] - x[0]).max(y[1] - y[0]);
+        self.moved.points.iter().zip(&self.snapshot.body.points).any(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1]) > 3e-3 * size)
+    }
+
+    /// The window that holds the body, what it was, and what is near of its foundation.
+    fn window(&self, factor: f64) -> [[f64; 2]; 2] {
+        let mut points = self.moved.points.clone();
+        if self.shows_reference() {
+            points.extend(&self.snapshot.body.points);
+        }
+        if let Some(problem) = &self.run.problem {
+            points.extend(ground::feet(problem, &self.snapshot.body, &self.moved.points, self.run.t, factor));
+        }
+        window(&points)
+    }
+}
+
+pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
+    let units = super::units(panels, options);
+    let quantity = Quantity::of(kind);
+    let bodies: Vec<(&Panel, &Snapshot)> = panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
+    let runs: Vec<&Run> = bodies.iter().map(|(panel, _)| panel.run).collect();
+    let sizes = bodies.iter().map(|(_, s)| {
+        let [x, y] = s.body.window();
+        (s.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max), (x[1] - x[0]).max(y[1] - y[0]))
+    });
+    let factor = factor(kind, &runs, sizes, options);
+    let mut shapes: Vec<Shape> = bodies.iter().map(|(panel, s)| Shape::of(kind, panel.run, s, factor)).collect();
+    let extents: Vec<[f64; 2]> = shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
+    let ranges = ranges(kind, &shapes, &extents, options);
+    let windows = windows(&shapes, factor);
+    for (shape, window) in shapes.iter_mut().zip(&windows) {
+        if let Some(problem) = &shape.run.problem {
+            shape.grounds = ground::grounds(problem, &shape.snapshot.body, shape.run.t, factor, *window);
+        }
+    }
+    let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
+    let plan = |((body, window), extent): ((&(&Panel, &Snapshot), &[[f64; 2]; 2]), &[f64; 2])| Plan {
+        title: body.0.title.to_owned(),
+        note: field::extremes(units, *extent, quantity.measure),
+        window: *window,
+        labels,
+        mirrored: false,
+    };
+    let plans: Vec<Plan> = bodies.iter().zip(&windows).zip(&extents).map(plan).collect();
+    let wide = sheet::is_wide(&plans);
+    let bars: Vec<Bar> = ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, units, wide)).collect();
+    let entries = legend(&shapes, factor, kind);
+    let legend_width = axes::line_width(&entries);
+    let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
+    let room = if wide {
+        Room { right: 8.0, below: 50.0, above, least: legend_width }
+    } else {
+        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), above, below: 0.0, least: legend_width }
+    };
+    let (mut picture, frames) = sheet::lay_out(&title(panels, quantity.name, options), &plans, room, units);
+    let left = 0.5 * (picture.width - legend_width);
+    axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
+    for ((shape, bar), frame) in shapes.iter().zip(&bars).zip(&frames) {
+        bar.draw(&mut picture, frame.rect);
+        shaded(&mut picture, frame, shape, quantity.map, bar.range);
+        lines(&mut picture, frame, shape, kind, bar);
+        if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
+            let at = frame.x.at(0.0);
+            picture.line(&[[at, frame.rect.y], [at, frame.rect.bottom()]], Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]));
+        }
+        for ground in &shape.grounds {
+            foundation(&mut picture, frame, ground, units);
+        }
+    }
+    picture
+}
+
+/// The ranges of values that the colours show, one for all panels if they share it.
+fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
+    let own = |(s, extent): (&Shape, &[f64; 2])| if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent };
+    let mut ranges: Vec<[f64; 2]> = shapes.iter().zip(extents).map(own).collect();
+    if options.shared_scale {
+        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+        ranges.fill(common);
+    }
+    ranges
+}
+
+/// The windows of the panels, the same for the same body everywhere.
+fn windows(shapes: &[Shape], factor: f64) -> Vec<[[f64; 2]; 2]> {
+    let own: Vec<[[f64; 2]; 2]> = shapes.iter().map(|shape| shape.window(factor)).collect();
+    let same = shapes.windows(2).all(|s| s[0].snapshot.body.window() == s[1].snapshot.body.window());
+    let common = [0, 1].map(|d| axes::range(own.iter().flat_map(|w| w[d])).unwrap_or([0.0, 1.0]));
+    own.into_iter().map(|own| sheet::widened(if same { common } else { own }, 0.06)).collect()
+}
+
+fn legend(shapes: &[Shape], factor: f64, kind: Kind) -> Vec<(Sign, String)> {
+    let mut entries = Vec::new();
+    if kind == Kind::Deformed {
+        entries.push((Sign::Line(Stroke::new(MESH, 1.4), None), times(factor)));
+    }
+    if shapes.iter().any(Shape::shows_reference) {
+        entries.push((Sign::Line(Stroke::new(REFERENCE, 1.2).dashed(&[5.0, 3.0]), None), "undeformed".to_owned()));
+    }
+    if shapes.iter().any(|s| !s.grounds.is_empty()) {
+        entries.push((Sign::Line(Stroke::new(VERMILION, 2.0), None), "foundation".to_owned()));
+    }
+    entries
+}
+
+fn shaded(picture: &mut Picture, frame: &Frame, shape: &Shape, map: super::ColorMap, range: [f64; 2]) {
+    let [x, y] = shape.moved.window();
+    let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
+    let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
+    let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
+    picture.image(place, shade::image(&shape.moved, &shape.values, map, range, [pixels(place.width), pixels(place.height)]));
+}
+
+/// The mesh or level lines, the outline, and the outline before.
+fn lines(picture: &mut Picture, frame: &Frame, shape: &Shape, kind: Kind, bar: &Bar) {
+    let through = |body: &Body, lines: &[Vec<u32>]| -> Vec<Vec<[f64; 2]>> {
+        lines.iter().map(|line| simplified(&frame.all(line.iter().map(|&n| &body.points[n as usize])))).collect()
+    };
+    if kind == Kind::Deformed {
+        let mesh = shape.snapshot.body.lines();
+        let width = if mesh.len() > 2_000 { 0.25 } else { 0.45 };
+        picture.lines(&through(&shape.moved, &mesh), Stroke::new(MESH.with_opacity(0.55), width));
+    }
+    if kind == Kind::Temperature {
+        let levels = bar.levels().flat_map(|level| shade::level_line(&shape.moved, &shape.snapshot.temperature, level));
+        let pieces: Vec<_> = levels.map(|[a, b]| [frame.at(&a), frame.at(&b)]).collect();
+        picture.lines(&pieces, Stroke::new(WHITE.with_opacity(0.55), 0.7));
+    }
+    let outline = loops(&shape.snapshot.body.boundary);
+    let drawn = |body: &Body| -> Vec<Line> {
+        let points = |nodes: &Vec<u32>| simplified(&frame.all(nodes.iter().map(|&n| &body.points[n as usize])));
+        outline.iter().map(|nodes| Line { points: points(nodes), closed: true }).collect()
+    };
+    if shape.shows_reference() {
+        picture.shape(drawn(&shape.snapshot.body), None, Some(Stroke::new(REFERENCE, 1.0).dashed(&[5.0, 3.0])));
+    }
+    picture.shape(drawn(&shape.moved), None, Some(Stroke::new(INK, 1.2)));
+}
+
+/// The surface as a line, hatched on the side of the foundation, with an arrow where it moves.
+fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Units) {
+    const EACH: f64 = 9.0;
+    const LENGTH: f64 = 7.0;
+    let mut hatches = Vec::new();
+    for line in &ground.lines {
+        let points = frame.all(line);
+        let mut along = 0.5 * EACH;
+        for pair in points.windows(2) {
+            let (dx, dy) = (pair[1][0] - pair[0][0], pair[1][1] - pair[0][1]);
+            let length = dx.hypot(dy);
+            while along < length {
+                // On the right of the line; downwards is positive in the picture.
+                let (p, t) = ([pair[0][0] + along / length * dx, pair[0][1] + along / length * dy], [dx / length, dy / length]);
+                hatches.push([p, [p[0] - LENGTH * (t[1] + 0.8 * t[0]), p[1] + LENGTH * (t[0] - 0.8 * t[1])]]);
+                along += EACH;
+            }
+            along -= length;
+        }
+        picture.line(&simplified(&points), Stroke::new(VERMILION, 1.6));
+    }
+    let inside = |p: &[f64; 2]| frame.rect.x <= p[0] && p[0] <= frame.rect.right() && frame.rect.y <= p[1] && p[1] <= frame.rect.bottom();
+    hatches.retain(|hatch| hatch.iter().all(inside));
+    picture.lines(&hatches, Stroke::new(VERMILION, 0.7));
+    let Some((at, v)) = ground.moves else { return };
+    let speed = v[0].hypot(v[1]);
+    let text = typeset(&units.write(speed, Measure::Velocity));
+    let direction = [v[0] / speed, -v[1] / speed];
+    let [x, y] = frame.at(&at);
+    // Within the frame.
+    let within = |x: f64, lo: f64, hi: f64, room: f64| x.clamp(lo + room, (hi - room).max(lo + room));
+    let at = [within(x, frame.rect.x, frame.rect.right(), 34.0), within(y, frame.rect.y, frame.rect.bottom(), 34.0)];
+    let end = |s: f64| [0, 1].map(|d| at[d] + s * direction[d]);
+    picture.arrow(end(-20.0), end(20.0), VERMILION, 2.4);
+    // A level arrow has its number on the outer side, another beside it, towards the middle of the frame.
+    let (width, middle) = (super::font::width(&text, NUMBER), [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height]);
+    let is_level = direction[0].abs() > 0.7;
+    let x = if is_level { at[0] } else { at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 } };
+    let y = if is_level { at[1] + if at[1] > middle[1] { 22.0 } else { -20.0 } } else { at[1] - 14.0 * if at[1] > middle[1] { -1.0 } else { 1.0 } };
+    let place = Rect { x: x - 0.5 * width - 3.0, y: y - 0.5 * NUMBER - 3.0, width: width + 6.0, height: NUMBER + 6.0 };
+    picture.polygon(place.corners(), WHITE.with_opacity(0.85));
+    picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
+}
+
+/// A number for reading in the signs of a printed page.
+pub(super) fn typeset(text: &str) -> String {
+    let text = match text.split_once('e') {
+        Some((mantissa, rest)) if mantissa.chars().last().is_some_and(|c| c.is_ascii_digit()) && rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()) => {
+            let (power, unit) = rest.split_once(' ').unwrap_or((rest, ""));
+            format!("{mantissa}·10^{{{power}}} {unit}").trim_end().to_owned()
+        }
+        _ => text.to_owned(),
+    };
+    text.replace('-', "−")
+}
+
+/// Closed lines of nodes along boundary edges.
+fn loops(boundary: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let mut next: std::collections::BTreeMap<u32, Vec<u32>> = std::collections::BTreeMap::new();
+    for [a, b] in boundary {
+        next.entry(*a).or_default().push(*b);
+    }
+    let mut loops = Vec::new();
+    for [start, _] in boundary {
+        let mut line = Vec::new();
+        let mut at = *start;
+        while let Some(b) = next.get_mut(&at).and_then(Vec::pop) {
+            line.push(at);
+            at = b;
+        }
+        if line.len() > 2 {
+            loops.push(line);
+        }
+    }
+    loops
+}
+
+/// A line without the points that lie within a twentieth of a unit of the line that remains.
+fn simplified(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    const NEAR: f64 = 0.05;
+    let Some(last) = points.len().checked_sub(1) else { return Vec::new() };
+    let mut keep = vec![false; points.len()];
+    (keep[0], keep[last]) = (true, true);
+    let mut spans = vec![(0, last)];
+    while let Some((from, to)) = spans.pop() {
+        let (a, b) = (points[from], points[to]);
+        let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
+        let length = dx.hypot(dy);
+        let off = |p: &[f64; 2]| {
+            let (x, y) = (p[0] - a[0], p[1] - a[1]);
+            if length > 0.0 { (dx * y - dy * x).abs() / length } else { x.hypot(y) }
+        };
+        let farthest = (from + 1..to).map(|i| (i, off(&points[i]))).max_by(|x, y| x.1.total_cmp(&y.1));
+        if let Some((i, distance)) = farthest.filter(|f| f.1 > NEAR) {
+            debug_assert!(distance.is_finite());
+            keep[i] = true;
+            spans.extend([(from, i), (i, to)]);
+        }
+    }
+    points.iter().zip(keep).filter_map(|(p, keep)| keep.then_some(*p)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn factors_go_down_by_nice_numbers() {
+        let mut factors = vec![2000.0];
+        while factors.last().is_some_and(|f| *f > 1.0) {
+            factors.extend(factors.last().copied().map(below));
+        }
+        let expected = [2000.0, 1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0];
+        assert!(factors.len() == expected.len() && factors.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9), "{factors:?}");
+    }
+
+    #[test]
+    fn numbers_are_set_with_the_signs_of_a_page() {
+        assert_eq!(typeset("-2.13 µm"), "−2.13 µm");
+        assert_eq!(typeset("2.13e-6"), "2.13·10^{−6}");
+        assert_eq!(typeset("1e-8 pm"), "1·10^{−8} pm");
+    }
+}

@@ -1,0 +1,381 @@
+//! What a number is: its unit by the dimension of the body, and how it is written for reading.
+//!
+//! This is the only place that knows units. A plane body is taken per metre of thickness, a body on a line per square metre of cross-section;
+//! integrals over a body of revolution are those over the full turn, 2πr dr dz, and so are in the units of a body in space. Summary, pictures,
+//! the units of columns in `manifest.json` and the tables of the book ask here. Files for programs keep all digits: only [`Units::write`] and
+//! [`Units::range`] round.
+
+use serde::{Deserialize, Serialize};
+
+/// Whether a case is in SI units or has none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum System {
+    /// SI units.
+    #[default]
+    #[serde(rename = "SI")]
+    Si,
+    /// Numbers without units.
+    #[serde(rename = "dimensionless")]
+    Dimensionless,
+}
+
+/// What integrals over a body are over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Extent {
+    /// A body on a line: per m² of its cross-section.
+    Line,
+    /// A plane body: per m of its thickness.
+    #[default]
+    Plane,
+    /// A body of revolution: the full turn.
+    Revolution,
+    /// A body in space.
+    Space,
+}
+
+/// The units of a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Units {
+    /// SI or none.
+    pub system: System,
+    /// What forces, energies, powers, areas and volumes are over.
+    pub extent: Extent,
+}
+
+/// What a number measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// A count or a ratio.
+    Number,
+    /// Time.
+    Time,
+    /// Coordinates, displacements, gaps, depths.
+    Length,
+    /// Velocity.
+    Velocity,
+    /// Temperature.
+    Temperature,
+    /// Stress and pressure.
+    Stress,
+    /// Heat flux through a surface.
+    HeatFlux,
+    /// Work per area of a surface.
+    SurfaceWork,
+    /// Force on a body, an integral over a side.
+    Force,
+    /// Energy, work and heat of a body.
+    Energy,
+    /// Power and heat flow.
+    Power,
+    /// Area of a side.
+    Area,
+    /// Volume worn off a side.
+    Volume,
+}
+
+/// Prefixes of units with their powers of ten.
+const PREFIXES: [(i32, &str); 9] = [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
+
+/// 3 − log₁₀ 999.5.
+const ROUNDED_UP: f64 = 2.172e-4;
+
+/// The powers of ten between which a unit takes prefixes.
+fn prefixes(symbol: &str) -> [i32; 2] {
+    match symbol {
+        // Seconds and kelvins are not counted in thousands, and a prefix of an area or volume would count twice or thrice.
+        "s" | "K" => [-12, 0],
+        "m" | "m/s" => [-12, 3],
+        "" | "m²" | "m³" | "m²/m" | "m³/m" | "m²/m²" | "m³/m²" => [0, 0],
+        _ => [-12, 12],
+    }
+}
+
+impl Units {
+    /// SI units of a body in the plane.
+    pub const PLANE: Units = Units { system: System::Si, extent: Extent::Plane };
+    /// SI units of a body in space.
+    pub const SPACE: Units = Units { system: System::Si, extent: Extent::Space };
+
+    /// The same numbers without units.
+    #[must_use]
+    pub fn without(self) -> Units {
+        Units { system: System::Dimensionless, ..self }
+    }
+
+    /// The unit of a number, without prefix; empty for counts, ratios and dimensionless cases.
+    #[must_use]
+    pub fn of(self, measure: Measure) -> &'static str {
+        let by_extent = |all: [&'static str; 3]| match self.extent {
+            Extent::Line => all[0],
+            Extent::Plane => all[1],
+            Extent::Revolution | Extent::Space => all[2],
+        };
+        if self.system == System::Dimensionless {
+            return "";
+        }
+        match measure {
+            Measure::Number => "",
+            Measure::Time => "s",
+            Measure::Length => "m",
+            Measure::Velocity => "m/s",
+            Measure::Temperature => "K",
+            Measure::Stress => "Pa",
+            Measure::HeatFlux => "W/m²",
+            Measure::SurfaceWork => "J/m²",
+            Measure::Force => by_extent(["N/m²", "N/m", "N"]),
+            Measure::Energy => by_extent(["J/m²", "J/m", "J"]),
+            Measure::Power => by_extent(["W/m²", "W/m", "W"]),
+            Measure::Area => by_extent(["m²/m²", "m²/m", "m²"]),
+            Measure::Volume => by_extent(["m³/m²", "m³/m", "m³"]),
+        }
+    }
+
+    /// The power of ten, a multiple of three, of the prefix with which a number of this size is written; zero where its unit takes none.
+    #[must_use]
+    pub fn power(self, value: f64, measure: Measure) -> i32 {
+        let [least, most] = prefixes(self.of(measure));
+        let size = value.abs();
+        if !(size.is_finite() && size > 0.0) {
+            return 0;
+        }
+        // What three digits round up to the next thousand has the next prefix: 999.96 is 1.00 k.
+        let power = 3 * ((size.log10() + ROUNDED_UP).floor() as i32).div_euclid(3);
+        power.clamp(least, most)
+    }
+
+    /// The unit with the prefix of a power of ten: `kPa`; none where the unit has no such prefix.
+    #[must_use]
+    pub fn prefixed(self, power: i32, measure: Measure) -> Option<String> {
+        let unit = self.of(measure);
+        let [least, most] = prefixes(unit);
+        let prefix = PREFIXES.iter().find(|(p, _)| *p == power && (least..=most).contains(p))?.1;
+        Some(format!("{prefix}{unit}"))
+    }
+
+    /// A number as an engineer writes it: `2.13 µm`, `60.4 kJ`, `-3.2 kN/m`; without a unit `0.0125` or `2.13e-6`.
+    #[must_use]
+    pub fn write(self, value: f64, measure: Measure) -> String {
+        let power = self.power(value, measure);
+        let unit = self.prefixed(power, measure).unwrap_or_default();
+        format!("{} {unit}", Units::digits(value, power, measure)).trim_end().to_owned()
+    }
+
+    /// The ends of a range in one unit, and the unit: `("-3.2", "12", "µm")`.
+    #[must_use]
+    pub fn range(self, [low, high]: [f64; 2], measure: Measure) -> (String, String, String) {
+        let largest = low.abs().max(high.abs());
+        let power = self.power(largest, measure);
+        let unit = self.prefixed(power, measure).unwrap_or_default();
+        let scaled = |value: f64| value / 10f64.powi(power);
+        // As many decimals as the larger end has with its digits.
+        let decimals = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32 - 1 - scaled(largest).log10().floor() as i32;
+        let number = |value: f64| match usize::try_from(decimals) {
+            Ok(decimals) if largest > 0.0 && decimals < 8 => rounded(scaled(value), decimals),
+            _ => Units::digits(value, power, measure),
+        };
+        (number(low), number(high), unit)
+    }
+
+    /// The components of a vector in one unit: `(0, -824) N/m`.
+    #[must_use]
+    pub fn vector(self, components: &[f64], measure: Measure) -> String {
+        // What is the round-off of the largest is zero.
+        const ROUND_OFF: f64 = 1e-9;
+        let largest = components.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let power = self.power(largest, measure);
+        let number = |v: &f64| Units::digits(if v.abs() < ROUND_OFF * largest { 0.0 } else { *v }, power, measure);
+        let numbers: Vec<String> = components.iter().map(number).collect();
+        format!("({}) {}", numbers.join(", "), self.prefixed(power, measure).unwrap_or_default()).trim_end().to_owned()
+    }
+
+    /// Three digits, of temperatures four: they count from a zero that is far away.
+    const DIGITS: [usize; 2] = [3, 4];
+
+    fn digits(value: f64, power: i32, measure: Measure) -> String {
+        significant(value / 10f64.powi(power), Units::DIGITS[usize::from(measure == Measure::Temperature)])
+    }
+}
+
+/// A number rounded to so many digits, without zeros behind that say nothing.
+fn significant(value: f64, digits: usize) -> String {
+    if value == 0.0 {
+        return "0".to_owned();
+    }
+    if !value.is_finite() {
+        return value.to_string();
+    }
+    let scientific = format!("{value:.*e}", digits - 1);
+    let (mantissa, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
+    let exponent: i32 = exponent.parse().unwrap_or(0);
+    if !(-4..6).contains(&exponent) {
+        return format!("{}e{exponent}", trimmed(mantissa));
+    }
+    // Rounded once, to these digits: zeros stand for those that are cut.
+    let rounded: f64 = scientific.parse().unwrap_or(value);
+    self::rounded(rounded, usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0))
+}
+
+/// A number with so many decimals at most; zero has no sign.
+fn rounded(value: f64, decimals: usize) -> String {
+    let text = trimmed(&format!("{value:.decimals$}"));
+    if text == "-0" { "0".to_owned() } else { text }
+}
+
+/// A decimal number without zeros behind that say nothing.
+fn trimmed(text: &str) -> String {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
+}
+
+impl Measure {
+    /// What a column of `history.csv`, `contact.csv` or `convergence.csv` measures; none of an unknown name and of names and words.
+    #[must_use]
+    pub fn of_column(name: &str) -> Option<Measure> {
+        let name = name.split('@').next().unwrap_or(name);
+        let stem = ["_x", "_y", "_z"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
+        Some(match stem {
+            "step" | "node" | "open" | "stick" | "slip" | "newton_mechanics" | "newton_heat" | "passes" | "contraction" | "parts" => Measure::Number,
+            "t" => Measure::Time,
+            "x" | "y" | "z" | "penetration" | "penetration_max" | "wear" | "wear_max" | "contact_center" => Measure::Length,
+            "slip_velocity" => Measure::Velocity,
+            "temperature" | "foundation_temperature" => Measure::Temperature,
+            "pressure" | "pressure_max" | "traction" | "bound" => Measure::Stress,
+            "heat_flux" => Measure::HeatFlux,
+            "friction_work" => Measure::SurfaceWork,
+            "contact_force" => Measure::Force,
+            "heat_flow" => Measure::Power,
+            "contact_area" | "weight" => Measure::Area,
+            "wear_volume" => Measure::Volume,
+            "kinetic"
+            | "elastic"
+            | "viscous_dissipation"
+            | "friction_dissipation"
+            | "contact_energy"
+            | "load_work"
+            | "thermal_work"
+            | "scheme_dissipation"
+            | "closing_error"
+            | "heat_content"
+            | "heat_contact"
+            | "heat_prescribed"
+            | "heat_supplied"
+            | "heat_coupling"
+            | "heat_closing_error"
+            | "wear_dissipation"
+            | "heat_friction"
+            | "heat_foundation"
+            | "heat_surroundings" => Measure::Energy,
+            _ => return None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_written_as_engineers_write_them() {
+        let cases = [
+            (2.13e-6, Measure::Length, "2.13 µm"),
+            (60_380.0, Measure::Energy, "60.4 kJ"),
+            (-3200.0, Measure::Force, "-3.2 kN"),
+            (-0.0, Measure::Energy, "0 J"),
+            (0.0, Measure::Number, "0"),
+            (999.96, Measure::Stress, "1 kPa"),
+            (999.4, Measure::Stress, "999 Pa"),
+            (999.5, Measure::Stress, "1 kPa"),
+            (0.999_96, Measure::Length, "1 m"),
+            (1234.0, Measure::Time, "1230 s"),
+            (0.02, Measure::Time, "20 ms"),
+            (2.1e11, Measure::Stress, "210 GPa"),
+            (1500.0, Measure::Temperature, "1500 K"),
+            (293.15, Measure::Temperature, "293.1 K"),
+            (0.0031, Measure::Area, "0.0031 m²"),
+            (2e-9, Measure::Volume, "2e-9 m³"),
+            (0.0125, Measure::Number, "0.0125"),
+            (123_456.0, Measure::Number, "123000"),
+            (2.134e-6, Measure::Number, "2.13e-6"),
+            (1e-20, Measure::Length, "1e-8 pm"),
+            (f64::NAN, Measure::Length, "NaN m"),
+        ];
+        for (value, measure, text) in cases {
+            assert_eq!(Units::SPACE.write(value, measure), text, "{value:e}");
+        }
+    }
+
+    /// Whatever the size, what is written reads back to the number within half a unit of the third digit.
+    #[test]
+    fn what_is_written_is_the_number() {
+        for i in -119..140 {
+            let value = 1.234_567 * 10f64.powf(f64::from(i) * 0.1);
+            let text = Units::SPACE.write(-value, Measure::Force);
+            let (number, unit) = text.split_once(' ').unwrap_or((&text, ""));
+            let prefix = unit.trim_end_matches('N');
+            let power = PREFIXES.iter().find(|(_, p)| *p == prefix).map_or(i32::MAX, |p| p.0);
+            let read = -number.parse::<f64>().unwrap_or(f64::NAN) * 10f64.powi(power);
+            assert!((read - value).abs() <= 5.001e-3 * value, "{value:e} is written {text}");
+            assert!(number.parse::<f64>().is_ok_and(|n| (0.999..1000.0).contains(&n.abs())), "{value:e} is written {text}");
+        }
+    }
+
+    #[test]
+    fn a_range_has_one_unit() {
+        let text = |range, measure| {
+            let (low, high, unit) = Units::PLANE.range(range, measure);
+            format!("{low} … {high} {unit}")
+        };
+        assert_eq!(text([-3.2e-6, 1.2e-5], Measure::Length), "-3.2 … 12 µm");
+        assert_eq!(text([20.0, 50.0], Measure::Temperature), "20 … 50 K");
+        assert_eq!(text([0.0, 2.5e6], Measure::Stress), "0 … 2.5 MPa");
+        assert_eq!(text([-0.003_484, 15.108], Measure::Temperature), "0 … 15.11 K");
+        assert_eq!(text([0.0, 0.0], Measure::Stress), "0 … 0 Pa");
+        assert_eq!(text([1.694e-6, 7.5e-5], Measure::Length), "1.7 … 75 µm");
+        // The round-off of the largest is zero.
+        assert_eq!(Units::PLANE.vector(&[-1.8e-13, -823.9], Measure::Force), "(0, -824) N/m");
+        assert_eq!(Units::SPACE.without().vector(&[0.5, -2.0, 1e-3], Measure::Force), "(0.5, -2, 0.001)");
+    }
+
+    /// Per metre of thickness in the plane, per square metre of cross-section on a line, for the full turn and in space as a whole; nothing
+    /// without units.
+    #[test]
+    fn integrals_have_the_units_of_their_extent() {
+        let of = |extent, measure| Units { system: System::Si, extent }.of(measure);
+        for (measure, line, plane, whole) in [
+            (Measure::Force, "N/m²", "N/m", "N"),
+            (Measure::Energy, "J/m²", "J/m", "J"),
+            (Measure::Power, "W/m²", "W/m", "W"),
+            (Measure::Area, "m²/m²", "m²/m", "m²"),
+            (Measure::Volume, "m³/m²", "m³/m", "m³"),
+        ] {
+            assert_eq!([Extent::Line, Extent::Plane, Extent::Revolution, Extent::Space].map(|e| of(e, measure)), [line, plane, whole, whole]);
+            assert_eq!(Units::PLANE.without().of(measure), "");
+        }
+        assert_eq!(Units::PLANE.without().write(-0.0, Measure::Energy), "0");
+        assert_eq!(Units::PLANE.without().write(6.04e4, Measure::Energy), "60400");
+    }
+
+    #[test]
+    fn prefixes_stand_where_the_unit_takes_them() {
+        assert_eq!(Units::SPACE.prefixed(3, Measure::Stress).as_deref(), Some("kPa"));
+        assert_eq!(Units::SPACE.prefixed(3, Measure::Temperature), None);
+        assert_eq!(Units::SPACE.prefixed(-3, Measure::Area), None);
+        assert_eq!(Units::SPACE.without().prefixed(3, Measure::Stress), None);
+        assert_eq!(Units::SPACE.without().prefixed(0, Measure::Stress).as_deref(), Some(""));
+    }
+
+    #[test]
+    fn columns_have_their_measures() {
+        for (name, measure) in [
+            ("contact_force_x", Measure::Force),
+            ("contact_force_y@bottom", Measure::Force),
+            ("slip_velocity_z", Measure::Velocity),
+            ("slip", Measure::Number),
+            ("x", Measure::Length),
+            ("wear_volume@left_x", Measure::Volume),
+        ] {
+            assert_eq!(Measure::of_column(name), Some(measure), "{name}");
+        }
+        assert_eq!(Measure::of_column("status"), None);
+    }
+}
