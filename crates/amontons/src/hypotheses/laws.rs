@@ -370,7 +370,7 @@ fn cut_off(test: &Test) -> Finding {
         Some(l) => finding(Status::Holds, format!("φ_L is cut off at ±L, L = {l:.6e}, as (2.10) has it")),
         None => finding(
             Status::NotCovered,
-            "φ_L(s) = s is not bounded; (2.10) cuts it off at ±L and (3.24) uses L. Section 5 of the paper computes without the cut, too, and the theorem of the book, chapter 2, does without it".to_owned(),
+            "φ_L(s) = s is not bounded; (2.10) cuts it off at ±L and (3.24) uses L. Section 5 of the paper computes without the cut, too, and the theorem in book/src/theory.md does without it".to_owned(),
         )
         .repair("contact.heat.truncation = L, above any difference of temperatures that occurs: results are then the same"),
     }

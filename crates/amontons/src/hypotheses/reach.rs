@@ -10,8 +10,8 @@
 //! ```
 //!
 //! and G is the diagonal of the inverse of the condensed a. The laws of contact are to do nothing for r ≤ 0; a is the form of the scheme, with
-//! its dilatation and its springs; branches that relax add their energy, zero at the start, to y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof: book,
-//! chapter 2.
+//! its dilatation and its springs; branches that relax add their energy, zero at the start, to y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof:
+//! `book/src/theory.md`.
 
 use super::laws::{Test, at, gravity, norm, tests};
 use super::step::{heat_acts_at_once, holds_the_body};

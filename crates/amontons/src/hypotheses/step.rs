@@ -12,7 +12,7 @@
 //! solution in any case. With a pressure that falls by s at the most c* is also not less than (s + √(s² + (μs + L_r)²))/2, and with a
 //! bound that falls with the slip speed by f p at the most, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
 //! With several contacts c* W is Σ c*_i W_i. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that
-//! what holds for k holds for all shorter steps. K_u is the matrix of the scheme. Proofs: book, chapter 2.
+//! what holds for k holds for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
 //! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal, which round-off cannot feign; by elimination of
 //! the interior it is positive definite if and only if K_II and S − c* k W are. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
