@@ -466,7 +466,7 @@ fn faults_of_probes_have_their_places() {
         &probe("von_misses", "at = [1, 1]"),
         &[(
             3,
-            "12: probe[0].quantity: found \"von_misses\", expected the name of a quantity, such as \"displacement_x\", \"temperature\", \"stress_xx\" or \"von_mises\" (what is read); did you mean \"von_mises\"?",
+            "12: probe[0].quantity: found \"von_misses\", expected the name of a quantity, such as \"displacement_x\", \"temperature\", \"stress_xx\" or \"von_mises\" (quantity that is recorded); did you mean \"von_mises\"?",
         )],
     );
     let twice = probe("temperature", "at = [1, 1]") + &probe("von_mises", "at = [3, 1]\ntake = \"max\"");

@@ -145,14 +145,20 @@ fn every_key_that_a_document_or_a_message_names_exists() {
     };
     for path in documents() {
         let text = text(&path);
-        text.lines().enumerate().for_each(|(number, line)| between(line, '`').into_iter().for_each(|code| look(&path, number, code)));
+        for (number, line) in text.lines().enumerate() {
+            for code in between(line, '`') {
+                look(&path, number, code);
+            }
+        }
     }
     for path in files("crates/amontons/src", &[".rs"]).into_iter().chain(files("crates/amontons-cli/src", &[".rs"])) {
         let text = text(&path);
         // Tests name keys that do not exist on purpose.
         let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
         for (number, line) in code.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")) {
-            between(line, '"').into_iter().for_each(|string| look(&path, number, string));
+            for string in between(line, '"') {
+                look(&path, number, string);
+            }
         }
     }
     assert!(missing.is_empty(), "{}", missing.join("\n"));

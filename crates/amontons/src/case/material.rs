@@ -195,7 +195,7 @@ impl Builder<'_> {
     /// 𝓜 = 𝓔α. With `elasticity` reduced to plane stress that is 𝓔_red α_red: the strain that makes σ₃₃ vanish takes up α₃₃. Otherwise the
     /// strain is that of the plane, so that 𝓜 is the part in the plane, with 33, of the product in three dimensions.
     fn thermal_stress(&mut self, coefficient: Expansion, raw: &Elasticity, elasticity: &dyn TensorLaw, state: StressState) -> Sym {
-        let (dim, alpha) = (self.dim(), self.along_axes(coefficient, raw));
+        let (dim, alpha) = (self.dim(), along_axes(coefficient, raw));
         let is_plane_stress = dim < 3 && state == StressState::PlaneStress;
         if !elasticity.is_linear() && (is_plane_stress || !matches!(coefficient, Expansion::Isotropic(_))) {
             let expected = "one number in space, in plane strain or for a body of revolution: with this law 𝓜 depends on the strain otherwise";
@@ -221,22 +221,6 @@ impl Builder<'_> {
         };
         thermal.0[last..].fill(0.0);
         self.check_twist("expansion_coefficient", thermal).unwrap_or(Sym::ZERO)
-    }
-
-    /// α in the axes of the body.
-    fn along_axes(&mut self, coefficient: Expansion, raw: &Elasticity) -> Sym {
-        let along = match coefficient {
-            Expansion::Isotropic(alpha) => return alpha * Sym::identity(3),
-            Expansion::Orthotropic(along) => along,
-        };
-        let (Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. }) = raw else {
-            return Sym::principal(&along, &Rotation::in_plane(0.0));
-        };
-        let rotation = match *orientation {
-            Orientation::Angle(angle) => Rotation::in_plane(angle),
-            Orientation::Euler(angles) => Rotation::euler(angles),
-        };
-        Sym::principal(&along, &rotation)
     }
 
     /// The symmetric tensor that is meant, of a body of revolution by r, z, θ.
@@ -274,6 +258,22 @@ impl Builder<'_> {
             self.note("conductivity", "0 besides heat_capacity 0".to_owned(), "a positive conductivity if the heat is steady", hint);
         }
     }
+}
+
+/// α in the axes of the body.
+fn along_axes(coefficient: Expansion, raw: &Elasticity) -> Sym {
+    let along = match coefficient {
+        Expansion::Isotropic(alpha) => return alpha * Sym::identity(3),
+        Expansion::Orthotropic(along) => along,
+    };
+    let (Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. }) = raw else {
+        return Sym::principal(&along, &Rotation::in_plane(0.0));
+    };
+    let rotation = match *orientation {
+        Orientation::Angle(angle) => Rotation::in_plane(angle),
+        Orientation::Euler(angles) => Rotation::euler(angles),
+    };
+    Sym::principal(&along, &rotation)
 }
 
 fn shared(law: Linear) -> Law {

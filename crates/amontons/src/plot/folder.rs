@@ -128,8 +128,8 @@ fn plane(grid: &vtu::Grid) -> Result<Snapshot, String> {
     let snapshot = Snapshot {
         body: Body::new(grid.points.iter().map(|p| [p[0], p[1]]).collect(), grid.cells()).map_err(|e| e.to_string())?,
         displacement: displacement(grid)?.iter().map(|u| [u[0], u[1]]).collect(),
-        temperature: field(&grid.point_data, "temperature")?,
-        von_mises: field(&grid.cell_data, "von_mises")?,
+        temperature: temperature(grid)?,
+        von_mises: von_mises(grid)?,
         nodal_von_mises: optional(&grid.point_data, "nodal_von_mises"),
         regions: optional(&grid.cell_data, "region"),
     };
@@ -146,8 +146,8 @@ fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> 
     let solid = Solid {
         surface: Surface::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells())).map_err(|e| e.to_string())?,
         displacement: displacement(grid)?,
-        temperature: field(&grid.point_data, "temperature")?,
-        von_mises: field(&grid.cell_data, "von_mises")?,
+        temperature: temperature(grid)?,
+        von_mises: von_mises(grid)?,
         nodal_von_mises: optional(&grid.point_data, "nodal_von_mises"),
         regions: optional(&grid.cell_data, "region"),
         contact,
@@ -158,14 +158,24 @@ fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> 
 
 type Arrays = BTreeMap<String, vtu::Array>;
 
-/// A field of numbers; empty if the run does not have it.
-fn field(data: &Arrays, name: &str) -> Result<Vec<f64>, String> {
-    if data.contains_key(name) { Ok(array(data, name, 1)?.to_vec()) } else { Ok(Vec::new()) }
+/// The temperature of each node; empty in a run of mechanics alone.
+fn temperature(grid: &vtu::Grid) -> Result<Vec<f64>, String> {
+    let mechanics_alone = has_mechanics(grid) && !grid.point_data.contains_key("temperature");
+    if mechanics_alone { Ok(Vec::new()) } else { Ok(array(&grid.point_data, "temperature", 1)?.to_vec()) }
+}
+
+/// The von Mises stress of each cell; empty in a run of heat alone.
+fn von_mises(grid: &vtu::Grid) -> Result<Vec<f64>, String> {
+    if has_mechanics(grid) { Ok(array(&grid.cell_data, "von_mises", 1)?.to_vec()) } else { Ok(Vec::new()) }
+}
+
+fn has_mechanics(grid: &vtu::Grid) -> bool {
+    grid.point_data.contains_key("displacement")
 }
 
 /// The displacement of each node, zero in a run without mechanics.
 fn displacement(grid: &vtu::Grid) -> Result<Vec<[f64; 3]>, String> {
-    if !grid.point_data.contains_key("displacement") {
+    if !has_mechanics(grid) {
         return Ok(vec![[0.0; 3]; grid.points.len()]);
     }
     Ok(array(&grid.point_data, "displacement", 3)?.chunks_exact(3).map(|u| [u[0], u[1], u[2]]).collect())
