@@ -78,7 +78,7 @@ pub enum Measure {
 const PREFIXES: [(i32, &str); 9] = [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 
 /// 3 − log₁₀ 999.5.
-const ROUNDED_UP: f64 = 2.172e-4;
+const ROUNDED_UP: f64 = 2.172_02e-4;
 
 /// The powers of ten between which a unit takes prefixes.
 fn prefixes(symbol: &str) -> [i32; 2] {

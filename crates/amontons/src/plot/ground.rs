@@ -337,7 +337,7 @@ mod tests {
 
     #[test]
     fn a_contour_may_leave_the_window_and_have_parts() {
-        let lines = contour(&|p| (p[1] - 0.7).min(-0.3 - p[1]), WINDOW);
+        let lines = contour(&|p| (0.7 - p[1]).min(p[1] + 0.3), WINDOW);
         assert_eq!(lines.len(), 2);
         for line in &lines {
             let level = line[0][1];
