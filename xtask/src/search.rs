@@ -63,10 +63,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     println!("{:<36} {:>6} {:>6} {:>7} {:>7} {:>6} {:>6}  seed", "class", "cases", "steps", "failed", "halved", "mean", "most");
     for (name, class) in &classes {
         let mean = class.iterations as f64 / class.steps.max(1) as f64;
-        println!(
-            "{name:<36} {:>6} {:>6} {:>7} {:>7} {mean:>6.1} {:>6}  {}",
-            class.cases, class.steps, class.failed, class.halved, class.most, class.worst
-        );
+        println!("{name:<36} {:>6} {:>6} {:>7} {:>7} {mean:>6.1} {:>6}  {}", class.cases, class.steps, class.failed, class.halved, class.most, class.worst);
     }
     let sum = |is_unique: bool| {
         let own = classes.iter().filter(|(name, _)| name.starts_with(UNIQUE) == is_unique);

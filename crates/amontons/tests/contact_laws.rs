@@ -279,7 +279,8 @@ fn in_units(law: &str, length: f64, time: f64, mass: f64) -> Problem {
 /// The same problem turned by an angle: body, loads, and tensors.
 fn turned(mut problem: Problem, angle: f64) -> Problem {
     let turn = Rotation::in_plane(angle);
-    let vector = |v: [f64; 2]| -> [f64; 2] { std::array::from_fn(|c| turn.0[c][0] * v[0] + turn.0[c][1] * v[1]) };
+    let (sin, cos) = angle.sin_cos();
+    let vector = |[a, b]: [f64; 2]| [cos * a - sin * b, sin * a + cos * b];
     let mut mesh = (*problem.mesh).clone();
     for x in &mut mesh.points {
         let [a, b] = vector([x[0], x[1]]);

@@ -228,9 +228,10 @@ impl MechanicalStep<'_> {
         (0..local.len()).map(|i| term.interface.rows[i].global(&term.laws_at(i, &w, &local[i]).projected())).collect()
     }
 
-    /// Whether the step has no other solution between two velocities as far as falling laws are concerned: S with the least slopes that the
-    /// laws have between them, friction at the pressures of the second, is positive definite. Of friction, the fall with the slip speed counts,
-    /// and not the drop from rest, after which a point that sticks goes on sticking as long as it can.
+    /// Whether the step with its friction bounds frozen has no other solution between two velocities: S with the least slopes that the laws have
+    /// between them, friction at the larger of the pressures of both ends, is positive definite. Of friction, the fall with the slip speed
+    /// counts, and not the drop from rest, after which a point that sticks goes on sticking as long as it can. Proof:
+    /// `book/src/theory.md`, section 3.5.
     #[must_use]
     pub fn is_unique(&self, condensed: &mut Condensed, [from, to]: [&[f64]; 2], multipliers: [&Multipliers; 2]) -> bool {
         let term = Mechanical::new(self, None);
@@ -265,7 +266,7 @@ impl Mechanical<'_> {
         // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
         let start = before.penetration - self.step.rule.gamma * (self.interface.jump(i, from)[0] - frame.gap_rate);
         let normal = self.step.rule.gamma * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
-        // The largest load in between: a fall with the slip speed grows with it.
+        // The larger of the pressures of both ends: a fall with the slip speed grows with it.
         let at_end = after.normal.pressed;
         let pressure = match contact.normal.graph() {
             GraphKind::Function => at_end.max(contact.normal.pressure(&point.x, start, 0.0, 0.0).value).max(0.0),
