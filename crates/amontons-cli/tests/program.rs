@@ -136,7 +136,7 @@ fn a_run_prints_what_it_is_asked_to() {
     let folder = tempdir().expect("a folder");
     let printed = run_paper(&folder.path().join("text"), 4, &[]);
     assert_code(&printed, 0);
-    for part in ["paper: done, 4 steps to t = 1 s", "contact", "energy closes to", "results"] {
+    for part in ["paper: done, 4 steps to t = 1 in", "contact", "energy closes to", "results"] {
         assert!(stdout(&printed).contains(part), "{part} is not in\n{}", stdout(&printed));
     }
     let printed = run_paper(&folder.path().join("json"), 4, &["--format", "json"]);

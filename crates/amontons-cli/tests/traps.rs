@@ -80,7 +80,8 @@ fn check_gives_the_size_of_the_model() {
     let printed = output(&mut amontons(&[&arguments[..], &["--format", "json"]].concat()));
     let told = json(&printed);
     let model = &told["model"];
-    assert_eq!((&model["mass"], &model["contact_points"]["bottom"], &model["parts"]), (&3.0.into(), &17.into(), &1.into()));
+    assert!(model["mass"].as_f64().is_some_and(|mass| (mass / 3.0 - 1.0).abs() < 1e-12), "{}", model["mass"]);
+    assert_eq!((&model["contact_points"]["bottom"], &model["parts"]), (&17.into(), &1.into()));
     assert_eq!(model["box"], serde_json::json!([[0.0, 0.0], [1.0, 1.0]]));
     for key in ["first_period", "heat"] {
         assert!(model["times"][key].as_f64().is_some_and(|time| time > 0.0), "{key}");

@@ -22,9 +22,9 @@ use crate::units::System;
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
 ///
 /// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
-/// found there, below, or in the tables around.
-pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, doubtful: &[Path]) -> (Option<Built>, Vec<Finding>) {
-    let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), no_mesh: false, dim: 2, end: raw.time.end };
+/// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the times of checks need not fit.
+pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, doubtful: &[Path], has_other_end: bool) -> (Option<Built>, Vec<Finding>) {
+    let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), no_mesh: false, dim: 2, end: raw.time.end, has_other_end };
     build.name(&raw.name);
     build.step(&raw.time);
     let contact_on: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
@@ -125,8 +125,9 @@ pub(super) struct Build<'d> {
     pub no_mesh: bool,
     /// d.
     pub dim: usize,
-    /// T in s.
+    /// T in s, and whether an override gives it.
     pub end: f64,
+    pub has_other_end: bool,
 }
 
 impl Build<'_> {
@@ -245,7 +246,7 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (problem, findings) = problem(raw, &Files::None, Some(2e6), &[]);
+        let (problem, findings) = problem(raw, &Files::None, Some(2e6), &[], false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);

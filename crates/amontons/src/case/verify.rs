@@ -166,7 +166,7 @@ impl Build<'_> {
     /// Notes a time outside the interval for which there are values.
     fn check_time(&mut self, path: &str, time: Option<f64>, first: f64) {
         let slack = 1e-12 * self.end;
-        if let Some(time) = time.filter(|&time| !(first - slack..=self.end + slack).contains(&time)) {
+        if let Some(time) = time.filter(|_| !self.has_other_end).filter(|&time| !(first - slack..=self.end + slack).contains(&time)) {
             self.note(&format!("{path}.time"), At::Value, time.to_string(), format!("a time from {first} to time.end = {}", self.end), None);
         }
     }

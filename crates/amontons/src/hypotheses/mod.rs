@@ -278,7 +278,7 @@ fn concerns(id: &str, physics: Physics) -> bool {
     match id {
         "H3" | "heat" | "thermal-layer" => physics.has_heat(),
         "H4" | "H5" | "H7" | "phi-L" | "contact-heat" | "expansion-scale" | "expansion-zz" => physics == Physics::Coupled,
-        "H6" | "mesh-quality" | "coincident-nodes" | "part-free" => true,
+        "H6" | "mesh-quality" | "coincident-nodes" => true,
         _ => physics.has_mechanics(),
     }
 }

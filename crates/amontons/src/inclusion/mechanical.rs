@@ -11,6 +11,9 @@ use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
 use crate::linalg::{Condensed, Entry, is_positive_definite, max_abs};
 use crate::tensor::{Point, dot, length};
 
+/// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is 1 + λ G′ times the defect p − J.
+const SHARPEST: f64 = 1024.0;
+
 /// State of the contact points that a step starts from and ends with.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Multipliers {
@@ -313,6 +316,16 @@ impl Term for Mechanical<'_> {
             self.interface.scatter_sizes(i, &[laws.normal.slope / gamma * size, s1, s2], &mut sizes);
         }
         max_abs(&sizes)
+    }
+
+    fn is_sharp(&self, x: &[f64], laws: &Vec<Laws>, tolerance: f64) -> bool {
+        laws.iter().enumerate().all(|(i, laws)| {
+            let (normal, weight) = (&laws.normal, self.interface.rows[i].weight);
+            let size = self.opening[i][1] + self.step.rule.gamma * self.interface.jump(i, x)[0].abs();
+            let round_off = 16.0 * f64::EPSILON * normal.stiffness() / self.step.rule.gamma * size;
+            let error = (normal.pressed - normal.pressure).abs() / normal.yielding;
+            normal.yielding * SHARPEST < 1.0 || weight * error <= tolerance.max(weight * round_off)
+        })
     }
 
     fn linearise(&self, laws: &Vec<Laws>, entries: &mut Vec<Entry>, right: &mut [f64]) {

@@ -21,6 +21,10 @@ pub(super) trait Term {
     fn defects(&self, laws: &Self::Laws) -> Vec<f64>;
     /// The largest round-off of a term of the laws, as a force.
     fn round_off(&self, x: &[f64], laws: &Self::Laws) -> f64;
+    /// Whether what the laws give beyond the defects is as small as the residual has to be.
+    fn is_sharp(&self, _x: &[f64], _laws: &Self::Laws, _tolerance: f64) -> bool {
+        true
+    }
     /// The linearised laws: adds the entries of J = Σ ω Nᵀ T N, takes Σ ω Nᵀ f at an unchanged x off `right`.
     fn linearise(&self, laws: &Self::Laws, entries: &mut Vec<Entry>, right: &mut [f64]);
     /// The multipliers of the linearised laws after the step δx.
@@ -84,6 +88,7 @@ pub(super) struct Evaluation<T: Term> {
     pub residual: f64,
     pub scale: f64,
     tolerance: f64,
+    is_sharp: bool,
 }
 
 impl<T: Term> Evaluation<T> {
@@ -109,12 +114,13 @@ impl<T: Term> Evaluation<T> {
         let norm = if residual > 0.0 { residual * errors.iter().map(|e| (e / residual).powi(2)).sum::<f64>().sqrt() } else { 0.0 };
         let tight = TOLERANCE * scale;
         let tolerance = if residual > tight { tight.max(right.round_off(condensed, x, residual)).max(f64::EPSILON * term.round_off(x, &laws)) } else { tight };
-        Evaluation { at, laws, rest, norm, residual, scale, tolerance }
+        let is_sharp = residual > tolerance || term.is_sharp(x, &laws, tight);
+        Evaluation { at, laws, rest, norm, residual, scale, tolerance, is_sharp }
     }
 
     /// Whether the residual is as small as it may be.
     pub fn converged(&self) -> bool {
-        self.residual <= self.tolerance
+        self.residual <= self.tolerance && self.is_sharp
     }
 
     /// The end of an iteration that has converged.
@@ -176,7 +182,7 @@ pub(super) fn iterate<T: Term>(term: &T, condensed: &mut Condensed, right: &Righ
             }
             alpha *= 0.5;
             if alpha < SHORTEST_STEP {
-                if right.is_round_off(condensed, &now.at.x, now.residual) {
+                if now.residual <= now.tolerance || right.is_round_off(condensed, &now.at.x, now.residual) {
                     return now.end(term, iteration);
                 }
                 if left == 0 {

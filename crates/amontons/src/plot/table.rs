@@ -18,7 +18,7 @@ pub(super) struct Table {
     rows: Vec<Vec<String>>,
 }
 
-/// The cells of a line; a cell in quotes may have commas, and a quote twice for one.
+/// The cells that a line has; a cell in quotes may have commas, and a quote twice for one.
 fn cut(line: &str) -> Vec<String> {
     let mut cells = vec![String::new()];
     let (mut quoted, mut chars) = (false, line.chars().peekable());
