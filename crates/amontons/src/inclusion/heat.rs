@@ -294,7 +294,7 @@ impl Term for Thermal<'_> {
         from.iter().zip(to).map(|(a, b)| a + alpha * (b - a)).collect()
     }
 
-    fn settled(&self, laws: &Vec<Law>, _multipliers: Vec<f64>) -> Vec<f64> {
+    fn settled(&self, _x: &[f64], laws: &Vec<Law>, _multipliers: Vec<f64>) -> Vec<f64> {
         laws.iter().map(|law| law.passed).collect()
     }
 

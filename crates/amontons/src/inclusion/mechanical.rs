@@ -357,10 +357,11 @@ impl Term for Mechanical<'_> {
         laws.iter_mut().zip(multipliers).filter(|(_, multiplier)| multiplier.sticks).for_each(|(laws, _)| laws.hold());
     }
 
-    /// Pressures on the graph itself, and the branches that were found.
-    fn settled(&self, laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
+    /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that were found.
+    fn settled(&self, x: &[f64], laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         for (i, (multiplier, laws)) in multipliers.iter_mut().zip(laws).enumerate() {
-            multiplier.p = laws.normal.pressed;
+            let is_soft = laws.normal.yielding * SHARPEST >= 1.0 && self.contact(i).normal.graph() == GraphKind::Function;
+            multiplier.p = if is_soft { self.laws_with(i, x, multiplier, Response::Function).normal.pressed } else { laws.normal.pressed };
             if !self.drops(i) {
                 multiplier.sticks = laws.sticks;
             }

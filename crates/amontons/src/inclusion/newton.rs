@@ -34,7 +34,7 @@ pub(super) trait Term {
     /// What is taken for granted before the first step.
     fn begin(&self, _laws: &mut Self::Laws, _multipliers: &Self::Multipliers) {}
     /// The multipliers of an iterate that has converged: those that the laws make of them.
-    fn settled(&self, laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
+    fn settled(&self, x: &[f64], laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
     /// Points that are open, stuck and slipping.
     fn pattern(&self, laws: &Self::Laws) -> [usize; 3];
 }
@@ -126,7 +126,8 @@ impl<T: Term> Evaluation<T> {
     /// The end of an iteration that has converged.
     fn end(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
         let Iterate { x, multipliers } = self.at;
-        Outcome { end: Iterate { x, multipliers: term.settled(&self.laws, multipliers) }, iterations, failure: None }
+        let multipliers = term.settled(&x, &self.laws, multipliers);
+        Outcome { end: Iterate { x, multipliers }, iterations, failure: None }
     }
 
     /// The end of an iteration that has not.
