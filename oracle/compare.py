@@ -1,7 +1,7 @@
 """Recomputes the tables of crates/amontons/tests/reference and compares them: one row of output per table.
 Exits with 1 if a difference is above its tolerance. Needs numpy and scipy (requirements.txt); runs on one thread.
 
-    python3 oracle/compare.py                    everything; the study of (5.2) with h = k = 1/256 takes 20 minutes
+    python3 oracle/compare.py                    everything; about 40 minutes, half of them for (5.2)
     python3 oracle/compare.py --quick            n = 16 and the like, a few seconds
     python3 oracle/compare.py --table paper      one table
     python3 oracle/compare.py --write FOLDER     also writes the recomputed tables
@@ -31,7 +31,7 @@ FIELDS = {"displacement_m": "displacement_max_x", "u": "displacement_max_x", "te
 COUNTS = {"open", "stick", "slip", "slip+", "slip-"}                    # have to be equal
 # Each function yields the rows of a table with their values by column, or none for a row that --quick leaves out;
 # `scale` among the values replaces the magnitude of the reference as the scale of the differences: the norm of the
-# solution for errors of the patch test, which are round-off, and for (5.2), which subtracts two nearly equal fields.
+# solution where the value is an error, which is the difference of two nearly equal fields.
 
 
 def paper_rows(rows, quick):
@@ -102,9 +102,11 @@ def scale(row, name, values):
 
 
 def difference(row, name, values):
+    """The difference relative to the scale, and relative to the value itself unless that is zero or round-off."""
     if name in COUNTS:
-        return 0.0 if int(row[name]) == values[name] else 1.0
-    return abs(values[name] - float(row[name])) / scale(row, name, values)
+        return (0.0, 0.0) if int(row[name]) == values[name] else (1.0, 1.0)
+    apart, value = abs(values[name] - float(row[name])), abs(float(row[name]))
+    return apart / scale(row, name, values), apart / value if value > 1e-12 else 0.0
 
 
 def compare(table, quick, folder):
@@ -112,7 +114,7 @@ def compare(table, quick, folder):
     start = time.time()
     with open(REFERENCE / f"{table}.csv", newline="") as file:
         rows = list(csv.DictReader(file))
-    worst, where, count, done, written = 0.0, "", 0, 0, []
+    worst, worst_relative, where, count, done, written = 0.0, 0.0, "", 0, 0, []
     for row, values in TABLES[table](rows, quick):
         written.append(row)
         if values is None:
@@ -121,13 +123,14 @@ def compare(table, quick, folder):
         names = [name for name in row if name in values]
         for name in names:
             count += 1
-            now = difference(row, name, values)
+            now, relative = difference(row, name, values)
+            worst_relative = max(worst_relative, relative)
             if not now <= worst:                                        # also where it is not a number
                 worst, where = now, f"{name} in row {rows.index(row) + 1}"
         written[-1] = row | {name: values[name] if name in COUNTS else f"{values[name]:.12e}" for name in names}
     verdict = "left to the full run" if not done else "agrees" if worst <= TOLERANCE else f"DIFFERS at {where}"
-    numbers = f"{count:>10}{worst:>14.1e}{TOLERANCE:>12.0e}{time.time() - start:>8.1f}" if done else " " * 44
-    print(f"{table:<19}{done:>4} of {len(rows):<3}{numbers}  {verdict}", flush=True)
+    numbers = f"{count:>10}{worst_relative:>10.1e}{worst:>10.1e}{TOLERANCE:>11.0e}{time.time() - start:>8.1f}"
+    print(f"{table:<19}{done:>4} of {len(rows):<3}{numbers if done else ' ' * 49}  {verdict}", flush=True)
     if folder:
         folder.mkdir(parents=True, exist_ok=True)
         with open(folder / f"{table}.csv", "w", newline="") as file:
@@ -143,7 +146,7 @@ def main():
     parser.add_argument("--table", choices=TABLES, action="append", help="compare this table only; may be repeated")
     parser.add_argument("--write", type=Path, metavar="FOLDER", help="write the recomputed tables there")
     arguments = parser.parse_args()
-    print(f"{'table':<19}{'rows':>11}{'quantities':>10}{'difference':>14}{'tolerance':>12}{'s':>8}  verdict")
+    print(f"{'table':<19}{'rows':>11}{'quantities':>10}{'to value':>10}{'to scale':>10}{'tolerance':>11}", f"{'s':>7}  verdict")
     verdicts = [compare(table, arguments.quick, arguments.write) for table in arguments.table or TABLES]
     sys.exit(0 if all(verdicts) else 1)
 

@@ -162,7 +162,7 @@ class Scheme:
         self.N_nu, self.N_tau = self.contact.normal[:, free], self.contact.tangent[:, free]
         # With Gauss points more points may stick than there are nodes, and lambda is not unique: then the stick rows
         # are those of an augmented Lagrangian, w_tau = give (lambda - anchor), repeated until lambda rests.
-        self.give = 0.0 if self.contact.nodal else 0.1 / data.mu_2
+        self.give = 0.0 if self.contact.nodal else 1 / (data.mu_2 * mesh.n)
         self.factors, self.heat = {}, (None, None)
 
     def run(self, u, w, theta):
