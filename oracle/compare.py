@@ -146,7 +146,8 @@ def main():
     parser.add_argument("--table", choices=TABLES, action="append", help="compare this table only; may be repeated")
     parser.add_argument("--write", type=Path, metavar="FOLDER", help="write the recomputed tables there")
     arguments = parser.parse_args()
-    print(f"{'table':<19}{'rows':>11}{'quantities':>10}{'to value':>10}{'to scale':>10}{'tolerance':>11}", f"{'s':>7}  verdict")
+    titles = f"{'quantities':>10}{'to value':>10}{'to scale':>10}{'tolerance':>11}{'s':>8}"
+    print(f"{'table':<19}{'rows':>11}{titles}  verdict")
     verdicts = [compare(table, arguments.quick, arguments.write) for table in arguments.table or TABLES]
     sys.exit(0 if all(verdicts) else 1)
 
