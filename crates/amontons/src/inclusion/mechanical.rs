@@ -13,6 +13,8 @@ use crate::tensor::{Point, dot, length};
 
 /// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is 1 + λ G′ times the defect p − J.
 const SHARPEST: f64 = 1024.0;
+/// Relative change of a pressure within the round-off of the penetration above which the law jumps there.
+const JUMP: f64 = 1e-3;
 
 /// State of the contact points that a step starts from and ends with.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -144,6 +146,20 @@ impl<'a> Mechanical<'a> {
         s1.hypot(s2)
     }
 
+    /// The laws at a point of a solution: the pressure of a soft function is that at the penetration, so that (2.8) holds to the last bit; that
+    /// of a stiff one, which the last bits of the penetration would change, of a graph and of a function at a jump is the multiplier.
+    fn laws_found(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
+        let given = self.laws_with(i, w, multiplier, Response::Given);
+        let Response::Multiplier { lambda } = self.response[i] else { return self.laws_at(i, w, multiplier) };
+        if self.contact(i).normal.graph() != GraphKind::Function {
+            return given;
+        }
+        let found = self.laws_with(i, w, multiplier, Response::Function);
+        let is_soft = lambda * found.normal.by_penetration <= SHARPEST;
+        let p = found.normal.pressed;
+        if is_soft && (p - multiplier.p).abs() <= JUMP * p.abs().max(multiplier.p.abs()) { found } else { given }
+    }
+
     /// The multipliers by their components at each point.
     pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
         let rows = self.interface.rows.iter().enumerate();
@@ -189,12 +205,12 @@ impl MechanicalStep<'_> {
 
     /// The states of the contact points at velocities on Γ_C, the multipliers as they are.
     #[must_use]
-    pub fn states(&self, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        let term = Mechanical::new(self, None);
+    pub fn states(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        let term = Mechanical::new(self, Some(condensed));
         let w = term.interface.turned(w);
         let local = term.local(multipliers);
         let of = |i: usize| {
-            let laws = term.laws_at(i, &w, &local[i]);
+            let laws = term.laws_found(i, &w, &local[i]);
             let mut state = laws.state(&term.interface.rows[i]);
             if state.bound > 0.0 {
                 // At the bound to round-off, and moving: slip.
@@ -228,7 +244,11 @@ impl MechanicalStep<'_> {
     pub fn forces(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
         let term = Mechanical::new(self, Some(condensed));
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
-        (0..local.len()).map(|i| term.interface.rows[i].global(&term.laws_at(i, &w, &local[i]).projected())).collect()
+        let of = |i: usize| {
+            let [_, q1, q2] = term.laws_at(i, &w, &local[i]).projected();
+            term.interface.rows[i].global(&[term.laws_found(i, &w, &local[i]).normal.pressed, q1, q2])
+        };
+        (0..local.len()).map(of).collect()
     }
 
     /// Whether the step with its friction bounds frozen has no other solution between two velocities: S with the least slopes that the laws have
@@ -360,8 +380,8 @@ impl Term for Mechanical<'_> {
     /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that were found.
     fn settled(&self, x: &[f64], laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         for (i, (multiplier, laws)) in multipliers.iter_mut().zip(laws).enumerate() {
-            let is_soft = laws.normal.yielding * SHARPEST >= 1.0 && self.contact(i).normal.graph() == GraphKind::Function;
-            multiplier.p = if is_soft { self.laws_with(i, x, multiplier, Response::Function).normal.pressed } else { laws.normal.pressed };
+            multiplier.p = laws.normal.pressed;
+            multiplier.p = self.laws_found(i, x, multiplier).normal.pressed;
             if !self.drops(i) {
                 multiplier.sticks = laws.sticks;
             }
