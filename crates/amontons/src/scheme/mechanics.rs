@@ -83,7 +83,8 @@ impl Given {
 
     /// The states of the contact points.
     fn states(&self, step: &Step, system: &System, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        self.on_boundary(step, system.on_contact()).map_or_else(Vec::new, |on_boundary| on_boundary.states(&system.condensed, &system.contact_of(w), multipliers))
+        self.on_boundary(step, system.on_contact())
+            .map_or_else(Vec::new, |on_boundary| on_boundary.states(&system.condensed, &system.contact_of(w), multipliers))
     }
 }
 
