@@ -74,7 +74,7 @@ struct Law {
     flux: f64,
     passed: f64,
     /// H with its slopes at the temperature where it is J.
-    law: Flux,
+    curve: Flux,
     /// 1/(1 + λ ∂H/∂θ): the slopes of J are those of H times this.
     softening: f64,
 }
@@ -84,7 +84,7 @@ impl Law {
     fn linear(&self) -> [f64; 3] {
         let yielding = self.softening.max(STIFF.recip());
         let slope = self.softening / yielding;
-        [self.flux + (self.passed - self.flux) / yielding, slope * self.law.by_temperature, slope * self.law.by_foundation]
+        [self.flux + (self.passed - self.flux) / yielding, slope * self.curve.by_temperature, slope * self.curve.by_foundation]
     }
 }
 
@@ -204,7 +204,7 @@ impl Thermal<'_> {
         }
         let stiff = lambda * law.by_temperature > 1.0;
         let passed = if stiff { (z - at) / lambda } else { law.value };
-        Law { temperature, foundation, flux, passed, softening: 1.0 / (1.0 + lambda * law.by_temperature), law }
+        Law { temperature, foundation, flux, passed, softening: 1.0 / (1.0 + lambda * law.by_temperature), curve: law }
     }
 
     fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<Law> {
@@ -227,7 +227,7 @@ impl Thermal<'_> {
         let laws = self.laws_at(theta, flux);
         Exchange {
             temperature: laws.iter().map(|law| law.temperature).collect(),
-            flux: laws.iter().zip(flux).map(|(law, flux)| Flux { value: *flux, ..law.law }).collect(),
+            flux: laws.iter().zip(flux).map(|(law, flux)| Flux { value: *flux, ..law.curve }).collect(),
             foundation: self.foundations(flux),
         }
     }
@@ -264,7 +264,7 @@ impl Term for Thermal<'_> {
 
     fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
         let of =
-            |(row, law): (&super::interface::Row, &Law)| row.weight * law.softening * law.law.by_temperature * (law.temperature.abs() + law.foundation.abs());
+            |(row, law): (&super::interface::Row, &Law)| row.weight * law.softening * law.curve.by_temperature * (law.temperature.abs() + law.foundation.abs());
         self.interface.rows.iter().zip(laws).map(of).fold(0.0, f64::max)
     }
 

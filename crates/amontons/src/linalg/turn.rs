@@ -40,7 +40,9 @@ pub(super) fn turned(matrix: &Mat<f64>, turns: &[Turn]) -> Mat<f64> {
     for j in 0..s.ncols() {
         if let Some(column) = s.col_mut(j).try_as_col_major_mut() {
             let column = column.as_slice_mut();
-            turns.iter().for_each(|turn| turn.forward(column));
+            for turn in turns {
+                turn.forward(column);
+            }
         }
     }
     // The rows: of the columns of each node their combinations.

@@ -206,9 +206,13 @@ impl System {
         if !contact.is_empty() {
             // The entries are in the bases of the contact points.
             let turns = self.condensed.turns().to_vec();
-            turns.iter().for_each(|turn| turn.forward(contact));
+            for turn in &turns {
+                turn.forward(contact);
+            }
             self.condensed.solve(entries, contact);
-            turns.iter().for_each(|turn| turn.back(contact));
+            for turn in &turns {
+                turn.back(contact);
+            }
         }
         self.factor.backward(&mut x);
         let mut values = vec![0.0; right.len()];

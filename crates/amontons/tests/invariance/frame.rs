@@ -136,17 +136,12 @@ impl Frame {
     /// A number times a factor, or an expression.
     fn datum(&self, factors: &[(f64, &str)]) -> String {
         let numbers: Option<Vec<f64>> = factors.iter().map(|(factor, text)| Some(factor * text.trim().parse::<f64>().ok()?)).collect();
-        match numbers {
-            Some(numbers) => format!("{:?}", numbers.into_iter().sum::<f64>()),
-            None => {
-                let terms: Vec<String> = factors
-                    .iter()
-                    .filter(|(factor, _)| *factor != 0.0)
-                    .map(|(factor, text)| format!("({factor:?})*({})", self.expression(text.trim())))
-                    .collect();
-                format!("\"{}\"", terms.join("+"))
-            }
+        if let Some(numbers) = numbers {
+            return format!("{:?}", numbers.into_iter().sum::<f64>());
         }
+        let terms: Vec<String> =
+            factors.iter().filter(|(factor, _)| *factor != 0.0).map(|(factor, text)| format!("({factor:?})*({})", self.expression(text.trim()))).collect();
+        format!("\"{}\"", terms.join("+"))
     }
 
     /// A template in this frame. In it `<unit|a>` is a number or an expression in X, Y, Z, T, `<unit|a; b>` a vector, `<unit|a, b; c, d>` a matrix,
