@@ -64,12 +64,12 @@ def tensors(six):
 
 def check_fields(path, fields, at_points, in_cells):
     """What a file has beside the fields of every file, and how it fits the stress."""
-    of_points = {"nodal-stress": ["nodal_stress", "nodal_von_mises"]}
+    of_points = {"nodal-stress": ["nodal_stress"]}
     directions = [f"principal_direction_{c}" for c in (1, 2, 3)]
     of_cells = {"stress": ["stress"], "strain": ["strain"], "principal": ["principal", *directions], "heat-flux": ["heat_flux"]}
     expected = [
         sorted([*always, *(name for field in fields for name in names.get(field, []))])
-        for always, names in ((["displacement", "temperature", "velocity"], of_points), (["region", "von_mises"], of_cells))
+        for always, names in ((["displacement", "nodal_von_mises", "temperature", "velocity"], of_points), (["region", "von_mises"], of_cells))
     ]
     if [sorted(at_points), sorted(in_cells)] != expected:
         sys.exit(f"{path}: found {sorted(at_points)} and {sorted(in_cells)}, expected {expected[0]} and {expected[1]}")
