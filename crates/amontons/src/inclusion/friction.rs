@@ -32,7 +32,7 @@ fn map(matrix: &[Tangential; 2], v: &Tangential) -> Tangential {
 pub(super) enum Slip {
     /// As it is: q is a multiplier.
     Exact,
-    /// q = s w_τ/√(‖w_τ‖² + ε²), which is smooth and, where the step has one solution, keeps it unique.
+    /// q √(‖w_τ‖² + ε²) = s w_τ, which is smooth and, where the step has one solution, keeps it unique.
     Smooth {
         /// ε in m/s.
         speed: f64,
@@ -67,8 +67,8 @@ impl Friction {
             let z = shape.map_or(slip, |s| map(&s.factor, &slip));
             let z_length = z[0].hypot(z[1]).hypot(speed);
             let round = z.map(|c| c * (bound / z_length));
-            let q = shape.map_or(round, |s| map(&s.factor, &round));
-            return Friction { q, slip, bound, sticks: false, projected: q, rho, z, z_length, is_smooth: true, shape };
+            let projected = shape.map_or(round, |s| map(&s.factor, &round));
+            return Friction { q, slip, bound, sticks: false, projected, rho, z, z_length, is_smooth: true, shape };
         }
         let (round_q, round_slip) = shape.map_or((q, slip), |s| (map(&s.inverse, &q), map(&s.factor, &slip)));
         let z: Tangential = std::array::from_fn(|a| round_q[a] + rho * round_slip[a]);
@@ -116,11 +116,16 @@ impl Friction {
             .map_or((self.q, self.slip, self.projected), |s| (map(&s.inverse, &self.q), map(&s.factor, &self.slip), map(&s.inverse, &self.projected)));
         let (mut force, mut tangent) = ([0.0; 2], [[0.0; 2]; 2]);
         if self.is_smooth {
+            // That of q √(‖w̃‖² + ε²) = s w̃ in q and w̃ (Chan, Golub and Mulet, SIAM J. Sci. Comput. 20 (1999) 1964), symmetric and with
+            // ‖q‖ ≤ s. The derivative of q = s w̃/√(…) in w̃ alone knows nothing of q, and Newton's method with it circles.
             let n = self.z.map(|c| c / self.z_length);
+            let within = q[0].hypot(q[1]).max(self.bound);
+            let dual = q.map(|q| q / within);
             for a in 0..2 {
                 force[a] = (self.bound + change) * n[a];
                 for b in 0..2 {
-                    tangent[a][b] = self.bound / self.z_length * (f64::from(u8::from(a == b)) - n[a] * n[b]);
+                    let turn = 0.5 * (dual[a] * n[b] + n[a] * dual[b]);
+                    tangent[a][b] = self.bound / self.z_length * (f64::from(u8::from(a == b)) - turn);
                 }
             }
         } else if self.sticks {

@@ -116,7 +116,7 @@ impl HeatStep<'_> {
         let term = Thermal { step: self, interface, lambda };
         let right = Right { r, guess, proximal: None };
         let start = Iterate { x: guess.to_vec(), multipliers: term.start(guess) };
-        let outcome = iterate(&term, condensed, &right, start, &Effort { leaps: 0, iterations: ITERATIONS, enough: 0.0 });
+        let outcome = iterate(&term, condensed, &right, start, &Effort { leaps: 0, is_free: false, iterations: ITERATIONS, enough: 0.0 });
         if let Some(failure) = outcome.failure {
             return Err(failure);
         }

@@ -142,6 +142,8 @@ impl<T: Term> Evaluation<T> {
 pub(super) struct Effort {
     /// Full steps that the residual does not decide on, the first among them.
     pub leaps: usize,
+    /// Whether the residual decides on no step.
+    pub is_free: bool,
     /// Most iterations.
     pub iterations: usize,
     /// Relative residual that is enough; zero for what the round-off leaves.
@@ -177,7 +179,7 @@ pub(super) fn iterate<T: Term>(term: &T, condensed: &mut Condensed, right: &Righ
             let x = now.at.x.iter().zip(&step).map(|(x, step)| x + alpha * step).collect();
             let multipliers = T::towards(&now.at.multipliers, &after, alpha);
             let trial = Evaluation::new(term, condensed, right, Iterate { x, multipliers });
-            if trial.converged() || trial.norm < now.norm * (1.0 - 5e-5 * alpha) || (leap && trial.norm.is_finite()) {
+            if trial.converged() || trial.norm < now.norm * (1.0 - 5e-5 * alpha) || ((leap || effort.is_free) && trial.norm.is_finite()) {
                 (now, leap) = (trial, false);
                 break;
             }

@@ -70,6 +70,11 @@ impl Normal {
         self.pressure + (self.pressed - self.pressure) / self.yielding
     }
 
+    /// Whether the pressure depends on the rate of the penetration.
+    pub fn depends_on_rate(&self, gamma: f64) -> bool {
+        (self.slope - gamma * self.by_penetration).abs() > 1e-12 * self.slope.abs()
+    }
+
     /// Slope of the pressure of the linearised law in w_ν, Pa s/m.
     pub fn stiffness(&self) -> f64 {
         self.slope / self.yielding

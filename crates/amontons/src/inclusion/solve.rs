@@ -2,20 +2,22 @@
 
 use super::friction::Slip;
 use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
-use super::newton::{Effort, Iterate, Right, iterate};
+use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
 use super::{ITERATIONS, NotConverged, Solved};
-use crate::linalg::Condensed;
+use crate::linalg::{Condensed, max_abs};
 
 /// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the path.
-const FIRST: Effort = Effort { leaps: 4, iterations: 24, enough: 0.0 };
-const SECOND: Effort = Effort { leaps: 8, iterations: 60, enough: 0.0 };
-const NEAR: Effort = Effort { leaps: 8, iterations: ITERATIONS, enough: 0.0 };
-const SMOOTH: Effort = Effort { leaps: 1, iterations: 8, enough: 1e-3 };
-/// Steps of the path, and how much sharper friction is in each than in the one before.
-const SHARPENINGS: usize = 6;
-const SHARPER: f64 = 0.1;
+const FIRST: Effort = Effort { leaps: 4, is_free: false, iterations: 14, enough: 0.0 };
+const SECOND: Effort = Effort { leaps: 8, is_free: false, iterations: 60, enough: 0.0 };
+const NEAR: Effort = Effort { leaps: 8, is_free: false, iterations: ITERATIONS, enough: 0.0 };
+const SMOOTH: Effort = Effort { leaps: 0, is_free: true, iterations: 12, enough: 1e-3 };
+/// How much sharper friction is in each step of the path than in the one before, how much sharper than in the first it is as good as exact, and how
+/// much sharper it is made then from step to step until the step is accepted.
+const SHARPER: f64 = 1e-3;
+const SHARP: f64 = 1e-12;
+const SHARPEST: f64 = 0.1;
 /// Iterations after which proximal steps have failed too.
 const APPROACH: usize = 20 * ITERATIONS;
 
@@ -109,17 +111,23 @@ impl Mechanical<'_> {
         if fastest == 0.0 || self.step.contacts.iter().all(|contact| contact.friction.is_frictionless()) {
             return (now, iterations);
         }
+        // Below it slip is the round-off of the velocities.
+        let least = (f64::EPSILON * max_abs(&now.x)).max(f64::MIN_POSITIVE);
         let mut speed = fastest;
-        for _ in 0..SHARPENINGS {
-            let smooth = self.with(Slip::Smooth { speed });
-            let made = iterate(&smooth, condensed, right, now, &SMOOTH);
-            iterations += made.iterations;
-            now = made.end;
-            speed *= SHARPER;
-        }
-        // What is known of the states of the points: those that move much slower than the last smooth speed stick.
-        for (i, multiplier) in now.multipliers.iter_mut().enumerate() {
-            multiplier.sticks = if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed };
+        loop {
+            let made = iterate(&self.with(Slip::Smooth { speed }), condensed, right, now, &SMOOTH);
+            (now, iterations) = (made.end, iterations + made.iterations);
+            let is_sharp = speed <= SHARP * fastest;
+            if is_sharp || speed <= least {
+                // What moves no faster than smooth friction lets a point creep sticks.
+                for (i, multiplier) in now.multipliers.iter_mut().enumerate() {
+                    multiplier.sticks = if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed / SHARPER };
+                }
+                if speed <= least || Evaluation::new(self, condensed, right, now.clone()).converged() {
+                    break;
+                }
+            }
+            speed = (if is_sharp { SHARPEST } else { SHARPER } * speed).max(least);
         }
         (now, iterations)
     }
