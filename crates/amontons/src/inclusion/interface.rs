@@ -151,6 +151,18 @@ impl Interface {
         sum
     }
 
+    /// |N| |x|: the sizes of the terms that the jump is the sum of, but for prescribed values.
+    #[must_use]
+    pub fn sizes(&self, i: usize, x: &[f64]) -> Local {
+        let mut sum = [0.0; 3];
+        for (unknown, on) in &self.rows[i].entries {
+            for a in 0..self.components {
+                sum[a] += (on[a] * x[*unknown as usize]).abs();
+            }
+        }
+        sum
+    }
+
     /// Adds ω Nᵀ f of one point.
     pub fn scatter(&self, i: usize, f: &Local, out: &mut [f64]) {
         let row = &self.rows[i];

@@ -330,9 +330,11 @@ impl Term for Mechanical<'_> {
         let mut sizes = vec![0.0; x.len()];
         let gamma = self.step.rule.gamma;
         for (i, laws) in laws.iter().enumerate() {
-            let size = self.opening[i][1] + gamma * self.interface.jump(i, x)[0].abs();
+            let [w_nu, t1, t2] = self.interface.sizes(i, x);
+            let size = self.opening[i][1] + gamma * w_nu;
             // The slip of a point that sticks is a difference of larger numbers; to one that slips it is a direction.
-            let [s1, s2] = if laws.sticks { self.foundation[i].map(|v| self.rho[i] * v) } else { [0.0; 2] };
+            let [v1, v2] = self.foundation[i];
+            let [s1, s2] = if laws.sticks { [t1 + v1.abs(), t2 + v2.abs()].map(|v| self.rho[i] * v) } else { [0.0; 2] };
             self.interface.scatter_sizes(i, &[laws.normal.slope / gamma * size, s1, s2], &mut sizes);
         }
         max_abs(&sizes)
@@ -341,7 +343,7 @@ impl Term for Mechanical<'_> {
     fn is_sharp(&self, x: &[f64], laws: &Vec<Laws>, tolerance: f64) -> bool {
         laws.iter().enumerate().all(|(i, laws)| {
             let (normal, weight) = (&laws.normal, self.interface.rows[i].weight);
-            let size = self.opening[i][1] + self.step.rule.gamma * self.interface.jump(i, x)[0].abs();
+            let size = self.opening[i][1] + self.step.rule.gamma * self.interface.sizes(i, x)[0];
             let round_off = 16.0 * f64::EPSILON * normal.stiffness() / self.step.rule.gamma * size;
             let error = (normal.pressed - normal.pressure).abs() / normal.yielding;
             normal.yielding * SHARPEST < 1.0 || weight * error <= tolerance.max(weight * round_off)
