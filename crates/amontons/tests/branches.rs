@@ -255,7 +255,7 @@ fn a_point_stays_stuck_or_fast_where_both_are_solutions() {
 #[test]
 fn slip_starts_without_ambiguity_in_parts_below_the_threshold() {
     let threshold = 1.0 / (3.0 * 0.3);
-    for (ratio, parts, ambiguous) in [(0.99, 1, false), (1.01, 2, false), (31.9, 6, false), (32.1, 6, true)] {
+    for (ratio, parts, ambiguous) in [(0.99, 1, false), (1.01, 2, false), (31.9, 6, false), (32.1, 2, true)] {
         let k = ratio * threshold;
         let problem = column(&[
             &format!("time.end={k:?}"),

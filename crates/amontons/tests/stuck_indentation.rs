@@ -94,7 +94,7 @@ fn errors(h: f64, steps: usize) -> [[f64; 2]; 2] {
     let load = 2.0 * boundary.points.iter().zip(states).map(|(point, state)| point.weight * state.pressure).sum::<f64>();
     let (eta, k) = constants();
     let a = (2.0 * load * (PI * eta).cosh() / (PI * k)).sqrt();
-    let means = boundary.vertex_means(0, &problem.mesh.facets["bottom"]);
+    let means = boundary.vertex_means(&problem.mesh, 0, &problem.mesh.facets["bottom"]);
     let alone: Vec<Vec<(usize, f64)>> = (0..boundary.points.len()).map(|i| vec![(i, 1.0)]).collect();
     [alone, means].map(|all| {
         let mut worst = [0.0f64; 2];

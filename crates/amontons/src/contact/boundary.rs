@@ -1,6 +1,5 @@
 //! Γ_C on a mesh: contact points with their normals, weights and gaps.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::{FrictionLaw, HeatLaw, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
@@ -116,40 +115,6 @@ impl ContactBoundary {
         }
         ContactBoundary { nodes, points }
     }
-
-    /// Contact points of a side with their shares in the mean value at each of its vertices, Σ ω_i φ(x_i) v_i / Σ ω_i φ(x_i) with φ the linear
-    /// function of the vertex: values that have the same resultants and do not alternate between vertices and middle nodes of quadratic
-    /// facets. At linear facets these are the values at the nodes; with Gauss points each point stands alone.
-    #[must_use]
-    pub fn vertex_means(&self, side: usize, set: &FacetSet) -> Vec<Vec<(usize, f64)>> {
-        let on_side = || self.points.iter().enumerate().filter(|(_, point)| point.side == side);
-        let own: Option<BTreeMap<u32, usize>> = on_side()
-            .map(|(i, point)| match point.nodes[..] {
-                [(node, _)] => Some((*self.nodes.get(node)?, i)),
-                _ => None,
-            })
-            .collect();
-        let Some(own) = own else { return on_side().map(|(i, _)| vec![(i, 1.0)]).collect() };
-        let mut shares: BTreeMap<u32, BTreeMap<usize, f64>> = BTreeMap::new();
-        for block in &set.blocks {
-            let (element, vertices) = (block.element, block.element.shape.vertices());
-            let linear = Element::find(element.shape, 1).unwrap_or(element);
-            let mut values = vec![0.0; linear.nodes.len()];
-            for facet in block.nodes.chunks_exact(element.nodes.len()) {
-                for (at, point) in element.nodes.iter().zip(facet).filter_map(|(at, node)| Some((at, *own.get(node)?))) {
-                    (linear.shape_functions)(at, &mut values);
-                    for (&vertex, &value) in facet.iter().zip(&values).take(vertices).filter(|(_, value)| **value > 0.0) {
-                        shares.entry(vertex).or_default().insert(point, value * self.points[point].weight);
-                    }
-                }
-            }
-        }
-        let mean = |shares: BTreeMap<usize, f64>| {
-            let sum: f64 = shares.values().sum();
-            shares.into_iter().map(|(point, share)| (point, share / sum)).collect()
-        };
-        shares.into_values().map(mean).collect()
-    }
 }
 
 /// A point a node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in the weight.
@@ -159,19 +124,12 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
     let mut points: Vec<PointOnBoundary> =
         nodes.iter().map(|&n| PointOnBoundary { x: mesh.points[n as usize], normal: [0.0; 3], weight: 0.0, side: 0, nodes: vec![(local(n), 1.0)] }).collect();
     for block in &set.blocks {
-        let Lumping { table, shares } = Lumping::new(mesh, block.element);
+        let lumping = Lumping::new(mesh, block.element);
         // The normal at the node: a mean over the facet would be off by the order of its size where the facet is curved.
         let at_nodes = Table::at(block.element, block.element.nodes);
-        let (mut map, mut node_map, n) = (FacetMap::new(mesh, &table), FacetMap::new(mesh, &at_nodes), block.element.nodes.len());
-        let mut weights = vec![0.0; n];
+        let (mut map, mut node_map, n) = (FacetMap::new(mesh, &lumping.table), FacetMap::new(mesh, &at_nodes), block.element.nodes.len());
         for facet in block.nodes.chunks_exact(n) {
-            weights.fill(0.0);
-            for (q, shares) in shares.chunks_exact(n).enumerate() {
-                map.at(facet, q);
-                for (weight, share) in weights.iter_mut().zip(shares) {
-                    *weight += table.weights[q] * map.area * share;
-                }
-            }
+            let weights = lumping.weights(&mut map, facet);
             for (i, (&node, weight)) in facet.iter().zip(&weights).enumerate() {
                 node_map.at(facet, i);
                 let point = &mut points[on_set(node)];
@@ -198,14 +156,14 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
 /// the facet is integrated by the rule whose points are its nodes, so that curvature makes no weight negative; nodes without
 /// a weight are no contact points. Weights from a split into linear parts would be positive at every node, but not those
 /// of the shape functions: pressures at vertices and middle nodes would oscillate.
-struct Lumping {
-    table: Table,
+pub(super) struct Lumping {
+    pub table: Table,
     /// φ at the points of the table, one a node.
     shares: Vec<f64>,
 }
 
 impl Lumping {
-    fn new(mesh: &Mesh, element: &'static Element) -> Lumping {
+    pub fn new(mesh: &Mesh, element: &'static Element) -> Lumping {
         // The area factor is constant on a flat linear facet; r raises the degree in a body of revolution.
         let degree = if element.gradient_degree == 0 { element.degree } else { 2 * element.degree + 1 } + usize::from(mesh.axisymmetric);
         let at_nodes = match (element.shape, element.degree) {
@@ -226,6 +184,18 @@ impl Lumping {
         };
         let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
         Lumping { table: Table::of_rule(element, nodes), shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect() }
+    }
+
+    /// The weights of the nodes of a facet, m^(d−1).
+    pub fn weights(&self, map: &mut FacetMap, facet: &[u32]) -> Vec<f64> {
+        let mut weights = vec![0.0; facet.len()];
+        for (q, shares) in self.shares.chunks_exact(facet.len()).enumerate() {
+            map.at(facet, q);
+            for (weight, share) in weights.iter_mut().zip(shares) {
+                *weight += self.table.weights[q] * map.area * share;
+            }
+        }
+        weights
     }
 }
 

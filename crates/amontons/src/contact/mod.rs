@@ -8,6 +8,7 @@ mod boundary;
 mod foundation;
 mod friction;
 mod heat;
+mod means;
 mod normal;
 pub mod obstacle;
 mod table;
@@ -17,6 +18,7 @@ pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature};
 pub use foundation::LumpedFoundation;
 pub use friction::{Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable};
 pub use heat::{Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum};
+pub use means::Shares;
 pub use normal::{
     Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable, PressureTableFault, Signorini, Softening,
     Stop, resolvent,

@@ -355,8 +355,9 @@ impl<'a> Builder<'a> {
 
     /// Means of what is at the contact points of a side about its vertices, with weight 1 each.
     fn vertex_means(&mut self, side: &str) -> Option<Vec<(Vec<(usize, f64)>, f64)>> {
-        let (set, number) = (self.mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.on == side)?);
-        Some(self.boundary().vertex_means(number, set).into_iter().map(|shares| (shares, 1.0)).collect())
+        let mesh = self.mesh;
+        let (set, number) = (mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.on == side)?);
+        Some(self.boundary().vertex_means(mesh, number, set).into_iter().map(|shares| (shares, 1.0)).collect())
     }
 
     fn boundary(&mut self) -> &ContactBoundary {

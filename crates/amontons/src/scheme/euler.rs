@@ -7,6 +7,7 @@ use super::audit::audit;
 use super::coupling::{Coupled, Made};
 use super::datum;
 use super::foundation::{at_rest, frames};
+use super::mechanics::Mechanics;
 use super::system::{Products, Step, System, vector_at};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
 use crate::inclusion::Multipliers;
@@ -94,6 +95,20 @@ impl BackwardEuler {
     /// Goes from a state to t, a part 2^−halvings of the step n; in halves where it has to be.
     fn advance(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
         let made = self.attempt(old, n, t, halvings);
+        self.refine(made, old, n, t, halvings)
+    }
+
+    /// The part in halves where it was not made, or where it may have other solutions: shorter parts have fewer, and tell where the branch is in doubt.
+    /// Where both halves are in doubt and the shortest parts would be, too, as with a law that falls with the slip speed on a body without inertia, they
+    /// tell nothing, and the two halves stand.
+    fn refine(
+        &mut self,
+        made: Result<(State, StepReport), StepError>,
+        old: &State,
+        n: usize,
+        t: f64,
+        halvings: usize,
+    ) -> Result<(State, StepReport), StepError> {
         let again = match &made {
             Ok((_, report)) => report.is_ambiguous,
             Err(error) => matches!(error, StepError::NotConverged { .. }),
@@ -102,7 +117,16 @@ impl BackwardEuler {
             return made;
         }
         let middle = old.t + 0.5 * (t - old.t);
-        let halves = self.advance(old, n, middle, halvings + 1).and_then(|(state, first)| {
+        let first = self.attempt(old, n, middle, halvings + 1);
+        if let (Ok(_), Ok((state, first))) = (&made, &first)
+            && first.is_ambiguous
+            && let Ok((end, second)) = self.attempt(state, n, t, halvings + 1)
+            && second.is_ambiguous
+            && !self.shortest_is_unique(old, n, &end)?
+        {
+            return Ok((end, second.after(first)));
+        }
+        let halves = self.refine(first, old, n, middle, halvings + 1).and_then(|(state, first)| {
             let (state, second) = self.advance(&state, n, t, halvings + 1)?;
             Ok((state, second.after(&first)))
         });
@@ -110,13 +134,28 @@ impl BackwardEuler {
         halves.or_else(|first| made.map_err(|_| first))
     }
 
-    /// Makes a step, or a part of it, as a whole.
-    fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
+    /// Factorizes for parts of 2^−halvings of a step.
+    fn halve(&mut self, n: usize, t: f64, halvings: usize) -> Result<(), StepError> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
             let systems = Systems::factorize(&self.problem, &self.discrete, k, &self.backend);
             self.halved.push(systems.map_err(|(_, source)| StepError::Singular { step: n, t, source })?);
         }
+        Ok(())
+    }
+
+    /// Whether the shortest part of a step would have one solution between the velocities of two states.
+    fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
+        self.halve(n, end.t, HALVINGS)?;
+        let Some(Systems { k, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
+        let products = Products::of(&self.discrete, old);
+        let now = Step { problem: &self.problem, discrete: &self.discrete, old, products: &products, n, t: end.t, k: *k };
+        Ok(Mechanics::is_unique(&now, mechanics, end))
+    }
+
+    /// Makes a step, or a part of it, as a whole.
+    fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
+        self.halve(n, t, halvings)?;
         let products = self.products.take().filter(|p| p.t.to_bits() == old.t.to_bits()).unwrap_or_else(|| Products::of(&self.discrete, old));
         let Self { problem, discrete, systems, halved, .. } = self;
         let Systems { k, mechanics, heat } = halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);

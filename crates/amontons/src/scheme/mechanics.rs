@@ -1,9 +1,9 @@
 //! The mechanical half-step (4.1).
 
 use super::Discretization;
-use super::StepError;
 use super::foundation::frames;
 use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, on_degrees, scalars_at};
+use super::{State, StepError};
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, max_abs};
 use crate::tensor::Point;
@@ -79,6 +79,14 @@ impl Given {
             frames: &self.frames,
             temperature: &self.temperature,
         })
+    }
+
+    /// Whether there is one solution between w_{n−1} and a velocity, as far as laws that fall are concerned.
+    fn is_unique(&self, step: &Step, system: &mut System, w: &[f64], multipliers: &Multipliers) -> bool {
+        let [from, to] = [&step.old.w, w].map(|w| system.contact_of(w));
+        let System { condensed, on_contact, .. } = system;
+        let on_boundary = self.on_boundary(step, on_contact);
+        on_boundary.is_none_or(|on_boundary| on_boundary.is_unique(condensed, [&from, &to], [&step.old.multipliers, multipliers]))
     }
 
     /// The states of the contact points.
@@ -163,10 +171,7 @@ impl Mechanics {
             let Balanced { iterate, states, residual, scale, force, support_work, .. } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
             let u = step.displacement(&w);
-            let (between, on_branches) = ([&step.old.w, &w].map(|w| system.contact_of(w)), [&step.old.multipliers, &multipliers]);
-            let System { condensed, on_contact, .. } = system;
-            let on_boundary = given.on_boundary(step, on_contact);
-            let is_unique = on_boundary.is_none_or(|on_boundary| on_boundary.is_unique(condensed, [&between[0], &between[1]], on_branches));
+            let is_unique = given.is_unique(step, system, &w, &multipliers);
             return Ok(Mechanics {
                 u,
                 is_unique,
@@ -190,6 +195,12 @@ impl Mechanics {
                 support_work,
             });
         }
+    }
+
+    /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are concerned.
+    pub fn is_unique(step: &Step, system: &mut System, end: &State) -> bool {
+        let given = Given { temperature: scalars_at(step.discrete, &step.old.theta), ..Given::new(step, &end.w) };
+        given.is_unique(step, system, &end.w, &end.multipliers)
     }
 
     /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
