@@ -11,6 +11,7 @@ use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, Sin
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
 use amontons::scheme::StepError;
+use amontons::units::Measure;
 use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, Common, Format};
@@ -134,7 +135,7 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     if folder.keeps_older_results() {
         return Some(format!("{out} still holds the results of an earlier run"));
     }
-    let kept = format!("results up to step {}, t = {} s, are in {out}", summary.steps, summary.time);
+    let kept = format!("results up to step {}, t = {}, are in {out}", summary.steps, summary.units.exact(summary.time, Measure::Time));
     Some(match error {
         RunError::Step { source: StepError::Residual { .. }, .. } => format!(
             "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"

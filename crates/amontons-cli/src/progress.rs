@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 
 use amontons::contact::Status;
 use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::units::{Measure, Units};
 use amontons::run::{Phase, Watch};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
@@ -49,6 +50,8 @@ struct Place {
     first: usize,
     steps: usize,
     t: Option<f64>,
+    /// Unit of the time.
+    units: Units,
     /// Contact points that are open, stick and slip.
     contact: Option<[usize; 3]>,
     told: Option<Instant>,
@@ -69,7 +72,7 @@ impl Place {
         if self.phase != "steps" {
             return format!("{part}{}, {} in this phase; {gone} gone", self.phase, duration(self.phase_begin.elapsed().as_secs_f64()));
         }
-        let time = self.t.map_or_else(String::new, |t| format!(", t = {t:.6} s"));
+        let time = self.t.map_or_else(String::new, |t| format!(", t = {t:.6} {}", self.units.of(Measure::Time)).trim_end().to_owned());
         let contact = self.contact.map_or_else(String::new, |[open, stick, slip]| format!("; contact: {open} open, {stick} stick, {slip} slip"));
         let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
         format!("{part}step {} of {}{time}{contact}; {gone} gone{left}", self.step, self.steps)
@@ -179,6 +182,7 @@ impl Progress {
             first: 0,
             steps: 0,
             t: None,
+            units: Units::default(),
             contact: None,
             told: None,
             ended: false,
@@ -296,6 +300,7 @@ impl Sink for StepSink<'_> {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let mut place = self.0.shared.place();
         (place.step, place.steps, place.t) = (start.from.state.step, start.from.problem.steps, Some(start.from.state.t));
+        place.units = start.from.problem.units();
         Ok(())
     }
 

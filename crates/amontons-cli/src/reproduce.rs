@@ -182,7 +182,7 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
         let mut supported = Vec::new();
         for (label, values) in [
             ("largest displacement component", quantity(largest)),
-            ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v)),
+            ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v.unwrap_or(0.0))),
             ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max.unwrap_or(0.0))),
             ("largest temperature", quantity(|s| s.last.temperature_max.unwrap_or(0.0))),
         ] {

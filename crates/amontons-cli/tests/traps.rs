@@ -96,7 +96,7 @@ fn a_datum_that_is_not_finite_ends_the_run_with_its_key() {
     assert_code(&printed, 3);
     let text = stderr(&printed);
     assert!(
-        text.contains("step 2 (t = 5.000000e-1 s): load.heat_source is inf at (0, 0, 0), t = 0.5 s") && text.contains("correct load.heat_source"),
+        text.contains("step 2 (t = 5.000000e-1): load.heat_source is inf at (0, 0, 0), t = 0.5:") && text.contains("correct load.heat_source"),
         "{text}"
     );
 }

@@ -2,8 +2,8 @@
 //!
 //! This is the only place that knows units. A plane body is taken per metre of thickness, a body on a line per square metre of cross-section;
 //! integrals over a body of revolution are those over the full turn, 2πr dr dz, and so are in the units of a body in space. Summary, pictures,
-//! the units of columns in `manifest.json` and the tables of the book ask here. Files for programs keep all digits: only [`Units::write`] and
-//! [`Units::range`] round.
+//! the units of columns in `manifest.json` and the tables of the book ask here. Files for programs keep all digits: only [`Units::write`],
+//! [`Units::range`] and [`Units::vector`] round.
 
 use serde::{Deserialize, Serialize};
 
@@ -70,8 +70,10 @@ pub enum Measure {
     Power,
     /// Area of a side.
     Area,
-    /// Volume worn off a side.
+    /// Volume of a body, or worn off a side.
     Volume,
+    /// Mass of a body.
+    Mass,
 }
 
 /// Prefixes of units with their powers of ten.
@@ -128,6 +130,7 @@ impl Units {
             Measure::Power => by_extent(["W/m²", "W/m", "W"]),
             Measure::Area => by_extent(["m²/m²", "m²/m", "m²"]),
             Measure::Volume => by_extent(["m³/m²", "m³/m", "m³"]),
+            Measure::Mass => by_extent(["kg/m²", "kg/m", "kg"]),
         }
     }
 
@@ -175,6 +178,12 @@ impl Units {
             _ => Units::digits(value, power, measure),
         };
         (number(low), number(high), unit)
+    }
+
+    /// A number with all its digits and its unit: `0.125 s`.
+    #[must_use]
+    pub fn exact(self, value: f64, measure: Measure) -> String {
+        format!("{value} {}", self.of(measure)).trim_end().to_owned()
     }
 
     /// The components of a vector in one unit: `(0, -824) N/m`.

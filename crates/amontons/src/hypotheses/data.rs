@@ -6,6 +6,7 @@ use super::{Finding, Status};
 use crate::field::Field;
 use crate::problem::Problem;
 use crate::tensor::Point;
+use crate::units::Measure;
 
 /// Time levels at which the gap is looked at.
 const LEVELS: usize = 1024;
@@ -60,7 +61,7 @@ fn finite(problem: &Problem) -> Part {
         for t in [0.0, problem.end] {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {
-                let message = format!("{place} is {} at {}, t = {t} s", values[i], at(&points[i]));
+                let message = format!("{place} is {} at {}, t = {}", values[i], at(&points[i]), problem.units().exact(t, Measure::Time));
                 return Part { status: Status::Fails, value: None, message, place, repair: "data that are finite everywhere" };
             }
         }
@@ -81,7 +82,7 @@ fn gap(problem: &Problem) -> Option<Part> {
     });
     let (least, x, t, levels, place) = least.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
-    let when = if levels.len() > 1 { format!(", t = {t} s, of {} time levels", levels.len()) } else { String::new() };
+    let when = if levels.len() > 1 { format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
     Some(Part { status, value: Some(least), message, place, repair: "a gap that is not negative; a body pressed in from the start has initial.displacement" })
 }

@@ -75,7 +75,9 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]:
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
-    let (status, message) = if !lipschitz.is_finite() {
+    let (status, message) = if id == "H1" && lipschitz == 0.0 {
+        (Status::NotCovered, format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"))
+    } else if !lipschitz.is_finite() {
         (Status::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
     } else if !positive {
         (Status::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))

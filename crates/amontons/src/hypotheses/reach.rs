@@ -27,6 +27,7 @@ use crate::mesh::CellMap;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
+use crate::units::{Measure, Units};
 
 const ID: &str = "contact-possible";
 
@@ -76,7 +77,7 @@ fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
         return not_judged(why, &place);
     }
     match body.bound(contact, constants.c_f) {
-        Ok(Ok(bound)) => bound.finding(),
+        Ok(Ok(bound)) => bound.finding(problem.units()),
         Ok(Err((why, place))) => not_judged(why, place),
         Err(error) => not_judged(&format!("the static problem has no solution: {error}"), "boundary"),
     }
@@ -93,8 +94,8 @@ struct Bound {
 }
 
 impl Bound {
-    fn finding(&self) -> Finding {
-        let place = format!("{}, t = {} s", at(&self.x), self.t);
+    fn finding(&self, units: Units) -> Finding {
+        let place = format!("{}, t = {}", at(&self.x), units.exact(self.t, Measure::Time));
         let numbers = |finding: Finding| finding.numbers(Some(self.normal), Some(self.gap));
         if self.normal <= self.gap {
             let (which, other) = if self.of_every_motion { ("", "") } else { (" in the motion that starts without it", ", where step-unique holds,") };

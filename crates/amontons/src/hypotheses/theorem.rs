@@ -97,6 +97,9 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
             return Some((what, place.replacen("contact", &problem.contact_path(side), 1)));
         }
     }
+    if problem.materials.iter().any(|m| m.viscosity.constants().lipschitz == 0.0) {
+        return Some(("a material without viscosity, while (H1) asks for m_b > 0", "material.viscosity".to_owned()));
+    }
     let zeros = |value: fn(&Material) -> f64| {
         let all: Vec<bool> = problem.materials.iter().map(|m| value(m) == 0.0).collect();
         (all.iter().any(|zero| *zero), all.iter().all(|zero| *zero))

@@ -111,17 +111,17 @@ pub struct Final {
     pub contact: Option<ContactSummary>,
 }
 
-/// Norms of the fields.
+/// Norms of the fields that a problem has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Norms {
-    /// ‖u‖_H.
-    pub displacement_l2: f64,
-    /// ‖u‖_V = ‖ε(u)‖.
-    pub displacement_v: f64,
-    /// ‖w‖_H.
-    pub velocity_l2: f64,
-    /// ‖θ‖.
-    pub temperature_l2: f64,
+    /// ‖u‖_H; none without mechanics.
+    pub displacement_l2: Option<f64>,
+    /// ‖u‖_V = ‖ε(u)‖; none without mechanics.
+    pub displacement_v: Option<f64>,
+    /// ‖w‖_H; none without mechanics.
+    pub velocity_l2: Option<f64>,
+    /// ‖θ‖; none without heat.
+    pub temperature_l2: Option<f64>,
 }
 
 /// The state of Γ_C.
@@ -129,8 +129,8 @@ pub struct Norms {
 pub struct ContactSummary {
     /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution.
     pub force: Vec<f64>,
-    /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution.
-    pub heat_flow: f64,
+    /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution; none without heat.
+    pub heat_flow: Option<f64>,
     /// Largest penetration, m; 0 where all is open.
     pub penetration_max: f64,
     /// Largest pressure, Pa.
@@ -185,7 +185,7 @@ impl ContactSummary {
         let only = side.or((!several).then_some(0));
         ContactSummary {
             force: of_all(force),
-            heat_flow,
+            heat_flow: problem.physics.has_heat().then_some(heat_flow),
             penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
             pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
             open: count(Status::Open),
@@ -287,10 +287,10 @@ impl Summary {
                 overshoot: figures.outside[1].filter(|_| physics.has_heat()),
                 penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
                 norms: Norms {
-                    displacement_l2: discretization.norm(&discretization.mass, &state.u),
-                    displacement_v: strain_norm(&problem.mesh, &state.u),
-                    velocity_l2: discretization.norm(&discretization.mass, &state.w),
-                    temperature_l2: discretization.norm(&discretization.mass, &state.theta),
+                    displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
+                    displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, &state.u)),
+                    velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
+                    temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
                 },
                 contact: report.map(|report| ContactSummary::new(last, &report.contact, None)),
             },
@@ -339,20 +339,18 @@ impl Summary {
             ("final.temperature_max", last.temperature_max),
             ("final.von_mises_max", last.von_mises_max),
             ("final.strain_max", last.strain_max),
-        ];
-        all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
-        let numbers = [
             ("final.norms.displacement_l2", norms.displacement_l2),
             ("final.norms.displacement_v", norms.displacement_v),
             ("final.norms.velocity_l2", norms.velocity_l2),
             ("final.norms.temperature_l2", norms.temperature_l2),
-            ("energy.closing_error", self.energy.closing_error),
-            ("energy.heat_closing_error", self.energy.heat_closing_error),
+            ("energy.closing_error", Some(self.energy.closing_error)),
+            ("energy.heat_closing_error", Some(self.energy.heat_closing_error)),
         ];
-        all.extend(numbers.map(|(key, value)| (key.to_owned(), value)));
+        all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
         if let Some(contact) = &last.contact {
             all.extend(contact.force.iter().enumerate().map(|(c, value)| (format!("final.contact.force[{c}]"), *value)));
-            all.extend([("final.contact.heat_flow".to_owned(), contact.heat_flow), ("final.contact.pressure_max".to_owned(), contact.pressure_max)]);
+            all.extend(contact.heat_flow.map(|flow| ("final.contact.heat_flow".to_owned(), flow)));
+            all.push(("final.contact.pressure_max".to_owned(), contact.pressure_max));
         }
         all
     }
