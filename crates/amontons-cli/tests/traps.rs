@@ -66,15 +66,20 @@ fn check_gives_the_size_of_the_model() {
     let printed = output(&mut amontons(&arguments));
     assert_code(&printed, 0);
     for part in [
-        "bounding box      0.00000e0 … 1.00000e0 × 0.00000e0 … 1.00000e0 m",
-        "volume 1.00000e0 m², mass 3.00000e0 kg/m",
-        "side \"bottom\"     area 1.00000e0 m, 17 contact points",
+        "bounding box      0.00000e0 … 1.00000e0 × 0.00000e0 … 1.00000e0\n",
+        "volume 1.00000e0, mass 3.00000e0\n",
+        "side \"bottom\"     area 1.00000e0, 17 contact points",
         "first period",
         "heat time",
-        "√(k K/c) = 1.250e-1 m in a step, 1.000e0 m in the run, cell 6.250e-2 m high on \"bottom\"",
+        "√(k K/c) = 0.125 in a step, 1 in the run, cell 0.0625 high on \"bottom\"",
         "What you can act on:",
         "What the theory covers:",
     ] {
+        assert!(stdout(&printed).contains(part), "{part} is not in\n{}", stdout(&printed));
+    }
+    // The same numbers in SI units, per metre of thickness.
+    let printed = output(&mut amontons(&[&arguments[..], &["--set", "units=\"SI\""]].concat()));
+    for part in ["… 1.00000e0 m\n", "volume 1.00000e0 m³/m, mass 3.00000e0 kg/m\n", "area 1.00000e0 m²/m, 17", "√(k K/c) = 125 mm in a step, 1 m in"] {
         assert!(stdout(&printed).contains(part), "{part} is not in\n{}", stdout(&printed));
     }
     let printed = output(&mut amontons(&[&arguments[..], &["--format", "json"]].concat()));
