@@ -80,10 +80,10 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
 fn halved(solver: &Solver) -> Option<String> {
     let Solver { halved_steps, ambiguous_steps, .. } = *solver;
     let ambiguous = match ambiguous_steps {
-        0 => "none of them with several solutions left".to_owned(),
-        some => format!("{some} of all may have had several solutions"),
+        0 => "none of them remains ambiguous".to_owned(),
+        some => format!("{some} of all steps remain ambiguous"),
     };
-    (halved_steps > 0 || ambiguous_steps > 0).then(|| row("made in halves", &format!("{halved_steps} steps, {ambiguous}")))
+    (halved_steps > 0 || ambiguous_steps > 0).then(|| row("halved steps", &format!("{halved_steps} steps, {ambiguous}")))
 }
 
 /// The ends of a range in one unit.

@@ -38,7 +38,7 @@ pub struct ConstantsRow {
 /// Constants of (2.12)–(2.15) on a sequence of meshes, each finer than the one before, and what they tend to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstantsTable {
-    /// One row a mesh.
+    /// One row per mesh.
     pub rows: Vec<ConstantsRow>,
     /// The limits, in the order of [`DomainConstants::named`]; none with fewer than three meshes, and where the differences
     /// do not shrink as those of a power of h.

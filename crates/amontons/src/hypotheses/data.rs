@@ -84,7 +84,7 @@ fn gap(problem: &Problem) -> Option<Part> {
     let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
     let when = if levels.len() > 1 { format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
-    Some(Part { status, value: Some(least), message, place, repair: "a gap that is not negative; a body pressed in from the start has initial.displacement" })
+    Some(Part { status, value: Some(least), message, place, repair: "use a gap that is not negative; for a body that is pressed in from the start give initial.displacement" })
 }
 
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
@@ -122,9 +122,9 @@ fn initial(problem: &Problem) -> Vec<Part> {
     for (worst, status) in worst.into_iter().zip([Status::Fails, Status::Fails, Status::NotCovered]) {
         let Some((mismatch, expected, x, place)) = worst else { continue };
         let what = if status == Status::Fails {
-            "the first step makes a jump"
+            "the first step has a jump"
         } else {
-            "enough for a solution, but errors of the first steps do not have the order of (4.4)"
+            "enough for a solution, but the errors of the first steps do not have the order of (4.4)"
         };
         let message = format!("{place} differs by {mismatch:.6e} from the prescribed {expected:.6e} at {}: {what}", at(&x));
         parts.push(Part { status, value: Some(mismatch), message, place, repair: "initial data that have the prescribed values, and rates, at t = 0" });

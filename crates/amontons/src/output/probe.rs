@@ -180,7 +180,7 @@ impl ProbeSet {
         &self.names
     }
 
-    /// The values at a time, one a column. A contact pressure is not a number at t = 0, where it is not known.
+    /// The values at a time, one per column. A contact pressure is not a number at t = 0, where it is not known.
     #[must_use]
     pub fn values(&self, now: &Snapshot) -> Vec<f64> {
         let points = evaluate(now.problem, now.state, &self.tables, &self.samples);

@@ -218,7 +218,7 @@ pub struct Solver {
     pub sweeps: usize,
     /// Largest relative residual of a step.
     pub residual_max: f64,
-    /// Passes over both half-steps: one a step where they are staggered.
+    /// Passes over both half-steps: one per step where they are staggered.
     pub passes_total: usize,
     /// Largest contraction factors of the fixed-point coupling over the steps; 0 where there were none.
     pub contraction_max: Contraction,

@@ -168,11 +168,11 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
         obstacle.nearest(&x, t).distance + contact.gap.value(&x, t)
     };
     let lines = contour(&level, window);
-    // The velocity is told where it is out of the way: at the right, but not at the border.
-    let middle = [0, 1].map(|d| 0.5 * (window[d][0] + window[d][1]));
-    let inner = |p: &&[f64; 2]| (0..2).all(|d| (p[d] - middle[d]).abs() < 0.44 * (window[d][1] - window[d][0]));
+    // The velocity is shown at the right, where it hides little, but not at the border.
+    let within = |p: &[f64; 2], d: usize| (p[d] - 0.5 * (window[d][0] + window[d][1])).abs() < 0.44 * (window[d][1] - window[d][0]);
     let rightmost = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
-    let farthest = lines.iter().flatten().filter(inner).max_by(rightmost).or(lines.iter().flatten().next());
+    let farthest = |directions: usize| lines.iter().flatten().filter(|p| (0..directions).all(|d| within(p, d))).max_by(rightmost);
+    let farthest = farthest(2).or_else(|| farthest(1)).or_else(|| farthest(0));
     let moves = farthest.and_then(|&p| moving(p, velocity(problem, contact, &[p[0], p[1], 0.0], None, t)));
     Ground { lines, moves }
 }

@@ -131,7 +131,7 @@ pub(super) fn at_corners(triangles: &[[u32; 3]], owners: &[u32], nodal: &[f64], 
 }
 
 impl Snapshot {
-    /// Checks that there is a finite value a node and a cell.
+    /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
     /// [`PlotError::Data`] names the field that does not fit.
@@ -200,7 +200,7 @@ pub struct SolidContact {
 }
 
 impl Solid {
-    /// Checks that there is a finite value a node and a cell.
+    /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
     /// [`PlotError::Data`] names the field that does not fit.
