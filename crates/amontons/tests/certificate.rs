@@ -145,6 +145,8 @@ fn h6_looks_at_gap_initial_and_prescribed_data() {
     near(pushed.value, 3.0, 1e-15);
     assert!(pushed.place == "initial.velocity[1]" && pushed.message.contains("(1.0, 1.0, 0.0)"), "{}", pushed.message);
     cheap(&small(&["initial.velocity=[0, \"1 - y\"]"]), "H6", "holds");
+    // Without inertia the initial velocity does not enter (theory, 2.5).
+    cheap(&small(&["material.density=0", "initial.velocity=[0, \"-3*x\"]"]), "H6", "holds");
     cheap(&small(&["initial.displacement=[0, \"1e-3*y\"]"]), "H6", "fails");
     // θ₀ ∈ L² is all that is asked of it.
     let warm = cheap(&small(&["initial.temperature=5"]), "H6", "not-covered");
@@ -207,7 +209,7 @@ fn contact_laws_are_put_to_the_test() {
     assert!(unbounded.message.contains("k_c = ") && unbounded.place == "contact.heat", "{}", unbounded.message);
 
     let unilateral = with_contact(|c| c.normal = Arc::new(amontons::contact::Signorini));
-    assert_eq!(cheap(&unilateral, "H8", "fails").place, "contact.normal");
+    assert_eq!(cheap(&unilateral, "H8", "not-covered").place, "contact.normal");
     let certificate = judged(&unilateral);
     for id in ["2.23-printed", "step-unique"] {
         assert_eq!(find(&certificate.findings, id).status, "not-covered");

@@ -90,10 +90,11 @@ fn gap(problem: &Problem) -> Option<Part> {
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
 type Mismatch = Option<(f64, f64, Point, String)>;
 
-/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) asks it of u₀ and u̇₀ only.
+/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) requires it of u₀ and u̇₀ only; without inertia u̇₀ has no effect.
 fn initial(problem: &Problem) -> Vec<Part> {
     let mesh = &problem.mesh;
     let start = &problem.initial;
+    let is_inert = problem.materials.iter().any(|m| m.density > 0.0);
     let mut seen = vec![false; mesh.points.len() * (mesh.dim + 1)];
     let mut worst: [Mismatch; 3] = [None, None, None];
     let component = |fields: &[Field], c: usize, x: &Point| fields.get(c).map_or(0.0, |f| f.value(x, 0.0));
@@ -112,8 +113,10 @@ fn initial(problem: &Problem) -> Vec<Part> {
                     keep(&mut worst[2], start.temperature.value(x, 0.0), value, x, "initial.temperature".to_owned());
                 } else {
                     keep(&mut worst[0], component(&start.displacement, c, x), value, x, format!("initial.displacement[{c}]"));
-                    let rate = factor * prescribed.derivatives(x, 0.0).by_t;
-                    keep(&mut worst[1], component(&start.velocity, c, x), rate, x, format!("initial.velocity[{c}]"));
+                    if is_inert {
+                        let rate = factor * prescribed.derivatives(x, 0.0).by_t;
+                        keep(&mut worst[1], component(&start.velocity, c, x), rate, x, format!("initial.velocity[{c}]"));
+                    }
                 }
             }
         }

@@ -107,7 +107,7 @@ pub struct Final {
     pub penetration_per_cell: Option<f64>,
     /// Norms of the fields.
     pub norms: Norms,
-    /// Contact; none before the first step.
+    /// Contact; none before the first step and without mechanics.
     pub contact: Option<ContactSummary>,
 }
 
@@ -176,7 +176,7 @@ impl ContactSummary {
         let wear = || points().filter_map(|(i, point)| Some((point.weight, *state.surface.wear.get(i)?)));
         let (force, heat_flow) = if side.is_some() {
             let force = |c: usize| 0.0 - states().map(|(point, s)| point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>();
-            let flow = points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)).sum();
+            let flow = sum(&mut points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)));
             ([0, 1, 2].map(force), flow)
         } else {
             (contact.force, contact.heat_flow)
@@ -191,10 +191,10 @@ impl ContactSummary {
             open: count(Status::Open),
             stick: count(Status::Stick),
             slip: count(Status::Slip),
-            area: states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight).sum(),
+            area: sum(&mut states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight)),
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
             wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
-            wear_volume: wear().map(|(weight, depth)| weight * depth).sum(),
+            wear_volume: sum(&mut wear().map(|(weight, depth)| weight * depth)),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
             sides: sides.map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))).collect(),
         }
@@ -292,7 +292,7 @@ impl Summary {
                     velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
                     temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
                 },
-                contact: report.map(|report| ContactSummary::new(last, &report.contact, None)),
+                contact: report.filter(|_| physics.has_mechanics()).map(|report| ContactSummary::new(last, &report.contact, None)),
             },
             solver: Solver {
                 newton_mechanics_total: counts.newton_mechanics_total,
@@ -354,6 +354,11 @@ impl Summary {
         }
         all
     }
+}
+
+/// A sum, 0 of nothing; `Iterator::sum` of nothing is −0.
+fn sum(values: &mut dyn Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |sum, value| sum + value)
 }
 
 /// Folds a node-major vector component by component.
