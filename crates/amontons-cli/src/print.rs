@@ -140,7 +140,17 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
     let write = |value: f64, measure: Measure| problem.units().write(value, measure);
     let mut lines = vec![
         format!("{name}: case is valid"),
-        row("mesh", &format!("{} {}, {} nodes, {} cells, h = {}", mesh.dim, if mesh.dim == 1 { "dimension" } else { "dimensions" }, mesh.points.len(), mesh.cell_count(), write(mesh.h(), Measure::Length))),
+        row(
+            "mesh",
+            &format!(
+                "{} {}, {} nodes, {} cells, h = {}",
+                mesh.dim,
+                if mesh.dim == 1 { "dimension" } else { "dimensions" },
+                mesh.points.len(),
+                mesh.cell_count(),
+                write(mesh.h(), Measure::Length)
+            ),
+        ),
         row("time", &format!("{} steps of {} to {}", problem.steps, write(problem.k(), Measure::Time), write(problem.end, Measure::Time))),
     ];
     if problem.physics.has_mechanics() {

@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 
 use amontons::contact::Status;
 use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
-use amontons::units::{Measure, Units};
 use amontons::run::{Phase, Watch};
+use amontons::units::{Measure, Units};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 

@@ -100,8 +100,5 @@ fn a_datum_that_is_not_finite_ends_the_run_with_its_key() {
     let printed = run_paper(&folder.path().join("datum"), 4, &["--set", "load.heat_source=\"1/(t - 0.5)\""]);
     assert_code(&printed, 3);
     let text = stderr(&printed);
-    assert!(
-        text.contains("step 2 (t = 5.000000e-1): load.heat_source is inf at (0, 0, 0), t = 0.5:") && text.contains("correct load.heat_source"),
-        "{text}"
-    );
+    assert!(text.contains("step 2 (t = 5.000000e-1): load.heat_source is inf at (0, 0, 0), t = 0.5:") && text.contains("correct load.heat_source"), "{text}");
 }

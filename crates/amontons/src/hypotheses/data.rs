@@ -84,7 +84,13 @@ fn gap(problem: &Problem) -> Option<Part> {
     let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
     let when = if levels.len() > 1 { format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
-    Some(Part { status, value: Some(least), message, place, repair: "use a gap that is not negative; for a body that is pressed in from the start give initial.displacement" })
+    Some(Part {
+        status,
+        value: Some(least),
+        message,
+        place,
+        repair: "use a gap that is not negative; for a body that is pressed in from the start give initial.displacement",
+    })
 }
 
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.

@@ -354,10 +354,12 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
         };
         test.contact.normal.graph() != GraphKind::Function && heat.conductance_bound() > 0.0 && test.places.iter().any(|x| rigid(x) && closed(x))
     })?;
-    let message =
-        "the foundation is rigid and the conductance depends on the penetration, which is round-off in closed contact: the heat flow is meaningless";
+    let message = "the foundation is rigid and the conductance depends on the penetration, which is round-off in closed contact: the heat flow is meaningless";
     let place = format!("{}.heat", problem.contact_path(side));
-    Some(Finding::new("contact-heat", Status::Fails, message, &place).repair("use a conductance that depends on the pressure, law = \"pressure\", or a compliant foundation"))
+    Some(
+        Finding::new("contact-heat", Status::Fails, message, &place)
+            .repair("use a conductance that depends on the pressure, law = \"pressure\", or a compliant foundation"),
+    )
 }
 
 /// φ_L of (2.10) is cut off at ±L.

@@ -4,8 +4,8 @@ use super::super::Finding;
 use super::super::laws::at;
 use super::warning;
 use crate::problem::Problem;
-use crate::units::Measure;
 use crate::tensor::Point;
+use crate::units::Measure;
 
 /// Strain above which a theory of small strains is off by more than it: 5 %.
 const STRAIN: f64 = 0.05;

@@ -34,7 +34,10 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
         problem.steps
     );
     let needed = layer.end * SHARE.sqrt();
-    let repair =
-        format!("use cells of at most {} along the normal next to \"{}\"; until then do not trust temperatures and heat of the contact", length(needed), layer.side);
+    let repair = format!(
+        "use cells of at most {} along the normal next to \"{}\"; until then do not trust temperatures and heat of the contact",
+        length(needed),
+        layer.side
+    );
     Some(warning("thermal-layer", "mesh", [layer.cell, needed], message, repair))
 }
