@@ -42,7 +42,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// Draws what a folder holds and tells where the pictures are.
+/// Draws the contents of a folder and prints the paths of the pictures.
 fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure> {
     let paths = plot::folder(dir, options)?;
     if quiet {

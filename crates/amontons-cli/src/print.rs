@@ -76,7 +76,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     lines.join("\n") + "\n"
 }
 
-/// What is to be known where steps were made in halves.
+/// A line on halved and ambiguous steps, if there are any.
 fn halved(solver: &Solver) -> Option<String> {
     let Solver { halved_steps, ambiguous_steps, .. } = *solver;
     let ambiguous = match ambiguous_steps {

@@ -59,7 +59,7 @@ struct Place {
 }
 
 impl Place {
-    /// Seconds that the steps still take at the pace of those done; none before the first.
+    /// Estimated seconds for the remaining steps; none before the first step.
     fn left(&self) -> Option<f64> {
         let done = self.step.checked_sub(self.first).filter(|&done| done > 0 && self.phase == "steps")?;
         Some(self.phase_begin.elapsed().as_secs_f64() / done as f64 * self.steps.saturating_sub(self.step) as f64)
@@ -209,12 +209,12 @@ impl Progress {
         self.shared.phase("steps");
     }
 
-    /// Notes that so many steps of a study are done.
+    /// Notes the number of finished steps of a study.
     pub fn done(&self, steps: usize) {
         self.shared.step(steps, None, None);
     }
 
-    /// Is told of the phases of a run.
+    /// Follows the phases of a run.
     pub fn watch(&self) -> Watch {
         let shared = Arc::clone(&self.shared);
         Watch(Arc::new(move |phase| {

@@ -87,7 +87,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// A run in a folder of its own: as it is if it is done, from its checkpoint if it has one, else anew.
+    /// A run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise started.
     fn run(&self, overrides: &[String], folder: &Path, of: &str) -> Result<Summary, Failure> {
         let case = case::parse(&self.source, overrides)?;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()) {

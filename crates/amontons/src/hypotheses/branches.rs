@@ -54,7 +54,7 @@ pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
     tests(problem).map(|test| Falls::of(test.contact, &test.places, stress)).collect()
 }
 
-/// `branches`: that a law falls, by how much, and what a run does about it; none where no law falls.
+/// `branches`: reports softening laws, their slopes, and how a run treats them; none if no law softens.
 pub(super) fn branches(problem: &Problem) -> Option<Finding> {
     let all = falls(problem);
     let side = all.iter().position(|falls| falls.any())?;

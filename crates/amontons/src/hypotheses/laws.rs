@@ -40,7 +40,7 @@ pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding>
     each.reduce(worst).unwrap_or_default()
 }
 
-/// Whether a finding on a material stands for the body rather than another: by its status, then by its constant, which is a lower
+/// Whether a finding on a material represents the body instead of another finding: by its status, then by its constant, which is a lower
 /// bound in (H1)–(H3) and an upper one in (H4), (H5).
 fn is_worse(found: &Finding, other: &Finding) -> bool {
     let upper = ["H4", "H5"].contains(&found.id.as_str());
@@ -93,7 +93,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]:
     Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
 }
 
-/// Why a law has no Lipschitz constant, as far as samples tell: the one thing that Theorem 1 asks of 𝓔.
+/// Why a law has no Lipschitz constant, as far as samples show: the only property of 𝓔 that Theorem 1 requires.
 pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
     let lipschitz = law.constants().lipschitz;
     if !lipschitz.is_finite() {
@@ -201,7 +201,7 @@ pub(super) struct Test<'a> {
 }
 
 impl Test<'_> {
-    /// What a law sees at a penetration, the pressure that of the normal law; without one of a single value, none.
+    /// The arguments of a law at a penetration with the pressure of the normal law; none if that pressure is not unique.
     fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
         let pressure = self.contact.normal.lipschitz().map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0, 0.0).value);
         ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }

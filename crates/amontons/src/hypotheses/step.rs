@@ -9,8 +9,8 @@
 //! ```
 //!
 //! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 + μ²) − 1)/2. It has a
-//! solution in any case. With a pressure that falls by s at the most c* is also not less than (s + √(s² + (μs + L_r)²))/2, and with a
-//! bound that falls with the slip speed by f p at the most, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
+//! solution in any case. With a pressure that decreases by at most s per length c* is at least (s + √(s² + (μs + L_r)²))/2, and with a
+//! bound that decreases with the slip speed by at most f p, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
 //! With several contacts c* W is Σ c*_i W_i. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that
 //! what holds for k holds for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
@@ -46,7 +46,7 @@ pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
     coupled.max(0.5 * l_r)
 }
 
-/// c* of the laws of a contact; none where they have no Lipschitz constants.
+/// c* of the laws of a contact; none if they have no Lipschitz constants.
 ///
 /// Where the pressure falls by s per length at the most, the fall takes s, and with friction (s + √(s² + L²))/2, L the Lipschitz constant of
 /// the bound of a pressure that falls so.
@@ -191,7 +191,7 @@ pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
     problem.coupling != Coupling::Staggered && problem.materials.iter().any(|m| norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0)
 }
 
-/// What of the laws the condition does not speak of, and its place.
+/// A part of the laws that the condition does not cover, and its place.
 fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'static str, &'static str)> {
     let with_friction = || problem.contacts.iter().any(|contact| !contact.friction.is_frictionless());
     if drops {

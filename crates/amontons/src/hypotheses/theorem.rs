@@ -49,7 +49,7 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     })
 }
 
-/// `2.23-needed`: no inequality between constants, but what Theorem 1 of the book asks of the data.
+/// `2.23-needed`: no inequality between constants, but the hypotheses of Theorem 1 of the book.
 ///
 /// With κ = M_a + s₁²(L_ν + L_τ), two solutions of (3.6) differ by ‖u(t)‖² ≤ (2t/m_b²) exp(κ²t²/m_b²) ∫₀ᵗ ‖y₁ − y₂‖².
 pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Finding]) -> Finding {
@@ -90,7 +90,7 @@ fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str
     missing
 }
 
-/// What of the model Theorem 1 of the book does not speak of, and its place.
+/// A part of the model that Theorem 1 of the book does not cover, and its place.
 fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     for (side, test) in tests(problem).enumerate() {
         if let Some((what, place)) = outside_of_contact(&test) {
@@ -119,7 +119,7 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     }
 }
 
-/// The same of one contact.
+/// The same for one contact.
 fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
     let contact = test.contact;
     let nu = contact.normal.lipschitz().filter(|l| l.is_finite() && contact.normal.graph() == GraphKind::Function);

@@ -49,7 +49,7 @@ impl NodalStress {
         nodes.binary_search_by_key(&node, |(node, _)| *node).ok().and_then(|place| nodes.get(place)).map(|(_, stress)| *stress)
     }
 
-    /// The stress at every node of a mesh with so many nodes, the mean of its regions where several meet.
+    /// The stress at every node of a mesh with this number of nodes: the mean where several regions meet.
     #[must_use]
     pub fn means(&self, nodes: usize) -> Vec<Sym> {
         let mut sums = vec![(Sym::ZERO, 0.0); nodes];

@@ -1,4 +1,4 @@
-//! `summary.json`: what a run came to, in a few numbers.
+//! `summary.json`: the results of a run in a few numbers.
 
 use std::collections::BTreeMap;
 
@@ -23,12 +23,12 @@ pub enum Outcome {
     /// The run was asked to stop.
     #[serde(rename = "interrupted")]
     Interrupted,
-    /// All steps were made, and what they came to cannot be trusted: a figure is not finite, or an identity of the audit fails grossly.
+    /// All steps were made, but the results cannot be trusted: a figure is not finite, or an identity of the audit fails grossly.
     #[serde(rename = "unsound")]
     Unsound,
 }
 
-/// What a run came to: `summary.json`. Numbers are those of the last good step.
+/// The results of a run: `summary.json`. Numbers are those of the last good step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.
@@ -57,12 +57,12 @@ pub struct Summary {
     pub energy: Ledger,
     /// Hypotheses and conditions with their numbers.
     pub findings: Vec<Finding>,
-    /// The findings that are something to act on.
+    /// The findings to act on.
     #[serde(default)]
     pub warnings: Vec<Finding>,
     /// Times spent.
     pub seconds: Seconds,
-    /// Most memory that the program held, bytes; none where the system does not tell.
+    /// Most memory that the program held, bytes; none if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
 }
 
@@ -96,10 +96,10 @@ pub struct Final {
     /// Largest principal strain in magnitude; none without mechanics.
     #[serde(default)]
     pub strain_max: Option<f64>,
-    /// By how much a temperature since the start was below all that the data allow, K; none where they allow any.
+    /// By how much a temperature since the start was below the least value that the data allow, K; none if they allow any.
     #[serde(default)]
     pub undershoot: Option<f64>,
-    /// By how much a temperature since the start was above all that the data allow, K; none where they allow any.
+    /// By how much a temperature since the start was above the largest value that the data allow, K; none if they allow any.
     #[serde(default)]
     pub overshoot: Option<f64>,
     /// Largest penetration over the height of the lowest cell of its side; none without contact.
@@ -317,7 +317,7 @@ impl Summary {
 }
 
 impl Summary {
-    /// Why what a run came to cannot be trusted, if it cannot: a figure that is not finite, or an identity that fails grossly.
+    /// Why the results of a run cannot be trusted, if they cannot: a figure that is not finite, or an identity that fails grossly.
     #[must_use]
     pub fn unsound(&self) -> Option<String> {
         if let Some((key, value)) = self.figures().into_iter().find(|(_, value)| !value.is_finite()) {

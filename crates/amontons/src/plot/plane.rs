@@ -31,7 +31,7 @@ pub fn scale_factor(displacement: f64, size: f64) -> f64 {
     [10.0, 5.0, 2.0, 1.0].into_iter().map(|m| (m * power).round()).find(|&f| f <= most * (1.0 + 1e-9)).unwrap_or(1.0)
 }
 
-/// The factor of the displacement in the picture `deformed`, one for all panels: that of the options, or 1 where enlarging would be false, or a nice one.
+/// The factor of the displacement in the picture `deformed`, the same for all panels: the one of the options, 1 if enlarging would be false, else a round number.
 /// Other pictures show the body as it stands.
 pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64, f64)>, options: &Options) -> f64 {
     if kind != Kind::Deformed {
@@ -68,7 +68,7 @@ fn below(factor: f64) -> f64 {
     .max(1.0)
 }
 
-/// Whether no cell is inverted with so many times the displacement.
+/// Whether no cell is inverted by the displacement times this factor.
 fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
     let mut moved = mesh.clone();
     let plane = run.snapshot.iter().flat_map(|s| s.displacement.iter().map(|u| [u[0], u[1], 0.0]));
@@ -113,7 +113,7 @@ impl Shape<'_> {
         Shape { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
-    /// Whether the body before would be seen beside the body now: something moves by more than 0.3 per cent of its size.
+    /// Whether the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of the size.
     fn shows_reference(&self) -> bool {
         let [x, y] = self.snapshot.body.window();
         let size = (x[1] - x[0]).max(y[1] - y[0]);

@@ -98,7 +98,7 @@ impl Run {
         self.history.get(column).is_some_and(|values| values.iter().any(|v| *v != 0.0))
     }
 
-    /// Name of a side in quotes; empty where it has none.
+    /// Name of a side in quotes; empty if it has none.
     pub(super) fn side(&self, side: usize) -> String {
         self.sides.get(side).filter(|name| !name.is_empty()).map_or_else(String::new, |name| format!(" on \"{name}\""))
     }
@@ -219,7 +219,7 @@ impl Solid {
     }
 }
 
-/// Whether there are so many finite values.
+/// Whether there is this number of finite values.
 fn fits(name: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
     if values.len() != expected {
         return Err(PlotError::Data(format!("the {name} has {} values, expected {expected}", values.len())));
