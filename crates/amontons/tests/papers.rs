@@ -188,7 +188,7 @@ fn a_for_per(text: &str) -> Option<String> {
     let four = words.windows(4).find(|w| counted(w[0]) && is(things, w[1]) && w[2] == "a" && is(units, w[3])).map(|w| w.join(" "));
     // Without the thing: "one a column", "half a micrometre a stop".
     let alone = "one once twice row numbers entries metre millimetre micrometre newton kelvin m³ mm³";
-    let more = "element mesh newton second stop turn";
+    let more = "column element mesh newton second stop turn";
     let three = words.windows(3).find(|w| is(alone, &w[0].to_lowercase()) && w[1] == "a" && (is(units, w[2]) || is(more, w[2])));
     four.or_else(|| three.map(|w| w.join(" ")))
 }
