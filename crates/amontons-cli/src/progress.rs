@@ -96,7 +96,7 @@ impl Place {
     /// What happens after a first Ctrl-C.
     fn after_interrupt(&self) -> String {
         let first = match self.phase {
-            "steps" => format!("step {} of {} is finished", self.step + 1, self.steps),
+            "steps" if self.step < self.steps => format!("step {} of {} is finished", self.step + 1, self.steps),
             phase => format!("the present phase ({phase}) is finished"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
@@ -342,5 +342,7 @@ mod tests {
         let value = place.json();
         assert_eq!((&value["step"], &value["contact"]["slip"], &value["part"]), (&json!(2), &json!(5), &json!("study 3 of 6")));
         assert_eq!(place.after_interrupt(), "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once");
+        place.step = 8;
+        assert!(place.after_interrupt().starts_with("Ctrl-C: the present phase (steps) is finished"), "there is no step 9 of 8");
     }
 }
