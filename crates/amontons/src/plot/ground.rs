@@ -411,6 +411,37 @@ mod tests {
         Ok(())
     }
 
+    /// A foundation in space is drawn where it stands: on a ball that moves and on a plane at a gap that grows, the gap enlarged like the displacement.
+    #[test]
+    fn patches_follow_moving_foundations() -> Result<(), Box<dyn std::error::Error>> {
+        let text = |contact: &str| {
+            format!(
+                "name = \"block\"\n[mesh]\nkind = \"box\"\nsize = [1.0, 1.0, 0.5]\nn = 2\n[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 1.0\n\
+                 elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.3 }}\n[contact]\non = \"front\"\n\
+                 normal = {{ law = \"compliance\", stiffness = 1.0 }}\n{contact}"
+            )
+        };
+        let parse = |contact: &str| crate::case::parse(&crate::case::Source::new("block.toml", text(contact)), &[]);
+        let ball = parse("obstacle = { shape = \"sphere\", center = [0.4, 0.5, \"3 - 0.5*t\"], radius = 2.0 }")?.problem;
+        let gap = parse("gap = \"0.1 + 0.2*t\"")?.problem;
+        let rest = vec![[0.0; 3]; ball.mesh.points.len()];
+        for t in [0.0, 0.6, 1.0] {
+            let [patch] = &patches(&ball, &rest, t, 1.0)[..] else { return Err("one patch".into()) };
+            for p in &patch.points {
+                let away = [p[0] - 0.4, p[1] - 0.5, p[2] - (3.0 - 0.5 * t)];
+                assert!((length(&away) - 2.0).abs() < 1e-12, "t = {t}: {p:?} is not on the ball");
+            }
+            let [patch] = &patches(&gap, &rest, t, 3.0)[..] else { return Err("one patch".into()) };
+            assert!(patch.points.iter().all(|p| (p[2] - 0.5 - 3.0 * (0.1 + 0.2 * t)).abs() < 1e-12), "t = {t}: {:?}", patch.points);
+            // Around the side, whose edges are 1 long, on all four sides.
+            let reach = |d: usize| super::super::axes::range(patch.points.iter().map(|p| p[d]));
+            for d in 0..2 {
+                assert!(reach(d).is_some_and(|[low, high]| low < -0.01 && low > -0.2 && high > 1.01 && high < 1.2), "{:?}", reach(d));
+            }
+        }
+        Ok(())
+    }
+
     #[test]
     fn edges_are_joined() {
         assert_eq!(chained(&[[3, 4], [1, 2], [2, 3]]), [vec![1, 2, 3, 4]]);
