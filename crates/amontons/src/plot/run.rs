@@ -80,6 +80,11 @@ impl Run {
         theta.iter().any(|v| (v - first).abs() > 1e-9 * first.abs()) || flows.iter().any(|name| self.has(name))
     }
 
+    /// Whether the case solves for displacements; without a case it is assumed to.
+    pub(super) fn has_mechanics(&self) -> bool {
+        self.problem.as_ref().is_none_or(|problem| problem.physics.has_mechanics())
+    }
+
     /// Whether a node has moved.
     pub(super) fn has_moved(&self) -> bool {
         let plane = self.snapshot.iter().flat_map(|s| s.displacement.iter().flatten());
