@@ -28,7 +28,7 @@ pub enum Command {
         /// Draw the results too
         #[arg(long)]
         plot: bool,
-        /// Evaluate only the hypotheses that cost nothing
+        /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
         #[command(flatten)]
@@ -38,7 +38,7 @@ pub enum Command {
     Resume {
         /// The results folder of the run
         dir: PathBuf,
-        /// Evaluate only the hypotheses that cost nothing
+        /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
         #[command(flatten)]
@@ -67,13 +67,13 @@ pub enum Command {
     Plot {
         /// The results folder
         dir: PathBuf,
-        /// Times of the frames, each that of the nearest snapshot [default: the end, or four frames where most happens before]
+        /// Times of the frames, rounded to the nearest snapshot [default: the end, or up to four frames if most changes happen before]
         #[arg(long, value_delimiter = ',', value_name = "T,T,…")]
         time: Vec<f64>,
         /// Leave out the units, also those of a case with units = "SI"
         #[arg(long)]
         dimensionless: bool,
-        /// Factor of the displacement in the picture of the deformed body [default: 1 beside obstacles, else a nice one]
+        /// Factor of the displacement in the picture of the deformed body [default: 1 beside obstacles, else a round number]
         #[arg(long, value_name = "F")]
         scale: Option<f64>,
         /// Pixels of a PNG per unit of 1/96 inch

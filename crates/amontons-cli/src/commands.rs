@@ -11,6 +11,7 @@ use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, Sin
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
 use amontons::scheme::StepError;
+use amontons::units::Measure;
 use clap::CommandFactory;
 
 use crate::arguments::{Arguments, Command, Common, Format};
@@ -41,7 +42,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
     }
 }
 
-/// Draws what a folder holds and tells where the pictures are.
+/// Draws the contents of a folder and prints the paths of the pictures.
 fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure> {
     let paths = plot::folder(dir, options)?;
     if quiet {
@@ -134,13 +135,13 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     if folder.keeps_older_results() {
         return Some(format!("{out} still holds the results of an earlier run"));
     }
-    let kept = format!("results up to step {}, t = {} s, are in {out}", summary.steps, summary.time);
+    let kept = format!("results up to step {}, t = {}, are in {out}", summary.steps, summary.units.exact(summary.time, Measure::Time));
     Some(match error {
         RunError::Step { source: StepError::Residual { .. }, .. } => format!(
             "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
         ),
         RunError::Step { source: StepError::Data { key, .. }, .. } => format!("{kept}; correct {key}"),
-        RunError::Unsound(_) => format!("{kept}, for finding the cause; `amontons check` names what in the data may be it"),
+        RunError::Unsound(_) => format!("{kept}; `amontons check` may name the cause in the data"),
         RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
         _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),
     })

@@ -33,7 +33,7 @@ pub fn text(table: &ConstantsTable) -> String {
     };
     let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.9e}"));
     let of_limits = |show: &dyn Fn(&Limit) -> String| table.limits.map(|limit| limit.as_ref().map_or_else(|| "-".to_owned(), show));
-    let mut text = "  constants on refined meshes; those of the domain are not larger (c_k, c_f) and not smaller (s1 … s2)\n".to_owned();
+    let mut text = "  constants on refined meshes; on the domain c_k and c_f are not larger, s1 … s2 not smaller\n".to_owned();
     text += &line("level", "h", names.map(str::to_owned));
     for row in &table.rows {
         let values = row.constants.named().map(|(_, constant)| number(constant.map(|c| c.value)));
@@ -44,7 +44,7 @@ pub fn text(table: &ConstantsTable) -> String {
     text + &line("error", "", of_limits(&|limit| format!("{:.1e}", limit.error)))
 }
 
-/// Adds the table for programs: `levels` with a row a mesh, and `limits`.
+/// Adds the table for programs: `levels` with a row per mesh, and `limits`.
 pub fn add_json(table: &ConstantsTable, value: &mut Value) {
     let names = DomainConstants::default().named().map(|(name, _)| name);
     let by_name = |values: [Value; 6]| names.iter().map(|&name| name.to_owned()).zip(values).collect::<Map<_, _>>();

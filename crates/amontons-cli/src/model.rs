@@ -2,41 +2,39 @@
 
 use amontons::model::Model;
 use amontons::problem::Problem;
+use amontons::units::Measure;
 
-use crate::print::row;
+use crate::print::{row, unknowns};
 
 /// Rows of the size of a model.
 pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
-    let dim = problem.mesh.dim;
-    // Volumes and areas of a plane body are per metre of thickness, those of a body of revolution are of all of it.
-    let (volume, area, mass) = match (dim, problem.mesh.axisymmetric) {
-        (1, _) => ("m", "", "kg/m²"),
-        (2, false) => ("m²", " m", "kg/m"),
-        _ => ("m³", " m²", "kg"),
-    };
+    let (mechanics, heat) = (problem.physics.has_mechanics(), problem.physics.has_heat());
+    let write = |value: f64, measure: Measure| format!("{value:.5e} {}", problem.units().of(measure)).trim_end().to_owned();
     let [low, high] = &model.bounds;
     let extents = low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect::<Vec<_>>().join(" × ");
     let parts = if model.parts == 1 { String::new() } else { format!(" in {} parts", model.parts) };
+    let mass = if mechanics { format!(", mass {}", write(model.mass, Measure::Mass)) } else { String::new() };
     let mut rows = vec![
-        row("bounding box", &format!("{extents} m")),
-        row("body", &format!("volume {:.5e} {volume}, mass {:.5e} {mass}{parts}", model.volume, model.mass)),
+        row("bounding box", format!("{extents} {}", problem.units().of(Measure::Length)).trim_end()),
+        row("body", &format!("volume {}{mass}{parts}", write(model.volume, Measure::Volume))),
     ];
     rows.extend(model.sides.iter().map(|(side, size)| {
         let points = model.contact_points.get(side).map_or_else(String::new, |points| format!(", {points} contact points"));
-        row(&format!("side \"{side}\""), &format!("area {size:.5e}{area}{points}"))
+        row(&format!("side \"{side}\""), &format!("area {}{points}", write(*size, Measure::Area)))
     }));
     rows.extend(times(problem, model));
     rows.extend(model.thermal_layers.iter().map(|layer| {
-        let text = format!("√(k K/c) = {:.3e} m in a step, {:.3e} m in the run, cell {:.3e} m high on \"{}\"", layer.step, layer.end, layer.cell, layer.side);
-        row("thermal layer", &text)
+        let length = |value: f64| problem.units().write(value, Measure::Length);
+        let [step, end, cell] = [layer.step, layer.end, layer.cell].map(length);
+        row("thermal layer", &format!("√(k K/c) = {step} in a step, {end} in the run, cell {cell} high on \"{}\"", layer.side))
     }));
     if let Some(cost) = &model.cost {
-        let [u, theta, contact] = cost.unknowns;
-        rows.push(row("unknowns", &format!("{u} displacement, {theta} temperature, {contact} on the contact side")));
+        rows.push(row("unknowns", &unknowns(cost.unknowns, mechanics, heat)));
         let [by_u, by_theta] = cost.factors;
-        rows.push(row("factors", &format!("{by_u} + {by_theta} numbers, {} operations to make them", short(cost.factorization_flops))));
+        let numbers = if mechanics && heat { format!("{by_u} + {by_theta}") } else { (by_u + by_theta).to_string() };
+        rows.push(row("factors", &format!("{numbers} numbers, {} operations to compute them", short(cost.factorization_flops))));
         let step = format!("{} operations, reads {}", short(cost.step_flops), bytes(cost.step_bytes));
-        rows.push(row("a step", &format!("{step}; {} memory for factors and forms", bytes(cost.memory_bytes))));
+        rows.push(row("per step", &format!("{step}; {} memory for factors and forms", bytes(cost.memory_bytes))));
     }
     rows
 }
@@ -44,17 +42,21 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
 /// Time scales beside the step.
 fn times(problem: &Problem, model: &Model) -> Vec<String> {
     let times = &model.times;
-    let steps = |time: f64| format!("{time:.5e} s, {:.3} steps", time / problem.k());
+    let write = |time: f64| format!("{time:.5e} {}", problem.units().of(Measure::Time)).trim_end().to_owned();
+    let steps = |time: f64| format!("{}, {:.3} steps", write(time), time / problem.k());
     let or = |time: Option<f64>, none: &str| time.map_or_else(|| none.to_owned(), steps);
     let inert = problem.materials.iter().all(|m| m.density == 0.0);
     let steady = problem.materials.iter().all(|m| m.heat_capacity == 0.0);
-    let mut rows = vec![
-        row("first period", &or(times.first_period, if inert { "none: density 0" } else { "none: nothing but contact holds the body" })),
-        row("heat time", &or(times.heat, if steady { "none: heat_capacity 0" } else { "none: no side holds the temperature, or it is not conducted" })),
-    ];
-    rows.extend(times.retardation.map(|[low, high]| row("viscosity", &format!("follows in {low:.5e} … {high:.5e} s"))));
+    let mut rows = Vec::new();
+    if problem.physics.has_mechanics() {
+        rows.push(row("first period", &or(times.first_period, if inert { "none: density 0" } else { "none: only contact holds the body" })));
+    }
+    if problem.physics.has_heat() {
+        rows.push(row("heat time", &or(times.heat, if steady { "none: heat_capacity 0" } else { "none: no side holds the temperature, or conductivity 0" })));
+    }
+    rows.extend(times.retardation.map(|[low, high]| row("viscosity", &format!("retardation times {low:.5e} … {}", write(high)))));
     if !times.relaxation.is_empty() {
-        rows.push(row("relaxation", &times.relaxation.iter().map(|time| format!("{time:.5e} s")).collect::<Vec<_>>().join(", ")));
+        rows.push(row("relaxation", &times.relaxation.iter().map(|time| write(*time)).collect::<Vec<_>>().join(", ")));
     }
     rows
 }

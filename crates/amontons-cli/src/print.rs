@@ -34,7 +34,7 @@ pub fn error(message: &str, hint: Option<&str>) {
 /// The summary of a run for reading.
 pub fn summary(summary: &Summary, folder: &Path) -> String {
     let end = &summary.last;
-    let unknowns = &summary.unknowns;
+    let (mechanics, heat) = (!end.displacement_min.is_empty(), end.temperature_min.is_some());
     let state = match summary.outcome {
         Outcome::Done => "done",
         Outcome::NotConverged => "not converged",
@@ -42,10 +42,9 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         Outcome::Unsound => "unsound",
     };
     let (seconds, units) = (&summary.seconds, summary.units);
-    let time = format!("{} {}", summary.time, units.of(Measure::Time));
     let mut lines = vec![
-        format!("{}: {state}, {} steps to t = {} in {:.2} s", summary.case, summary.steps, time.trim_end(), seconds.total),
-        row("unknowns", &format!("{} displacement, {} temperature, {} on the contact side", unknowns.displacement, unknowns.temperature, unknowns.contact)),
+        format!("{}: {state}, {} steps to t = {} in {:.2} s", summary.case, summary.steps, units.exact(summary.time, Measure::Time), seconds.total),
+        row("unknowns", &unknowns([summary.unknowns.displacement, summary.unknowns.temperature, summary.unknowns.contact], mechanics, heat)),
         row(
             "time",
             &format!(
@@ -68,25 +67,23 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
             lines.extend(touching(&format!("on \"{side}\""), contact, units));
         }
     }
-    lines.extend(extent(units));
-    lines.push(row(
-        "energy closes to",
-        &format!("{:.1e} of the energy turned over, heat to {:.1e}", summary.energy.closing_error, summary.energy.heat_closing_error),
-    ));
+    lines.extend(extent(units, mechanics));
+    lines.extend(mechanics.then(|| row("energy closes to", &format!("{:.1e} of the energy turned over", summary.energy.closing_error))));
+    lines.extend(heat.then(|| row("heat closes to", &format!("{:.1e} of the heat turned over", summary.energy.heat_closing_error))));
     lines.extend(halved(&summary.solver));
     lines.push(row("results", &folder.display().to_string()));
     lines.extend(voices::of_run(&summary.findings));
     lines.join("\n") + "\n"
 }
 
-/// What is to be known where steps were made in halves.
+/// A line on halved and ambiguous steps, if there are any.
 fn halved(solver: &Solver) -> Option<String> {
     let Solver { halved_steps, ambiguous_steps, .. } = *solver;
     let ambiguous = match ambiguous_steps {
-        0 => "none of them with several solutions left".to_owned(),
-        some => format!("{some} of all may have had several solutions"),
+        0 => "none of them remains ambiguous".to_owned(),
+        some => format!("{some} of all steps remain ambiguous"),
     };
-    (halved_steps > 0 || ambiguous_steps > 0).then(|| row("made in halves", &format!("{halved_steps} steps, {ambiguous}")))
+    (halved_steps > 0 || ambiguous_steps > 0).then(|| row("halved steps", &format!("{halved_steps} steps, {ambiguous}")))
 }
 
 /// The ends of a range in one unit.
@@ -95,15 +92,22 @@ fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
     format!("{low} … {high} {unit}").trim_end().to_owned()
 }
 
-/// What integrals over a body are over, where that is not plain.
-fn extent(units: Units) -> Option<String> {
+/// Numbers of unknowns: displacement, temperature, contact, those that a case has.
+pub fn unknowns([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
+    let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
+    let all = [of_mechanics(displacement, "displacement"), heat.then(|| format!("{temperature} temperature")), of_mechanics(contact, "on the contact side")];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// What integrals over a body are over. Absent in space, where they are over the body.
+fn extent(units: Units, mechanics: bool) -> Option<String> {
     let text = match units.extent {
         Extent::Line => "per unit of cross-section",
         Extent::Plane => "per unit of thickness",
         Extent::Revolution => "of the full turn",
         Extent::Space => return None,
     };
-    Some(row("forces, energies", text))
+    Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
 }
 
 /// A line with a name.
@@ -119,9 +123,7 @@ fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<String> {
         row(name, &format!("{} open, {} stick, {} slip; area {}", contact.open, contact.stick, contact.slip, write(contact.area, Measure::Area))),
         row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
     ];
-    if contact.heat_flow != 0.0 {
-        lines.push(row("heat through it", &write(contact.heat_flow, Measure::Power)));
-    }
+    lines.extend(contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))));
     if contact.wear_max > 0.0 {
         let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
         lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
@@ -138,10 +140,22 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
     let write = |value: f64, measure: Measure| problem.units().write(value, measure);
     let mut lines = vec![
         format!("{name}: case is valid"),
-        row("mesh", &format!("{} dimensions, {} nodes, {} cells, h = {}", mesh.dim, mesh.points.len(), mesh.cell_count(), write(mesh.h(), Measure::Length))),
+        row(
+            "mesh",
+            &format!(
+                "{} {}, {} nodes, {} cells, h = {}",
+                mesh.dim,
+                if mesh.dim == 1 { "dimension" } else { "dimensions" },
+                mesh.points.len(),
+                mesh.cell_count(),
+                write(mesh.h(), Measure::Length)
+            ),
+        ),
         row("time", &format!("{} steps of {} to {}", problem.steps, write(problem.k(), Measure::Time), write(problem.end, Measure::Time))),
-        row("contact", &contact),
     ];
+    if problem.physics.has_mechanics() {
+        lines.push(row("contact", &contact));
+    }
     let width = certificate.findings.iter().map(|f| f.id.len()).max().unwrap_or(0) + 2;
     lines.extend(model::rows(problem, model));
     for (title, kind) in [("What you can act on:", Kind::Warning), ("What the theory covers:", Kind::Theory)] {

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use amontons::contact::Status;
 use amontons::output::{OutputError, RunStart, Sink, Snapshot, Summary};
 use amontons::run::{Phase, Watch};
+use amontons::units::{Measure, Units};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
@@ -49,6 +50,8 @@ struct Place {
     first: usize,
     steps: usize,
     t: Option<f64>,
+    /// Unit of the time.
+    units: Units,
     /// Contact points that are open, stick and slip.
     contact: Option<[usize; 3]>,
     told: Option<Instant>,
@@ -56,7 +59,7 @@ struct Place {
 }
 
 impl Place {
-    /// Seconds that the steps still take at the pace of those done; none before the first.
+    /// Estimated seconds for the remaining steps; none before the first step.
     fn left(&self) -> Option<f64> {
         let done = self.step.checked_sub(self.first).filter(|&done| done > 0 && self.phase == "steps")?;
         Some(self.phase_begin.elapsed().as_secs_f64() / done as f64 * self.steps.saturating_sub(self.step) as f64)
@@ -69,7 +72,7 @@ impl Place {
         if self.phase != "steps" {
             return format!("{part}{}, {} in this phase; {gone} gone", self.phase, duration(self.phase_begin.elapsed().as_secs_f64()));
         }
-        let time = self.t.map_or_else(String::new, |t| format!(", t = {t:.6} s"));
+        let time = self.t.map_or_else(String::new, |t| format!(", t = {t:.6} {}", self.units.of(Measure::Time)).trim_end().to_owned());
         let contact = self.contact.map_or_else(String::new, |[open, stick, slip]| format!("; contact: {open} open, {stick} stick, {slip} slip"));
         let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
         format!("{part}step {} of {}{time}{contact}; {gone} gone{left}", self.step, self.steps)
@@ -93,7 +96,7 @@ impl Place {
     /// What happens after a first Ctrl-C.
     fn after_interrupt(&self) -> String {
         let first = match self.phase {
-            "steps" => format!("step {} of {} is finished", self.step + 1, self.steps),
+            "steps" if self.step < self.steps => format!("step {} of {} is finished", self.step + 1, self.steps),
             phase => format!("the present phase ({phase}) is finished"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
@@ -179,6 +182,7 @@ impl Progress {
             first: 0,
             steps: 0,
             t: None,
+            units: Units::default(),
             contact: None,
             told: None,
             ended: false,
@@ -205,12 +209,12 @@ impl Progress {
         self.shared.phase("steps");
     }
 
-    /// Notes that so many steps of a study are done.
+    /// Notes the number of finished steps of a study.
     pub fn done(&self, steps: usize) {
         self.shared.step(steps, None, None);
     }
 
-    /// Is told of the phases of a run.
+    /// Follows the phases of a run.
     pub fn watch(&self) -> Watch {
         let shared = Arc::clone(&self.shared);
         Watch(Arc::new(move |phase| {
@@ -296,6 +300,7 @@ impl Sink for StepSink<'_> {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let mut place = self.0.shared.place();
         (place.step, place.steps, place.t) = (start.from.state.step, start.from.problem.steps, Some(start.from.state.t));
+        place.units = start.from.problem.units();
         Ok(())
     }
 
@@ -337,5 +342,7 @@ mod tests {
         let value = place.json();
         assert_eq!((&value["step"], &value["contact"]["slip"], &value["part"]), (&json!(2), &json!(5), &json!("study 3 of 6")));
         assert_eq!(place.after_interrupt(), "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once");
+        place.step = 8;
+        assert!(place.after_interrupt().starts_with("Ctrl-C: the present phase (steps) is finished"), "there is no step 9 of 8");
     }
 }

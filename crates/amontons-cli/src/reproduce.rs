@@ -87,7 +87,7 @@ struct Work<'a> {
 }
 
 impl Work<'_> {
-    /// A run in a folder of its own: as it is if it is done, from its checkpoint if it has one, else anew.
+    /// A run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise started.
     fn run(&self, overrides: &[String], folder: &Path, of: &str) -> Result<Summary, Failure> {
         let case = case::parse(&self.source, overrides)?;
         if let Some(summary) = output::finished_run(folder, &case.fingerprint()) {
@@ -182,7 +182,7 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
         let mut supported = Vec::new();
         for (label, values) in [
             ("largest displacement component", quantity(largest)),
-            ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v)),
+            ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v.unwrap_or(0.0))),
             ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max.unwrap_or(0.0))),
             ("largest temperature", quantity(|s| s.last.temperature_max.unwrap_or(0.0))),
         ] {

@@ -1,4 +1,4 @@
-//! Failures: exit codes, and how they are told.
+//! Failures: exit codes and messages.
 
 use std::io;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 use crate::arguments::Format;
 use crate::{faults, print};
 
-/// Why a command did not do what it was asked.
+/// Why a command failed.
 #[derive(Debug)]
 pub enum Failure {
     Case(CaseError),
@@ -27,14 +27,14 @@ pub enum Failure {
     },
     Output(OutputError),
     Checkpoint(CheckpointError),
-    /// A study that did not come to its end.
+    /// A study that did not finish.
     Study {
         error: StudyError,
         folder: PathBuf,
     },
-    /// A study that cannot be made of the case.
+    /// A study that is not possible with the case.
     Request(String),
-    /// Arguments that say nothing that can be done.
+    /// Arguments that cannot be carried out.
     Usage(String),
     /// Values that do not hold: the message, and the table as JSON.
     Verification {
@@ -45,7 +45,7 @@ pub enum Failure {
     Constants(FactorError),
     /// A picture that cannot be drawn.
     Plot(PlotError),
-    /// A file that is not to be replaced.
+    /// A file that must not be replaced.
     Exists(PathBuf),
     /// Standard output cannot be written.
     Print(io::Error),
@@ -170,7 +170,7 @@ impl Failure {
         }
     }
 
-    /// What the run came to before it failed.
+    /// The summary of the run before it failed.
     fn summary(&self) -> Option<&Summary> {
         match self {
             Failure::Run { error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary), .. } => Some(summary),
@@ -198,7 +198,7 @@ impl Failure {
         }
     }
 
-    /// Tells the failure; the exit code that goes with it.
+    /// Prints the failure and returns its exit code.
     pub fn report(&self, format: Format) -> ExitCode {
         let (_, code) = self.class();
         // A reader that has gone away has seen what it wanted.

@@ -1,4 +1,4 @@
-//! `verify`: cases and the shipped benchmarks, held against their references.
+//! `verify`: compares cases and the shipped benchmarks with their references.
 
 use std::path::Path;
 

@@ -1,6 +1,6 @@
 //! The paper's finest run, n = 256 with 256 steps, against the bound that reading the factors sets.
 //!
-//! `cargo bench -p amontons --bench paper` prints setup, factor, time a step and total beside the read bandwidth of
+//! `cargo bench -p amontons-core --bench paper` prints setup, factor, time per step and total beside the read bandwidth of
 //! the machine, measured in the same run. Arguments after `--`: n, steps, θ_F.
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a program for developers")]
 
@@ -54,7 +54,7 @@ fn main() {
         "paper, n = {n}, {} steps, θ_F = {foundation}: {} displacement and {} temperature unknowns",
         summary.steps, summary.unknowns.displacement, summary.unknowns.temperature
     );
-    println!("  factors           {:.1} MB, read twice a step", 8e-6 * stored as f64);
+    println!("  factors           {:.1} MB, read twice per step", 8e-6 * stored as f64);
     println!("  read bandwidth    {:.1} GB/s at best, {:.1} GB/s in the median, one thread", 1e-9 * best, 1e-9 * median);
     println!("  setup             {:.3} s", seconds.setup);
     println!("  factor            {:.3} s", seconds.factor);

@@ -158,7 +158,7 @@ pub fn assert_tensor_law(law: &dyn TensorLaw, dim: usize, size: f64) {
     }
 }
 
-/// m and M between two arguments; only the d-dimensional part does work and is what they speak of.
+/// m and M between two arguments; the constants refer to the d-dimensional part, which alone does work.
 fn assert_monotone(law: &dyn TensorLaw, dim: usize, (a, b): (&Sym, &Sym), slack: f64) {
     let x = [0.3, 0.2, 0.1];
     let constants = law.constants();

@@ -261,7 +261,7 @@ impl Discretization {
         self.d.round_off(theta) + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
     }
 
-    /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none where one of these has no potential.
+    /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none if one of these has no potential.
     #[must_use]
     pub fn stored_energy(&self, u: &[f64]) -> Option<f64> {
         let linear = 0.5 * dot(u, &self.apply_linear_a(u));

@@ -11,7 +11,7 @@ use crate::tensor::Point;
 pub struct Rule {
     /// Reference coordinates.
     pub points: Vec<Point>,
-    /// Weights, one a point.
+    /// Weights, one per point.
     pub weights: Vec<f64>,
 }
 

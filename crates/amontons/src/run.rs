@@ -27,7 +27,7 @@ pub struct Settings {
     pub certificate: bool,
     /// The certificate of an earlier run of the same inputs, [`crate::output::known_certificate`]: it is not computed again.
     pub known: Option<Vec<Finding>>,
-    /// Is told when a phase of the run begins.
+    /// Called when a phase of the run begins.
     pub watch: Option<Watch>,
 }
 
@@ -40,13 +40,13 @@ pub enum Phase {
     Assembly,
     /// Factorizes them.
     Factor,
-    /// Makes the steps; sinks are told of each.
+    /// Makes the steps and passes each to the sinks.
     Steps,
     /// Writes the last results.
     Results,
 }
 
-/// Is told when a phase of a run begins, from whichever thread begins it.
+/// Called when a phase of a run begins, by the thread that begins it.
 #[derive(Clone)]
 pub struct Watch(pub Arc<dyn Fn(Phase) + Send + Sync>);
 
@@ -202,7 +202,7 @@ fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
     built.map(Some).map_err(|error| RunError::Threads { threads, message: error.to_string() })
 }
 
-/// Computes with so many threads, or those at hand.
+/// Computes with a number of threads, or with all available ones.
 ///
 /// # Errors
 /// [`RunError::Threads`] when they cannot be started.
@@ -250,7 +250,7 @@ impl Clock {
 #[derive(Debug, Default)]
 struct Timed {
     backend: Supernodal,
-    /// Is told of the first factorization.
+    /// Notes the first factorization.
     watch: Mutex<Option<Watch>>,
     intervals: Mutex<Vec<(Instant, Instant)>>,
 }

@@ -87,7 +87,7 @@ impl Space {
         }
     }
 
-    /// The interpolant of fields, one a component (zero where there are none).
+    /// The interpolant of fields, one per component (zero where there are none).
     #[must_use]
     pub fn interpolate(&self, mesh: &Mesh, fields: &[Field], t: f64) -> Vec<f64> {
         let mut values = vec![0.0; mesh.points.len() * self.components];

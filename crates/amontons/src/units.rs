@@ -1,13 +1,13 @@
 //! What a number is: its unit by the dimension of the body, and how it is written for reading.
 //!
-//! This is the only place that knows units. A plane body is taken per metre of thickness, a body on a line per square metre of cross-section;
+//! Units are defined in this module only. A plane body is taken per metre of thickness, a body on a line per square metre of cross-section;
 //! integrals over a body of revolution are those over the full turn, 2πr dr dz, and so are in the units of a body in space. Summary, pictures,
-//! the units of columns in `manifest.json` and the tables of the book ask here. Files for programs keep all digits: only [`Units::write`] and
-//! [`Units::range`] round.
+//! the units of columns in `manifest.json` and the tables of the book ask here. Files for programs keep all digits: only [`Units::write`],
+//! [`Units::range`] and [`Units::vector`] round.
 
 use serde::{Deserialize, Serialize};
 
-/// Whether a case is in SI units or has none.
+/// The system of units of a case.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum System {
     /// SI units.
@@ -70,8 +70,10 @@ pub enum Measure {
     Power,
     /// Area of a side.
     Area,
-    /// Volume worn off a side.
+    /// Volume of a body, or worn off a side.
     Volume,
+    /// Mass of a body.
+    Mass,
 }
 
 /// Prefixes of units with their powers of ten.
@@ -128,6 +130,7 @@ impl Units {
             Measure::Power => by_extent(["W/m²", "W/m", "W"]),
             Measure::Area => by_extent(["m²/m²", "m²/m", "m²"]),
             Measure::Volume => by_extent(["m³/m²", "m³/m", "m³"]),
+            Measure::Mass => by_extent(["kg/m²", "kg/m", "kg"]),
         }
     }
 
@@ -144,7 +147,7 @@ impl Units {
         power.clamp(least, most)
     }
 
-    /// The unit with the prefix of a power of ten: `kPa`; none where the unit has no such prefix.
+    /// The unit with the prefix of a power of ten: `kPa`; none if the unit has no such prefix.
     #[must_use]
     pub fn prefixed(self, power: i32, measure: Measure) -> Option<String> {
         let unit = self.of(measure);
@@ -177,6 +180,12 @@ impl Units {
         (number(low), number(high), unit)
     }
 
+    /// A number with all its digits and its unit: `0.125 s`.
+    #[must_use]
+    pub fn exact(self, value: f64, measure: Measure) -> String {
+        format!("{value} {}", self.of(measure)).trim_end().to_owned()
+    }
+
     /// The components of a vector in one unit: `(0, -824) N/m`.
     #[must_use]
     pub fn vector(self, components: &[f64], measure: Measure) -> String {
@@ -197,7 +206,7 @@ impl Units {
     }
 }
 
-/// A number rounded to so many digits, without zeros behind that say nothing.
+/// A number rounded to a number of digits, without trailing zeros.
 fn significant(value: f64, digits: usize) -> String {
     if value == 0.0 {
         return "0".to_owned();
@@ -216,7 +225,7 @@ fn significant(value: f64, digits: usize) -> String {
     self::rounded(rounded, usize::try_from(digits as i32 - 1 - exponent).unwrap_or(0))
 }
 
-/// A number with so many decimals at most; zero has no sign.
+/// A number with at most so many decimals; zero has no sign.
 fn rounded(value: f64, decimals: usize) -> String {
     let text = trimmed(&format!("{value:.decimals$}"));
     if text == "-0" { "0".to_owned() } else { text }

@@ -18,7 +18,7 @@ pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benc
 /// The meshes beside them, by the names that the cases give them.
 const MESHES: &[(&str, &[u8])] = include!(concat!(env!("OUT_DIR"), "/benchmark_meshes.rs"));
 
-/// A computed value held against its reference.
+/// A computed value compared with its reference.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Verdict {
     /// The benchmark, or the name of the case.

@@ -214,7 +214,7 @@ fn a_bond_lets_go_at_its_strength() {
     }
 }
 
-/// Friction that falls by f = 0.3 a unit of slip speed up to 1: with S = ρ/(3k) + kG < f p a step at the load 0.21 … 0.4 has the solutions w = 0, w = (r̂ − 0.1)/S
+/// Friction that falls by f = 0.3 per unit of slip speed up to 1: with S = ρ/(3k) + kG < f p a step at the load 0.21 … 0.4 has the solutions w = 0, w = (r̂ − 0.1)/S
 /// and one in between. The point stays on the one that it was on.
 #[test]
 fn a_point_stays_stuck_or_fast_where_both_are_solutions() {
@@ -298,7 +298,7 @@ fn slip_that_turns_round_is_followed_through_rest() {
     assert!(reports[0].parts > 1 && states[1].w[0] < -1.0, "{} parts, w = {}", reports[0].parts, states[1].w[0]);
 }
 
-/// Under a load that grows by 4e-10 a step a point sticks up to μ_s p to round-off, and slips at once under μ_k p.
+/// Under a load that grows by 4e-10 per step a point sticks up to μ_s p to round-off, and slips at once under μ_k p.
 #[test]
 fn a_stuck_point_slips_at_static_friction_and_not_before() {
     let problem = column(&[

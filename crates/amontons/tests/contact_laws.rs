@@ -171,9 +171,9 @@ const STEPS: usize = 16;
 /// nine
 /// points: two decisions each (open or closed, slip or not) and two more are 20. Later steps start from the pattern of the one before: one iteration finds
 /// the
-/// new pattern, one confirms it, and a curved law takes two more, 4 a step. From 1e6 E/L on the foundation is rigid to five digits, and nothing changes but
+/// new pattern, one confirms it, and a curved law takes two more, 4 per step. From 1e6 E/L on the foundation is rigid to five digits, and nothing changes but
 /// for one
-/// iteration a step; what is found is Signorini's contact, at its price up to the same.
+/// iteration per step; what is found is Signorini's contact, at its price up to the same.
 #[test]
 fn table_of_iterations_over_stiffness() {
     let stress = 2.0; // E of the paper; L = 1.

@@ -472,7 +472,7 @@ fn wear_without_bounds_takes_the_pressure_away() {
         for (_, new, report) in steps(&memory) {
             // The energy of the body pressed without wear would be E δ² = 5e-3.
             assert!(new.ledger.closing_error.abs() < 5e-3 * 1e-12);
-            // κ p V k = Δh with Δh = 0.005 a step and V k = 0.05.
+            // κ p V k = Δh with Δh = 0.005 per step and V k = 0.05.
             let expected = 0.005 / (1e6 * 0.05);
             for (state, depth) in report.contact.states.iter().zip(&new.surface.wear) {
                 assert!((state.pressure / expected - 1.0).abs() < 1e-3, "{law} {stiffness}: {:e}, expected {expected:e}", state.pressure);

@@ -161,7 +161,7 @@ fn contact_conditions_hold_in_every_step_of_every_reading() {
     }
 }
 
-/// One factorization a matrix, one pair of sweeps a half-step, one or two Newton iterations once the
+/// One factorization per matrix, one pair of sweeps per half-step, one or two Newton iterations once the
 /// contact has settled.
 #[test]
 fn counted_work() {

@@ -185,7 +185,12 @@ fn a_for_per(text: &str) -> Option<String> {
     let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let is = |list: &str, word: &str| list.split(' ').any(|known| known == word);
     let counted = |word: &str| heads.contains(&word) || word.chars().all(|c| c.is_ascii_digit());
-    words.windows(4).find(|w| counted(w[0]) && is(things, w[1]) && w[2] == "a" && is(units, w[3])).map(|w| w.join(" "))
+    let four = words.windows(4).find(|w| counted(w[0]) && is(things, w[1]) && w[2] == "a" && is(units, w[3])).map(|w| w.join(" "));
+    // Without the thing: "one a column", "half a micrometre a stop".
+    let alone = "one once twice row numbers entries metre millimetre micrometre newton kelvin m³ mm³";
+    let more = "column element mesh newton second stop turn";
+    let three = words.windows(3).find(|w| is(alone, &w[0].to_lowercase()) && w[1] == "a" && (is(units, w[2]) || is(more, w[2])));
+    four.or_else(|| three.map(|w| w.join(" ")))
 }
 
 #[test]
@@ -194,6 +199,8 @@ fn per_is_written_for_each() {
     assert_eq!(a_for_per("One entry a component; empty for zero").as_deref(), None);
     assert_eq!(a_for_per("Displacement, one entry a component.").as_deref(), Some("one entry a component"));
     assert_eq!(a_for_per("one row per step"), None);
+    assert_eq!(a_for_per("The values at a time, one a column.").as_deref(), Some("one a column"));
+    assert_eq!(a_for_per("half a micrometre a stop, 10⁻⁵ mm³ a newton and metre").as_deref(), Some("micrometre a stop"));
     let schema = case::schema().to_string();
     assert_eq!(a_for_per(&schema), None);
     for path in files("crates", &[".rs", ".toml"]).into_iter().chain(documents()).filter(|path| !path.ends_with("tests/papers.rs")) {

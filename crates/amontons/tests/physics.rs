@@ -145,7 +145,10 @@ fn results_have_only_the_fields_of_the_case() {
         let summary: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("a summary")).expect("JSON");
         // Names stay: what there is not is null.
         let is_null = |key: &str| summary["final"].as_object().expect("a table")[key].is_null();
-        assert_eq!([is_null("temperature_max"), is_null("von_mises_max")], [present[0] == "displacement", present[0] == "temperature"]);
+        let (mechanics, heat) = (present[0] == "displacement", present[0] == "temperature");
+        assert_eq!([is_null("temperature_max"), is_null("von_mises_max")], [mechanics, heat]);
+        let norms = &summary["final"]["norms"];
+        assert_eq!([norms["temperature_l2"].is_null(), norms["displacement_v"].is_null(), is_null("contact")], [mechanics, heat, heat]);
         let contact = fs::read_to_string(folder.join("contact.csv")).expect("contact");
         let header: Vec<&str> = contact.lines().next().expect("a header").split(',').collect();
         let column = header.iter().position(|name| *name == "temperature").expect("a column");
@@ -154,6 +157,9 @@ fn results_have_only_the_fields_of_the_case() {
         let pictures = amontons::plot::folder(&folder, &amontons::plot::Options::default()).unwrap_or_else(|error| panic!("{error}"));
         let has = |name: &str| pictures.iter().any(|path| path.ends_with(format!("plots/{name}.svg")));
         assert_eq!([has("temperature"), has("von-mises")], [present[0] == "temperature", present[0] == "displacement"]);
+        let history = fs::read_to_string(folder.join("plots/history.svg")).expect("a picture");
+        let balances = ["energy", "heat"].map(|name| history.contains(&format!("closing error of the {name} balance")));
+        assert_eq!(balances, [mechanics, heat]);
         assert!(amontons::verify::recompute(&folder).expect("a run").iter().all(|verdict| verdict.holds));
         fs::remove_dir_all(&folder).expect("a folder");
     }

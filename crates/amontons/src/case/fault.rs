@@ -107,7 +107,7 @@ pub enum CaseError {
         /// What went wrong, with what to try.
         source: io::Error,
     },
-    /// The file, or an override, has faults. One a line: `file:line:column: path: found …, expected …; hint`.
+    /// The file, or an override, has faults. One per line: `file:line:column: path: found …, expected …; hint`.
     #[error("{}", lines(file, faults))]
     Faults {
         /// The file as it is, without overrides; the spans of the faults are spans of its text.

@@ -117,7 +117,7 @@ impl ContactBoundary {
     }
 }
 
-/// A point a node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in the weight.
+/// One point per node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in the weight.
 fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let nodes = set.node_list();
     let on_set = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
@@ -158,7 +158,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
 /// of the shape functions: pressures at vertices and middle nodes would oscillate.
 pub(super) struct Lumping {
     pub table: Table,
-    /// φ at the points of the table, one a node.
+    /// φ at the points of the table, one per node.
     shares: Vec<f64>,
 }
 

@@ -1,7 +1,7 @@
 //! Observed order and limit of a number on a sequence of meshes (Richardson's extrapolation).
 //!
 //! Of v(h) = v + C h^p three meshes give p, C and v. The pure power is an assumption: corners and changes of the
-//! boundary condition mix exponents, and the error told is an estimate, not a bound.
+//! boundary condition mix exponents, and the reported error is an estimate, not a bound.
 
 use serde::Serialize;
 
@@ -13,7 +13,7 @@ const HIGHEST: f64 = 16.0;
 /// The limit of a sequence.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Limit {
-    /// p of the three finest meshes; none where the values agree within their errors.
+    /// p of the three finest meshes; none if the values agree within their errors.
     pub order: Option<f64>,
     /// The limit.
     pub value: f64,
@@ -38,7 +38,7 @@ pub struct ConstantsRow {
 /// Constants of (2.12)–(2.15) on a sequence of meshes, each finer than the one before, and what they tend to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConstantsTable {
-    /// One row a mesh.
+    /// One row per mesh.
     pub rows: Vec<ConstantsRow>,
     /// The limits, in the order of [`DomainConstants::named`]; none with fewer than three meshes, and where the differences
     /// do not shrink as those of a power of h.
@@ -62,7 +62,7 @@ impl ConstantsTable {
     }
 }
 
-/// The limit of values at falling h, by the last three; none where they do not behave as v + C h^p, p > 0.
+/// The limit of values at decreasing h, from the last three; none if they do not behave as v + C h^p, p > 0.
 #[must_use]
 pub fn limit(values: &[(f64, Constant)]) -> Option<Limit> {
     let [earlier @ .., (h0, v0), (h1, v1), (h2, v2)] = values else { return None };

@@ -71,7 +71,7 @@ pub struct StudySettings<'a> {
     pub keep: Option<&'a (dyn Fn(&Level, &[State]) + Sync)>,
     /// How far the reference had come in an earlier attempt with the same levels.
     pub load_reference: Option<&'a (dyn Fn() -> Option<ReferenceProgress> + Sync)>,
-    /// Keeps how far the reference has come, when the study is interrupted and once a minute.
+    /// Keeps how far the reference has come, when the study is interrupted and once per minute.
     pub keep_reference: Option<&'a (dyn Fn(&ReferenceProgress) + Sync)>,
 }
 

@@ -47,9 +47,9 @@ pub struct Element {
     pub nodes: &'static [Point],
     /// The facets, oriented outward.
     pub facets: &'static [Facet],
-    /// Values of the shape functions at a reference point, one a node.
+    /// Values of the shape functions at a reference point, one per node.
     pub shape_functions: fn(&Point, &mut [f64]),
-    /// Gradients of the shape functions at a reference point, one a node.
+    /// Gradients of the shape functions at a reference point, one per node.
     pub gradients: fn(&Point, &mut [Point]),
     /// Cell type of the VTK file formats.
     pub vtk: u8,

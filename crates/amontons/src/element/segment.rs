@@ -8,7 +8,7 @@ use crate::tensor::Point;
 /// The left end of a body on the line: its outward normal is −1.
 ///
 /// A point has no direction of its own, so the two ends of a segment are two elements; the reference
-/// coordinate of the node is that of the end it closes.
+/// coordinate of the node is that of its end.
 pub static POINT_LEFT: Element = Element {
     name: "left end",
     shape: Shape::Point,

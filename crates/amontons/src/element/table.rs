@@ -53,14 +53,14 @@ impl Table {
         self.weights.is_empty()
     }
 
-    /// Values of the shape functions at point `q`, one a node.
+    /// Values of the shape functions at point `q`, one per node.
     #[must_use]
     pub fn values(&self, q: usize) -> &[f64] {
         let n = self.element.nodes.len();
         &self.values[q * n..(q + 1) * n]
     }
 
-    /// Reference gradients of the shape functions at point `q`, one a node.
+    /// Reference gradients of the shape functions at point `q`, one per node.
     #[must_use]
     pub fn gradients(&self, q: usize) -> &[Point] {
         let n = self.element.nodes.len();

@@ -7,7 +7,7 @@ pub use table::{Table, TableError};
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
 
-/// A scalar function of position and time, in the unit of what it stands for.
+/// A scalar function of position and time, in the unit of its quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Field {
     /// The same value everywhere and always.

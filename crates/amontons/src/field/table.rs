@@ -138,7 +138,7 @@ impl Table {
         }
     }
 
-    /// Value and derivatives; at a time of the table the slope is that of the interval behind it.
+    /// Value and derivatives; at a time of the table the slope of the following interval is taken.
     #[must_use]
     pub fn derivatives(&self, x: &Point, t: f64) -> Derivatives {
         let (value, slope) = self.at(t);

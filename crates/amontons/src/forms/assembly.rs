@@ -156,7 +156,7 @@ const KEPT: usize = 1 << 16;
 /// Cells that one task works on.
 const TASK: usize = 32;
 
-/// Computes `size` numbers a cell, in parallel, and hands them over in the order of the cells, many cells at once.
+/// Computes `size` numbers per cell, in parallel, and hands them over in the order of the cells, many cells at once.
 pub(super) fn by_cells(
     mesh: &Mesh,
     degree: impl Fn(&Element) -> usize,

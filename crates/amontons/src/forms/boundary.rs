@@ -10,7 +10,7 @@ use crate::problem::{BoundaryCondition, Support};
 use crate::tensor::Point;
 
 /// ∫ κ(x, ν) N_j·N_i over the sides where there is a coefficient κ, a tensor of `components`² entries;
-/// none where there is no such side.
+/// none if there is no such side.
 ///
 /// The rule is exact for coefficients that are quadratic on a facet that is flat.
 fn assemble<'a, K: 'a>(

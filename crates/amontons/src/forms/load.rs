@@ -22,7 +22,7 @@ pub struct Load {
 struct Varying {
     field: Field,
     points: Vec<Point>,
-    /// Where and with what weight the value at each point enters, `per_point` entries a point.
+    /// Where and with what weight the value at each point enters, `per_point` entries per point.
     entries: Vec<(u32, f64)>,
     per_point: usize,
 }

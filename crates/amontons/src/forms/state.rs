@@ -54,7 +54,7 @@ pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u:
     out
 }
 
-/// ∫ W(ε(u)) of the potentials of the laws, J; none where a law that acts has none.
+/// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
 #[must_use]
 pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64]) -> Option<f64> {
     let mut sum = Some(0.0);

@@ -54,29 +54,29 @@ pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
     tests(problem).map(|test| Falls::of(test.contact, &test.places, stress)).collect()
 }
 
-/// `branches`: that a law falls, by how much, and what a run does about it; none where no law falls.
+/// `branches`: reports softening laws, their slopes, and how a run treats them; none if no law softens.
 pub(super) fn branches(problem: &Problem) -> Option<Finding> {
     let all = falls(problem);
     let side = all.iter().position(|falls| falls.any())?;
     let falls = all[side];
     let mut causes = Vec::new();
     if falls.pressure.is_infinite() {
-        causes.push("the pressure drops from one value to another, which no step is too short for".to_owned());
+        causes.push("the pressure drops from one value to another, in steps of any length".to_owned());
     } else if falls.pressure > 0.0 {
-        causes.push(format!("the pressure falls by up to s = {:.6e} Pa/m", falls.pressure));
+        causes.push(format!("the pressure decreases by up to s = {:.6e} Pa/m", falls.pressure));
     }
     if falls.with_speed > 0.0 {
-        causes.push(format!("friction falls with the slip speed by up to {:.6e} s/m of the pressure", falls.with_speed));
+        causes.push(format!("friction decreases with the slip speed by up to {:.6e} s/m of the pressure", falls.with_speed));
     }
     if falls.at_start > 0.0 {
         let drop = falls.at_start;
         causes.push(format!(
-            "friction drops by {drop:.6e} of the pressure when slip starts: in between a point may stick or slip in any step, and does what it did before as long as it can"
+            "friction drops by {drop:.6e} of the pressure when slip starts: in between a point may stick or slip in any step, and keeps its previous state as long as possible"
         ));
     }
     let mut message = format!("a step may have several solutions: {}", causes.join("; "));
     if falls.pressure > 0.0 || falls.with_speed > 0.0 {
-        message += ". A run follows the branch of the step before: steps in which the laws fall by more than the body takes are halved up to 5 times, and those for which that does not help are counted in solver.ambiguous_steps. A step that is not counted has no other solution on the way with the friction bounds it found; with others it may have";
+        message += ". A run follows the branch of the previous step. Steps in which the laws soften by more than the stiffness of the body are halved up to 5 times; those that remain ambiguous are counted in solver.ambiguous_steps. A step that is not counted has no other solution between its ends with the friction bounds found; with other bounds it may have one";
     }
     let part = if falls.pressure > 0.0 { "normal" } else { "friction" };
     let value = [falls.pressure, falls.with_speed, falls.at_start].into_iter().find(|fall| *fall > 0.0).filter(|fall| fall.is_finite());

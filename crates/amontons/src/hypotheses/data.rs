@@ -6,6 +6,7 @@ use super::{Finding, Status};
 use crate::field::Field;
 use crate::problem::Problem;
 use crate::tensor::Point;
+use crate::units::Measure;
 
 /// Time levels at which the gap is looked at.
 const LEVELS: usize = 1024;
@@ -60,7 +61,7 @@ fn finite(problem: &Problem) -> Part {
         for t in [0.0, problem.end] {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {
-                let message = format!("{place} is {} at {}, t = {t} s", values[i], at(&points[i]));
+                let message = format!("{place} is {} at {}, t = {}", values[i], at(&points[i]), problem.units().exact(t, Measure::Time));
                 return Part { status: Status::Fails, value: None, message, place, repair: "data that are finite everywhere" };
             }
         }
@@ -81,18 +82,25 @@ fn gap(problem: &Problem) -> Option<Part> {
     });
     let (least, x, t, levels, place) = least.min_by(|a, b| a.0.total_cmp(&b.0))?;
     let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
-    let when = if levels.len() > 1 { format!(", t = {t} s, of {} time levels", levels.len()) } else { String::new() };
+    let when = if levels.len() > 1 { format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
-    Some(Part { status, value: Some(least), message, place, repair: "a gap that is not negative; a body pressed in from the start has initial.displacement" })
+    Some(Part {
+        status,
+        value: Some(least),
+        message,
+        place,
+        repair: "use a gap that is not negative; for a body that is pressed in from the start give initial.displacement",
+    })
 }
 
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
 type Mismatch = Option<(f64, f64, Point, String)>;
 
-/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) asks it of u₀ and u̇₀ only.
+/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) requires it of u₀ and u̇₀ only; without inertia u̇₀ has no effect.
 fn initial(problem: &Problem) -> Vec<Part> {
     let mesh = &problem.mesh;
     let start = &problem.initial;
+    let is_inert = problem.materials.iter().any(|m| m.density > 0.0);
     let mut seen = vec![false; mesh.points.len() * (mesh.dim + 1)];
     let mut worst: [Mismatch; 3] = [None, None, None];
     let component = |fields: &[Field], c: usize, x: &Point| fields.get(c).map_or(0.0, |f| f.value(x, 0.0));
@@ -111,8 +119,10 @@ fn initial(problem: &Problem) -> Vec<Part> {
                     keep(&mut worst[2], start.temperature.value(x, 0.0), value, x, "initial.temperature".to_owned());
                 } else {
                     keep(&mut worst[0], component(&start.displacement, c, x), value, x, format!("initial.displacement[{c}]"));
-                    let rate = factor * prescribed.derivatives(x, 0.0).by_t;
-                    keep(&mut worst[1], component(&start.velocity, c, x), rate, x, format!("initial.velocity[{c}]"));
+                    if is_inert {
+                        let rate = factor * prescribed.derivatives(x, 0.0).by_t;
+                        keep(&mut worst[1], component(&start.velocity, c, x), rate, x, format!("initial.velocity[{c}]"));
+                    }
                 }
             }
         }
@@ -121,9 +131,9 @@ fn initial(problem: &Problem) -> Vec<Part> {
     for (worst, status) in worst.into_iter().zip([Status::Fails, Status::Fails, Status::NotCovered]) {
         let Some((mismatch, expected, x, place)) = worst else { continue };
         let what = if status == Status::Fails {
-            "the first step makes a jump"
+            "the first step has a jump"
         } else {
-            "enough for a solution, but errors of the first steps do not have the order of (4.4)"
+            "enough for a solution, but the errors of the first steps do not have the order of (4.4)"
         };
         let message = format!("{place} differs by {mismatch:.6e} from the prescribed {expected:.6e} at {}: {what}", at(&x));
         parts.push(Part { status, value: Some(mismatch), message, place, repair: "initial data that have the prescribed values, and rates, at t = 0" });

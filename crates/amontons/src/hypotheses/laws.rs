@@ -40,7 +40,7 @@ pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding>
     each.reduce(worst).unwrap_or_default()
 }
 
-/// Whether a finding on a material stands for the body rather than another: by its status, then by its constant, which is a lower
+/// Whether a finding on a material represents the body instead of another finding: by its status, then by its constant, which is a lower
 /// bound in (H1)–(H3) and an upper one in (H4), (H5).
 fn is_worse(found: &Finding, other: &Finding) -> bool {
     let upper = ["H4", "H5"].contains(&found.id.as_str());
@@ -75,12 +75,14 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]:
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
-    let (status, message) = if !lipschitz.is_finite() {
+    let (status, message) = if id == "H1" && lipschitz == 0.0 {
+        (Status::NotCovered, format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"))
+    } else if !lipschitz.is_finite() {
         (Status::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
     } else if !positive {
         (Status::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))
     } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
-        (Status::Fails, format!("{name} does not keep what it declares: {contradiction}"))
+        (Status::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
     } else {
         let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
         (Status::Holds, format!("{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"))
@@ -91,7 +93,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]:
     Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
 }
 
-/// Why a law has no Lipschitz constant, as far as samples tell: the one thing that Theorem 1 asks of 𝓔.
+/// Why a law has no Lipschitz constant, as far as samples show: the only property of 𝓔 that Theorem 1 requires.
 pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str) -> Option<String> {
     let lipschitz = law.constants().lipschitz;
     if !lipschitz.is_finite() {
@@ -199,7 +201,7 @@ pub(super) struct Test<'a> {
 }
 
 impl Test<'_> {
-    /// What a law sees at a penetration, the pressure that of the normal law; without one of a single value, none.
+    /// The arguments of a law at a penetration with the pressure of the normal law; none if that pressure is not unique.
     fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
         let pressure = self.contact.normal.lipschitz().map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0, 0.0).value);
         ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }
@@ -262,10 +264,10 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
     let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;
     let finding = |status, message: String| Finding::new("H7", status, message, "contact.heat").numbers(constants.bound_kc, None);
     if bound > 0.0 && test.heat_sees_level() {
-        return finding(Status::NotCovered, "the flux is no product k_c(r) φ_L(θ − θ_F) as (2.10) has it: its slope depends on the temperatures".to_owned());
+        return finding(Status::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10): its slope depends on the temperatures".to_owned());
     }
     if bound > 0.0 && test.heat_sees_pressure() {
-        return finding(Status::NotCovered, "the conductance is one of the pressure; that of (2.10) is one of the penetration".to_owned());
+        return finding(Status::NotCovered, "the conductance depends on the pressure, in (2.10) on the penetration".to_owned());
     }
     let (lipschitz, bound) = match (heat.conductance_lipschitz().filter(|l| l.is_finite()), bound.is_finite()) {
         (Some(lipschitz), true) => (lipschitz, bound),
@@ -278,7 +280,7 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
     };
     match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
         Some(contradiction) => {
-            finding(Status::Fails, format!("k_c does not keep what it declares: {contradiction}")).repair("correct the constants of the law")
+            finding(Status::Fails, format!("k_c violates the constants that it declares: {contradiction}")).repair("correct the constants of the law")
         }
         None => finding(Status::Holds, format!("k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration")),
     }
@@ -291,26 +293,30 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         Finding::new("H8", status, message, place).numbers(constants.lipschitz_nu.zip(constants.lipschitz_tau).map(|(n, t)| n + t), None)
     };
     let Some(nu) = contact.normal.lipschitz().filter(|l| l.is_finite()) else {
-        let message = "p_ν is no Lipschitz function of the penetration: a unilateral condition has no L_ν";
-        return finding(Status::Fails, message.to_owned(), "contact.normal").repair("normal compliance with a stiffness");
+        let (status, message) = if contact.normal.graph() == GraphKind::Function {
+            (Status::Fails, "p_ν is not a Lipschitz function of the penetration")
+        } else {
+            (Status::NotCovered, "the pressure is not a function of the penetration, which (2.8) assumes: a rigid foundation has no L_ν")
+        };
+        return finding(status, message.to_owned(), "contact.normal").repair("use normal compliance with a stiffness");
     };
     let Some(tau) = contact.friction.lipschitz(Some(nu)).filter(|l| l.is_finite()) else {
         let message = if test.friction_is_given() {
-            "p_τ does not depend on the penetration: it is not zero without"
+            "p_τ does not depend on the penetration: it is not zero in open contact"
         } else {
-            "p_τ is no Lipschitz function of the penetration"
+            "p_τ is not a Lipschitz function of the penetration"
         };
         return finding(Status::Fails, message.to_owned(), "contact.friction").repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";
     if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
-        return finding(Status::Fails, format!("p_ν does not keep what it declares: {contradiction}"), "contact.normal").repair(wrong);
+        return finding(Status::Fails, format!("p_ν violates the constants that it declares: {contradiction}"), "contact.normal").repair(wrong);
     }
     if let Some(contradiction) = test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value) {
-        return finding(Status::Fails, format!("p_τ does not keep what it declares: {contradiction}"), "contact.friction").repair(wrong);
+        return finding(Status::Fails, format!("p_τ violates the constants that it declares: {contradiction}"), "contact.friction").repair(wrong);
     }
     if let Some((what, place)) = beyond(test) {
-        return finding(Status::NotCovered, what.to_owned(), place).repair("a pressure and a friction bound of the penetration alone");
+        return finding(Status::NotCovered, what.to_owned(), place).repair("use a pressure and a friction bound that depend on the penetration alone");
     }
     let message = format!("p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration");
     finding(Status::Holds, message, "contact")
@@ -325,7 +331,7 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
     } else if test.friction_sees_heat() {
         Some(("the friction bound depends on the temperature, which (2.9) does not provide for", "contact.friction"))
     } else if test.contact.wear.is_some() {
-        Some(("what wears off makes pressure and friction depend on the past, which (2.8), (2.9) do not provide for", "contact.wear"))
+        Some(("wear makes pressure and friction depend on the history, which (2.8), (2.9) do not provide for", "contact.wear"))
     } else {
         None
     }
@@ -348,10 +354,12 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
         };
         test.contact.normal.graph() != GraphKind::Function && heat.conductance_bound() > 0.0 && test.places.iter().any(|x| rigid(x) && closed(x))
     })?;
-    let message =
-        "the foundation is rigid and the conductance is one of the penetration, which is round-off where contact is closed: the heat through it means nothing";
+    let message = "the foundation is rigid and the conductance depends on the penetration, which is round-off in closed contact: the heat flow is meaningless";
     let place = format!("{}.heat", problem.contact_path(side));
-    Some(Finding::new("contact-heat", Status::Fails, message, &place).repair("a conductance of the pressure, law = \"pressure\", or a compliant foundation"))
+    Some(
+        Finding::new("contact-heat", Status::Fails, message, &place)
+            .repair("use a conductance that depends on the pressure, law = \"pressure\", or a compliant foundation"),
+    )
 }
 
 /// φ_L of (2.10) is cut off at ±L.
@@ -361,18 +369,18 @@ fn cut_off(test: &Test) -> Finding {
     let finding = |status, message: String| Finding::new("phi-L", status, message, "contact.heat.truncation").numbers(cut, None);
     match cut {
         _ if bound == 0.0 && test.friction_makes_heat() => {
-            finding(Status::Holds, "no heat passes by a difference of temperatures: φ_L does not enter; that of friction is no part of (2.10)".to_owned())
+            finding(Status::Holds, "no heat is conducted: φ_L does not enter; friction heat is not part of (2.10)".to_owned())
         }
         _ if bound == 0.0 => finding(Status::Holds, "there is no heat exchange: φ_L does not enter".to_owned()),
         _ if test.heat_sees_level() => {
-            finding(Status::NotCovered, "the flux is no product k_c(r) φ_L(θ − θ_F) as (2.10) has it, so there is no φ_L to cut off".to_owned())
+            finding(Status::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10), so there is no φ_L to truncate".to_owned())
         }
-        Some(l) => finding(Status::Holds, format!("φ_L is cut off at ±L, L = {l:.6e}, as (2.10) has it")),
+        Some(l) => finding(Status::Holds, format!("φ_L is truncated at ±L, L = {l:.6e}, as in (2.10)")),
         None => finding(
             Status::NotCovered,
-            "φ_L(s) = s is not bounded; (2.10) cuts it off at ±L and (3.24) uses L. Section 5 of the paper computes without the cut, too, and the theorem in book/src/theory.md does without it".to_owned(),
+            "φ_L(s) = s is not bounded; (2.10) truncates it at ±L and (3.24) uses L. Section 5 of the paper also computes without truncation, and the theorem in book/src/theory.md does not need it".to_owned(),
         )
-        .repair("contact.heat.truncation = L, above any difference of temperatures that occurs: results are then the same"),
+        .repair("contact.heat.truncation = L, larger than any temperature difference that occurs: results are then the same"),
     }
 }
 

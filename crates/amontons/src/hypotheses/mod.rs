@@ -1,21 +1,21 @@
-//! What the theory asks of the data, judged with numbers: findings are reported, never a gate.
+//! The hypotheses of the theory, evaluated numerically. Findings are reported and never stop a run.
 //!
-//! | id | what is judged | by |
+//! | id | statement | evaluated by |
 //! |---|---|---|
-//! | `H1` … `H8` | the hypotheses of Theorem 3.1 | closed forms; declared constants of nonlinear laws are put to the test on samples |
+//! | `H1` … `H8` | the hypotheses of Theorem 3.1 | closed forms; declared constants of nonlinear laws are tested on samples |
 //! | `phi-L` | the cut-off of φ_L in (2.10) | the law |
 //! | `2.23-printed` | both inequalities of (2.23) as they are printed | eigenvalues on the mesh |
 //! | `2.23-needed` | whether Theorem 1 of the book, which needs no such inequality, applies | closed forms, samples of the laws |
 //! | `step-unique`, `time-step` | one solution of a step of (4.1), and the number of steps that ensures it | factors of K_u, an eigenvalue on Γ_C |
-//! | `contact-heat` | that a rigid foundation conducts by the penetration, which it has none of; none where it does not | the laws |
-//! | `branches` | that a law of contact falls, so that a step may have several solutions; none where no law does | the laws |
+//! | `contact-heat` | the conductance depends on the penetration although the foundation is rigid; absent otherwise | the laws |
+//! | `branches` | a contact law softens, so that a step may have several solutions; absent otherwise | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
 //! | `energy`, `heat` | the audit of a run | the run |
 //! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!
-//! The proofs are in `book/src/theory.md`. [`findings`] costs nothing to speak of, [`certificate`] a few factorizations, and
-//! [`advice`] as many as its search takes.
+//! The proofs are in `book/src/theory.md`. [`findings`] takes negligible time, [`certificate`] a few factorizations, and
+//! [`advice`] as many as its search needs.
 
 mod branches;
 mod data;
@@ -51,15 +51,15 @@ pub struct Finding {
     pub value: Option<f64>,
     /// The value needed, if there is one.
     pub needed: Option<f64>,
-    /// What it means.
+    /// Its meaning.
     pub message: String,
-    /// What it is about: a dotted path of the case file where there is one.
+    /// The dotted path of the case file that it concerns, if there is one.
     #[serde(rename = "where")]
     pub place: String,
-    /// What would make it hold, if something is known to.
+    /// A change that would make it hold, if one is known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repair: Option<String>,
-    /// Whether it is something to act on, or what the theory covers.
+    /// A warning to act on, or a statement of the theory.
     #[serde(default)]
     pub kind: Kind,
 }
@@ -68,9 +68,9 @@ pub struct Finding {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Kind {
-    /// What results can be trusted for: something to act on where it does not hold.
+    /// Act on it if it does not hold: results may not be trustworthy.
     Warning,
-    /// What the theory covers: nothing is wrong with a run where it does not hold.
+    /// What the theory covers: a run is not wrong if it does not hold.
     #[default]
     Theory,
 }
@@ -114,7 +114,7 @@ impl Finding {
         self
     }
 
-    /// With what would repair it; nothing is said where it holds.
+    /// With a repair, which is left out if the finding holds.
     fn repair(mut self, repair: impl Into<String>) -> Finding {
         if !self.holds() {
             self.repair = Some(repair.into());
@@ -141,7 +141,7 @@ impl Finding {
     }
 }
 
-/// The constants of the hypotheses, under the names of the paper; none where there is none.
+/// The constants of the hypotheses under the names of the paper; none if a constant does not exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Constants {
     /// m_a of (H2) in Pa.
@@ -195,9 +195,9 @@ pub struct Constants {
 }
 
 impl Constants {
-    /// Those of the material and the laws of contact.
+    /// Constants of the materials and the contact laws.
     fn of_laws(problem: &Problem) -> Constants {
-        // Those of a body of several materials are the least m and the largest M.
+        // A body of several materials has the least m and the largest M.
         let materials = &problem.materials;
         let extremes = |law: fn(&Material) -> crate::material::Constants| {
             let all = || materials.iter().map(law);
@@ -205,7 +205,7 @@ impl Constants {
         };
         let (a, b) = (extremes(|m| m.elasticity.constants()), extremes(|m| m.viscosity.constants()));
         let d: Vec<f64> = materials.iter().flat_map(|m| m.conductivity.eigenvalues(problem.mesh.dim)).collect();
-        // Of several contacts the largest, and none where one has none.
+        // The largest of several contacts; none if one of them has none.
         let largest =
             |constant: &dyn Fn(&crate::contact::Contact) -> Option<f64>| problem.contacts.iter().map(constant).reduce(|a, b| Some(a?.max(b?))).flatten();
         Constants {
@@ -224,7 +224,7 @@ impl Constants {
         }
     }
 
-    /// The same with the constants of the domain, and those that follow from them.
+    /// Adds the constants of the domain and those that follow from them.
     fn on(self, problem: &Problem, domain: &DomainConstants) -> Constants {
         let value = |constant: Option<Constant>| constant.map(|c| c.value);
         // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
@@ -244,16 +244,16 @@ impl Constants {
     }
 }
 
-/// The verdicts on a problem with the constants they rest on.
+/// The verdicts on a problem with the constants that they use.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Certificate {
-    /// One verdict an id.
+    /// One verdict per id.
     pub findings: Vec<Finding>,
     /// The constants.
     pub constants: Constants,
 }
 
-/// What can be judged without an eigenvalue problem: (H1)–(H8), the cut-off of φ_L, the need of (2.23) and the cells.
+/// The findings that need no eigenvalue problem: (H1)–(H8), the truncation of φ_L, `2.23-needed` and the cells.
 #[must_use]
 pub fn findings(problem: &Problem) -> Vec<Finding> {
     judged(problem, &Constants::of_laws(problem))
@@ -273,7 +273,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// Whether a finding says something about a problem with these equations.
+/// Whether a finding concerns a problem with these equations.
 fn concerns(id: &str, physics: Physics) -> bool {
     match id {
         "H3" | "heat" | "thermal-layer" => physics.has_heat(),
@@ -283,7 +283,7 @@ fn concerns(id: &str, physics: Physics) -> bool {
     }
 }
 
-/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
+/// All verdicts on a problem except those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
 /// and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a. Constants are those of V^h and Q^h.
 ///
 /// # Errors
@@ -304,7 +304,7 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, FactorError> {
     Ok(Certificate { findings, constants })
 }
 
-/// Verdicts that cost more than a fixed number of factorizations: `time-step` searches by doubling the steps, and
+/// Verdicts that need more than a fixed number of factorizations: `time-step` searches by doubling the steps, and
 /// `contact-possible` under loads that vary in time solves a static problem for every step.
 #[must_use]
 pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
@@ -318,7 +318,7 @@ pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// The certificate, or where it cannot be computed what can be judged without it, and why.
+/// The certificate. If it cannot be computed: the findings that do not need it, and the reason.
 #[must_use]
 pub fn certificate_or_findings(problem: &Problem) -> Certificate {
     certificate(problem).unwrap_or_else(|error| {
@@ -330,7 +330,7 @@ pub fn certificate_or_findings(problem: &Problem) -> Certificate {
     })
 }
 
-/// All verdicts there are: [`certificate_or_findings`] with [`advice`].
+/// All verdicts: [`certificate_or_findings`] with [`advice`].
 #[must_use]
 pub fn full(problem: &Problem) -> Certificate {
     let mut certificate = certificate_or_findings(problem);
@@ -338,7 +338,7 @@ pub fn full(problem: &Problem) -> Certificate {
     certificate
 }
 
-/// Closing error of an identity of the audit above which round-off does not explain it.
+/// Largest closing error of an identity of the audit that round-off explains.
 pub const CLOSING: f64 = 1e-10;
 /// Closing error above which results cannot be trusted: accepted steps may leave forces of 1e-4 of what drives the body unbalanced where
 /// these are round-off, so that an identity that misses by ten times as much has another cause.
@@ -352,7 +352,7 @@ pub fn audit(physics: Physics, energy: f64, heat: f64) -> Vec<Finding> {
         let message = if holds {
             format!("the {name} identity closes to {error:.1e} of what was turned over")
         } else {
-            format!("the {name} identity closes to {error:.1e} of what was turned over only: round-off has grown, take the results with care")
+            format!("the {name} identity closes only to {error:.1e} of what was turned over: round-off has grown, check the results")
         };
         Finding::new(id, Status::of(holds), message, "the audit of every step").numbers(Some(error.abs()), Some(CLOSING))
     };

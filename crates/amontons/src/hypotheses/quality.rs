@@ -36,9 +36,9 @@ pub(super) fn cells(mesh: &Mesh) -> Finding {
     }
     let (quality, x) = worst;
     let holds = quality >= NEEDED;
-    let what = if holds { "the cells are well shaped" } else { "there are slender cells, which cost accuracy" };
+    let what = if holds { "the cells are well shaped" } else { "slender cells reduce the accuracy" };
     let message = format!("{what}: the worst, about {}, has the quality {quality:.4} (1: regular, 0: flat)", at(&x));
-    Finding::new("mesh-quality", Status::of(holds), message, "mesh").numbers(Some(quality), Some(NEEDED)).repair("cells of more even sides")
+    Finding::new("mesh-quality", Status::of(holds), message, "mesh").numbers(Some(quality), Some(NEEDED)).repair("use cells with edges of similar length")
 }
 
 /// Second moment of the nodes of the reference cell about their centre.

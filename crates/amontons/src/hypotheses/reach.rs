@@ -27,6 +27,7 @@ use crate::mesh::CellMap;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
+use crate::units::{Measure, Units};
 
 const ID: &str = "contact-possible";
 
@@ -45,7 +46,7 @@ pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
         finding
     });
     each.reduce(|best, found| if gravity(&found) < gravity(&best) { found } else { best })
-        .unwrap_or_else(|| Finding::new(ID, Status::Holds, "there is no contact to be possible", "contact"))
+        .unwrap_or_else(|| Finding::new(ID, Status::Holds, "there is no contact", "contact"))
 }
 
 fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
@@ -54,9 +55,9 @@ fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
         let message = "the stiffness of the foundation is zero, and neither friction nor heat passes: [contact] has no effect";
         return Finding::new(ID, Status::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
     }
-    let not_judged = |why: &str, place: &str| Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not judged: {why}"), place);
+    let not_judged = |why: &str, place: &str| Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not checked: {why}"), place);
     let (Some(material), Some(facets)) = (problem.materials.first(), problem.mesh.facets.get(&contact.on)) else {
-        return not_judged("the body has no material, or not this side", "material");
+        return not_judged("the body has no material, or does not have this side", "material");
     };
     let body = Body::new(problem, material, ContactBoundary::new(&problem.mesh, facets, contact.quadrature));
     if let Some((x, penetration)) = body.touching(contact) {
@@ -76,7 +77,7 @@ fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
         return not_judged(why, &place);
     }
     match body.bound(contact, constants.c_f) {
-        Ok(Ok(bound)) => bound.finding(),
+        Ok(Ok(bound)) => bound.finding(problem.units()),
         Ok(Err((why, place))) => not_judged(why, place),
         Err(error) => not_judged(&format!("the static problem has no solution: {error}"), "boundary"),
     }
@@ -93,11 +94,11 @@ struct Bound {
 }
 
 impl Bound {
-    fn finding(&self) -> Finding {
-        let place = format!("{}, t = {} s", at(&self.x), self.t);
+    fn finding(&self, units: Units) -> Finding {
+        let place = format!("{}, t = {}", at(&self.x), units.exact(self.t, Measure::Time));
         let numbers = |finding: Finding| finding.numbers(Some(self.normal), Some(self.gap));
         if self.normal <= self.gap {
-            let (which, other) = if self.of_every_motion { ("", "") } else { (" in the motion that starts without it", ", where step-unique holds,") };
+            let (which, other) = if self.of_every_motion { ("", "") } else { (" in the motion that starts without contact", ", where step-unique holds,") };
             let message = format!(
                 "contact cannot occur{which}: u_ν stays below {:.6e}, the gap is {:.6e} (nearest at {place}), so [contact] has{other} no effect",
                 self.normal, self.gap

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 + μ²) − 1)/2. It has a
-//! solution in any case. With a pressure that falls by s at the most c* is also not less than (s + √(s² + (μs + L_r)²))/2, and with a
-//! bound that falls with the slip speed by f p at the most, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
+//! solution in any case. With a pressure that decreases by at most s per length c* is at least (s + √(s² + (μs + L_r)²))/2, and with a
+//! bound that decreases with the slip speed by at most f p, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
 //! With several contacts c* W is Σ c*_i W_i. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that
 //! what holds for k holds for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
@@ -29,6 +29,7 @@ use crate::linalg::{Backend, BlockMatrix, Entry, FactorError, Supernodal, System
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
+use crate::units::{Measure, Units};
 
 /// Share of the diagonal that a matrix must exceed to count as positive definite: far above the round-off of a factor.
 const MARGIN: f64 = 9.094_947_017_729_282e-13;
@@ -45,7 +46,7 @@ pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
     coupled.max(0.5 * l_r)
 }
 
-/// c* of the laws of a contact; none where they have no Lipschitz constants.
+/// c* of the laws of a contact; none if they have no Lipschitz constants.
 ///
 /// Where the pressure falls by s per length at the most, the fall takes s, and with friction (s + √(s² + L²))/2, L the Lipschitz constant of
 /// the bound of a pressure that falls so.
@@ -190,22 +191,22 @@ pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
     problem.coupling != Coupling::Staggered && problem.materials.iter().any(|m| norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0)
 }
 
-/// What of the laws the condition does not speak of, and its place.
+/// A part of the laws that the condition does not cover, and its place.
 fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'static str, &'static str)> {
     let with_friction = || problem.contacts.iter().any(|contact| !contact.friction.is_frictionless());
     if drops {
-        Some(("the pressure drops from one value to another: a step over the drop may have several solutions, however short it is", "contact.normal"))
+        Some(("the pressure drops from one value to another: a step across the drop may have several solutions, however short it is", "contact.normal"))
     } else if at_start {
         Some((
-            "friction drops when slip starts: a point that is loaded between kinetic and static friction has two solutions in a step of any length, and the one that it was on before is followed",
+            "friction drops when slip starts: a point loaded between kinetic and static friction has two solutions in a step of any length; the run follows the state of the previous step",
             "contact.friction",
         ))
     } else if problem.contacts.iter().any(|contact| contact.wear.is_some()) {
-        Some(("what wears off within a step lowers the pressure with the slip speed, which is not judged", "contact.wear"))
+        Some(("wear within a step lowers the pressure with the slip speed, which is not checked", "contact.wear"))
     } else if with_friction() && tests(problem).any(|test| test.rate_matters()) {
-        Some(("friction that follows a pressure of the rate of penetration is not judged", "contact.normal"))
+        Some(("friction that depends on a rate-dependent pressure is not checked", "contact.normal"))
     } else if problem.coupling != Coupling::Staggered && with_friction() && tests(problem).any(|test| test.friction_sees_heat()) {
-        Some(("u_n and θ_n are found together, and friction follows θ_n: the condition is that of a step with θ given", "contact.friction"))
+        Some(("u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ", "contact.friction"))
     } else {
         None
     }
@@ -222,11 +223,11 @@ fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<Step<'a>, Box<Finding>>
     }
     let losses = problem.contacts.iter().zip(&falls).map(|(contact, falls)| Some([loss(contact, falls.pressure)?, falls.with_speed]));
     let Some(losses) = losses.collect::<Option<Vec<[f64; 2]>>>() else {
-        let message = "the step is judged for laws with Lipschitz constants L_ν, L_τ: see (H8)";
+        let message = "the condition is known for laws with Lipschitz constants L_ν, L_τ only: see (H8)";
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
     };
     if heat_acts_at_once(problem) {
-        let message = "u_n and θ_n are found together: the condition is that of a step with θ given";
+        let message = "u_n and θ_n are solved together: the condition holds for a step with given θ";
         return Err(Box::new(Finding::new(id, Status::NotCovered, message, "material.expansion")));
     }
     let step = Step::new(problem, &losses);
@@ -240,12 +241,17 @@ fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<Step<'a>, Box<Finding>>
     }
 }
 
-/// What is said where friction falls with the slip speed by f p and, apart from that, a step has one solution: it has as long as f p is less
-/// than what c* k leaves of λ_min. No bound of the pressure is known before the run.
-fn up_to_a_pressure(id: &str, found: f64, needed: f64, with_speed: f64, steps: f64) -> Finding {
-    let most = (found - needed) / with_speed;
+/// A unit behind a number: ` Pa`, or nothing in a dimensionless case.
+fn suffix(units: Units, measure: Measure) -> String {
+    format!(" {}", units.of(measure)).trim_end().to_owned()
+}
+
+/// The verdict if friction decreases with the slip speed by f p and a step has one solution apart from that: it has one solution as long as
+/// f p < λ_min − c* k. No bound of the pressure is known before the run.
+fn up_to_a_pressure(id: &str, [found, needed]: [f64; 2], with_speed: f64, steps: f64, units: Units) -> Finding {
+    let (most, unit) = ((found - needed) / with_speed, suffix(units, Measure::Stress));
     let message = format!(
-        "with {steps} steps each step has one solution as long as the pressure is below {most:.6e} Pa, where friction that falls with the slip speed takes what is left of λ_min(S, W) = {found:.4}: no bound of the pressure is known beforehand. So far as the pressure alone goes, {found:.4} exceeds the {needed:.4} that it takes. A run halves the steps that may leave the branch of the step before, and counts those in solver.ambiguous_steps for which shorter parts do not help"
+        "with {steps} steps each step has one solution as long as the pressure is below {most:.6e}{unit}, because friction that decreases with the slip speed uses up the rest of λ_min(S, W) = {found:.4}: no bound of the pressure is known beforehand. For the pressure alone the condition holds, since {found:.4} exceeds {needed:.4}. A run halves the steps that may leave the branch of the previous step, and counts those that halving does not resolve in solver.ambiguous_steps"
     );
     Finding::new(id, Status::NotCovered, message, "contact.friction")
 }
@@ -256,9 +262,9 @@ fn not_factorized(id: &str, error: &FactorError) -> Finding {
 
 /// What is said where K_u is not positive definite, as Theorem 2 asks.
 fn not_held(id: &str) -> Finding {
-    let message = "the mechanical system of a step is not positive definite beyond round-off: contact alone holds the body in some direction, and the theory does not speak of it";
+    let message = "the mechanical system of a step is not positive definite beyond round-off: only contact holds the body in some direction, which the theory does not cover";
     Finding::new(id, Status::NotCovered, message, "boundary")
-        .repair("a support, a density, or springs that are not weaker than the body by more than twelve orders")
+        .repair("add a support, a density, or springs that are weaker than the body by at most twelve orders of magnitude")
 }
 
 /// `step-unique`: λ_min(S, W) > c* k.
@@ -277,20 +283,20 @@ fn judge(step: &Step, id: &str) -> Result<Finding, FactorError> {
     let Least { above: found, below } = step.least(k)?;
     let numbers = |finding: Finding| finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step");
     if holds && step.with_speed > 0.0 {
-        return Ok(numbers(up_to_a_pressure(id, below, needed, step.with_speed, step.problem.steps as f64)));
+        return Ok(numbers(up_to_a_pressure(id, [below, needed], step.with_speed, step.problem.steps as f64, step.problem.units())));
     }
     let (status, message) = if holds {
         let message = format!(
-            "each step has one solution, and it depends continuously on the data: λ_min(S, W) = {found:.4}, more than {needed:.4} that the laws of contact take"
+            "each step has one solution, and it depends continuously on the data: λ_min(S, W) = {found:.4}, which exceeds the {needed:.4} that the contact laws require"
         );
         (Status::Holds, message)
     } else if found <= needed {
         let message = format!(
-            "the condition that ensures one solution of a step does not hold: λ_min(S, W) = {found:.4}, the laws of contact take {needed:.4}. It is sufficient, not necessary: a step has a solution, and may well have one only"
+            "the condition that ensures one solution of a step does not hold: λ_min(S, W) = {found:.4}, and the contact laws require {needed:.4}. The condition is sufficient, not necessary: a step has a solution and may have only one"
         );
         (Status::Fails, message)
     } else {
-        let message = format!("λ_min(S, W) = {found:.4} and the {needed:.4} that the laws of contact take are too near to each other for round-off");
+        let message = format!("λ_min(S, W) = {found:.4} and the {needed:.4} that the contact laws require differ by less than round-off");
         (Status::NotCovered, message)
     };
     Ok(numbers(Finding::new(id, status, message, "time.steps")))
@@ -322,17 +328,18 @@ fn search(step: &Step, id: &str) -> Result<Finding, FactorError> {
         let message = "no number of steps was found that ensures one solution of a step";
         return Ok(Finding::new(id, Status::NotCovered, message, "time.steps")
             .numbers(Some(problem.steps as f64), None)
-            .repair("inertia, viscosity, a smaller coefficient of friction, or a law that falls less"));
+            .repair("inertia, viscosity, a smaller coefficient of friction, or a law that softens less"));
     }
     let (steps, k) = (steps(doubling), k(doubling));
     let numbers = |finding: Finding| finding.numbers(Some(problem.steps as f64), Some(steps));
     if step.with_speed > 0.0 {
-        return Ok(numbers(up_to_a_pressure(id, step.least(k)?.below, step.loss * k, step.with_speed, steps)));
+        return Ok(numbers(up_to_a_pressure(id, [step.least(k)?.below, step.loss * k], step.with_speed, steps, problem.units())));
     }
+    let unit = suffix(problem.units(), Measure::Time);
     let message = if doubling == 0 {
-        format!("with {steps} steps, k = {k:.6e} s, each step has one solution")
+        format!("with {steps} steps, k = {k:.6e}{unit}, each step has one solution")
     } else {
-        format!("with {steps} steps, k = {k:.6e} s, and more, each step has one solution; the case has {}", problem.steps)
+        format!("with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}", problem.steps)
     };
     Ok(numbers(Finding::new(id, Status::of(doubling == 0), message, "time.steps")).repair(format!("time.steps = {steps}")))
 }

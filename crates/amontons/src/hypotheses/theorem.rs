@@ -16,7 +16,7 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
         return Finding::new(id, Status::NotCovered, "there is no contact, and no constant of a trace to compare with", "contact");
     }
     let (Some(nu), Some(tau)) = (constants.lipschitz_nu, constants.lipschitz_tau) else {
-        return Finding::new(id, Status::NotCovered, "the laws of contact have no Lipschitz constants L_ν, L_τ: see (H8)", "contact")
+        return Finding::new(id, Status::NotCovered, "the contact laws have no Lipschitz constants L_ν, L_τ: see (H8)", "contact")
             .repair("normal compliance with a stiffness");
     };
     let Some(kc) = constants.bound_kc.filter(|kc| kc.is_finite()) else {
@@ -34,7 +34,7 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     let (first, second) = (constants.m_a < force, constants.m_d > heat || !problem.physics.has_heat());
     let relation = |holds: bool| if holds { "holds" } else { "does not hold" };
     let message = format!(
-        "m_a < (L_ν + L_τ) s₁² {}: {:.6e} and {force:.6e}; m_d > M_kc s₂² {}: {:.6e} and {heat:.6e}. The first asks for contact that is stiff beside the body and serves no estimate; see 2.23-needed",
+        "m_a < (L_ν + L_τ) s₁² {}: {:.6e} and {force:.6e}; m_d > M_kc s₂² {}: {:.6e} and {heat:.6e}. The first requires contact that is stiff compared with the body and is not used in any estimate; see 2.23-needed",
         relation(first),
         constants.m_a,
         relation(second),
@@ -49,20 +49,20 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     })
 }
 
-/// `2.23-needed`: no inequality between constants, but what Theorem 1 of the book asks of the data.
+/// `2.23-needed`: no inequality between constants, but the hypotheses of Theorem 1 of the book.
 ///
 /// With κ = M_a + s₁²(L_ν + L_τ), two solutions of (3.6) differ by ‖u(t)‖² ≤ (2t/m_b²) exp(κ²t²/m_b²) ∫₀ᵗ ‖y₁ − y₂‖².
 pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Finding]) -> Finding {
     let id = "2.23-needed";
     let numbers = |finding: Finding| finding.numbers(Some(constants.m_b), Some(0.0));
     if let Some((what, place)) = outside(problem) {
-        return numbers(Finding::new(id, Status::NotCovered, format!("the theorem does not speak of these data: {what}"), &place));
+        return numbers(Finding::new(id, Status::NotCovered, format!("the theorem does not cover these data: {what}"), &place));
     }
     let missing = missing(problem, findings);
     if let Some((_, place)) = missing.first() {
         let list = missing.iter().map(|(what, _)| what.as_str()).collect::<Vec<_>>().join("; ");
-        let message = format!("the proof needs no inequality between constants, but it needs what fails here: {list}");
-        return numbers(Finding::new(id, Status::Fails, message, place)).repair("what repairs the hypotheses named");
+        let message = format!("the proof needs no inequality between constants, but it needs a hypothesis that fails here: {list}");
+        return numbers(Finding::new(id, Status::Fails, message, place)).repair("repair the hypotheses named");
     }
     let message = "no inequality between constants is needed: Problem 2.2 has one solution. m_b > 0 with Young's and Gronwall's inequalities absorbs the terms of a, p_ν and p_τ whatever their size, and the flux through Γ_C is monotone in θ";
     numbers(Finding::new(id, Status::Holds, message, "material.viscosity"))
@@ -90,12 +90,15 @@ fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str
     missing
 }
 
-/// What of the model Theorem 1 of the book does not speak of, and its place.
+/// A part of the model that Theorem 1 of the book does not cover, and its place.
 fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     for (side, test) in tests(problem).enumerate() {
         if let Some((what, place)) = outside_of_contact(&test) {
             return Some((what, place.replacen("contact", &problem.contact_path(side), 1)));
         }
+    }
+    if problem.materials.iter().any(|m| m.viscosity.constants().lipschitz == 0.0) {
+        return Some(("a material without viscosity, while (H1) asks for m_b > 0", "material.viscosity".to_owned()));
     }
     let zeros = |value: fn(&Material) -> f64| {
         let all: Vec<bool> = problem.materials.iter().map(|m| value(m) == 0.0).collect();
@@ -116,7 +119,7 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     }
 }
 
-/// The same of one contact.
+/// The same for one contact.
 fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
     let contact = test.contact;
     let nu = contact.normal.lipschitz().filter(|l| l.is_finite() && contact.normal.graph() == GraphKind::Function);
@@ -130,19 +133,19 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
         return Some(("the friction bound is no Lipschitz function of the penetration", "contact.friction"));
     }
     if contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.updated) {
-        return Some(("the normal of an obstacle that is followed depends on the displacement", "contact.obstacle"));
+        return Some(("the normal of an obstacle with geometry = \"updated\" depends on the displacement", "contact.obstacle"));
     }
     if test.friction_makes_heat() {
-        return Some(("heat of friction is a product of pressure and slip, for which no estimate is known", "contact.heat"));
+        return Some(("friction heat is a product of pressure and slip, for which no estimate is known", "contact.heat"));
     }
     if contact.foundation_heat.is_some() && !contact.friction.is_frictionless() {
         return Some(("friction heats the foundation by a product of pressure and slip, for which no estimate is known", "contact.foundation"));
     }
     if contact.heat.conductance_bound() > 0.0 && test.heat_sees_pressure() {
-        return Some(("the conductance is one of the pressure", "contact.heat"));
+        return Some(("the conductance depends on the pressure", "contact.heat"));
     }
     if contact.heat.conductance_lipschitz().is_none_or(|l| !l.is_finite()) || !test.keeps_its_constants() {
-        return Some(("the laws have no Lipschitz constants, or do not keep those that they declare", "contact"));
+        return Some(("the laws have no Lipschitz constants, or violate those that they declare", "contact"));
     }
     None
 }

@@ -87,7 +87,7 @@ pub fn largest(pencil: &mut impl Pencil) -> Eigenpair {
 
 /// Vectors orthonormal for x·By, and the matrix of K⁻¹B on their span.
 ///
-/// The better half of the Ritz vectors and the next vector span again what a longer run would have come to
+/// The better half of the Ritz vectors and the next vector span the same space as a longer run
 /// (thick restart; Wu, Simon 2000); all entries of the matrix are computed, so that no case is special.
 #[derive(Default)]
 struct Span {

@@ -1,4 +1,4 @@
-//! Dense factorizations on one thread: of the parallel ones the order of summation, and with it the last bits, is that of the number of threads.
+//! Dense factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;

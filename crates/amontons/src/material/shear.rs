@@ -25,7 +25,7 @@ pub trait ShearLaw: Debug + Send + Sync {
 /// −2μ < β < 0 the body softens from 2μ to 2μ + β once ‖ξ^D‖ exceeds κ: Hencky's deformation theory with linear hardening.
 ///
 /// I − P_K is the gradient of ½ dist(·, K)², hence monotone and 1-Lipschitz; in terms of s it is τ′ ∈ {2μ, 2μ + β}. At the
-/// kink s = κ the tangent is that of the inside, an element of the generalized derivative: the law is semismooth.
+/// kink s = κ the tangent of the inside is taken, an element of the generalized derivative: the law is semismooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VonMisesProjection {
     twice_shear: f64,

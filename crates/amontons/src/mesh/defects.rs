@@ -1,6 +1,6 @@
 //! What is wrong with a mesh, each defect with its place.
 //!
-//! Cells are numbered from 0 in the order of the blocks, which is that of the result files; nodes from 0 as in [`Mesh::points`].
+//! Cells are numbered from 0 in the order of the blocks, as in the result files; nodes from 0 as in [`Mesh::points`].
 
 mod coincident;
 mod hanging;
@@ -39,7 +39,7 @@ pub enum Defect {
         /// Its coordinates.
         at: Point,
     },
-    /// The map of a cell turns the reference cell over, somewhere or everywhere.
+    /// The map of a cell inverts the reference cell, somewhere or everywhere.
     #[error("cell {cell} with nodes {nodes:?} at {centre:?} is inverted: the smallest Jacobian is {jacobian:e}, expected a positive one")]
     Inverted {
         /// The cell.
@@ -51,7 +51,7 @@ pub enum Defect {
         /// Smallest determinant of the map at the quadrature points.
         jacobian: f64,
     },
-    /// A cell without a measure, to rounding, somewhere or everywhere.
+    /// A cell whose measure is zero to rounding, somewhere or everywhere.
     #[error("cell {cell} with nodes {nodes:?} at {centre:?} is degenerate: the smallest Jacobian is {jacobian:e}, zero to rounding")]
     Degenerate {
         /// The cell.
@@ -75,7 +75,7 @@ pub enum Defect {
         /// The mean of the nodes in m.
         centre: Point,
     },
-    /// A facet of more than two cells: some of them overlap.
+    /// A facet that more than two cells share: some of them overlap.
     #[error("the facet with nodes {nodes:?} at {centre:?} belongs to the cells {cells:?}, expected two at most")]
     Overlap {
         /// Nodes of the facet.
@@ -86,7 +86,7 @@ pub enum Defect {
         cells: Vec<usize>,
     },
     /// A node lies on a facet without being one of its nodes.
-    #[error("node {node} at {at:?} lies on a facet of cell {cell}, which has the nodes {facet:?} only: the mesh does not fit together there")]
+    #[error("node {node} at {at:?} lies on a facet of cell {cell}, which has the nodes {facet:?} only: the mesh is not conforming there")]
     Hanging {
         /// The node.
         node: u32,
@@ -99,7 +99,7 @@ pub enum Defect {
     },
     /// Two facets overlap that are not the same: a quadrilateral and a triangle, or two halves of one by different diagonals.
     #[error(
-        "the facet with nodes {facet:?} of cell {cell} at {centre:?} overlaps that with nodes {other_facet:?} of cell {other}: the mesh does not fit together there"
+        "the facet with nodes {facet:?} of cell {cell} at {centre:?} overlaps that with nodes {other_facet:?} of cell {other}: the mesh is not conforming there"
     )]
     Mismatch {
         /// A cell.
@@ -158,7 +158,7 @@ pub enum Defect {
 }
 
 impl Defect {
-    /// The side that the defect is of, if it is one of a side. A side that bears nothing may lie inside the body: it does no harm.
+    /// The side that the defect concerns, if it concerns one. A side without data may lie inside the body.
     #[must_use]
     pub fn side(&self) -> Option<&str> {
         match self {
@@ -406,7 +406,7 @@ fn unused(mesh: &Mesh, list: &mut List) {
     }
 }
 
-/// A part of the body: cells that hang together by common nodes.
+/// A part of the body: cells connected by common nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Component {
     /// Its nodes, ascending.

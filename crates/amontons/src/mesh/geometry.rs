@@ -33,7 +33,7 @@ pub struct CellMap<'a> {
     pub jacobian: f64,
     /// Volume element in m^d: the Jacobian, times 2πr in a body of revolution.
     pub measure: f64,
-    /// Gradients of the shape functions in 1/m, one a node.
+    /// Gradients of the shape functions in 1/m, one per node.
     pub gradients: Vec<Point>,
     mesh: &'a Mesh,
     table: &'a Table,
@@ -57,7 +57,7 @@ impl<'a> CellMap<'a> {
         }
     }
 
-    /// Values of the shape functions, one a node.
+    /// Values of the shape functions, one per node.
     #[must_use]
     pub fn values(&self) -> &'a [f64] {
         self.table.values(self.q)
@@ -135,7 +135,7 @@ impl<'a> FacetMap<'a> {
         self.area = area * self.mesh.circumference(&self.position);
     }
 
-    /// Values of the shape functions of the facet, one a node.
+    /// Values of the shape functions of the facet, one per node.
     #[must_use]
     pub fn values(&self) -> &'a [f64] {
         self.table.values(self.q)

@@ -168,7 +168,7 @@ impl Mesh {
         if self.axisymmetric { 3 } else { self.dim }
     }
 
-    /// Checks that cells and facets name nodes that there are; nothing else may be asked of a mesh whose do not.
+    /// Checks that cells and facets name existing nodes. Call this before any other method.
     ///
     /// # Errors
     /// [`MeshError::Node`] with the first that does not.

@@ -220,7 +220,7 @@ fn inverted_and_folded_cells_are_named() -> Result<(), MeshError> {
     Ok(())
 }
 
-/// A mesh built by hand whose cells or facets name a node that there is not is refused, and nothing else is asked of it.
+/// A mesh built by hand whose cells or facets name a missing node is refused before any other check.
 #[test]
 fn nodes_that_there_are_not_are_named() -> Result<(), MeshError> {
     let sound = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)?;

@@ -11,11 +11,11 @@ use super::read::{Kind, Loose, LooseBlock, MeshFileError, Place};
 use crate::element;
 use crate::vtu::{self, Array, Grid};
 
-/// Cell data that tell the region of a cell, the first that there is.
+/// Names of the cell data with the region of a cell; the first one present counts.
 const REGION: [&str; 2] = ["region", "gmsh:physical"];
-/// Cell data that tell the side of a facet, the first that there is.
+/// Names of the cell data with the side of a facet; the first one present counts.
 const SIDE: [&str; 3] = ["facet", "boundary", "gmsh:physical"];
-/// Cells of VTK that stand for points: vertex, vertices.
+/// Cell types of VTK for points: vertex, vertices.
 const POINTS: [u8; 2] = [1, 2];
 
 /// Reads a mesh from the bytes of a VTU file: cells → blocks in the order of the file.
@@ -65,7 +65,7 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
     }
     let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
         let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
-        MeshFileError::Element { at: Place::Cell(cell), found: format!("cell of VTK's type {code}"), known: known.join(", ") }
+        MeshFileError::Element { at: Place::Cell(cell), found: format!("VTK {code}"), known: known.join(", ") }
     })?;
     Ok(Kind { name: element.name, dim: element.dim(), nodes: element.nodes.len(), element: Some(element) })
 }

@@ -29,7 +29,7 @@ pub struct Cost {
 }
 
 impl Cost {
-    /// Counts what a problem costs; none where the pattern of a factor does not fit into memory.
+    /// Counts the work and memory of a problem; none if the pattern of a factor does not fit into memory.
     pub(super) fn new(problem: &Problem) -> Option<Cost> {
         let graph = Arc::new(Graph::of_mesh(&problem.mesh));
         let (v, q) = (problem.displacement_space(), problem.temperature_space());

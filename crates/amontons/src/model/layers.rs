@@ -66,7 +66,7 @@ fn conducts(contact: &Contact) -> bool {
     contact.heat.conductance_bound() > 0.0 || contact.heat.flux(&rubbing).value != 0.0
 }
 
-/// The layers of all contacts through which heat can enter; none where the heat is steady or does not conduct.
+/// The layers of all contacts through which heat can enter; none if the heat is steady or the body does not conduct.
 #[must_use]
 pub fn thermal_layers(problem: &Problem) -> Vec<ThermalLayer> {
     let mesh = &*problem.mesh;

@@ -40,7 +40,7 @@ pub struct Model {
     pub times: Times,
     /// How deep heat gets from the sides of contact.
     pub thermal_layers: Vec<ThermalLayer>,
-    /// Work and memory of a step; none where the matrices do not fit into memory.
+    /// Work and memory of a step; none if the matrices do not fit into memory.
     pub cost: Option<Cost>,
 }
 

@@ -71,13 +71,13 @@ fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     slowest(problem, &problem.temperature_space(), &forms::weighted_inner_h(mesh, graph, &capacities), &conduction)
 }
 
-/// A number of each material; none where it is zero in all of them.
+/// A number per material; none if it is zero in all of them.
 fn of_materials(problem: &Problem, of: fn(&Material) -> f64) -> Option<Vec<f64>> {
     let values: Vec<f64> = problem.materials.iter().map(of).collect();
     values.iter().any(|value| *value > 0.0).then_some(values)
 }
 
-/// sup (storage x, x)/(energy x, x); none where the energy is not positive.
+/// sup (storage x, x)/(energy x, x); none if the energy is not positive.
 fn slowest(problem: &Problem, space: &Space, storage: &BlockMatrix, energy: &BlockMatrix) -> Option<f64> {
     let unknowns = Unknowns::new(energy, &problem.mesh.points, space.components, &space.free, &[]);
     let mut system = System::new(energy, unknowns).ok()?;

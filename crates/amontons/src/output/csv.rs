@@ -50,7 +50,7 @@ pub fn history_columns(problem: &Problem) -> Vec<String> {
 /// Largest depth and volume, force, centre and area of a contact, in the order of the columns of one of several.
 fn side_values(contact: &ContactSummary) -> Vec<f64> {
     let mut values = [&contact.force[..], &contact.center].concat();
-    values.extend([contact.area, contact.heat_flow, contact.penetration_max, contact.pressure_max]);
+    values.extend([contact.area, contact.heat_flow.unwrap_or(0.0), contact.penetration_max, contact.pressure_max]);
     values.extend([contact.open, contact.stick, contact.slip].map(|count| count as f64));
     values.extend([contact.wear_max, contact.wear_volume]);
     values

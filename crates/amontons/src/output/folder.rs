@@ -11,7 +11,7 @@ use super::files::{copy, create_folder, remove, write_atomically, write_json};
 use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
 use super::vtu::{write_collection, write_fields};
-use super::{OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, Summary, checkpoint, manifest};
+use super::{OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary, checkpoint, manifest};
 use crate::problem::Problem;
 use crate::units::Measure;
 
@@ -89,6 +89,8 @@ pub struct Folder {
     history: Option<Rows>,
     probes: Option<(ProbeSet, Rows)>,
     manifest: Option<Manifest>,
+    /// The recovery of stresses on the mesh of the run, from its first snapshot on.
+    recovery: Option<StressRecovery>,
     /// Time and file of the field snapshots.
     snapshots: Vec<(f64, String)>,
     last_checkpoint: Instant,
@@ -144,7 +146,8 @@ impl Folder {
     }
 
     fn new(path: PathBuf, options: FolderOptions, replaces: bool) -> Folder {
-        Folder { path, options, replaces, history: None, probes: None, manifest: None, snapshots: Vec::new(), last_checkpoint: Instant::now() }
+        let last_checkpoint = Instant::now();
+        Folder { path, options, replaces, history: None, probes: None, manifest: None, recovery: None, snapshots: Vec::new(), last_checkpoint }
     }
 
     /// Where results go at present.
@@ -183,7 +186,10 @@ impl Folder {
     fn write_fields(&mut self, now: &Snapshot) -> Result<(), OutputError> {
         let root = self.root();
         let file = fields_file(now.state.step);
-        write_fields(&root.join(&file), now, &self.options.fields)?;
+        if self.recovery.is_none() && now.problem.physics.has_mechanics() {
+            self.recovery = Some(StressRecovery::new(&now.problem.mesh));
+        }
+        write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
         if !now.problem.contacts.is_empty() && now.report.is_some() {
             create_folder(&root.join(CONTACT))?;
             write_contact(&root.join(contact_file(now.state.step)), now)?;
@@ -289,6 +295,7 @@ fn fields_file(step: usize) -> String {
 
 impl Sink for Folder {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        self.recovery = None;
         if start.resumed {
             self.go_on(start)?;
         } else {

@@ -21,7 +21,7 @@ pub struct Input {
     pub bytes: Arc<[u8]>,
 }
 
-/// What tells a case from others: its text, and of the files that it refers to their SHA-256.
+/// Identifies a case by its text and the SHA-256 of the files that it refers to.
 ///
 /// It is the text alone where there are no such files.
 #[must_use]

@@ -10,7 +10,7 @@ pub struct Memory {
     with_reports: bool,
     /// The states asked for, the one at the start and the last one included, by ascending step.
     pub states: Vec<State>,
-    /// The reports asked for, one a step.
+    /// The reports asked for, one per step.
     pub reports: Vec<StepReport>,
     /// The summary, once the run is over.
     pub summary: Option<Summary>,

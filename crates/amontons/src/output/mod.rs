@@ -37,7 +37,7 @@ pub use inputs::{INPUTS, Input, fingerprint};
 pub use memory::Memory;
 pub use probe::{Place, Probe, ProbeError, ProbeSet, Take};
 pub use quantity::{Base, Part, Quantity};
-pub use recovery::{NodalStress, nodal_stress};
+pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use study::StudyFolder;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 pub use vtu::OutputField;

@@ -1,4 +1,4 @@
-//! Probes: numbers read off a run after every step, at a point, over a side or over a region.
+//! Probes: numbers recorded after every step, at a point, over a side or over a region.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,7 +15,7 @@ use crate::quadrature::{Rule, rule};
 use crate::tensor::{Point, length};
 use crate::units::Measure;
 
-/// A number, or the components of a vector or tensor, read off a run.
+/// A number, or the components of a vector or tensor, recorded during a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Probe {
     /// Its name, the beginning of the names of its columns.
@@ -180,7 +180,7 @@ impl ProbeSet {
         &self.names
     }
 
-    /// The values at a time, one a column. A contact pressure is not a number at t = 0, where it is not known.
+    /// The values at a time, one per column. A contact pressure is not a number at t = 0, where it is not known.
     #[must_use]
     pub fn values(&self, now: &Snapshot) -> Vec<f64> {
         let points = evaluate(now.problem, now.state, &self.tables, &self.samples);

@@ -49,7 +49,7 @@ impl NodalStress {
         nodes.binary_search_by_key(&node, |(node, _)| *node).ok().and_then(|place| nodes.get(place)).map(|(_, stress)| *stress)
     }
 
-    /// The stress at every node of a mesh with so many nodes, the mean of its regions where several meet.
+    /// The stress at every node of a mesh with this number of nodes: the mean where several regions meet.
     #[must_use]
     pub fn means(&self, nodes: usize) -> Vec<Sym> {
         let mut sums = vec![(Sym::ZERO, 0.0); nodes];
@@ -63,23 +63,46 @@ impl NodalStress {
     }
 }
 
-/// The recovered stress of a state at the nodes of each region, as the head of this file says.
+/// The recovered stress of a state at the nodes of each region. For several states of one mesh, keep a [`StressRecovery`].
 #[must_use]
 pub fn nodal_stress(problem: &Problem, state: &State) -> NodalStress {
-    let recovery = Recovery::new(&problem.mesh);
-    let tables = Tables::new(problem, sampling);
-    let mut values: Vec<Vec<Sym>> = Vec::new();
-    for (b, block) in problem.mesh.blocks.iter().enumerate() {
-        let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
-        values.push(block.cells().flat_map(|cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>()).collect());
+    StressRecovery::new(&problem.mesh).stress(problem, state)
+}
+
+/// The patches of a mesh as weights of sampling points at each node. They depend on the mesh only: compute them once per run.
+#[derive(Debug)]
+pub struct StressRecovery {
+    /// By region: its nodes, ascending, each with its sampling points, numbered through all blocks, and their weights.
+    regions: Vec<Vec<(u32, Vec<(usize, f64)>)>>,
+}
+
+impl StressRecovery {
+    /// Fits the patches of a mesh.
+    #[must_use]
+    pub fn new(mesh: &Mesh) -> StressRecovery {
+        let recovery = Recovery::new(mesh);
+        let counts: Vec<usize> = recovery.points.iter().map(|rule| rule.points.len()).collect();
+        let sizes = mesh.blocks.iter().zip(&counts).map(|(block, count)| block.len() * count);
+        let starts: Vec<usize> = sizes.scan(0, |end, size| Some(std::mem::replace(end, *end + size))).collect();
+        let number = |(block, cell, q): Sample| starts[block as usize] + cell as usize * counts[block as usize] + q as usize;
+        let numbered = |stencil: Stencil| stencil.into_iter().map(|(sample, weight)| (number(sample), weight)).collect();
+        let of_region = |(region, nodes): (usize, &Vec<u32>)| nodes.iter().copied().zip(recovery.stencils(region).into_iter().map(numbered)).collect();
+        StressRecovery { regions: recovery.nodes.iter().enumerate().map(of_region).collect() }
     }
-    let value = |&((block, cell, q), weight): &(Sample, f64)| {
-        let block = block as usize;
-        weight * values[block][cell as usize * tables.points[block].len() + q as usize]
-    };
-    let at = |region: usize, node: u32| (node, recovery.stencil(region, node).iter().map(value).fold(Sym::ZERO, |sum, term| sum + term));
-    let regions = recovery.nodes.iter().enumerate().map(|(region, nodes)| nodes.par_iter().map(|&node| at(region, node)).collect());
-    NodalStress { regions: regions.collect() }
+
+    /// The recovered stress of a state of a problem on this mesh.
+    #[must_use]
+    pub fn stress(&self, problem: &Problem, state: &State) -> NodalStress {
+        let tables = Tables::new(problem, sampling);
+        let mut values: Vec<Sym> = Vec::new();
+        for (b, block) in problem.mesh.blocks.iter().enumerate() {
+            let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
+            values.extend(block.cells().flat_map(|cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>()));
+        }
+        let value = |(sample, weight): &(usize, f64)| *weight * values.get(*sample).copied().unwrap_or(Sym::ZERO);
+        let at = |(node, stencil): &(u32, Vec<(usize, f64)>)| (*node, stencil.iter().map(value).fold(Sym::ZERO, |sum, term| sum + term));
+        NodalStress { regions: self.regions.iter().map(|nodes| nodes.par_iter().map(at).collect()).collect() }
+    }
 }
 
 /// Values of a state at some sampling points, ascending, of tables that begin with the points of [`sampling`].
@@ -197,29 +220,57 @@ impl<'m> Recovery<'m> {
 
     /// The value at a node of a region.
     pub fn stencil(&self, region: usize, node: u32) -> Stencil {
-        let (x, centres) = (&self.mesh.points[node as usize], self.centres(region, node));
+        let fits: Vec<Fit> = self.centres(region, node).into_iter().map(|centre| self.patch(region, centre)).collect();
+        self.mean(region, node, &fits.iter().collect::<Vec<_>>())
+    }
+
+    /// The values at all nodes of a region, which share the patches around its inner vertices.
+    fn stencils(&self, region: usize) -> Vec<Stencil> {
+        let nodes = self.nodes.get(region).map_or(&[][..], Vec::as_slice);
+        let centres: Vec<Vec<u32>> = nodes.par_iter().map(|&node| self.centres(region, node)).collect();
+        let mut all: Vec<u32> = centres.iter().flatten().copied().collect();
+        all.sort_unstable();
+        all.dedup();
+        let fits: Vec<Fit> = all.par_iter().map(|&centre| self.patch(region, centre)).collect();
+        let fit = |centre: &u32| all.binary_search(centre).ok().and_then(|place| fits.get(place));
+        nodes.par_iter().zip(&centres).map(|(&node, centres)| self.mean(region, node, &centres.iter().filter_map(fit).collect::<Vec<_>>())).collect()
+    }
+
+    /// The fit around a vertex inside a region.
+    fn patch(&self, region: usize, centre: u32) -> Fit {
+        self.fit(&self.around(region, centre).collect(), centre).0
+    }
+
+    /// The mean of some fits at a node; without any, a fit around the node itself.
+    fn mean(&self, region: usize, node: u32, fits: &[&Fit]) -> Stencil {
+        let x = &self.mesh.points[node as usize];
         let mut sum: BTreeMap<Sample, f64> = BTreeMap::new();
         let mut add = |fit: &Fit, share: f64| {
             for (sample, weight) in fit.samples.iter().zip(fit.weights(x)) {
                 *sum.entry(*sample).or_default() += share * weight;
             }
         };
-        for &centre in &centres {
-            add(&self.fit(&self.around(region, centre).collect(), centre).0, 1.0 / centres.len() as f64);
+        for fit in fits {
+            add(fit, 1.0 / fits.len() as f64);
         }
-        if centres.is_empty() {
-            let mut cells: BTreeSet<(u32, u32)> = self.around(region, node).collect();
-            let mut fit = self.fit(&cells, node);
-            for _ in 0..GROWTH {
-                if fit.1 {
-                    break;
-                }
-                cells = cells.iter().flat_map(|&cell| self.nodes_of(cell)).flat_map(|&n| self.around(region, n)).collect();
-                fit = self.fit(&cells, node);
-            }
-            add(&fit.0, 1.0);
+        if fits.is_empty() {
+            add(&self.own_fit(region, node), 1.0);
         }
         sum.into_iter().collect()
+    }
+
+    /// The fit around a node without an inner vertex near it: over its cells and, until their points determine the polynomial, their neighbours.
+    fn own_fit(&self, region: usize, node: u32) -> Fit {
+        let mut cells: BTreeSet<(u32, u32)> = self.around(region, node).collect();
+        let mut fit = self.fit(&cells, node);
+        for _ in 0..GROWTH {
+            if fit.1 {
+                break;
+            }
+            cells = cells.iter().flat_map(|&cell| self.nodes_of(cell)).flat_map(|&n| self.around(region, n)).collect();
+            fit = self.fit(&cells, node);
+        }
+        fit.0
     }
 
     /// The fit over some cells about a node, and whether their points determine it.

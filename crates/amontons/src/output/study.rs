@@ -12,7 +12,7 @@ use crate::convergence::{Level, Reference, ReferenceProgress, Study};
 use crate::scheme::State;
 
 /// A results folder that holds a study: `convergence.csv`, `convergence.json`, and `levels/` with the states of
-/// finished levels, which a study that was interrupted goes on with.
+/// finished levels, from which an interrupted study continues.
 #[derive(Debug)]
 pub struct StudyFolder {
     path: PathBuf,

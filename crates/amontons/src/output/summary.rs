@@ -1,4 +1,4 @@
-//! `summary.json`: what a run came to, in a few numbers.
+//! `summary.json`: the results of a run in a few numbers.
 
 use std::collections::BTreeMap;
 
@@ -23,12 +23,12 @@ pub enum Outcome {
     /// The run was asked to stop.
     #[serde(rename = "interrupted")]
     Interrupted,
-    /// All steps were made, and what they came to cannot be trusted: a figure is not finite, or an identity of the audit fails grossly.
+    /// All steps were made, but the results cannot be trusted: a figure is not finite, or an identity of the audit fails grossly.
     #[serde(rename = "unsound")]
     Unsound,
 }
 
-/// What a run came to: `summary.json`. Numbers are those of the last good step.
+/// The results of a run: `summary.json`. Numbers are those of the last good step.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Name of the case.
@@ -57,12 +57,12 @@ pub struct Summary {
     pub energy: Ledger,
     /// Hypotheses and conditions with their numbers.
     pub findings: Vec<Finding>,
-    /// The findings that are something to act on.
+    /// The findings to act on.
     #[serde(default)]
     pub warnings: Vec<Finding>,
     /// Times spent.
     pub seconds: Seconds,
-    /// Most memory that the program held, bytes; none where the system does not tell.
+    /// Most memory that the program held, bytes; none if the system does not report it.
     pub peak_memory_bytes: Option<u64>,
 }
 
@@ -96,10 +96,10 @@ pub struct Final {
     /// Largest principal strain in magnitude; none without mechanics.
     #[serde(default)]
     pub strain_max: Option<f64>,
-    /// By how much a temperature since the start was below all that the data allow, K; none where they allow any.
+    /// By how much a temperature since the start was below the least value that the data allow, K; none if they allow any.
     #[serde(default)]
     pub undershoot: Option<f64>,
-    /// By how much a temperature since the start was above all that the data allow, K; none where they allow any.
+    /// By how much a temperature since the start was above the largest value that the data allow, K; none if they allow any.
     #[serde(default)]
     pub overshoot: Option<f64>,
     /// Largest penetration over the height of the lowest cell of its side; none without contact.
@@ -107,21 +107,21 @@ pub struct Final {
     pub penetration_per_cell: Option<f64>,
     /// Norms of the fields.
     pub norms: Norms,
-    /// Contact; none before the first step.
+    /// Contact; none before the first step and without mechanics.
     pub contact: Option<ContactSummary>,
 }
 
-/// Norms of the fields.
+/// Norms of the fields that a problem has.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Norms {
-    /// ‖u‖_H.
-    pub displacement_l2: f64,
-    /// ‖u‖_V = ‖ε(u)‖.
-    pub displacement_v: f64,
-    /// ‖w‖_H.
-    pub velocity_l2: f64,
-    /// ‖θ‖.
-    pub temperature_l2: f64,
+    /// ‖u‖_H; none without mechanics.
+    pub displacement_l2: Option<f64>,
+    /// ‖u‖_V = ‖ε(u)‖; none without mechanics.
+    pub displacement_v: Option<f64>,
+    /// ‖w‖_H; none without mechanics.
+    pub velocity_l2: Option<f64>,
+    /// ‖θ‖; none without heat.
+    pub temperature_l2: Option<f64>,
 }
 
 /// The state of Γ_C.
@@ -129,8 +129,8 @@ pub struct Norms {
 pub struct ContactSummary {
     /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution.
     pub force: Vec<f64>,
-    /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution.
-    pub heat_flow: f64,
+    /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution; none without heat.
+    pub heat_flow: Option<f64>,
     /// Largest penetration, m; 0 where all is open.
     pub penetration_max: f64,
     /// Largest pressure, Pa.
@@ -176,7 +176,7 @@ impl ContactSummary {
         let wear = || points().filter_map(|(i, point)| Some((point.weight, *state.surface.wear.get(i)?)));
         let (force, heat_flow) = if side.is_some() {
             let force = |c: usize| 0.0 - states().map(|(point, s)| point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>();
-            let flow = points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)).sum();
+            let flow = sum(&mut points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)));
             ([0, 1, 2].map(force), flow)
         } else {
             (contact.force, contact.heat_flow)
@@ -185,16 +185,16 @@ impl ContactSummary {
         let only = side.or((!several).then_some(0));
         ContactSummary {
             force: of_all(force),
-            heat_flow,
+            heat_flow: problem.physics.has_heat().then_some(heat_flow),
             penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
             pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
             open: count(Status::Open),
             stick: count(Status::Stick),
             slip: count(Status::Slip),
-            area: states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight).sum(),
+            area: sum(&mut states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight)),
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
             wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
-            wear_volume: wear().map(|(weight, depth)| weight * depth).sum(),
+            wear_volume: sum(&mut wear().map(|(weight, depth)| weight * depth)),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
             sides: sides.map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))).collect(),
         }
@@ -218,7 +218,7 @@ pub struct Solver {
     pub sweeps: usize,
     /// Largest relative residual of a step.
     pub residual_max: f64,
-    /// Passes over both half-steps: one a step where they are staggered.
+    /// Passes over both half-steps: one per step where they are staggered.
     pub passes_total: usize,
     /// Largest contraction factors of the fixed-point coupling over the steps; 0 where there were none.
     pub contraction_max: Contraction,
@@ -287,12 +287,12 @@ impl Summary {
                 overshoot: figures.outside[1].filter(|_| physics.has_heat()),
                 penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
                 norms: Norms {
-                    displacement_l2: discretization.norm(&discretization.mass, &state.u),
-                    displacement_v: strain_norm(&problem.mesh, &state.u),
-                    velocity_l2: discretization.norm(&discretization.mass, &state.w),
-                    temperature_l2: discretization.norm(&discretization.mass, &state.theta),
+                    displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
+                    displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, &state.u)),
+                    velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
+                    temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
                 },
-                contact: report.map(|report| ContactSummary::new(last, &report.contact, None)),
+                contact: report.filter(|_| physics.has_mechanics()).map(|report| ContactSummary::new(last, &report.contact, None)),
             },
             solver: Solver {
                 newton_mechanics_total: counts.newton_mechanics_total,
@@ -317,7 +317,7 @@ impl Summary {
 }
 
 impl Summary {
-    /// Why what a run came to cannot be trusted, if it cannot: a figure that is not finite, or an identity that fails grossly.
+    /// Why the results of a run cannot be trusted, if they cannot: a figure that is not finite, or an identity that fails grossly.
     #[must_use]
     pub fn unsound(&self) -> Option<String> {
         if let Some((key, value)) = self.figures().into_iter().find(|(_, value)| !value.is_finite()) {
@@ -339,23 +339,26 @@ impl Summary {
             ("final.temperature_max", last.temperature_max),
             ("final.von_mises_max", last.von_mises_max),
             ("final.strain_max", last.strain_max),
-        ];
-        all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
-        let numbers = [
             ("final.norms.displacement_l2", norms.displacement_l2),
             ("final.norms.displacement_v", norms.displacement_v),
             ("final.norms.velocity_l2", norms.velocity_l2),
             ("final.norms.temperature_l2", norms.temperature_l2),
-            ("energy.closing_error", self.energy.closing_error),
-            ("energy.heat_closing_error", self.energy.heat_closing_error),
+            ("energy.closing_error", Some(self.energy.closing_error)),
+            ("energy.heat_closing_error", Some(self.energy.heat_closing_error)),
         ];
-        all.extend(numbers.map(|(key, value)| (key.to_owned(), value)));
+        all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
         if let Some(contact) = &last.contact {
             all.extend(contact.force.iter().enumerate().map(|(c, value)| (format!("final.contact.force[{c}]"), *value)));
-            all.extend([("final.contact.heat_flow".to_owned(), contact.heat_flow), ("final.contact.pressure_max".to_owned(), contact.pressure_max)]);
+            all.extend(contact.heat_flow.map(|flow| ("final.contact.heat_flow".to_owned(), flow)));
+            all.push(("final.contact.pressure_max".to_owned(), contact.pressure_max));
         }
         all
     }
+}
+
+/// A sum, 0 of nothing; `Iterator::sum` of nothing is −0.
+fn sum(values: &mut dyn Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, |sum, value| sum + value)
 }
 
 /// Folds a node-major vector component by component.

@@ -6,7 +6,7 @@ use std::path::Path;
 use vtkio::model::{Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk};
 
 use super::files::write_atomically;
-use super::{OutputError, PointValues, Snapshot, cell_values, nodal_stress};
+use super::{OutputError, PointValues, Snapshot, StressRecovery, cell_values};
 use crate::material::VTK_COMPONENTS;
 use crate::problem::Physics;
 use crate::tensor::Sym;
@@ -24,7 +24,7 @@ pub enum OutputField {
     Principal,
     /// Cell data `heat_flux`: q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// Point data `nodal_stress`: the recovered stress ([`nodal_stress`]) in Pa, where regions meet the mean of their values.
+    /// Point data `nodal_stress`: the recovered stress ([`super::nodal_stress`]) in Pa, where regions meet the mean of their values.
     NodalStress,
 }
 
@@ -38,15 +38,15 @@ impl OutputField {
     }
 }
 
-/// Writes the fields of a state as an unstructured grid, binary, without compression.
-pub(super) fn write_fields(path: &Path, now: &Snapshot, fields: &[OutputField]) -> Result<(), OutputError> {
-    let grid = grid(now, fields);
+/// Writes the fields of a state as an unstructured grid, binary, without compression. Stresses at nodes are written with a recovery on the mesh.
+pub(super) fn write_fields(path: &Path, now: &Snapshot, fields: &[OutputField], recovery: Option<&StressRecovery>) -> Result<(), OutputError> {
+    let grid = grid(now, fields, recovery);
     let mut bytes = Vec::new();
     grid.write_xml(&mut bytes).map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
     write_atomically(path, |out| out.write_all(&bytes))
 }
 
-fn grid(now: &Snapshot, fields: &[OutputField]) -> Vtk {
+fn grid(now: &Snapshot, fields: &[OutputField], recovery: Option<&StressRecovery>) -> Vtk {
     let (mesh, state) = (&now.problem.mesh, now.state);
     let in_space = |values: &[f64]| -> Vec<f64> { values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect() };
     let mut cells = Cells::default();
@@ -70,11 +70,11 @@ fn grid(now: &Snapshot, fields: &[OutputField]) -> Vtk {
         point.push(Attribute::generic("temperature", 1).with_data(state.theta.clone()));
     }
     let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(physics)).collect();
-    let stresses = if physics.has_mechanics() { nodal_stress(now.problem, state).means(mesh.points.len()) } else { Vec::new() };
-    if fields.contains(&OutputField::NodalStress) {
-        point.push(tensors("nodal_stress", stresses.iter()));
-    }
-    if physics.has_mechanics() {
+    if let Some(recovery) = recovery {
+        let stresses = recovery.stress(now.problem, state).means(mesh.points.len());
+        if fields.contains(&OutputField::NodalStress) {
+            point.push(tensors("nodal_stress", stresses.iter()));
+        }
         point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
     }
     if fields.contains(&OutputField::Stress) {

@@ -35,7 +35,7 @@ impl Scale {
     }
 }
 
-/// The least and the greatest of some values; none where no value is finite.
+/// The least and the greatest of some values; none if no value is finite.
 pub(super) fn range(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     values.into_iter().filter(|v| v.is_finite()).fold(None, |range, v| match range {
         None => Some([v, v]),

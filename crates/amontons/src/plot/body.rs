@@ -126,7 +126,7 @@ impl Body {
     }
 
     /// Lines of nodes that show the mesh: a selection of grid lines where the nodes lie on a grid, else all edges, or the
-    /// boundary alone where there are too many to be told apart.
+    /// boundary alone if there are too many to distinguish.
     pub(super) fn lines(&self) -> Vec<Vec<u32>> {
         const MOST_EDGES: usize = 30_000;
         self.grid_lines().unwrap_or_else(|| {
@@ -135,7 +135,7 @@ impl Body {
         })
     }
 
-    /// Rows and columns of the grid on which the nodes lie, every so many of them.
+    /// Rows and columns of the grid on which the nodes lie, some of them at equal distances.
     fn grid_lines(&self) -> Option<Vec<Vec<u32>>> {
         let [wx, wy] = self.window();
         let near = 1e-9 * (wx[1] - wx[0]).max(wy[1] - wy[0]);

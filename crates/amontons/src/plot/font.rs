@@ -1,7 +1,7 @@
 //! Text as outlines of an embedded font, so that it looks the same with and without fonts on the system.
 //!
 //! The font is DejaVu Sans 2.37 (licence beside it), reduced to Latin, Greek and Cyrillic letters and the signs of mathematics.
-//! Texts know one piece of markup: `_{…}` sets a subscript and `^{…}` a superscript.
+//! Texts have one markup: `_{…}` sets a subscript and `^{…}` a superscript.
 
 use std::sync::OnceLock;
 

@@ -26,7 +26,7 @@ struct Side<'a> {
     title: String,
     rows: Vec<&'a SolidContact>,
     view: View,
-    /// The part of the surface whose nodes are the contact points; none where the points are not nodes.
+    /// The part of the surface whose nodes are the contact points; none if the points are not nodes.
     plane: Option<Plane>,
 }
 

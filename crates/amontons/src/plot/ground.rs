@@ -168,11 +168,11 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
         obstacle.nearest(&x, t).distance + contact.gap.value(&x, t)
     };
     let lines = contour(&level, window);
-    // The velocity is told where it is out of the way: at the right, but not at the border.
-    let middle = [0, 1].map(|d| 0.5 * (window[d][0] + window[d][1]));
-    let inner = |p: &&[f64; 2]| (0..2).all(|d| (p[d] - middle[d]).abs() < 0.44 * (window[d][1] - window[d][0]));
+    // The velocity is shown at the right, where it hides little, but not at the border.
+    let within = |p: &[f64; 2], d: usize| (p[d] - 0.5 * (window[d][0] + window[d][1])).abs() < 0.44 * (window[d][1] - window[d][0]);
     let rightmost = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
-    let farthest = lines.iter().flatten().filter(inner).max_by(rightmost).or(lines.iter().flatten().next());
+    let farthest = |directions: usize| lines.iter().flatten().filter(|p| (0..directions).all(|d| within(p, d))).max_by(rightmost);
+    let farthest = farthest(2).or_else(|| farthest(1)).or_else(|| farthest(0));
     let moves = farthest.and_then(|&p| moving(p, velocity(problem, contact, &[p[0], p[1], 0.0], None, t)));
     Ground { lines, moves }
 }
@@ -301,10 +301,53 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
         };
         let points: Vec<[f64; 3]> = (0..nodes.len()).map(place).collect();
         if points.iter().flatten().all(|c| c.is_finite()) {
+            let (points, triangles) = hull(&points, sum).unwrap_or((points, triangles));
             all.push(Patch { points, triangles, normal: sum });
         }
     }
     all
+}
+
+/// The convex hull of points of one plane with a normal, so that slots, holes and arcs of a side are not taken for those of a flat foundation;
+/// none if the points are not in one plane.
+fn hull(points: &[[f64; 3]], normal: [f64; 3]) -> Option<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+    /// Distance from the plane that counts as none, in the size of the points.
+    const FLAT: f64 = 1e-6;
+    let (first, rest) = points.split_first()?;
+    let from_first = |p: &[f64; 3]| -> Point { [0, 1, 2].map(|d| p[d] - first[d]) };
+    let away: Vec<Point> = rest.iter().map(from_first).collect();
+    let longest = away.iter().copied().max_by(|a, b| length(a).total_cmp(&length(b)))?;
+    let widest = away.iter().map(|a| super::surface::across([[0.0; 3], longest, *a])).max_by(|a, b| length(a).total_cmp(&length(b)))?;
+    let size = length(&longest);
+    let sign = if dot(&widest, &normal) < 0.0 { -1.0 } else { 1.0 };
+    let n: Point = widest.map(|c| sign * c / length(&widest));
+    if !away.iter().all(|a| dot(a, &n).abs() <= FLAT * size) {
+        return None;
+    }
+    // Axes of the plane, the normal towards the eye.
+    let e: Point = longest.map(|c| c / size);
+    let f = super::surface::across([[0.0; 3], n, e]);
+    let mut flat: Vec<([f64; 2], [f64; 3])> = points.iter().map(|p| ([dot(&from_first(p), &e), dot(&from_first(p), &f)], *p)).collect();
+    flat.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
+    let half = |sorted: &mut dyn Iterator<Item = &([f64; 2], [f64; 3])>| {
+        let mut chain: Vec<([f64; 2], [f64; 3])> = Vec::new();
+        for point in sorted {
+            while let [.., (a, _), (b, _)] = chain[..] {
+                let turn = (b[0] - a[0]) * (point.0[1] - a[1]) - (b[1] - a[1]) * (point.0[0] - a[0]);
+                if turn > 1e-12 * size * size {
+                    break;
+                }
+                chain.pop();
+            }
+            chain.push(*point);
+        }
+        chain.pop();
+        chain
+    };
+    let (lower, upper) = (half(&mut flat.iter()), half(&mut flat.iter().rev()));
+    let around: Vec<[f64; 3]> = lower.into_iter().chain(upper).map(|(_, p)| p).collect();
+    let triangles = (2..around.len() as u32).map(|i| [0, i - 1, i]).collect();
+    (around.len() > 2).then_some((around, triangles))
 }
 
 /// Edges of one triangle only.
@@ -346,6 +389,57 @@ mod tests {
             assert!(((line[line.len() - 1][0] - line[0][0]).abs() - 4.0).abs() < 1e-12);
         }
         assert!(contour(&|_| f64::NAN, WINDOW).is_empty());
+    }
+
+    /// The hull of a square with a notch and a point inside is the square, its triangles seen from the side of the normal.
+    #[test]
+    fn a_flat_patch_has_no_notches() -> Result<(), Box<dyn std::error::Error>> {
+        // On the plane x + z = 1, coordinates s along (1, 0, −1)/√2 and y.
+        let at = |s: f64, y: f64| [0.5 + s / 2f64.sqrt(), y, 0.5 - s / 2f64.sqrt()];
+        let points = [at(0.0, 0.0), at(1.0, 0.0), at(0.5, 0.5), at(1.0, 1.0), at(0.0, 1.0), at(0.2, 0.4)];
+        for sign in [1.0, -1.0] {
+            let normal = [sign, 0.0, sign];
+            let (around, triangles) = hull(&points, normal).ok_or("the points are in a plane")?;
+            assert_eq!(around.len(), 4);
+            let across = triangles.iter().map(|t| super::super::surface::across(t.map(|n| around[n as usize])));
+            let area = across.fold(0.0, |sum, a| sum + 0.5 * dot(&a, &normal) / 2f64.sqrt());
+            assert!((area - 1.0).abs() < 1e-12, "area {area} towards the normal");
+        }
+        let mut bent = points;
+        bent[5][2] += 0.01;
+        assert!(hull(&bent, [1.0, 0.0, 1.0]).is_none());
+        Ok(())
+    }
+
+    /// A foundation in space is drawn where it stands: on a ball that moves and on a plane at a gap that grows, the gap enlarged like the displacement.
+    #[test]
+    fn patches_follow_moving_foundations() -> Result<(), Box<dyn std::error::Error>> {
+        let text = |contact: &str| {
+            format!(
+                "name = \"block\"\n[mesh]\nkind = \"box\"\nsize = [1.0, 1.0, 0.5]\nn = 2\n[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 1.0\n\
+                 elasticity = {{ law = \"isotropic\", young = 1.0, poisson = 0.3 }}\n[contact]\non = \"front\"\n\
+                 normal = {{ law = \"compliance\", stiffness = 1.0 }}\n{contact}"
+            )
+        };
+        let parse = |contact: &str| crate::case::parse(&crate::case::Source::new("block.toml", text(contact)), &[]);
+        let ball = parse("obstacle = { shape = \"sphere\", center = [0.4, 0.5, \"3 - 0.5*t\"], radius = 2.0 }")?.problem;
+        let gap = parse("gap = \"0.1 + 0.2*t\"")?.problem;
+        let rest = vec![[0.0; 3]; ball.mesh.points.len()];
+        for t in [0.0, 0.6, 1.0] {
+            let [patch] = &patches(&ball, &rest, t, 1.0)[..] else { return Err("one patch".into()) };
+            for p in &patch.points {
+                let away = [p[0] - 0.4, p[1] - 0.5, p[2] - (3.0 - 0.5 * t)];
+                assert!((length(&away) - 2.0).abs() < 1e-12, "t = {t}: {p:?} is not on the ball");
+            }
+            let [patch] = &patches(&gap, &rest, t, 3.0)[..] else { return Err("one patch".into()) };
+            assert!(patch.points.iter().all(|p| (p[2] - 0.5 - 3.0 * (0.1 + 0.2 * t)).abs() < 1e-12), "t = {t}: {:?}", patch.points);
+            // Around the side, whose edges are 1 long, on all four sides.
+            let reach = |d: usize| super::super::axes::range(patch.points.iter().map(|p| p[d]));
+            for d in 0..2 {
+                assert!(reach(d).is_some_and(|[low, high]| low < -0.01 && low > -0.2 && high > 1.01 && high < 1.2), "{:?}", reach(d));
+            }
+        }
+        Ok(())
     }
 
     #[test]

@@ -52,7 +52,7 @@ fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
     series.collect()
 }
 
-/// Charts of what the run has, the closing error always.
+/// Charts of the quantities of the run; the closing error of a balance is always among them.
 fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     let history = &run.history;
     let chart =
@@ -72,9 +72,10 @@ fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         of("work and dissipation since the start", Measure::Energy, &works),
     ];
     charts.retain(|chart| !chart.series.is_empty());
-    if let Some(error) = history.contains_key("closing_error").then(|| points(history, "closing_error")) {
-        let series = vec![Series { label: String::new(), stroke: Stroke::new(LINES[0], 1.6), pieces: vec![error] }];
-        charts.push(chart("closing error of the energy balance", Measure::Energy, series));
+    let (column, balance) = if run.has_mechanics() { ("closing_error", "energy") } else { ("heat_closing_error", "heat") };
+    if history.contains_key(column) {
+        let series = vec![Series { label: String::new(), stroke: Stroke::new(LINES[0], 1.6), pieces: vec![points(history, column)] }];
+        charts.push(chart(&format!("closing error of the {balance} balance"), Measure::Energy, series));
     }
     if has_contact {
         let force = of("contact force", Measure::Force, &[("contact_force_x", "x"), ("contact_force_y", "y"), ("contact_force_z", "z")]);
@@ -91,7 +92,7 @@ fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     charts
 }
 
-/// What friction, wear and the temperature of the foundation are over time, where there is something to show.
+/// Friction power, temperature of the foundation, area and wear over time, if the run has them.
 fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart) -> Vec<Chart> {
     let history = &run.history;
     let line = |label: &str, color: usize, pieces: Vec<[f64; 2]>| Series {

@@ -287,7 +287,7 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     Ok(paths)
 }
 
-/// The picture of a run at several times, with one scale of values; none where there is nothing to show.
+/// The picture of a run at several times, with one scale of values; none if there is nothing to show.
 fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>, PlotError> {
     if !runs.iter().any(|run| kind.is_told_by(run)) {
         return Ok(None);

@@ -182,7 +182,7 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), (name, [azimuth, elevation]): 
 }
 
 impl Sight<'_> {
-    /// Draws a field, with the mesh where it is told, in a rectangle.
+    /// Draws a field, with the mesh on request, in a rectangle.
     fn draw(&self, picture: &mut Picture, (rect, scale): (Rect, f64), mesh: bool, field: &[[f64; 3]], (bar, map): (&Bar, ColorMap)) {
         const MESH: Color = Color::new(0x1B_3A_5C);
         let surface = &self.solid.surface;

@@ -31,7 +31,7 @@ pub fn scale_factor(displacement: f64, size: f64) -> f64 {
     [10.0, 5.0, 2.0, 1.0].into_iter().map(|m| (m * power).round()).find(|&f| f <= most * (1.0 + 1e-9)).unwrap_or(1.0)
 }
 
-/// The factor of the displacement in the picture `deformed`, one for all panels: that of the options, or 1 where enlarging would be false, or a nice one.
+/// The factor of the displacement in the picture `deformed`, the same for all panels: the one of the options, 1 if enlarging would be false, else a round number.
 /// Other pictures show the body as it stands.
 pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64, f64)>, options: &Options) -> f64 {
     if kind != Kind::Deformed {
@@ -68,7 +68,7 @@ fn below(factor: f64) -> f64 {
     .max(1.0)
 }
 
-/// Whether no cell is inverted with so many times the displacement.
+/// Whether no cell is inverted by the displacement times this factor.
 fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
     let mut moved = mesh.clone();
     let plane = run.snapshot.iter().flat_map(|s| s.displacement.iter().map(|u| [u[0], u[1], 0.0]));
@@ -113,7 +113,7 @@ impl Shape<'_> {
         Shape { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
-    /// Whether the body before would be seen beside the body now: something moves by more than 0.3 per cent of its size.
+    /// Whether the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of the size.
     fn shows_reference(&self) -> bool {
         let [x, y] = self.snapshot.body.window();
         let size = (x[1] - x[0]).max(y[1] - y[0]);
@@ -280,24 +280,53 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
     let inside = |p: &[f64; 2]| frame.rect.x <= p[0] && p[0] <= frame.rect.right() && frame.rect.y <= p[1] && p[1] <= frame.rect.bottom();
     hatches.retain(|hatch| hatch.iter().all(inside));
     picture.lines(&hatches, Stroke::new(VERMILION, 0.7));
-    let Some((at, v)) = ground.moves else { return };
+    if let Some(moves) = ground.moves {
+        velocity(picture, frame, ground, moves, units);
+    }
+}
+
+/// An arrow with a speed where a foundation moves.
+fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f64; 2], [f64; 2]), units: Units) {
     let speed = v[0].hypot(v[1]);
     let text = typeset(&units.write(speed, Measure::Velocity));
     let direction = [v[0] / speed, -v[1] / speed];
-    let [x, y] = frame.at(&at);
+    // An arrow along the surface stands in the foundation, clear of the line and its hatches.
+    let inwards = inwards(frame, ground, frame.at(&at)).filter(|n| (n[0] * direction[0] + n[1] * direction[1]).abs() < 0.7);
+    let [x, y] = [0, 1].map(|d| frame.at(&at)[d] + inwards.map_or(0.0, |n| 15.0 * n[d]));
     // Within the frame.
     let within = |x: f64, lo: f64, hi: f64, room: f64| x.clamp(lo + room, (hi - room).max(lo + room));
-    let at = [within(x, frame.rect.x, frame.rect.right(), 34.0), within(y, frame.rect.y, frame.rect.bottom(), 34.0)];
+    let near = if inwards.is_some() { 10.0 } else { 34.0 };
+    let at = [within(x, frame.rect.x, frame.rect.right(), 34.0), within(y, frame.rect.y, frame.rect.bottom(), near)];
     let end = |s: f64| [0, 1].map(|d| at[d] + s * direction[d]);
     picture.arrow(end(-20.0), end(20.0), VERMILION, 2.4);
     // A level arrow has its number on the outer side, another beside it, towards the middle of the frame.
     let (width, middle) = (super::font::width(&text, NUMBER), [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height]);
     let is_level = direction[0].abs() > 0.7;
-    let x = if is_level { at[0] } else { at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 } };
-    let y = if is_level { at[1] + if at[1] > middle[1] { 22.0 } else { -20.0 } } else { at[1] - 14.0 * if at[1] > middle[1] { -1.0 } else { 1.0 } };
+    let x = match inwards {
+        _ if !is_level => at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
+        // Beside the arrow, away from the border that it is next to.
+        Some(_) => at[0] + (0.5 * width + 28.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
+        None => at[0],
+    };
+    let y = match inwards {
+        Some(_) if is_level => at[1],
+        _ if is_level => at[1] + if at[1] > middle[1] { 22.0 } else { -20.0 },
+        _ => at[1] - 14.0 * if at[1] > middle[1] { -1.0 } else { 1.0 },
+    };
     let place = Rect { x: x - 0.5 * width - 3.0, y: y - 0.5 * NUMBER - 3.0, width: width + 6.0, height: NUMBER + 6.0 };
     picture.polygon(place.corners(), WHITE.with_opacity(0.85));
     picture.text([x, y + axes::HALF * NUMBER], NUMBER, Anchor::Middle, VERMILION, text);
+}
+
+/// The unit normal of the surface nearest to a point of the picture, which points into the foundation.
+fn inwards(frame: &Frame, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64; 2]> {
+    let lines: Vec<Vec<[f64; 2]>> = ground.lines.iter().map(|line| frame.all(line)).collect();
+    let away = |pair: &&[[f64; 2]]| (0.5 * (pair[0][0] + pair[1][0]) - x).hypot(0.5 * (pair[0][1] + pair[1][1]) - y);
+    let nearest = lines.iter().flat_map(|line| line.windows(2)).min_by(|a, b| away(a).total_cmp(&away(b)))?;
+    let (dx, dy) = (nearest[1][0] - nearest[0][0], nearest[1][1] - nearest[0][1]);
+    // On the right of the line; downwards is positive in the picture.
+    let size = dx.hypot(dy);
+    (size > 0.0).then(|| [-dy / size, dx / size])
 }
 
 /// A number for reading in the signs of a printed page.

@@ -41,7 +41,7 @@ pub(super) struct Scene<'a> {
     pub ink: Color,
 }
 
-/// Draws a scene; the image covers a window of right and up and is transparent beside the body.
+/// Draws a scene; the image covers a window of right and up and is transparent outside the body.
 ///
 /// At each sample the surface nearest to the eye is in front, whatever the order of the triangles.
 pub(super) fn image(scene: &Scene, window: [[f64; 2]; 2], width: u32, height: u32) -> Image {

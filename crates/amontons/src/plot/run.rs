@@ -80,6 +80,11 @@ impl Run {
         theta.iter().any(|v| (v - first).abs() > 1e-9 * first.abs()) || flows.iter().any(|name| self.has(name))
     }
 
+    /// Whether the case solves for displacements; without a case it is assumed to.
+    pub(super) fn has_mechanics(&self) -> bool {
+        self.problem.as_ref().is_none_or(|problem| problem.physics.has_mechanics())
+    }
+
     /// Whether a node has moved.
     pub(super) fn has_moved(&self) -> bool {
         let plane = self.snapshot.iter().flat_map(|s| s.displacement.iter().flatten());
@@ -98,7 +103,7 @@ impl Run {
         self.history.get(column).is_some_and(|values| values.iter().any(|v| *v != 0.0))
     }
 
-    /// Name of a side in quotes; empty where it has none.
+    /// Name of a side in quotes; empty if it has none.
     pub(super) fn side(&self, side: usize) -> String {
         self.sides.get(side).filter(|name| !name.is_empty()).map_or_else(String::new, |name| format!(" on \"{name}\""))
     }
@@ -131,7 +136,7 @@ pub(super) fn at_corners(triangles: &[[u32; 3]], owners: &[u32], nodal: &[f64], 
 }
 
 impl Snapshot {
-    /// Checks that there is a finite value a node and a cell.
+    /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
     /// [`PlotError::Data`] names the field that does not fit.
@@ -200,7 +205,7 @@ pub struct SolidContact {
 }
 
 impl Solid {
-    /// Checks that there is a finite value a node and a cell.
+    /// Checks that there is a finite value per node and per cell.
     ///
     /// # Errors
     /// [`PlotError::Data`] names the field that does not fit.
@@ -219,7 +224,7 @@ impl Solid {
     }
 }
 
-/// Whether there are so many finite values.
+/// Whether there is this number of finite values.
 fn fits(name: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
     if values.len() != expected {
         return Err(PlotError::Data(format!("the {name} has {} values, expected {expected}", values.len())));

@@ -67,7 +67,7 @@ fn size(plan: &Plan) -> [f64; 2] {
     plan.window.map(|r| (r[1] - r[0]).max(f64::MIN_POSITIVE))
 }
 
-/// Number of columns of so many panels: wide ones stand above each other, others in rows of at most four.
+/// Number of columns for a number of panels: wide ones stand above each other, others in rows of at most four.
 fn columns(count: usize, wide: bool) -> usize {
     match count {
         _ if wide => 1,

@@ -63,7 +63,7 @@ pub struct Counts {
     pub sweeps: usize,
     /// Largest residual of an accepted step, relative to its largest term.
     pub residual_max: f64,
-    /// Passes over both half-steps: one a step where they are staggered.
+    /// Passes over both half-steps: one per step where they are staggered.
     pub passes_total: usize,
     /// Largest contraction factors of the fixed-point coupling over the steps; 0 where none was seen.
     pub contraction_max: Contraction,
@@ -159,7 +159,7 @@ pub struct ContactReport {
 pub enum StepError {
     /// The iteration on Γ_C did not end.
     #[error(
-        "step {step} (t = {t:.6e} s): {part} did not converge in {} iterations; relative residual {:.3e}; contact points {} open, {} stick, {} slip",
+        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations; relative residual {:.3e}; contact points {} open, {} stick, {} slip",
         .why.iterations, .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
     )]
     NotConverged {
@@ -173,7 +173,7 @@ pub enum StepError {
         why: NotConverged,
     },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
-    #[error("step {step} (t = {t:.6e} s): {part} leaves a relative residual of {residual:.3e}, expected below {accepted:.0e}")]
+    #[error("step {step} (t = {t:.6e}): {part} leaves a relative residual of {residual:.3e}, expected below {accepted:.0e}")]
     Residual {
         /// The step n that failed.
         step: usize,
@@ -187,7 +187,7 @@ pub enum StepError {
         accepted: f64,
     },
     /// The tangent of laws that are not linear could not be factorized.
-    #[error("step {step} (t = {t:.6e} s): the tangent of the body: {source}")]
+    #[error("step {step} (t = {t:.6e}): the tangent of the body: {source}")]
     Singular {
         /// The step n that failed.
         step: usize,
@@ -198,7 +198,7 @@ pub enum StepError {
     },
     /// The half-steps could not be brought together.
     #[error(
-        "step {step} (t = {t:.6e} s): the {coupling} coupling of mechanics and heat did not settle in {passes} passes: defect {defect:.3e}{}; {}",
+        "step {step} (t = {t:.6e}): the {coupling} coupling of mechanics and heat did not converge in {passes} passes: defect {defect:.3e}{}; {}",
         .contraction.map(|c| format!(", mean contraction factor {:.3}, largest {:.3}", c.mean, c.largest)).unwrap_or_default(),
         match .coupling { Coupling::FixedPoint => "take scheme.coupling = \"monolithic\" or more steps", _ => "take more steps" }
     )]
@@ -217,7 +217,7 @@ pub enum StepError {
         contraction: Option<Contraction>,
     },
     /// A datum has no finite value where a step needs it.
-    #[error("step {step} (t = {t:.6e} s): {key} is {value} at ({}, {}, {}), t = {t:?} s: data must be finite wherever they act, at all times of the run", .at[0], .at[1], .at[2])]
+    #[error("step {step} (t = {t:.6e}): {key} is {value} at ({}, {}, {}), t = {t:?}: data must be finite wherever they act and at all times of the run", .at[0], .at[1], .at[2])]
     Data {
         /// The step n that failed.
         step: usize,
@@ -231,7 +231,7 @@ pub enum StepError {
         at: Point,
     },
     /// A number is infinite or not a number.
-    #[error("step {step} (t = {t:.6e} s): {part} has values that are not finite: data that grow beyond what a number can hold, or are not defined there")]
+    #[error("step {step} (t = {t:.6e}): {part} has values that are not finite: data overflow or are not defined there")]
     NotFinite {
         /// The step n that failed.
         step: usize,

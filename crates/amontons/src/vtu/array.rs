@@ -55,7 +55,7 @@ impl Encoding {
         data.map(<[u8]>::to_vec).ok_or_else(|| format!("{} bytes of data, {count} announced", body.len()))
     }
 
-    /// Undoes the compression: behind the number of blocks come the size of a block, that of the last one (0: as the others), the size of each
+    /// Undoes the compression: after the number of blocks follow the size of a block, the size of the last block (0: like the others), the size of each
     /// when compressed, and the blocks.
     fn inflate(&self, blocks: u64, body: &[u8]) -> Option<Vec<u8>> {
         let (size, body) = self.count(body)?;

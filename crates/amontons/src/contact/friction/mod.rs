@@ -1,4 +1,4 @@
-//! Friction: laws for the bound p_τ of (2.9), one a file.
+//! Friction: laws for the bound p_τ of (2.9), one per file.
 
 mod capped;
 mod coulomb;

@@ -1,4 +1,4 @@
-//! Heat exchange: laws for q·ν of (2.10), one a file.
+//! Heat exchange: laws for q·ν of (2.10), one per file.
 
 mod frictional;
 mod gap;

@@ -1,4 +1,4 @@
-//! Normal contact: laws for the pressure p = −σ_ν of (2.8), one a file.
+//! Normal contact: laws for the pressure p = −σ_ν of (2.8), one per file.
 
 mod adhesion;
 mod bilateral;

@@ -75,11 +75,11 @@ fn not_merged(mesh: &Mesh) -> Option<Finding> {
     let [a, b] = *pairs.first()?;
     let x = mesh.points.get(a as usize)?;
     let message = format!(
-        "{} pairs of nodes are at one place and are not the same node, the first {a} and {b}, counted from 0, at {}: the body may come apart there, and no heat passes",
+        "{} pairs of different nodes coincide, the first {a} and {b}, counted from 0, at {}: the body may come apart there, and no heat passes",
         pairs.len(),
         at(x)
     );
-    let repair = "merge the nodes where the mesh is made (in Gmsh: Coherence Mesh, or BooleanFragments of the parts); leave them if a crack is meant";
+    let repair = "merge the nodes where the mesh is made (in Gmsh: Coherence Mesh, or BooleanFragments of the parts); leave them if a crack is intended";
     Some(warning("coincident-nodes", "mesh.file", [pairs.len() as f64, 0.0], message, repair))
 }
 

@@ -5,6 +5,7 @@ use super::super::laws::at;
 use super::warning;
 use crate::problem::Problem;
 use crate::tensor::Point;
+use crate::units::Measure;
 
 /// Strain above which a theory of small strains is off by more than it: 5 %.
 const STRAIN: f64 = 0.05;
@@ -52,11 +53,11 @@ fn strain(figures: &Figures) -> Option<Finding> {
         return None;
     }
     let message = format!(
-        "the largest principal strain is {:.3} % at {}: the theory of small strains leaves out terms of its square, and the stress is off by about that share",
+        "the largest principal strain is {:.3} % at {}: small-strain theory neglects terms of its square, so that the stress has a relative error of about this size",
         100.0 * strain,
         at(&figures.strain_at)
     );
-    let repair = "smaller loads or prescribed displacements, or a stiffer material: check the units of material.elasticity";
+    let repair = "reduce loads or prescribed displacements, or check the units of material.elasticity";
     Some(warning("strain", "material.elasticity", [strain, STRAIN], message, repair))
 }
 
@@ -64,20 +65,22 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let [low, high] = figures.temperature;
     let sides = [(figures.outside[0], "below", low), (figures.outside[1], "above", high)];
     let (by, which, extreme) = sides.into_iter().filter_map(|(by, which, extreme)| Some((by?, which, extreme))).max_by(|a, b| a.0.total_cmp(&b.0))?;
-    let range = high - low;
+    let (range, units) = (high - low, problem.units());
     if by <= RANGE * range {
         return None;
     }
     let message = format!(
-        "a temperature of {extreme:.4e} K is {by:.3e} K {which} all that the data allow: the step of {:.2e} s is short for the size of the cells next to a \
+        "a temperature of {} is {} {which} all values that the data allow: the step of {} is short for the size of the cells next to a \
          sudden change, and the consistent mass matrix undershoots there",
-        problem.k()
+        units.write(extreme, Measure::Temperature),
+        units.write(by, Measure::Temperature),
+        units.write(problem.k(), Measure::Time)
     );
     let repair = format!(
-        "finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
+        "use finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
         problem.materials.first().filter(|m| m.heat_capacity > 0.0).map_or_else(String::new, |m| {
             let conductivity = m.conductivity.eigenvalues(problem.mesh.dim).first().copied().unwrap_or(0.0);
-            format!(" = {:.1e} m", (6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt())
+            format!(" = {}", units.write((6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt(), Measure::Length))
         })
     );
     Some(warning("temperature-range", "time.steps", [by, RANGE * range], message, repair))
@@ -89,7 +92,7 @@ fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
     if low >= zero {
         return None;
     }
-    let message = format!("a temperature of {low:.6e} K is below absolute_zero = {zero:?}: the body does not radiate there");
+    let message = format!("a temperature of {low:.6e} is below absolute_zero = {zero:?}: the body does not radiate there");
     let repair = "correct absolute_zero, heat sources and the units of the heat data; see the warning temperature-range if there is one";
     Some(warning("absolute-zero", &format!("{}.heat.absolute_zero", problem.contact_path(side)), [low, zero], message, repair))
 }
@@ -100,9 +103,10 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
         return None;
     }
     let message = format!(
-        "the body goes {depth:.3e} m into the foundation, {:.3} of the height of the lowest cell on Γ_C: the foundation is soft beside the body",
+        "the body penetrates the foundation by {}, {:.3} of the height of the lowest cell on Γ_C: the foundation is soft compared with the body",
+        problem.units().write(depth, Measure::Length),
         depth / cell
     );
     let place = format!("{}.normal", problem.contact_path(side));
-    Some(warning("penetration", &place, [depth, PENETRATION * cell], message, "a stiffer foundation, or law = \"signorini\" for a rigid one"))
+    Some(warning("penetration", &place, [depth, PENETRATION * cell], message, "use a stiffer foundation, or law = \"signorini\" for a rigid one"))
 }

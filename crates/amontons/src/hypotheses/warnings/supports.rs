@@ -76,7 +76,7 @@ pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
     let [low, high] = part.bounds(mesh);
     let which = if parts.len() == 1 { "the body".to_owned() } else { format!("part {} of {} of the body", number + 1, parts.len()) };
     let message = format!(
-        "{which}, from {} to {}, has no contact and can move without strain in {motions} ways: nothing but its inertia holds it{}",
+        "{which}, from {} to {}, has no contact and {motions} rigid motions without support: only its inertia holds it{}",
         at(&low),
         at(&high),
         if free.len() > 1 { format!("; so do {} more parts", free.len() - 1) } else { String::new() }

@@ -5,6 +5,7 @@ use super::super::laws::at;
 use super::warning;
 use crate::model::thermal_layers;
 use crate::problem::Problem;
+use crate::units::Measure;
 
 /// Share of the steps in which the layer may be thinner than a cell.
 const SHARE: f64 = 0.1;
@@ -19,20 +20,24 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
     if unresolved <= SHARE * problem.steps as f64 {
         return None;
     }
+    let length = |value: f64| problem.units().write(value, Measure::Length);
     let message = format!(
-        "heat gets {:.2e} m deep in a step and {:.2e} m in the whole run, √(t K/c), and the cells of \"{}\" are {:.2e} m high: the layer is {:.3} times thinner \
+        "heat penetrates √(t K/c) = {} in a step and {} in the whole run, and the cells of \"{}\" are {} high: the layer is {:.3} times thinner \
          than the cell at {} after a step, and thinner than it in {:.0} of {} steps",
-        layer.step,
-        layer.end,
+        length(layer.step),
+        length(layer.end),
         layer.side,
-        layer.cell,
+        length(layer.cell),
         layer.cell / layer.step,
         at(&layer.x),
         unresolved.min(problem.steps as f64).ceil(),
         problem.steps
     );
     let needed = layer.end * SHARE.sqrt();
-    let repair =
-        format!("cells of at most {needed:.1e} m along the normal next to \"{}\"; temperatures and heat of the contact cannot be trusted before", layer.side);
+    let repair = format!(
+        "use cells of at most {} along the normal next to \"{}\"; until then do not trust temperatures and heat of the contact",
+        length(needed),
+        layer.side
+    );
     Some(warning("thermal-layer", "mesh", [layer.cell, needed], message, repair))
 }

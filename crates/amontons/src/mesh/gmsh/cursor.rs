@@ -172,7 +172,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Refuses a count of things, each of so many numbers and bytes, that the rest of the file cannot hold.
+    /// Refuses a count of items that the rest of the file cannot hold, given the numbers and bytes per item.
     pub(super) fn fits(&self, at: usize, what: &'static str, found: u64, numbers: usize, binary_bytes: usize) -> Result<usize, MeshFileError> {
         let rest = self.bytes.len().saturating_sub(self.at) as u64;
         let each = match self.mode {

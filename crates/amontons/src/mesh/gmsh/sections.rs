@@ -23,7 +23,7 @@ enum Version {
     Four,
 }
 
-/// Reads all sections, and tells whether the file is binary.
+/// Reads all sections; also returns whether the file is binary.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
     let mut cursor = Cursor::new(bytes);
     let mut file = File::default();
@@ -145,7 +145,7 @@ fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, MeshFileErr
 
 /// From tags of nodes to their indices.
 enum Tags {
-    /// Index by tag, `u32::MAX` where there is none, and the number of nodes.
+    /// Index by tag, `u32::MAX` for an unused tag, and the number of nodes.
     Dense(Vec<u32>, usize),
     /// Pairs of tag and index, sorted.
     Sparse(Vec<(u64, u32)>),

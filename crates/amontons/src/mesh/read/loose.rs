@@ -1,4 +1,4 @@
-//! Elements as a file lists them, of all dimensions, and the mesh that they make.
+//! The elements of a file, of all dimensions, and their conversion to a mesh.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
@@ -12,7 +12,7 @@ use crate::tensor::{Point, dot};
 const BODY: &str = "body";
 /// Name of the one side of a body without named sides.
 const BOUNDARY: &str = "boundary";
-/// Largest extent across a plane body, relative to its largest: what rounding in a file leaves.
+/// Largest extent across a plane body, relative to its largest: the rounding of coordinates in a file.
 const FLAT: f64 = 1e-9;
 
 /// A type of element of a file.
@@ -22,7 +22,7 @@ pub(in crate::mesh) struct Kind {
     pub dim: usize,
     /// Number of nodes.
     pub nodes: usize,
-    /// The element of the library, if it has it.
+    /// The element of the library, if there is one.
     pub element: Option<&'static Element>,
 }
 
@@ -32,9 +32,9 @@ pub(in crate::mesh) struct LooseBlock {
     pub kind: Kind,
     /// Tags of the groups.
     pub groups: BTreeSet<i64>,
-    /// Where the file has them: a byte, or a cell of a grid.
+    /// Their place in the file: a byte, or a cell of a grid.
     pub at: usize,
-    /// Nodes, in the order of the library where it has the element.
+    /// Nodes, in the order of the library if it has the element.
     pub nodes: Vec<u32>,
 }
 
@@ -44,7 +44,7 @@ impl LooseBlock {
     }
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Clone, Debug)]
 pub(in crate::mesh) struct Loose {
     pub points: Vec<Point>,

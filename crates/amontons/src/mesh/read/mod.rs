@@ -1,4 +1,4 @@
-//! Meshes from files: [`read`] knows the format by the extension.
+//! Meshes from files: [`read`] takes the format from the extension.
 //!
 //! | extension | format | regions | sides |
 //! |---|---|---|---|
@@ -105,10 +105,8 @@ pub enum MeshFileError {
         /// The number of the type.
         found: i64,
     },
-    /// An element that the library has not, of a dimension that is needed.
-    #[error(
-        "{at}: found a {found}, which is not among the elements: {known}; try the first order or, for the second, Mesh.SecondOrderIncomplete the other way"
-    )]
+    /// A cell or facet of an element type that the library does not have.
+    #[error("{at}: found element type {found}, expected one of {known}; try the first order or, for the second, change Mesh.SecondOrderIncomplete")]
     Element {
         /// Where.
         at: Place,
@@ -163,7 +161,7 @@ pub enum MeshFileError {
         /// Another one.
         second: String,
     },
-    /// Cells without a physical group beside others that have one.
+    /// Cells without a physical group although others have one.
     #[error(
         "{at}: found {found} of {of} cells without a region, expected all or none; try a physical group of dimension {dim} for them too, or Mesh.SaveAll = 0"
     )]
@@ -205,7 +203,7 @@ pub enum MeshFileError {
         /// Where.
         at: Place,
     },
-    /// A grid that cannot be understood.
+    /// A grid whose arrays are inconsistent.
     #[error("{message}")]
     Grid {
         /// What was found and expected, with the name of the array.
@@ -215,8 +213,8 @@ pub enum MeshFileError {
 
 /// Reads a mesh from a file, Gmsh or VTK by its extension.
 ///
-/// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. What only the whole mesh shows (inverted cells, facets
-/// inside the body) is found by [`Mesh::check`] and listed by [`defects`](crate::mesh::defects::defects).
+/// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of the whole mesh (inverted cells, facets
+/// inside the body), listed by [`defects`](crate::mesh::defects::defects).
 ///
 /// # Errors
 /// When the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was found and expected.
