@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 ONES, IDENTITY = np.ones((2, 2)), np.eye(2)
 
@@ -179,6 +179,10 @@ class Scheme:
     def penetration(self, u):
         return self.contact.normal @ u - self.data.g
 
+    def round_off(self):
+        """eps cond(K_u) and eps cond(K_theta): to first order the relative error of one backward stable solve."""
+        return tuple(np.finfo(float).eps * condition(K) for K in (self.K_u, self.K_theta))
+
     def factor(self, state):
         """The system in (w, lambda) for known open, stick and slip points: the tangent of Newton's method, factored."""
         key = state.tobytes()
@@ -241,6 +245,14 @@ class Scheme:
         new = np.zeros_like(theta)
         new[free] = self.heat[1].solve(right[free])
         return new
+
+
+def condition(K):
+    """Condition number of a symmetric positive definite matrix in the Euclidean norm, to about 1 %."""
+    start = np.cos(np.arange(K.shape[0]) ** 2)
+    inverse = LinearOperator(K.shape, splu(K.tocsc(), permc_spec="MMD_AT_PLUS_A").solve)
+    extreme = [eigsh(a, 1, which="LA", v0=start, tol=1e-2, return_eigenvectors=False)[0] for a in (K, inverse)]
+    return extreme[0] * extreme[1]
 
 
 def norm(matrix, v):
