@@ -165,14 +165,21 @@ fn sample(seed: u64) -> Sample {
     let (friction, friction_name) = friction_law(&mut random, space);
     let turn = turn(&mut random, space);
     let text = text(&mut random, space, elements, [&normal, &friction], &turn);
-    let mut problem = match case::parse(&Source::new("random.toml", text.clone()), &[]) {
+    let problem = match case::parse(&Source::new("random.toml", text.clone()), &[]) {
         Ok(case) => case.problem,
         Err(error) => {
             println!("seed {seed}: {error}\n{text}");
             std::process::exit(2);
         }
     };
-    problem.mesh = Arc::new(distorted(&problem.mesh, &mut random, &turn));
+    let mesh = Arc::new(distorted(&problem.mesh, &mut random, &turn));
+    let problem = match problem.with(|data| data.mesh = mesh) {
+        Ok(problem) => problem,
+        Err(faults) => {
+            println!("seed {seed}: {faults}\n{text}");
+            std::process::exit(2);
+        }
+    };
     let points = if text.contains("\"gauss\"") { "gauss" } else { "nodal" };
     Sample { text, problem, class: format!("{points} {normal_name:<10} {friction_name}") }
 }

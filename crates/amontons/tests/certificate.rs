@@ -13,7 +13,7 @@ use amontons::material::{Constants, Isotropic, StressState, TensorLaw};
 use amontons::problem::{Coupling, Problem};
 use amontons::scheme::{BackwardEuler, Scheme};
 use amontons::tensor::{Point, Sym, SymMap};
-use common::{Random, paper};
+use common::{Random, changed, paper};
 
 /// The paper's case on 8 × 8 squares, 32 steps.
 fn small(overrides: &[&str]) -> Problem {
@@ -121,11 +121,9 @@ impl TensorLaw for Stiff {
 
 #[test]
 fn declared_constants_of_nonlinear_operators_are_put_to_the_test() {
-    let mut problem = small(&[]);
-    problem.materials[0].elasticity = Arc::new(Stiff);
-    cheap(&problem, "H2", "holds");
-    problem.materials[0].elasticity = Arc::new(Softening);
-    let h2 = cheap(&problem, "H2", "fails");
+    let with_law = |law: Arc<dyn TensorLaw>| changed(&small(&[]), |data| data.materials[0].elasticity = law);
+    cheap(&with_law(Arc::new(Stiff)), "H2", "holds");
+    let h2 = cheap(&with_law(Arc::new(Softening)), "H2", "fails");
     assert!(h2.message.contains("m_a = 1.0") && h2.message.contains("two arguments"), "{}", h2.message);
 }
 
@@ -145,14 +143,15 @@ fn h6_looks_at_gap_initial_and_prescribed_data() {
     let warm = cheap(&small(&["initial.temperature=5"]), "H6", "not-covered");
     near(warm.value, 5.0, 1e-15);
 
-    let mut lifted = small(&["initial.displacement=[0, \"1e-3*y\"]"]);
-    lifted.boundary[0].displacement = Some(vec![Some(0.0.into()), Some(1e-3.into())]);
+    let lifted = small(&["initial.displacement=[0, \"1e-3*y\"]"]);
+    let lifted = changed(&lifted, |data| data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some(1e-3.into())]));
     assert!(cheap(&lifted, "H6", "not-covered").message.contains("top"));
 
-    let mut infinite = small(&[]);
-    infinite.heat_source = f64::INFINITY.into();
-    let singular = cheap(&infinite, "H6", "fails");
-    assert!(singular.place == "load.heat_source" && singular.message.contains("inf"), "{}", singular.message);
+    let infinite = small(&[]).with(|data| data.heat_source = f64::INFINITY.into()).expect_err("a fault");
+    assert_eq!(infinite.0[0].path, "load.heat_source");
+    let undefined = changed(&small(&[]), |data| data.heat_source = f64::NAN.into());
+    let singular = cheap(&undefined, "H6", "fails");
+    assert!(singular.place == "load.heat_source" && singular.message.contains("NaN"), "{}", singular.message);
 }
 
 /// A compliance that declares half its stiffness.
@@ -187,9 +186,7 @@ impl HeatLaw for Unbounded {
 }
 
 fn with_contact(change: impl FnOnce(&mut amontons::contact::Contact)) -> Problem {
-    let mut problem = small(&[]);
-    change(&mut problem.contacts[0]);
-    problem
+    changed(&small(&[]), |data| change(&mut data.contacts[0]))
 }
 
 #[test]
@@ -238,9 +235,7 @@ fn both_inequalities_of_2_23_turn() {
 
 #[test]
 fn without_contact_its_conditions_hold_or_have_nothing_to_say() {
-    let mut problem = small(&[]);
-    problem.contacts.clear();
-    let certificate = judged(&problem);
+    let certificate = judged(&changed(&small(&[]), |data| data.contacts.clear()));
     for id in ["H7", "H8", "2.23-needed", "step-unique", "contact-possible"] {
         assert!(find(&certificate.findings, id).holds(), "{id}");
     }
@@ -252,9 +247,7 @@ fn without_contact_its_conditions_hold_or_have_nothing_to_say() {
 
 #[test]
 fn a_body_that_nothing_holds_has_no_constants_and_no_error() {
-    let mut problem = small(&["contact.gap=0.5"]);
-    problem.boundary[0].displacement = None;
-    let certificate = judged(&problem);
+    let certificate = judged(&changed(&small(&["contact.gap=0.5"]), |data| data.boundary[0].displacement = None));
     assert_eq!((certificate.constants.c_k, certificate.constants.s1), (None, None));
     for id in ["2.23-printed", "contact-possible"] {
         assert_eq!(find(&certificate.findings, id).status, "not-covered", "{id}");
@@ -440,19 +433,16 @@ fn contact_is_excluded_only_where_the_body_stays_away() {
     }
     let nothing = ["contact.normal.stiffness=0", "contact.gap=1", "contact.heat={law='none'}"];
     assert!(find(&judged(&small(&nothing)).findings, "contact-possible").fails());
-    let moved = |b: &mut Problem| b.boundary[0].displacement = Some(vec![Some(0.0.into()), Some((-0.1).into())]);
-    let mut problem = small(&["contact.gap=1"]);
-    moved(&mut problem);
-    assert_eq!(find(&judged(&problem).findings, "contact-possible").status, "not-covered");
+    let moved = changed(&small(&["contact.gap=1"]), |data| data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some((-0.1).into())]));
+    assert_eq!(find(&judged(&moved).findings, "contact-possible").status, "not-covered");
 }
 
 /// The condition of a step is that of the paper's scheme, in which the temperature is known.
 #[test]
 fn other_couplings_are_not_covered_where_heat_moves_the_body() {
     let status = |overrides: &[&str]| {
-        let mut problem = small(&[overrides, &["contact.gap=0.1"]].concat());
-        problem.coupling = Coupling::Monolithic;
-        let certificate = judged(&problem);
+        let staggered = small(&[overrides, &["contact.gap=0.1"]].concat());
+        let certificate = judged(&changed(&staggered, |data| data.coupling = Coupling::Monolithic));
         ["step-unique", "contact-possible"].map(|id| find(&certificate.findings, id).status.clone())
     };
     assert_eq!(status(&[]), ["not-covered", "not-covered"]);
@@ -464,8 +454,7 @@ fn other_couplings_are_not_covered_where_heat_moves_the_body() {
 fn a_nonlinear_law_is_judged_by_its_least_stiffness() {
     let linear = |m: f64| -> Arc<dyn TensorLaw> { Arc::new(Isotropic::lame(2, 0.0, m, StressState::PlaneStress)) };
     let least = |law: Arc<dyn TensorLaw>| {
-        let mut problem = small(&[]);
-        problem.materials[0].elasticity = law;
+        let problem = changed(&small(&[]), |data| data.materials[0].elasticity = law);
         find(&judged(&problem).findings, "step-unique").value.expect("a value")
     };
     let (stiff, below, above) = (least(Arc::new(Stiff)), least(linear(1.0)), least(linear(2.0)));

@@ -15,7 +15,7 @@ use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
 use amontons::tensor::{Point, Rotation, Sym, dot, length};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettingsBuilder, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
-use common::{Random, disturb, largest, paper};
+use common::{Random, checked, disturb, largest, paper};
 
 fn scheme(overrides: &[&str]) -> (Problem, BackwardEuler) {
     let problem = paper(overrides).problem;
@@ -277,7 +277,8 @@ fn in_units(law: &str, length: f64, time: f64, mass: f64) -> Problem {
 }
 
 /// The same problem turned by an angle: body, loads, and tensors.
-fn turned(mut problem: Problem, angle: f64) -> Problem {
+fn turned(problem: Problem, angle: f64) -> Problem {
+    let mut problem = problem.into_data();
     let turn = Rotation::in_plane(angle);
     let (sin, cos) = angle.sin_cos();
     let vector = |[a, b]: [f64; 2]| [cos * a - sin * b, sin * a + cos * b];
@@ -298,7 +299,7 @@ fn turned(mut problem: Problem, angle: f64) -> Problem {
     for material in &mut problem.materials {
         (material.expansion, material.coupling) = (turn.tensor(&material.expansion), turn.tensor(&material.coupling));
     }
-    problem
+    checked(problem)
 }
 
 /// The last displacement, velocity and temperature turned back.
@@ -356,7 +357,7 @@ impl FrictionLaw for Elliptic {
 
 /// A block on a rigid foundation with given friction, from a state with random velocities.
 fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler, State) {
-    let mut problem = paper(&["time.steps=10", "mesh.n=5"]).problem;
+    let mut problem = paper(&["time.steps=10", "mesh.n=5"]).problem.into_data();
     if dim == 3 {
         problem.mesh = Arc::new(Mesh::box_([1.0; 3], [3, 2, 3], Elements::P1).unwrap());
         problem.body_force = vec![0.0.into(), (-1.0).into(), 0.2.into()];
@@ -371,6 +372,7 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
     }
     let contact = &mut problem.contacts[0];
     (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
+    let problem = checked(problem);
     let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
     let mut state = scheme.initial().unwrap();
     let mut random = Random(1234 + dim as u64);

@@ -15,7 +15,7 @@ use crate::field::Field;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
-use crate::problem::{Coupling, Initial, Physics, Problem};
+use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::units::System;
 
@@ -34,7 +34,7 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
-    let problem = Problem {
+    let data = ProblemData {
         name: raw.name,
         system: match raw.units {
             raw::Units::Si => System::Si,
@@ -60,9 +60,9 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
         },
         mesh: Arc::new(mesh),
     };
-    let probes = build.probes(&raw.probe, &problem);
-    let verify = raw.verify.map(|raw| build.verify(&raw, &problem, exact.is_some()));
-    let problem = match problem.checked() {
+    let probes = build.probes(&raw.probe, &data);
+    let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
+    let problem = match data.check() {
         Ok(problem) => Some(problem),
         Err(faults) => {
             build.findings.extend(faults.0.into_iter().map(Finding::from));

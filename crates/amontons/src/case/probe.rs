@@ -5,7 +5,7 @@ use super::check::nearest;
 use super::place::At;
 use super::raw;
 use crate::output::{Place, Probe, ProbeError, ProbeSet, Quantity, Take};
-use crate::problem::Problem;
+use crate::problem::ProblemData;
 use crate::tensor::Point;
 
 /// Where a raw probe reads, and the path of its table.
@@ -19,7 +19,7 @@ struct Target<'r> {
 
 impl Build<'_> {
     /// The probes of `[[probe]]`.
-    pub fn probes(&mut self, raw: &[raw::Probe], problem: &Problem) -> Vec<Probe> {
+    pub fn probes(&mut self, raw: &[raw::Probe], problem: &ProblemData) -> Vec<Probe> {
         let mut probes: Vec<Probe> = Vec::new();
         for (i, probe) in raw.iter().enumerate() {
             let path = format!("probe[{i}]");
@@ -44,7 +44,7 @@ impl Build<'_> {
     }
 
     /// The probe of a check of `[verify]`; none if it has faults.
-    pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &Problem) -> Option<Probe> {
+    pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
         let raw::Check::Probe { field, at, on, region, take, .. } = check else { return None };
         let target = Target { path: format!("verify.check[{i}]"), at: at.as_ref(), on: on.as_ref(), region: region.as_ref(), take: *take };
         let (place, quantity) = (self.probe_place(&target, problem)?, Quantity::parse(field)?);
@@ -53,7 +53,7 @@ impl Build<'_> {
         Some(probe)
     }
 
-    fn probe_place(&mut self, target: &Target, problem: &Problem) -> Option<Place> {
+    fn probe_place(&mut self, target: &Target, problem: &ProblemData) -> Option<Place> {
         let (path, dim) = (&target.path, problem.mesh.dim);
         let take = target.take.map(|take| match take {
             raw::Over::Mean => Take::Mean,
@@ -99,7 +99,7 @@ impl Build<'_> {
     }
 
     /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
-    fn check_probe(&mut self, target: &Target, quantity: &str, problem: &Problem, probe: &Probe) {
+    fn check_probe(&mut self, target: &Target, quantity: &str, problem: &ProblemData, probe: &Probe) {
         // On a mesh with faults it is not known what is outside.
         let mesh_unknown = self.findings.iter().any(|finding| finding.path.to_string().starts_with("mesh"));
         let Err(error) = ProbeSet::check(problem, probe) else { return };

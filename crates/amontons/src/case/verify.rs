@@ -7,7 +7,7 @@ use super::raw;
 use super::study::{ReferenceRequest, StudyRequest};
 use crate::convergence::{Row, Vary};
 use crate::output::{Probe, history_columns};
-use crate::problem::Problem;
+use crate::problem::ProblemData;
 
 /// What makes a case a benchmark.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +142,7 @@ impl From<raw::ErrorName> for ErrorName {
 
 impl Build<'_> {
     /// The block; checks that have faults are left out.
-    pub fn verify(&mut self, raw: &raw::Verify, problem: &Problem, has_exact: bool) -> Verify {
+    pub fn verify(&mut self, raw: &raw::Verify, problem: &ProblemData, has_exact: bool) -> Verify {
         let mut checks = Vec::new();
         for (i, raw) in raw.check.iter().enumerate() {
             let path = format!("verify.check[{i}]");
@@ -172,7 +172,7 @@ impl Build<'_> {
     }
 
     /// Notes a column that history.csv does not have.
-    fn check_column(&mut self, path: &str, column: &str, problem: &Problem) {
+    fn check_column(&mut self, path: &str, column: &str, problem: &ProblemData) {
         let columns = history_columns(problem);
         if !columns.iter().any(|known| known == column) {
             let words: Vec<&str> = columns.iter().map(String::as_str).collect();

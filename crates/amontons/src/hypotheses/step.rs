@@ -70,7 +70,7 @@ fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
 fn minorized(problem: &Problem) -> Problem {
     let dim = problem.mesh.tensor_dim();
     let below = |m: &Material| Material { elasticity: minorant(&m.elasticity, dim), viscosity: minorant(&m.viscosity, dim), ..m.clone() };
-    Problem { materials: problem.materials.iter().map(below).collect(), ..problem.clone() }
+    problem.with_materials(below)
 }
 
 /// The mechanical system of a step for any k.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::files::write_atomically;
 use super::{ContactSummary, OutputError, Snapshot};
 use crate::contact::Quadrature;
-use crate::problem::Problem;
+use crate::problem::ProblemData;
 
 /// Names of the coordinate directions.
 const AXES: [&str; 3] = ["x", "y", "z"];
@@ -25,7 +25,7 @@ fn join(values: &[f64]) -> String {
 
 /// Names of the columns of `history.csv`; of several contacts each has columns of its own, ending with `@` and the name of its side.
 #[must_use]
-pub fn history_columns(problem: &Problem) -> Vec<String> {
+pub fn history_columns(problem: &ProblemData) -> Vec<String> {
     let dim = problem.mesh.dim;
     let before = "step,t,kinetic,elastic,viscous_dissipation,friction_dissipation,contact_energy,load_work,thermal_work,scheme_dissipation,\
                   closing_error,heat_content,heat_contact";

@@ -10,7 +10,7 @@ use crate::contact::{ContactBoundary, Status};
 use crate::convergence::Locator;
 use crate::element::{Element, Table};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
-use crate::problem::Problem;
+use crate::problem::{Problem, ProblemData};
 use crate::quadrature::{Rule, rule};
 use crate::tensor::{Point, length};
 use crate::units::Measure;
@@ -170,7 +170,7 @@ impl ProbeSet {
     ///
     /// # Errors
     /// Why not.
-    pub fn check(problem: &Problem, probe: &Probe) -> Result<(), ProbeError> {
+    pub fn check(problem: &ProblemData, probe: &Probe) -> Result<(), ProbeError> {
         Builder::new(problem).check(probe).map(|_| ())
     }
 
@@ -282,7 +282,7 @@ enum Found<'a> {
 
 /// Prepares probes, each patch of the recovery once.
 struct Builder<'a> {
-    problem: &'a Problem,
+    problem: &'a ProblemData,
     mesh: &'a Mesh,
     locator: Option<Locator<'a>>,
     boundary: Option<ContactBoundary>,
@@ -291,7 +291,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(problem: &'a Problem) -> Builder<'a> {
+    fn new(problem: &'a ProblemData) -> Builder<'a> {
         Builder { problem, mesh: &problem.mesh, locator: None, boundary: None, recovery: None, stencils: BTreeMap::new() }
     }
 

@@ -1,6 +1,6 @@
 //! What holds on the parts of the boundary, contact apart, and which of it excludes what.
 
-use super::{Fault, Problem};
+use super::{Fault, ProblemData};
 use crate::contact::{GraphKind, Quadrature};
 use crate::element::Table;
 use crate::field::Field;
@@ -162,7 +162,7 @@ fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> 
     axis.ok_or((0, [f64::NAN; 3]))
 }
 
-impl Problem {
+impl ProblemData {
     /// V^h with the prescribed displacements: (2.5).
     #[must_use]
     pub fn displacement_space(&self) -> Space {

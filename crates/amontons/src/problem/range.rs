@@ -1,6 +1,6 @@
 //! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below absolute zero.
 
-use super::{Datum, Fault, Problem};
+use super::{Datum, Fault, ProblemData};
 use crate::field::Field;
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -44,7 +44,7 @@ fn power(value: f64) -> Option<f64> {
 /// What to do about a temperature below absolute zero.
 const HINT: &str = "correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for degrees Celsius and 0 for kelvins";
 
-impl Problem {
+impl ProblemData {
     /// Temperatures of the data are not below the absolute zero of a radiating contact.
     pub(super) fn check_temperatures(&self, faults: &mut Vec<Fault>) {
         let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
