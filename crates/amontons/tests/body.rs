@@ -26,9 +26,9 @@ fn rod(steps: usize, pull: f64) -> ProblemData {
     let mut problem = case("crates/amontons/benchmarks/kelvin-voigt-rod.toml", &overrides).problem.into_data();
     let roller = |on: &str, free: usize| {
         let displacement = Some((0..2).map(|c| if c == free { None } else { Some(0.0.into()) }).collect());
-        BoundaryCondition { on: on.to_owned(), displacement, ..BoundaryCondition::default() }
+        BoundaryCondition { displacement, ..BoundaryCondition::on(on) }
     };
-    let pulled = BoundaryCondition { on: "right".to_owned(), traction: Some(vec![pull.into(), 0.0.into()]), ..BoundaryCondition::default() };
+    let pulled = BoundaryCondition::on("right").traction([pull, 0.0]);
     problem.boundary = vec![roller("left", 1), roller("bottom", 0), pulled];
     problem.contacts.clear();
     problem

@@ -27,7 +27,7 @@ fn rectangle(n: usize) -> Mesh {
 }
 
 fn on(side: &str) -> BoundaryCondition {
-    BoundaryCondition { on: side.to_owned(), ..BoundaryCondition::default() }
+    BoundaryCondition::on(side)
 }
 
 /// Resultant and moment about the origin of a load.

@@ -366,8 +366,8 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
         material.viscosity = Arc::new(Isotropic::lame(3, 0.1, 0.1, StressState::PlaneStrain));
         [material.expansion, material.coupling] = [Sym::ZERO; 2];
         material.conductivity = Sym([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
-        let held = |c: usize| BoundaryCondition { displacement: Some(vec![Some(0.0.into()); c]), temperature: Some(0.0.into()), ..free("top") };
-        problem.boundary = vec![held(3), BoundaryCondition { traction: Some(vec![1.4.into(), 0.4.into(), (-0.7).into()]), ..free("left") }];
+        let held = BoundaryCondition::on("top").displacement([0.0; 3]).temperature(0.0);
+        problem.boundary = vec![held, BoundaryCondition::on("left").traction([1.4, 0.4, -0.7])];
         problem.initial = Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
     }
     let contact = &mut problem.contacts[0];
@@ -380,21 +380,6 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
         *w = if scheme.discretization().v.free[i] { 0.3 * random.number() } else { 0.0 };
     }
     (problem, scheme, state)
-}
-
-fn free(on: &str) -> BoundaryCondition {
-    BoundaryCondition {
-        on: on.to_owned(),
-        displacement: None,
-        normal_displacement: None,
-        traction: None,
-        pressure: None,
-        spring: None,
-        dashpot: None,
-        temperature: None,
-        heat_inflow: None,
-        convection: None,
-    }
 }
 
 /// A step with given friction is the minimum of ½ w·K w − r·w + Σ ω s ‖D w_τ‖ under r ≤ 0, which an interior-point method for cone

@@ -36,7 +36,7 @@ fn in_strain(problem: &mut ProblemData, dim: usize, direct: f64) {
 }
 
 fn symmetry(on: &str) -> BoundaryCondition {
-    BoundaryCondition { on: on.to_owned(), normal_displacement: Some(Field::ZERO), ..BoundaryCondition::default() }
+    BoundaryCondition::on(on).normal_displacement(0.0)
 }
 
 /// The body swept along z, between planes of symmetry.
@@ -106,7 +106,6 @@ fn the_paper_s_problem_between_planes_of_symmetry() {
 #[test]
 fn a_rod_is_a_strip_between_planes_of_symmetry() {
     let height = 0.5;
-    let condition = |on: &str| BoundaryCondition { on: on.to_owned(), ..BoundaryCondition::default() };
     let mut strip = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem.into_data();
     strip.mesh = Arc::new(Mesh::rectangle_of(Elements::Q1, [1.0, height], [16, 1], Diagonal::Right).expect("a mesh"));
     in_strain(&mut strip, 2, 1.0);
@@ -114,7 +113,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     let diagonal = Sym::from_fn(2, |i, j| if i == j { 1.0 } else { 0.0 });
     (strip.materials[0].expansion, strip.materials[0].coupling) = (diagonal, diagonal);
     strip.body_force = vec![1.0.into(), Field::ZERO];
-    let held = BoundaryCondition { displacement: Some(vec![Some(Field::ZERO); 2]), temperature: Some(Field::ZERO), ..condition("left") };
+    let held = BoundaryCondition::on("left").displacement([0.0; 2]).temperature(0.0);
     strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];
     let contact = &mut strip.contacts[0];
     contact.on = "right".to_owned();
@@ -126,7 +125,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     rod.body_force.truncate(1);
     rod.initial.displacement.truncate(1);
     rod.initial.velocity.truncate(1);
-    rod.boundary = vec![BoundaryCondition { displacement: Some(vec![Some(Field::ZERO)]), temperature: Some(Field::ZERO), ..condition("left") }];
+    rod.boundary = vec![BoundaryCondition::on("left").displacement([0.0]).temperature(0.0)];
 
     let (small, large) = (solve(&rod), solve(&strip));
     let at = |x: f64, y: f64| strip.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node");

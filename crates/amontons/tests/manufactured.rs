@@ -33,8 +33,9 @@ fn cube(elements: Elements, n: usize) -> Mesh {
 }
 
 fn material(elasticity: Arc<dyn TensorLaw>, viscosity: Arc<dyn TensorLaw>, conductivity: Sym) -> Material {
-    let zero = Sym::default();
-    Material { density: 0.0, heat_capacity: 0.0, elasticity, viscosity, prony: None, expansion: zero, coupling: zero, conductivity }
+    let mut material = Material::new(3, Isotropic::lame(3, 0.0, 0.0, StressState::PlaneStrain));
+    (material.elasticity, material.viscosity, material.conductivity) = (elasticity, viscosity, conductivity);
+    material
 }
 
 fn none(dim: usize) -> Arc<dyn TensorLaw> {

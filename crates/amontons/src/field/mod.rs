@@ -30,6 +30,12 @@ impl From<f64> for Field {
     }
 }
 
+impl From<Expression> for Field {
+    fn from(expression: Expression) -> Field {
+        Field::Expression(expression)
+    }
+}
+
 impl Field {
     /// Zero everywhere and always.
     pub const ZERO: Field = Field::Constant(0.0);

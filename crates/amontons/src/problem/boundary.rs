@@ -75,6 +75,42 @@ pub struct Convection {
 }
 
 impl BoundaryCondition {
+    /// A free and insulated side, on the facet set `on`.
+    #[must_use]
+    pub fn on(on: impl Into<String>) -> BoundaryCondition {
+        BoundaryCondition { on: on.into(), ..BoundaryCondition::default() }
+    }
+
+    /// With all components of the displacement prescribed, m.
+    #[must_use]
+    pub fn displacement(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
+        BoundaryCondition { displacement: Some(components.into_iter().map(|c| Some(c.into())).collect()), ..self }
+    }
+
+    /// With a prescribed displacement along the outward normal, m.
+    #[must_use]
+    pub fn normal_displacement(self, along: impl Into<Field>) -> BoundaryCondition {
+        BoundaryCondition { normal_displacement: Some(along.into()), ..self }
+    }
+
+    /// With a traction, Pa.
+    #[must_use]
+    pub fn traction(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
+        BoundaryCondition { traction: Some(components.into_iter().map(Into::into).collect()), ..self }
+    }
+
+    /// With a prescribed temperature, K.
+    #[must_use]
+    pub fn temperature(self, theta: impl Into<Field>) -> BoundaryCondition {
+        BoundaryCondition { temperature: Some(theta.into()), ..self }
+    }
+
+    /// With a heat flux into the body, W/m².
+    #[must_use]
+    pub fn heat_inflow(self, flux: impl Into<Field>) -> BoundaryCondition {
+        BoundaryCondition { heat_inflow: Some(flux.into()), ..self }
+    }
+
     /// Whether some displacement of the body is held: by a prescribed value or a spring.
     #[must_use]
     pub fn holds_body(&self) -> bool {

@@ -99,7 +99,23 @@ impl fmt::Display for Coupling {
     }
 }
 
-/// The data of a problem, not yet checked.
+/// The data of a problem, not yet checked: made by [`ProblemData::new`], the fields then set.
+///
+/// ```
+/// use amontons::contact::{Compliance, Contact, Coulomb};
+/// use amontons::material::{Isotropic, Material, StressState::PlaneStrain};
+/// use amontons::mesh::{Diagonal, Mesh};
+/// use amontons::problem::{BoundaryCondition, Physics, ProblemData};
+///
+/// let mesh = Mesh::rectangle([0.2, 0.1], [16, 8], Diagonal::Right)?;
+/// let rubber = Material::new(2, Isotropic::elastic(2, 5e6, 0.4, PlaneStrain)).viscosity(Isotropic::lame(2, 0.0, 2e4, PlaneStrain));
+/// let mut block = ProblemData::new("block", mesh, rubber, 1.0, 20);
+/// block.physics = Physics::Mechanics;
+/// block.boundary = vec![BoundaryCondition::on("top").displacement([0.0, -1e-3])];
+/// block.contacts = vec![Contact::new("bottom", Compliance { stiffness: 1e10 }).friction(Coulomb { coefficient: 0.3 })];
+/// let block = block.check()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct ProblemData {
@@ -170,6 +186,28 @@ impl Problem {
 }
 
 impl ProblemData {
+    /// A body of one material in SI units from t = 0 to t = `end` s in `steps` steps. Nothing acts on it and nothing holds it; it is at
+    /// rest, its temperature is 0, and it has both mechanics and heat.
+    #[must_use]
+    pub fn new(name: impl Into<String>, mesh: Mesh, material: Material, end: f64, steps: usize) -> ProblemData {
+        ProblemData {
+            name: name.into(),
+            system: System::Si,
+            mesh: Arc::new(mesh),
+            end,
+            steps,
+            physics: Physics::Coupled,
+            materials: vec![material],
+            body_force: Vec::new(),
+            heat_source: Field::ZERO,
+            boundary: Vec::new(),
+            contacts: Vec::new(),
+            initial: Initial::default(),
+            coupling: Coupling::Staggered,
+            dilatation: Dilatation::Full,
+        }
+    }
+
     /// The units of its numbers.
     #[must_use]
     pub fn units(&self) -> Units {
