@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use amontons::case::{self, Source};
-use amontons::hypotheses;
+use amontons::hypotheses::{self, FindingId};
 use amontons::linalg::Supernodal;
 use amontons::mesh::Mesh;
 use amontons::problem::Problem;
@@ -153,7 +153,7 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
 
 /// Whether the certificate says that a step has one solution.
 fn is_unique(problem: &Problem) -> bool {
-    hypotheses::certificate_or_findings(problem).findings.iter().any(|finding| finding.id == "step-unique" && finding.holds())
+    hypotheses::certificate_or_findings(problem).findings.iter().any(|finding| finding.id == FindingId::StepUnique && finding.holds())
 }
 
 /// The case of a seed.

@@ -142,7 +142,7 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
         row("time", &format!("{} steps of {} to {}", problem.steps, write(problem.k(), Measure::Time), write(problem.end, Measure::Time))),
         row("contact", &contact),
     ];
-    let width = certificate.findings.iter().map(|f| f.id.len()).max().unwrap_or(0) + 2;
+    let width = certificate.findings.iter().map(|f| f.id.as_str().len()).max().unwrap_or(0) + 2;
     lines.extend(model::rows(problem, model));
     for (title, kind) in [("What you can act on:", Kind::Warning), ("What the theory covers:", Kind::Theory)] {
         lines.push(title.to_owned());

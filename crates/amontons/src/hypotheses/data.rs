@@ -2,7 +2,7 @@
 
 use super::laws::at;
 use super::sample::times;
-use super::{Finding, Status};
+use super::{Finding, FindingId, FindingStatus};
 use crate::field::Field;
 use crate::problem::Problem;
 use crate::tensor::Point;
@@ -15,7 +15,7 @@ const MATCH: f64 = 1e-12;
 
 /// One part of (H6).
 struct Part {
-    status: Status,
+    status: FindingStatus,
     value: Option<f64>,
     message: String,
     place: String,
@@ -26,15 +26,15 @@ struct Part {
 /// between is not known.
 pub(super) fn h6(problem: &Problem) -> Finding {
     let parts = parts(problem);
-    let worst = parts.iter().map(|p| p.status).max().unwrap_or(Status::Holds);
+    let worst = parts.iter().map(|p| p.status).max().unwrap_or(FindingStatus::Holds);
     let said: Vec<&str> = parts.iter().filter(|p| p.status == worst).map(|p| p.message.as_str()).collect();
     let first = parts.iter().find(|p| p.status == worst);
     let mut message = said.join("; ");
-    if worst == Status::Holds {
+    if worst == FindingStatus::Holds {
         message = format!("{message}; j is convex, since p_τ ≥ 0 and its first term is linear in v");
     }
-    let finding = Finding::new("H6", worst, message, first.map_or("load", |p| p.place.as_str()));
-    let needed = first.filter(|p| p.status != Status::Holds && p.value.is_some()).map(|_| 0.0);
+    let finding = Finding::new(FindingId::H6, worst, message, first.map_or("load", |p| p.place.as_str()));
+    let needed = first.filter(|p| p.status != FindingStatus::Holds && p.value.is_some()).map(|_| 0.0);
     finding.numbers(first.and_then(|p| p.value), needed).repair(first.map_or("", |p| p.repair))
 }
 
@@ -50,7 +50,7 @@ fn parts(problem: &Problem) -> Vec<Part> {
 /// it is enough that it is square integrable.
 pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
     let harmless = |part: &Part| part.value.is_some() && !part.place.starts_with("initial.displacement");
-    parts(problem).into_iter().find(|part| part.status == Status::Fails && !harmless(part)).map(|part| part.message)
+    parts(problem).into_iter().find(|part| part.status == FindingStatus::Fails && !harmless(part)).map(|part| part.message)
 }
 
 /// Loads are finite: bounded data are square integrable.
@@ -61,12 +61,12 @@ fn finite(problem: &Problem) -> Part {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {
                 let message = format!("{place} is {} at {}, t = {t} s", values[i], at(&points[i]));
-                return Part { status: Status::Fails, value: None, message, place, repair: "data that are finite everywhere" };
+                return Part { status: FindingStatus::Fails, value: None, message, place, repair: "data that are finite everywhere" };
             }
         }
     }
     let message = "the data are finite at the nodes at t = 0 and t = T".to_owned();
-    Part { status: Status::Holds, value: None, message, place: "load".to_owned(), repair: "" }
+    Part { status: FindingStatus::Holds, value: None, message, place: "load".to_owned(), repair: "" }
 }
 
 /// g ≥ 0.
@@ -80,7 +80,7 @@ fn gap(problem: &Problem) -> Option<Part> {
         Some((least, x, t, levels, format!("{}.{}", problem.contact_path(side), if contact.obstacle.is_some() { "obstacle" } else { "gap" })))
     });
     let (least, x, t, levels, place) = least.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
+    let (status, sign) = if least >= 0.0 { (FindingStatus::Holds, "g ≥ 0") } else { (FindingStatus::Fails, "the gap is negative") };
     let when = if levels.len() > 1 { format!(", t = {t} s, of {} time levels", levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
     Some(Part { status, value: Some(least), message, place, repair: "a gap that is not negative; a body pressed in from the start has initial.displacement" })
@@ -118,9 +118,9 @@ fn initial(problem: &Problem) -> Vec<Part> {
         }
     }
     let mut parts: Vec<Part> = Vec::new();
-    for (worst, status) in worst.into_iter().zip([Status::Fails, Status::Fails, Status::NotCovered]) {
+    for (worst, status) in worst.into_iter().zip([FindingStatus::Fails, FindingStatus::Fails, FindingStatus::NotCovered]) {
         let Some((mismatch, expected, x, place)) = worst else { continue };
-        let what = if status == Status::Fails {
+        let what = if status == FindingStatus::Fails {
             "the first step makes a jump"
         } else {
             "enough for a solution, but errors of the first steps do not have the order of (4.4)"
@@ -130,7 +130,7 @@ fn initial(problem: &Problem) -> Vec<Part> {
     }
     if parts.is_empty() {
         let message = "initial and prescribed values agree".to_owned();
-        parts.push(Part { status: Status::Holds, value: Some(0.0), message, place: "initial".to_owned(), repair: "" });
+        parts.push(Part { status: FindingStatus::Holds, value: Some(0.0), message, place: "initial".to_owned(), repair: "" });
     }
     parts
 }
@@ -156,7 +156,7 @@ fn homogeneous(problem: &Problem) -> Option<Part> {
             b.on
         );
         return Some(Part {
-            status: Status::NotCovered,
+            status: FindingStatus::NotCovered,
             value: None,
             message,
             place: format!("boundary[{i}].{what}"),

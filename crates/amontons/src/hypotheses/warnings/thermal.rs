@@ -1,6 +1,6 @@
 //! `thermal-layer`: how deep heat gets from Γ_C beside the size of a cell.
 
-use super::super::Finding;
+use super::super::{Finding, FindingId};
 use super::super::laws::at;
 use super::warning;
 use crate::model::thermal_layers;
@@ -34,5 +34,5 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
     let needed = layer.end * SHARE.sqrt();
     let repair =
         format!("cells of at most {needed:.1e} m along the normal next to \"{}\"; temperatures and heat of the contact cannot be trusted before", layer.side);
-    Some(warning("thermal-layer", "mesh", [layer.cell, needed], message, repair))
+    Some(warning(FindingId::ThermalLayer, "mesh", [layer.cell, needed], message, repair))
 }
