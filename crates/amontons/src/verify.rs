@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take};
 use crate::contact::Status;
 use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
-use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
+use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, columns, history_columns, history_values};
 use crate::plot::{PlotError, Run};
 use crate::run::{RunError, Settings, run};
 
@@ -235,16 +235,16 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
             ("/final/contact/slip", count(Status::Slip)),
         ]);
     }
-    let columns = [
-        ("/energy/kinetic", "kinetic"),
-        ("/energy/elastic", "elastic"),
-        ("/energy/load_work", "load_work"),
-        ("/energy/viscous_dissipation", "viscous_dissipation"),
-        ("/energy/friction_dissipation", "friction_dissipation"),
-        ("/final/contact/force/0", "contact_force_x"),
-        ("/final/contact/force/1", "contact_force_y"),
+    let of_history = [
+        ("/energy/kinetic", columns::KINETIC.name.to_owned()),
+        ("/energy/elastic", columns::ELASTIC.name.to_owned()),
+        ("/energy/load_work", columns::LOAD_WORK.name.to_owned()),
+        ("/energy/viscous_dissipation", columns::VISCOUS_DISSIPATION.name.to_owned()),
+        ("/energy/friction_dissipation", columns::FRICTION_DISSIPATION.name.to_owned()),
+        ("/final/contact/force/0", columns::CONTACT_FORCE.component(0)),
+        ("/final/contact/force/1", columns::CONTACT_FORCE.component(1)),
     ];
-    figures.extend(columns.into_iter().filter_map(|(place, column)| Some((place, *run.history.get(column)?.last()?))));
+    figures.extend(of_history.into_iter().filter_map(|(place, column)| Some((place, *run.history.get(&column)?.last()?))));
     // The audit of the last row: what is stored and dissipated is the work done, up to the closing error.
     let at = |column: &str| run.history.get(column).and_then(|values| values.last()).copied().unwrap_or(0.0);
     let mut verdicts: Vec<Verdict> = figures
@@ -258,7 +258,7 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
     let turned = summary.pointer("/energy/turned_over").and_then(serde_json::Value::as_f64).unwrap_or(1.0);
     let closing = summary.pointer("/energy/closing_error").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
     let is = Comparison { reference: closing, tolerance: 1e-12, scale: 1.0 };
-    let error = at("closing_error");
+    let error = at(columns::CLOSING_ERROR.name);
     // A run without mechanics turns nothing over.
     verdicts.push(verdict(&name, "energy.closing_error".to_owned(), if turned > 0.0 { error / turned } else { error }, &is));
     Ok(verdicts)

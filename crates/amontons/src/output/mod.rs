@@ -10,6 +10,7 @@
 
 mod cells;
 pub mod checkpoint;
+pub mod columns;
 mod csv;
 mod earlier;
 mod files;
@@ -30,7 +31,7 @@ use std::path::{Path, PathBuf};
 
 pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use csv::{history_columns, history_values};
+pub use columns::{contact_measures, history_columns, history_measures, history_values};
 pub use earlier::{finished_run, known_certificate};
 pub use folder::{Folder, FolderOptions};
 pub use inputs::{INPUTS, Input, fingerprint};
