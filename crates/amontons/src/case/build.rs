@@ -137,8 +137,7 @@ impl Build<'_> {
     }
 
     fn is_doubtful(&self, path: &Path) -> bool {
-        let root = path.0.first();
-        if self.no_mesh && !["mesh", "name", "time"].iter().any(|key| root == Some(&Segment::Key((*key).to_owned()))) {
+        if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
             return true;
         }
         // A side cannot be looked up while the mesh that has the sides is unknown.

@@ -126,16 +126,16 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     let (document, errors) = DeTable::parse_recoverable(&source.text);
     if !errors.is_empty() {
         let errors = errors.iter().map(|e| (e.message().to_owned(), e.span())).collect();
-        let mut faults = syntax::faults(&source.text, errors);
+        let syntax::SyntaxFaults { mut faults, only_duplicates } = syntax::faults(&source.text, errors);
         faults.extend(overrides::faults(overrides));
         // With keys given twice alone the rest can be read; overrides might change what it says.
-        if overrides.is_empty() && faults.iter().all(syntax::is_duplicate) {
+        if overrides.is_empty() && only_duplicates {
             let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
             faults.extend(build_case(document.get_ref(), &source.files, false).1.into_iter().map(|finding| origin.locate(finding)));
         }
         return Err(CaseError::faults(source, faults));
     }
-    let applied = overrides::apply(&source.text, overrides).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
+    let applied = overrides::apply(&source.text, overrides).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
     let Applied { text, set, mut faults } = applied;
     let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
     // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those that it lacks.
@@ -147,7 +147,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
     match case {
         Some((mut case, references)) if faults.is_empty() => {
-            case.text = overrides::refer(&text, &references).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
+            case.text = overrides::refer(&text, &references).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
             Ok(case)
         }
         _ => Err(CaseError::faults(source, faults)),

@@ -101,7 +101,7 @@ impl Build<'_> {
     /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
     fn check_probe(&mut self, target: &Target, quantity: &str, problem: &ProblemData, probe: &Probe) {
         // On a mesh with faults it is not known what is outside.
-        let mesh_unknown = self.findings.iter().any(|finding| finding.path.to_string().starts_with("mesh"));
+        let mesh_unknown = self.findings.iter().any(|finding| finding.path.is_in("mesh"));
         let Err(error) = ProbeSet::check(problem, probe) else { return };
         let path = |key: &str| format!("{}.{key}", target.path);
         let among = |name: Option<&String>, known: &[String]| {
