@@ -67,6 +67,19 @@ fn every_block_of_the_guides_is_a_case() {
     assert_eq!(read("contact.md"), (1, 8), "blocks that include a case, and parts of cases");
 }
 
+/// The chapter on extending shows every example, and each in its own file: the tests of the examples compile and run those.
+#[test]
+fn the_examples_are_in_the_guide() {
+    let text = std::fs::read_to_string(file("book/src/extending.md")).expect("the chapter");
+    let examples = std::fs::read_dir(file("crates/amontons/examples")).expect("the examples").flatten();
+    let mut shown = 0;
+    for example in examples.map(|entry| entry.file_name().into_string().expect("a name")) {
+        assert!(text.contains(&format!("{{{{#include ../../crates/amontons/examples/{example}}}}}")), "{example} is not shown");
+        shown += 1;
+    }
+    assert_eq!(text.matches("{{#include ").count(), shown);
+}
+
 /// The chapter on results gives every column of the tables its unit, in the plane and in space.
 #[test]
 fn the_table_of_columns_has_their_units() {

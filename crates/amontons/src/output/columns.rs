@@ -23,14 +23,14 @@ pub trait Rows {
 pub enum History {}
 
 impl Rows for History {
-    type Row<'a> = Step<'a>;
+    type Row<'a> = StepRow<'a>;
 }
 
 /// `contact.csv`: one row per contact point.
 pub enum OnContact {}
 
 impl Rows for OnContact {
-    type Row<'a> = ContactPoint<'a>;
+    type Row<'a> = PointRow<'a>;
 }
 
 /// A column of a table, or the columns of a vector.
@@ -95,7 +95,7 @@ impl<T: Rows> Column<T> {
 }
 
 /// A step with its contact, or with that of one side: what a row of `history.csv` is made of.
-pub struct Step<'a> {
+pub struct StepRow<'a> {
     ledger: &'a Ledger,
     report: &'a StepReport,
     step: usize,
@@ -104,12 +104,12 @@ pub struct Step<'a> {
     foundation: Option<f64>,
 }
 
-impl<'a> Step<'a> {
-    fn new(now: &Snapshot<'a>, report: &'a StepReport, side: Option<usize>) -> Step<'a> {
+impl<'a> StepRow<'a> {
+    fn new(now: &Snapshot<'a>, report: &'a StepReport, side: Option<usize>) -> StepRow<'a> {
         let state = now.state;
         let foundation = side.and_then(|side| state.surface.foundation.get(side).copied().flatten());
         let contact = ContactSummary::new(now, &report.contact, side);
-        Step { ledger: &state.ledger, report, step: state.step, t: state.t, contact, foundation }
+        StepRow { ledger: &state.ledger, report, step: state.step, t: state.t, contact, foundation }
     }
 }
 
@@ -256,18 +256,18 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     let report = now.report?;
     let dim = now.problem.mesh.dim;
     let mut values = Vec::new();
-    let mut add = |column: &Column<History>, step: &Step| match column.value {
+    let mut add = |column: &Column<History>, step: &StepRow| match column.value {
         Value::Number(value) => values.push(value(step)),
         Value::Vector(value) => values.extend(value(step).iter().take(dim)),
         Value::Optional(value) => values.extend(value(step)),
         Value::Text(_) => values.push(f64::NAN),
     };
-    let all = Step::new(now, report, None);
+    let all = StepRow::new(now, report, None);
     OF_STEP.iter().for_each(|column| add(column, &all));
     for side in 0..now.problem.contacts.len() {
         let of_this: Vec<_> = of_side(now.problem, side).collect();
         if !of_this.is_empty() {
-            let step = Step::new(now, report, Some(side));
+            let step = StepRow::new(now, report, Some(side));
             of_this.into_iter().for_each(|column| add(column, &step));
         }
     }
@@ -275,7 +275,7 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
 }
 
 /// A contact point after a step: what a row of `contact.csv` is made of.
-pub struct ContactPoint<'a> {
+pub struct PointRow<'a> {
     now: &'a Snapshot<'a>,
     number: usize,
     point: &'a PointOnBoundary,
@@ -284,7 +284,7 @@ pub struct ContactPoint<'a> {
     flux: f64,
 }
 
-impl ContactPoint<'_> {
+impl PointRow<'_> {
     /// The node with nodal quadrature; otherwise the contact points are counted from 0.
     fn node(&self) -> usize {
         let nodal = self.now.problem.contacts.get(self.point.side).is_some_and(|c| c.quadrature == Quadrature::Nodal);
@@ -350,7 +350,7 @@ pub(super) fn contact_rows(now: &Snapshot) -> Vec<String> {
     let of_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
     let rows = now.discretization.boundary.points.iter().zip(of_points).enumerate();
     rows.map(|(number, (point, (state, (&temperature, flux))))| {
-        let row = ContactPoint { now, number, point, state, temperature, flux: flux.value };
+        let row = PointRow { now, number, point, state, temperature, flux: flux.value };
         let cell = |column: &&Column<OnContact>| match column.value {
             Value::Number(value) => format!("{:?}", value(&row)),
             Value::Vector(value) => super::csv::join(&value(&row)[..dim]),
