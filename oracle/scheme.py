@@ -146,6 +146,8 @@ def gauss(points):
 # lambda = projection of lambda + c w_tau on |.| <= p_tau for every c > 0, so c changes the way of the iteration and not
 # its limit: c is mu_2 times the first of these numbers, and the next one wherever a pattern comes back.
 SCALES = (1.0, 4.0, 0.25, 16.0, 0.0625, 64.0)
+# ||theta|| <= REACH / m_d times the norm of a heat flux on Gamma_C: (s_2^2 / lam_FP)^(1/2) of constants.csv.
+REACH = 0.17
 OPEN, STICK, SLIP = 0, 2, 1                                     # slip is +1 or -1, the sign of the slip velocity
 
 
@@ -179,9 +181,21 @@ class Scheme:
     def penetration(self, u):
         return self.contact.normal @ u - self.data.g
 
-    def round_off(self):
-        """eps cond(K_u) and eps cond(K_theta): to first order the relative error of one backward stable solve."""
-        return tuple(np.finfo(float).eps * condition(K) for K in (self.K_u, self.K_theta))
+    def sizes(self, u, w, theta):
+        """Norms of what the two half-steps solve for or are driven by, and the largest |theta - theta_F|."""
+        f = self.forms
+        strain = norm(f.eps, u)
+        return max(norm(f.mass, w), strain), max(norm(f.C, theta), strain), np.abs(theta - self.data.theta_F).max()
+
+    def round_off(self, sizes):
+        """Round-off of mechanics and heat to first order, for the largest `sizes` of a run: that of one backward stable
+        solve each, and for heat that of the penetration through the slope of k_c; at most 1e-10 of the sizes (README)."""
+        of_u, of_theta, difference = sizes
+        eps = np.finfo(float).eps
+        u = eps * condition(self.K_u) * of_u
+        slope, m_d = self.data.kbar / self.data.eps_c, np.linalg.eigvalsh(self.data.K)[0]
+        theta = eps * condition(self.K_theta) * of_theta + REACH / m_d * slope * difference * self.k * u
+        return min(u, 1e-10 * of_u), min(theta, 1e-10 * of_theta)
 
     def factor(self, state):
         """The system in (w, lambda) for known open, stick and slip points: the tangent of Newton's method, factored."""

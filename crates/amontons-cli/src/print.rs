@@ -5,7 +5,7 @@ use std::path::Path;
 
 use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::model::Model;
-use amontons::output::{ContactSummary, Outcome, Solver, Summary};
+use amontons::output::{ContactSummary, Outcome, Seconds, Solver, Summary};
 use amontons::problem::Problem;
 use amontons::units::{Extent, Measure, Units};
 use serde_json::{Value, json};
@@ -46,13 +46,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     let mut lines = vec![
         format!("{}: {state}, {} steps to t = {} in {:.2} s", summary.case, summary.steps, time.trim_end(), seconds.total),
         row("unknowns", &format!("{} displacement, {} temperature, {} on the contact side", unknowns.displacement, unknowns.temperature, unknowns.contact)),
-        row(
-            "time",
-            &format!(
-                "{:.2} s certificate, {:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output",
-                seconds.certificate, seconds.setup, seconds.factor, seconds.steps, seconds.output
-            ),
-        ),
+        row("time", &phases(seconds)),
     ];
     for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
         lines.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
@@ -77,6 +71,12 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     lines.push(row("results", &folder.display().to_string()));
     lines.extend(voices::of_run(&summary.findings));
     lines.join("\n") + "\n"
+}
+
+/// The times of the phases of a run.
+fn phases(seconds: &Seconds) -> String {
+    let Seconds { certificate, setup, factor, steps, output, .. } = seconds;
+    format!("{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output")
 }
 
 /// What is to be known where steps were made in halves.

@@ -33,6 +33,9 @@ impl FrictionLaw for Saturating {
 }
 
 /// The force of friction per metre on a layer of 0.2 m whose contact has the pressure 1e6 Pa.
+///
+/// # Errors
+/// When the data have faults or the run fails.
 pub fn friction_force(law: Saturating) -> Result<f64, Box<dyn std::error::Error>> {
     let polymer = Material::new(2, Isotropic::elastic(2, 5e9, 0.0, PlaneStrain));
     let mut layer = ProblemData::new("layer", Mesh::rectangle([0.2, 0.1], [8, 4], Diagonal::Right)?, polymer, 1.0, 10);
@@ -48,6 +51,9 @@ pub fn friction_force(law: Saturating) -> Result<f64, Box<dyn std::error::Error>
 }
 
 /// Tests the law, and prints the force.
+///
+/// # Errors
+/// When the data have faults or the run fails.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     assert_friction_law(&Saturating { coefficient: 0.5, strength: 3e5 }, 1e6);
     println!("friction: {:.6e} N/m", friction_force(Saturating { coefficient: 0.5, strength: 3e5 })?);

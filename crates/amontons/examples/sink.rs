@@ -35,6 +35,9 @@ impl Sink for Forces {
 }
 
 /// The forces on a rod of E = 1 MPa and a length of 1 m, whose end is moved by t mm towards a foundation with 4e6 Pa/m.
+///
+/// # Errors
+/// When the data have faults or the run fails.
 pub fn forces() -> Result<Forces, Box<dyn std::error::Error>> {
     let mut rod = ProblemData::new("rod", Mesh::interval(1.0, 4, Elements::P1)?, Material::new(1, Isotropic::elastic(1, 1e6, 0.0, PlaneStress)), 1.0, 5);
     rod.physics = Physics::Mechanics;
@@ -46,6 +49,9 @@ pub fn forces() -> Result<Forces, Box<dyn std::error::Error>> {
 }
 
 /// Prints the forces.
+///
+/// # Errors
+/// When the data have faults or the run fails.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     for [t, force] in forces()?.0 {
         println!("{t:.2} s  {force:.6e} N");

@@ -36,28 +36,18 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let data = ProblemData {
         name: raw.name,
-        system: match raw.units {
-            raw::Units::Si => System::Si,
-            raw::Units::Dimensionless => System::Dimensionless,
-        },
+        system: system(raw.units),
         end: raw.time.end,
         steps: raw.time.steps,
         physics,
         materials,
-        dilatation: match raw.material.dilatation {
-            raw::Dilatation::Full => Dilatation::Full,
-            raw::Dilatation::Mean => Dilatation::Mean,
-        },
+        dilatation: dilatation(raw.material.dilatation),
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
         contacts: raw.contact.map_or_else(Vec::new, raw::Contacts::all).into_iter().map(|(path, c)| build.contact(&path, c, &mesh)).collect(),
         initial: build.initial(&raw.initial, &mesh.points),
-        coupling: match raw.scheme.coupling {
-            raw::Coupling::Staggered => Coupling::Staggered,
-            raw::Coupling::FixedPoint => Coupling::FixedPoint,
-            raw::Coupling::Monolithic => Coupling::Monolithic,
-        },
+        coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
     };
     let probes = build.probes(&raw.probe, &data);
@@ -73,6 +63,28 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
     let (inputs, references) = build.loader.copies();
     (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
+}
+
+fn system(raw: raw::Units) -> System {
+    match raw {
+        raw::Units::Si => System::Si,
+        raw::Units::Dimensionless => System::Dimensionless,
+    }
+}
+
+fn dilatation(raw: raw::Dilatation) -> Dilatation {
+    match raw {
+        raw::Dilatation::Full => Dilatation::Full,
+        raw::Dilatation::Mean => Dilatation::Mean,
+    }
+}
+
+fn coupling(raw: raw::Coupling) -> Coupling {
+    match raw {
+        raw::Coupling::Staggered => Coupling::Staggered,
+        raw::Coupling::FixedPoint => Coupling::FixedPoint,
+        raw::Coupling::Monolithic => Coupling::Monolithic,
+    }
 }
 
 /// What a case gives.

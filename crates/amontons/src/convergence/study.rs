@@ -203,20 +203,7 @@ impl Study {
                 return Err(StudyError::Times { level: level.level, steps: level.problem.steps, reference: steps });
             }
         }
-        let trajectories = self.levels.par_iter().map(|level| {
-            if let Some(states) = settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.steps) {
-                return Ok(states);
-            }
-            let mut states = Vec::new();
-            walk(level, settings, |state| {
-                states.push(state.clone());
-                Ok(())
-            })?;
-            if let Some(keep) = settings.keep {
-                keep(level, &states);
-            }
-            Ok(states)
-        });
+        let trajectories = self.levels.par_iter().map(|level| trajectory(level, settings));
         let trajectories = trajectories.collect::<Result<Vec<_>, StudyError>>()?;
 
         let mut scheme = scheme_of(reference)?;
@@ -283,6 +270,22 @@ impl Study {
         let slopes = slopes.into_iter().map(|(name, slope)| (name.to_owned(), slope)).collect();
         Table { vary: self.vary, rows, slopes, nested }
     }
+}
+
+/// The states of a level after each step, kept from before or computed.
+fn trajectory(level: &Level, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
+    if let Some(states) = settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.steps) {
+        return Ok(states);
+    }
+    let mut states = Vec::new();
+    walk(level, settings, |state| {
+        states.push(state.clone());
+        Ok(())
+    })?;
+    if let Some(keep) = settings.keep {
+        keep(level, &states);
+    }
+    Ok(states)
 }
 
 impl Table {

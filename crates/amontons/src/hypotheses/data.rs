@@ -89,8 +89,8 @@ fn gap(problem: &Problem) -> Option<Part> {
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
 type Mismatch = Option<(f64, f64, Point, String)>;
 
-/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) asks it of u₀ and u̇₀ only.
-fn initial(problem: &Problem) -> Vec<Part> {
+/// The largest mismatches of u₀, u̇₀ and θ₀ with prescribed values, and of u̇₀ with their rate.
+fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mesh = &problem.mesh;
     let start = &problem.initial;
     let mut seen = vec![false; mesh.points.len() * (mesh.dim + 1)];
@@ -117,8 +117,13 @@ fn initial(problem: &Problem) -> Vec<Part> {
             }
         }
     }
+    worst
+}
+
+/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) asks it of u₀ and u̇₀ only.
+fn initial(problem: &Problem) -> Vec<Part> {
     let mut parts: Vec<Part> = Vec::new();
-    for (worst, status) in worst.into_iter().zip([FindingStatus::Fails, FindingStatus::Fails, FindingStatus::NotCovered]) {
+    for (worst, status) in mismatches(problem).into_iter().zip([FindingStatus::Fails, FindingStatus::Fails, FindingStatus::NotCovered]) {
         let Some((mismatch, expected, x, place)) = worst else { continue };
         let what = if status == FindingStatus::Fails {
             "the first step makes a jump"

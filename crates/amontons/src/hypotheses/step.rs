@@ -212,7 +212,7 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
 }
 
 /// The system to judge, or the finding that says why there is none.
-fn prepare<'a>(problem: &'a Problem, id: FindingId) -> Result<Step<'a>, Box<Finding>> {
+fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
     if problem.contacts.is_empty() {
         return Err(Box::new(Finding::new(id, FindingStatus::Holds, "there is no contact: a step is monotone", "contact")));
     }

@@ -263,12 +263,16 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
         Value::Text(_) => values.push(f64::NAN),
     };
     let all = StepRow::new(now, report, None);
-    OF_STEP.iter().for_each(|column| add(column, &all));
+    for column in OF_STEP {
+        add(column, &all);
+    }
     for side in 0..now.problem.contacts.len() {
         let of_this: Vec<_> = of_side(now.problem, side).collect();
         if !of_this.is_empty() {
             let step = StepRow::new(now, report, Some(side));
-            of_this.into_iter().for_each(|column| add(column, &step));
+            for column in of_this {
+                add(column, &step);
+            }
         }
     }
     Some(values)

@@ -198,6 +198,9 @@ fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> 
     axis.ok_or((0, [f64::NAN; 3]))
 }
 
+/// What is expected of a side with a displacement and a force in one direction.
+const BOTH: &str = "one of the two: Γ_D and Γ_N do not overlap";
+
 impl ProblemData {
     /// V^h with the prescribed displacements: (2.5).
     #[must_use]
@@ -300,17 +303,20 @@ impl ProblemData {
             })
             .collect();
         let all_held = held.iter().all(|held| *held);
-        let drop = "remove one of them";
-        let both = "one of the two: Γ_D and Γ_N do not overlap";
         if let Some(traction) = &b.traction {
             if all_held {
-                faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", both).hint(drop));
+                faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", BOTH).hint("remove one of them"));
             } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero())) {
                 faults.push(
-                    Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", both).hint("set it to 0"),
+                    Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", BOTH).hint("set it to 0"),
                 );
             }
         }
+        Self::check_supports(i, b, all_held, faults);
+    }
+
+    /// Pressures, springs and dashpots act on what is not prescribed.
+    fn check_supports(i: usize, b: &BoundaryCondition, all_held: bool, faults: &mut Vec<Fault>) {
         let along_normal = |support: &Option<Support>| matches!(support, Some(Support::Normal(_)));
         for (key, what, given, normal) in [
             ("pressure", "a pressure", b.pressure.is_some(), b.pressure.is_some()),
@@ -318,10 +324,10 @@ impl ProblemData {
             ("dashpot", "a dashpot", b.dashpot.is_some(), along_normal(&b.dashpot)),
         ] {
             if given && all_held {
-                faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), both).hint(drop));
+                faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), BOTH).hint("remove one of them"));
             } else if normal && b.normal_displacement.is_some() {
                 let found = format!("{what} along the normal besides a displacement along it");
-                faults.push(Fault::new(format!("boundary[{i}].{key}"), found, both).hint(drop));
+                faults.push(Fault::new(format!("boundary[{i}].{key}"), found, BOTH).hint("remove one of them"));
             }
         }
     }

@@ -159,8 +159,7 @@ impl ProblemData {
         let given = of(&|key| key.starts_with("initial.temperature") || is_temperature(key));
         let sources = largest([of(&|key| key == "load.heat_source").map(|s| s.times(length)), of(&|key| key.ends_with("heat_inflow"))]);
         let heated = [by(sources.clone(), &conductivity, -1.0, length), by(sources, &capacity, -1.0, end - length)];
-        let heated = heated.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power));
-        let temperature = largest([given, heated]);
+        let temperature = largest([given, least(heated)]);
 
         let force = of(&|key| key.starts_with("load.body_force")).map(|s| s.times(length));
         let load = largest([force, of(&|key| key.contains("].traction") || key.ends_with("].pressure")), by(temperature.clone(), &expansion, 1.0, 0.0)]);
@@ -169,8 +168,7 @@ impl ProblemData {
         let stress = largest([load.clone(), by(moved.clone(), &elastic, 1.0, -length), by(fast.clone(), &viscous, 1.0, -length)]);
         // What a load moves is held by stiffness, viscosity or inertia, whichever holds most.
         let carried = [by(load.clone(), &elastic, -1.0, length), by(load.clone(), &viscous, -1.0, length + end), by(load, &density, -1.0, 2.0 * end - length)];
-        let carried = carried.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power));
-        let displacement = largest([moved, carried]);
+        let displacement = largest([moved, least(carried)]);
         let velocity = largest([fast, of(&|key| key.contains("foundation_velocity")), displacement.clone().map(|s| s.times(-end))]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
@@ -182,6 +180,11 @@ impl ProblemData {
         ];
         Scales { stress, displacement, velocity, temperature, energy, matrices }
     }
+}
+
+/// The least of several scales, without those that are zero.
+fn least(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
+    scales.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power))
 }
 
 /// Magnitudes of a run; none where it is zero.

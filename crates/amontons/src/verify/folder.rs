@@ -18,33 +18,7 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
     let summary: serde_json::Value = serde_json::from_str(&text).map_err(|error| VerifyError::Check(format!("{}: {error}", path.display())))?;
     let run = Run::read(folder)?;
     let name = summary["case"].as_str().unwrap_or("run").to_owned();
-    let mut figures: Vec<(&str, f64)> = Vec::new();
-    let range = |values: &mut dyn Iterator<Item = f64>| values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-    if let Some(fields) = &run.snapshot {
-        let [x, y] = [0, 1].map(|c| range(&mut fields.displacement.iter().map(|u| u[c])));
-        let theta = range(&mut fields.temperature.iter().copied());
-        let stress = range(&mut fields.von_mises.iter().copied());
-        figures.extend([
-            ("/final/displacement_min/0", x[0]),
-            ("/final/displacement_max/0", x[1]),
-            ("/final/displacement_min/1", y[0]),
-            ("/final/displacement_max/1", y[1]),
-            ("/final/temperature_min", theta[0]),
-            ("/final/temperature_max", theta[1]),
-            ("/final/von_mises_max", stress[1]),
-        ]);
-    }
-    if !run.contact.is_empty() {
-        let count = |status: Status| run.contact.iter().filter(|row| row.status == status).count() as f64;
-        let largest = |value: fn(&ContactRow) -> f64| run.contact.iter().map(value).fold(0.0, f64::max);
-        figures.extend([
-            ("/final/contact/pressure_max", largest(|row| row.pressure)),
-            ("/final/contact/penetration_max", largest(|row| row.penetration)),
-            ("/final/contact/open", count(Status::Open)),
-            ("/final/contact/stick", count(Status::Stick)),
-            ("/final/contact/slip", count(Status::Slip)),
-        ]);
-    }
+    let mut figures = of_fields(&run);
     let of_history = [
         ("/energy/kinetic", columns::KINETIC.name.to_owned()),
         ("/energy/elastic", columns::ELASTIC.name.to_owned()),
@@ -72,4 +46,36 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
     // A run without mechanics turns nothing over.
     verdicts.push(verdict(&name, "energy.closing_error".to_owned(), if turned > 0.0 { error / turned } else { error }, &is));
     Ok(verdicts)
+}
+
+/// Figures of the last fields and of the last contact points, by their places in the summary.
+fn of_fields(run: &Run) -> Vec<(&'static str, f64)> {
+    let mut figures: Vec<(&'static str, f64)> = Vec::new();
+    let range = |values: &mut dyn Iterator<Item = f64>| values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+    if let Some(fields) = &run.snapshot {
+        let [x, y] = [0, 1].map(|c| range(&mut fields.displacement.iter().map(|u| u[c])));
+        let theta = range(&mut fields.temperature.iter().copied());
+        let stress = range(&mut fields.von_mises.iter().copied());
+        figures.extend([
+            ("/final/displacement_min/0", x[0]),
+            ("/final/displacement_max/0", x[1]),
+            ("/final/displacement_min/1", y[0]),
+            ("/final/displacement_max/1", y[1]),
+            ("/final/temperature_min", theta[0]),
+            ("/final/temperature_max", theta[1]),
+            ("/final/von_mises_max", stress[1]),
+        ]);
+    }
+    if !run.contact.is_empty() {
+        let count = |status: Status| run.contact.iter().filter(|row| row.status == status).count() as f64;
+        let largest = |value: fn(&ContactRow) -> f64| run.contact.iter().map(value).fold(0.0, f64::max);
+        figures.extend([
+            ("/final/contact/pressure_max", largest(|row| row.pressure)),
+            ("/final/contact/penetration_max", largest(|row| row.penetration)),
+            ("/final/contact/open", count(Status::Open)),
+            ("/final/contact/stick", count(Status::Stick)),
+            ("/final/contact/slip", count(Status::Slip)),
+        ]);
+    }
+    figures
 }
