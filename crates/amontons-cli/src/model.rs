@@ -3,7 +3,10 @@
 use amontons::model::Model;
 use amontons::problem::Problem;
 
-use crate::print::row;
+/// A line with a name.
+pub fn row(name: &str, value: &str) -> String {
+    format!("  {name:<17} {value}")
+}
 
 /// Rows of the size of a model.
 pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {

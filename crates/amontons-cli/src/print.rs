@@ -10,7 +10,8 @@ use amontons::problem::Problem;
 use amontons::units::{Extent, Measure, Units};
 use serde_json::{Value, json};
 
-use crate::{model, voices};
+use crate::model::{self, row};
+use crate::voices;
 
 /// Prints a value as indented JSON on standard output.
 pub fn json(value: &Value) -> io::Result<()> {
@@ -104,11 +105,6 @@ fn extent(units: Units) -> Option<String> {
         Extent::Space => return None,
     };
     Some(row("forces, energies", text))
-}
-
-/// A line with a name.
-pub fn row(name: &str, value: &str) -> String {
-    format!("  {name:<17} {value}")
 }
 
 /// Contact on one side or on all, with wear and the temperature of the foundation if there are any.

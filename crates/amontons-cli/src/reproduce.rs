@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{Table, Vary};
+use amontons::convergence::{StudyTable, Vary};
 use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, StudyFolder, Summary};
 use amontons::plot::{self, Kind};
 use amontons::run::{self, RunError, Settings};
@@ -36,7 +36,7 @@ const FOUNDATION: [&str; 2] = ["0", "10"];
 struct Reproduced {
     reading: Reading,
     runs: Vec<Summary>,
-    studies: Vec<Table>,
+    studies: Vec<StudyTable>,
 }
 
 /// Runs, studies, figures and report, in one folder. What an interrupted attempt has finished is taken as it is.
@@ -116,7 +116,7 @@ impl Work<'_> {
     }
 
     /// A study in a folder of its own: as it is if it is finished, else from what it has kept, which a finished one does not need.
-    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<Table, Failure> {
+    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<StudyTable, Failure> {
         let study = case::study(&self.source, overrides, &self.request)?;
         if let Some(table) = StudyFolder::finished(path, &study) {
             return Ok(table);

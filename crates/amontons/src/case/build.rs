@@ -2,14 +2,14 @@
 
 use std::sync::Arc;
 
-use super::check::nearest;
+use super::nearest::nearest;
 use super::files::{Files, Loader};
 use super::material;
 use super::path::{Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
-use super::verify::Verify;
+use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
 use crate::material::{Dilatation, Material};
@@ -118,13 +118,13 @@ pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
 }
 
 /// The expected values of a case.
-pub(super) fn expected(raw: &raw::Expected) -> super::Expected {
+pub(super) fn expected(raw: &raw::Expected) -> Expected {
     let list = |values: &raw::Values| match values {
         raw::Values::One(value) => vec![*value],
         raw::Values::Several(values) => values.clone(),
     };
     let values = raw.values.iter().map(|(path, values)| (path.clone(), list(values))).collect();
-    super::Expected { tolerance: raw.tolerance, values }
+    Expected { tolerance: raw.tolerance, values }
 }
 
 /// What is known while a problem is built.

@@ -2,7 +2,7 @@
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-use super::fault::{CaseFault, Place};
+use super::fault::{CaseFault, FaultPlace};
 use super::path::{Path, Segment};
 use super::syntax::{self, SyntaxError};
 
@@ -77,7 +77,7 @@ impl Refusal {
 
     fn into_fault(self, given: &str) -> CaseFault {
         let Refusal { path, found, expected, hint } = self;
-        CaseFault { place: Place::Override(given.to_owned()), path, found, expected, hint }
+        CaseFault { place: FaultPlace::Override(given.to_owned()), path, found, expected, hint }
     }
 }
 

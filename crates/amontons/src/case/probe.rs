@@ -1,10 +1,10 @@
 //! The probes of a case, those of its `[verify]` block included.
 
 use super::build::Build;
-use super::check::nearest;
+use super::nearest::nearest;
 use super::place::At;
 use super::raw;
-use crate::output::{Place, Probe, ProbeError, ProbeSet, Quantity, Take};
+use crate::output::{ProbePlace, Probe, ProbeError, ProbeSet, Quantity, Take};
 use crate::problem::ProblemData;
 use crate::tensor::Point;
 
@@ -53,7 +53,7 @@ impl Build<'_> {
         Some(probe)
     }
 
-    fn probe_place(&mut self, target: &Target, problem: &ProblemData) -> Option<Place> {
+    fn probe_place(&mut self, target: &Target, problem: &ProblemData) -> Option<ProbePlace> {
         let (path, dim) = (&target.path, problem.mesh.dim);
         let take = target.take.map(|take| match take {
             raw::Over::Mean => Take::Mean,
@@ -72,14 +72,14 @@ impl Build<'_> {
                     self.note(&format!("{path}.at"), At::Value, format!("{} coordinates", at.len()), format!("{dim} coordinates"), None);
                     return None;
                 }
-                Some(Place::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
+                Some(ProbePlace::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
             }
             (["at"], .., Some(_)) => {
                 self.note(&format!("{path}.take"), At::Key, "`take` of the value at a point", "`take` with `on` or `region`", None);
                 None
             }
-            (["on"], _, Some(on), _, Some(take)) => Some(Place::On(on.clone(), take)),
-            (["region"], _, _, Some(region), Some(take)) => Some(Place::Region(region.clone(), take)),
+            (["on"], _, Some(on), _, Some(take)) => Some(ProbePlace::On(on.clone(), take)),
+            (["region"], _, _, Some(region), Some(take)) => Some(ProbePlace::Region(region.clone(), take)),
             (["on" | "region"], ..) => {
                 self.note(
                     &format!("{path}.take"),
@@ -132,7 +132,7 @@ impl Build<'_> {
 }
 
 /// `displacement_x at (0.5, 1)`.
-fn describe(field: &str, place: &Place, dim: usize) -> String {
+fn describe(field: &str, place: &ProbePlace, dim: usize) -> String {
     let over = |take: Take, name: &str| {
         let take = match take {
             Take::Mean => "mean",
@@ -143,8 +143,8 @@ fn describe(field: &str, place: &Place, dim: usize) -> String {
         format!("{take} {field}, {name}")
     };
     match place {
-        Place::At(at) => format!("{field} at {}", point(&coordinates(at, dim))),
-        Place::On(name, take) | Place::Region(name, take) => over(*take, name),
+        ProbePlace::At(at) => format!("{field} at {}", point(&coordinates(at, dim))),
+        ProbePlace::On(name, take) | ProbePlace::Region(name, take) => over(*take, name),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fault::{CaseFault, Place};
+use super::fault::{CaseFault, FaultPlace};
 
 /// An error of the TOML parser: its message and its place.
 pub(super) type SyntaxError = (String, Option<Range<usize>>);
@@ -53,8 +53,8 @@ pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> SyntaxFaults {
     for (message, span) in errors {
         let kind = Kind::of(&message);
         let span = span.unwrap_or(0..0);
-        let place = Place::in_file(text, span.clone());
-        let Place::File { line, .. } = place else { continue };
+        let place = FaultPlace::in_file(text, span.clone());
+        let FaultPlace::File { line, .. } = place else { continue };
         if faults.last().is_none_or(|(last, _)| *last != line) {
             only_duplicates &= kind == Kind::Duplicate;
             faults.push((line, fault(text, &message, &kind, span, place)));
@@ -66,7 +66,7 @@ pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> SyntaxFaults {
     SyntaxFaults { faults: faults.into_iter().map(|(_, fault)| fault).collect(), only_duplicates }
 }
 
-fn fault(text: &str, message: &str, kind: &Kind, span: Range<usize>, place: Place) -> CaseFault {
+fn fault(text: &str, message: &str, kind: &Kind, span: Range<usize>, place: FaultPlace) -> CaseFault {
     let (found, at_end) = excerpt(text, span);
     let what = || message.split_once(", expected ").map_or(message, |(what, _)| what).to_owned();
     let (found, expected, hint) = match kind {

@@ -1,6 +1,6 @@
 //! Columns of a file of separated values.
 
-use super::check::nearest;
+use super::nearest::nearest;
 use super::raw::Column;
 
 /// Why a file gives no times and values: the key of the case that it is about, and what to say.

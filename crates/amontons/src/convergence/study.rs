@@ -111,7 +111,7 @@ pub struct Row {
 
 /// The result of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table {
+pub struct StudyTable {
     /// What was refined.
     pub vary: Vary,
     /// The rows, coarsest first.
@@ -179,7 +179,7 @@ impl Study {
     ///
     /// # Errors
     /// When a level fails, when times or meshes do not match, or when the study is interrupted.
-    pub fn run(&self, settings: &StudySettings) -> Result<Table, StudyError> {
+    pub fn run(&self, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         match &self.reference {
             Reference::Exact(exact) => {
                 let rows = self.levels.par_iter().map(|level| {
@@ -196,7 +196,7 @@ impl Study {
         }
     }
 
-    fn against(&self, reference: &Level, settings: &StudySettings) -> Result<Table, StudyError> {
+    fn against(&self, reference: &Level, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         let steps = reference.problem.steps;
         for level in &self.levels {
             if !steps.is_multiple_of(level.problem.steps) {
@@ -251,7 +251,7 @@ impl Study {
         Ok(self.table(self.levels.iter().zip(&worst).map(|(level, worst)| worst.row(level)).collect(), nested))
     }
 
-    fn table(&self, mut rows: Vec<Row>, nested: bool) -> Table {
+    fn table(&self, mut rows: Vec<Row>, nested: bool) -> StudyTable {
         let size = |row: &Row| if self.vary == Vary::Time { row.k } else { row.h };
         for i in 1..rows.len() {
             let (a, b) = (&rows[i - 1], &rows[i]);
@@ -268,7 +268,7 @@ impl Study {
             ("error", fit(|r| r.error)),
         ];
         let slopes = slopes.into_iter().map(|(name, slope)| (name.to_owned(), slope)).collect();
-        Table { vary: self.vary, rows, slopes, nested }
+        StudyTable { vary: self.vary, rows, slopes, nested }
     }
 }
 
@@ -288,7 +288,7 @@ fn trajectory(level: &Level, settings: &StudySettings) -> Result<Vec<State>, Stu
     Ok(states)
 }
 
-impl Table {
+impl StudyTable {
     /// The table as `convergence.csv`.
     #[must_use]
     pub fn csv(&self) -> String {

@@ -2,7 +2,7 @@
 
 mod table;
 
-pub use table::{Table, TableError};
+pub use table::{TimeTable, TableError};
 
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
@@ -15,7 +15,7 @@ pub enum Field {
     /// An expression in x, y, z and t.
     Expression(Expression),
     /// Values at times, linear between them, times a factor.
-    Table(Table),
+    Table(TimeTable),
 }
 
 impl Default for Field {

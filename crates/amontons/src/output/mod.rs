@@ -36,14 +36,14 @@ pub use earlier::{finished_run, known_certificate};
 pub use folder::{Folder, FolderOptions};
 pub use inputs::{INPUTS, Input, fingerprint};
 pub use memory::Memory;
-pub use probe::{Place, Probe, ProbeError, ProbeSet, Take};
+pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
 pub use quantity::{Base, Part, Quantity};
 pub use recovery::{NodalStress, nodal_stress};
 pub use study::StudyFolder;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 pub use vtu::OutputField;
 
-use crate::convergence::Table;
+use crate::convergence::StudyTable;
 use crate::hypotheses::Finding;
 use crate::problem::Problem;
 use crate::scheme::{Discretization, State, StepReport};

@@ -5,7 +5,7 @@ use std::path::Path;
 use super::axes::{self, HEADING, LABEL, LEGEND, MARKERS, NUMBER, Scale, Sign, TITLE};
 use super::color::{INK, LINES, SOFT};
 use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::table::Table;
+use super::table::CsvTable;
 use super::ticks::{self, Ticks};
 use super::{Options, PlotError, font};
 use crate::units::{Measure, Units};
@@ -40,7 +40,7 @@ impl ConvergencePlot {
     /// # Errors
     /// When the file is missing or damaged.
     pub fn read(path: &Path, options: &Options) -> Result<ConvergencePlot, PlotError> {
-        let table = Table::read(path)?;
+        let table = CsvTable::read(path)?;
         let (h, k) = (table.numbers("h")?, table.numbers("k")?);
         let names = [("error", "E^{hk}"), ("error_u", "‖u − u^{hk}‖_{V}"), ("error_w", "‖w − w^{hk}‖_{H}"), ("error_theta", "‖θ − θ^{hk}‖_{L²}")];
         let series = names.into_iter().map(|(name, label)| Ok(ErrorSeries { label: label.to_owned(), errors: table.numbers(name)? }));

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::body::Body;
 use super::run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
 use super::surface::Surface;
-use super::table::Table;
+use super::table::CsvTable;
 use super::{PlotError, frames, vtu};
 use crate::case::{self, CaseError};
 use crate::contact::Status;
@@ -65,7 +65,7 @@ impl Results<'_> {
     fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
         let problem = Arc::new(problem(folder)?);
         let snapshots = vtu::snapshots(&folder.join("fields.pvd"))?;
-        let history = history(&Table::read(&folder.join("history.csv"))?)?;
+        let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
         Ok(Results { folder, problem, history, snapshots })
     }
 
@@ -111,16 +111,16 @@ impl Results<'_> {
     }
 
     /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not written.
-    fn contact(&self, snapshot: usize) -> Result<Option<Table>, PlotError> {
+    fn contact(&self, snapshot: usize) -> Result<Option<CsvTable>, PlotError> {
         if self.problem.contacts.is_empty() {
             return Ok(None);
         }
         if snapshot + 1 == self.snapshots.len() {
-            return Table::read(&self.folder.join("contact.csv")).map(Some);
+            return CsvTable::read(&self.folder.join("contact.csv")).map(Some);
         }
         let stem = Path::new(&self.snapshots[snapshot].1).file_stem().unwrap_or_default();
         let path = self.folder.join("contact").join(stem).with_extension("csv");
-        if path.exists() { Table::read(&path).map(Some) } else { Ok(None) }
+        if path.exists() { CsvTable::read(&path).map(Some) } else { Ok(None) }
     }
 }
 
@@ -188,7 +188,7 @@ fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64
 }
 
 /// The contact points of a body in space.
-fn contact_in_space(table: &Table, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
+fn contact_in_space(table: &CsvTable, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
     let triple = |of: &Column<OnContact>| -> Result<[Vec<f64>; 3], PlotError> {
         Ok([table.numbers(&of.component(0))?, table.numbers(&of.component(1))?, table.numbers(&of.component(2))?])
     };
@@ -208,13 +208,13 @@ fn contact_in_space(table: &Table, sides: &[String]) -> Result<Vec<SolidContact>
 }
 
 /// Wear and friction work, zero in a table without them.
-fn worn(table: &Table, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
+fn worn(table: &CsvTable, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
     let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
     Ok([column(columns::WEAR.name)?, column(columns::FRICTION_WORK.name)?])
 }
 
 /// The side of each contact point; the first where the table does not say.
-fn on_sides(table: &Table, sides: &[String]) -> Result<Vec<usize>, PlotError> {
+fn on_sides(table: &CsvTable, sides: &[String]) -> Result<Vec<usize>, PlotError> {
     if !table.has(columns::SIDE.name) {
         return Ok(vec![0; table.rows()]);
     }
@@ -224,7 +224,7 @@ fn on_sides(table: &Table, sides: &[String]) -> Result<Vec<usize>, PlotError> {
 }
 
 /// The states of the contact points.
-fn statuses(table: &Table) -> Result<Vec<Status>, PlotError> {
+fn statuses(table: &CsvTable) -> Result<Vec<Status>, PlotError> {
     let words: Vec<String> = table.column(columns::STATUS.name)?;
     let status = |word: &String| {
         let known = [Status::Open, Status::Stick, Status::Slip];
@@ -236,7 +236,7 @@ fn statuses(table: &Table) -> Result<Vec<Status>, PlotError> {
     words.iter().map(status).collect()
 }
 
-fn contact(table: &Table, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
+fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
     let pairs = |of: &Column<OnContact>| -> Result<Vec<[f64; 2]>, PlotError> {
         let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
@@ -265,7 +265,7 @@ fn contact(table: &Table, sides: &[String]) -> Result<Vec<ContactRow>, PlotError
     Ok((0..x.len()).map(row).collect())
 }
 
-fn history(table: &Table) -> Result<History, PlotError> {
+fn history(table: &CsvTable) -> Result<History, PlotError> {
     table.numbers(columns::TIME.name)?;
     table.names().iter().map(|name| Ok((name.clone(), table.numbers(name)?))).collect()
 }
