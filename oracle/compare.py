@@ -1,7 +1,7 @@
 """Recomputes the tables of crates/amontons/tests/reference and compares them: one row of output per table.
 Exits with 1 if a difference is above its tolerance. Needs numpy and scipy (requirements.txt); runs on one thread.
 
-    python3 oracle/compare.py                    everything; about 40 minutes, half of them for (5.2)
+    python3 oracle/compare.py                    everything; about 40 minutes of one core, half of them for (5.2)
     python3 oracle/compare.py --quick            n = 16 and the like, a few seconds
     python3 oracle/compare.py --table paper      one table
     python3 oracle/compare.py --write FOLDER     also writes the recomputed tables
