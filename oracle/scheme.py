@@ -188,10 +188,10 @@ class Scheme:
         return max(norm(f.mass, w), strain), max(norm(f.C, theta), strain), np.abs(theta - self.data.theta_F).max()
 
     def round_off(self, sizes):
-        """Round-off of mechanics and heat to first order, for the largest `sizes` of a run: that of one backward stable
-        solve each, and for heat that of the penetration through the slope of k_c; at most 1e-10 of the sizes (README)."""
+        """By how much two programs may differ by round-off, for the largest `sizes` of a run, to first order: a backward
+        stable solve in each, and for heat the penetration through the slope of k_c; at most 1e-10 of the sizes (README)."""
         of_u, of_theta, difference = sizes
-        eps = np.finfo(float).eps
+        eps = 2 * np.finfo(float).eps
         u = eps * condition(self.K_u) * of_u
         slope, m_d = self.data.kbar / self.data.eps_c, np.linalg.eigvalsh(self.data.K)[0]
         theta = eps * condition(self.K_theta) * of_theta + REACH / m_d * slope * difference * self.k * u

@@ -125,8 +125,7 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     begins(Phase::Assembly);
     let backend = Arc::new(Timed { watch: Mutex::new(settings.watch.clone()), ..Timed::default() });
     let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, Arc::<Timed>::clone(&backend)))?;
-    let [displacement, temperature, contact] = scheme.unknowns();
-    let unknowns = UnknownCounts { displacement, temperature, contact };
+    let unknowns = counted(&scheme);
     let resumed = from.is_some();
     let Checkpoint { mut state, mut report, work: before } = beginning(from, problem, &scheme)?;
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total };
@@ -167,14 +166,15 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
         None => Outcome::Done,
     };
     let last = Snapshot { work: clock.work(before, &scheme), ..last };
-    let mut summary = Summary::new(&last, unknowns, findings, outcome, failed.as_ref().map(ToString::to_string));
-    if outcome == Outcome::Done
-        && let Some(why) = summary.unsound()
-    {
-        (summary.outcome, summary.error) = (Outcome::Unsound, Some(why));
-    }
+    let error = failed.as_ref().map(ToString::to_string);
+    let summary = sound(Summary::new(&last, unknowns, findings, outcome, error));
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     ended(failed, summary)
+}
+
+fn counted(scheme: &BackwardEuler) -> UnknownCounts {
+    let [displacement, temperature, contact] = scheme.unknowns();
+    UnknownCounts { displacement, temperature, contact }
 }
 
 /// The findings on the data that the settings ask for.
@@ -191,6 +191,16 @@ fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &BackwardEuler
     let Some(checkpoint) = from else { return Ok(Checkpoint { state: scheme.initial()?, report: None, work: Work::default() }) };
     checkpoint.check(scheme.discretization(), problem)?;
     Ok(checkpoint)
+}
+
+/// The summary of a run, which is unsound where its figures cannot be trusted.
+fn sound(mut summary: Summary) -> Summary {
+    if summary.outcome == Outcome::Done
+        && let Some(why) = summary.unsound()
+    {
+        (summary.outcome, summary.error) = (Outcome::Unsound, Some(why));
+    }
+    summary
 }
 
 /// What a run gives that ended with this error, if any, and this summary.

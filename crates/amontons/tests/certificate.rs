@@ -1,4 +1,5 @@
 //! Every verdict of the certificate turns when one datum of a valid case is changed.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;

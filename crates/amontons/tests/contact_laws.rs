@@ -1,4 +1,5 @@
 //! The laws of contact in steps of the scheme: exactness of multivalued laws, limits, other programs, and convergence without tuning.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Foundations that move, warm up and wear, and several contact sides: what holds exactly in a step, and orders in the step.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;

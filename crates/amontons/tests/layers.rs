@@ -105,7 +105,11 @@ fn uses(folder: &Path, root: &str) -> BTreeMap<String, BTreeSet<String>> {
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for entry in entries.iter().filter(|entry| modules.contains(&name(entry))) {
         let mut files = Vec::new();
-        if entry.is_dir() { sources(entry, &mut files) } else { files.push(entry.clone()) }
+        if entry.is_dir() {
+            sources(entry, &mut files);
+        } else {
+            files.push(entry.clone());
+        }
         for file in files.iter().filter(|file| name(file) != "tests") {
             let text = fs::read_to_string(file).expect("a source file");
             let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
@@ -127,8 +131,10 @@ fn circle(mut graph: BTreeMap<String, BTreeSet<String>>) -> Option<String> {
         if free.is_empty() {
             break;
         }
-        free.iter().for_each(|name| drop(graph.remove(name)));
-        graph.values_mut().for_each(|uses| uses.retain(|used| !free.contains(used)));
+        graph.retain(|name, _| !free.contains(name));
+        for uses in graph.values_mut() {
+            uses.retain(|used| !free.contains(used));
+        }
     }
     (!graph.is_empty()).then(|| graph.iter().map(|(name, uses)| format!("{name} uses {uses:?}")).collect::<Vec<_>>().join("; "))
 }
@@ -153,4 +159,35 @@ fn a_circle_is_found() {
     let graph = |edges: &[(&str, &[&str])]| edges.iter().map(|(from, to)| ((*from).to_owned(), to.iter().map(|to| (*to).to_owned()).collect())).collect();
     assert!(circle(graph(&[("a", &["b"]), ("b", &["c"]), ("c", &[])])).is_none());
     assert!(circle(graph(&[("a", &["b"]), ("b", &["c"]), ("c", &["b"])])).is_some());
+}
+
+/// Folders whose lines are still longer.
+const WIDE: [&str; 4] = ["src/inclusion", "src/scheme", "src/linalg", "src/contact"];
+
+/// Comments keep to the width of the code, but for tables, examples and words that have no place to break.
+#[test]
+fn comments_keep_to_120_columns() {
+    let width: usize = 120;
+    let mut wide = Vec::new();
+    let mut files = Vec::new();
+    for folder in [".", "../amontons-cli", "../../xtask"] {
+        for inside in ["src", "tests", "benches", "examples"].map(|inside| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(inside)) {
+            if inside.is_dir() {
+                sources(&inside, &mut files);
+            }
+        }
+    }
+    for file in files.iter().filter(|file| !WIDE.iter().any(|folder| file.to_string_lossy().contains(folder))) {
+        let text = fs::read_to_string(file).expect("a source file");
+        let mut example = false;
+        for (number, line) in text.lines().enumerate() {
+            let Some(comment) = line.trim_start().strip_prefix("//") else { continue };
+            let said = comment.trim_start_matches(['/', '!']).trim_start();
+            example ^= said.starts_with("```");
+            if !example && !said.starts_with('|') && said.contains(' ') && line.chars().count() > width {
+                wide.push(format!("{}:{}", file.display(), number + 1));
+            }
+        }
+    }
+    assert!(files.len() > 200 && wide.is_empty(), "{}", wide.join("\n"));
 }

@@ -1,4 +1,5 @@
 //! What a run gives: stresses at nodes and their order, fields of the snapshots, probes.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp, reason = "a test fails by panicking, and some values are exact")]
 
 mod common;

@@ -1,4 +1,5 @@
 //! Verdicts of the certificate against runs and the theorems' own words: contact that occurs or cannot, models that a theorem speaks of.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;

@@ -59,8 +59,7 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
             None
         }
     };
-    let said = |finding: &Finding| build.is_doubtful(&finding.path);
-    let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
+    let findings = build.certain();
     let (inputs, references) = build.loader.copies();
     (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
 }
@@ -146,6 +145,11 @@ impl Build<'_> {
     pub fn note(&mut self, path: &str, at: At, found: impl Into<String>, expected: impl Into<String>, hint: Option<&str>) {
         let path = Path::parse(path).unwrap_or_default();
         self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
+    }
+
+    /// The findings that do not rest on stand-ins.
+    fn certain(&self) -> Vec<Finding> {
+        self.findings.iter().filter(|finding| !self.is_doubtful(&finding.path)).cloned().collect()
     }
 
     fn is_doubtful(&self, path: &Path) -> bool {

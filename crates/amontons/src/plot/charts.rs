@@ -95,6 +95,20 @@ impl Chart {
     }
 }
 
+impl Column {
+    fn label(&self, exponent: i32) -> String {
+        axes::labelled(&self.x_label, exponent, self.x_units, self.x_measure)
+    }
+
+    /// Draws the bands from y on with a height.
+    fn draw_bands(&self, picture: &mut Picture, scale_x: &Scale, [y, height]: [f64; 2], opacity: f64) {
+        for &([from, to], color) in &self.bands {
+            let place = Rect { x: scale_x.at(from), y, width: scale_x.at(to) - scale_x.at(from), height };
+            picture.polygon(place.corners(), color.with_opacity(opacity));
+        }
+    }
+}
+
 /// Heights at which the parts above the charts stand, and where the first row of charts begins.
 struct Heads {
     legend: f64,
@@ -120,6 +134,17 @@ impl Heads {
             top += STRIP + 8.0;
         }
         Heads { legend, titles, strip, charts: top }
+    }
+
+    /// Where the frames of the rows begin, below legends of so many lines.
+    fn row_tops(&self, legends: &[usize]) -> Vec<f64> {
+        let mut y = self.charts;
+        let below = |&lines: &usize| {
+            let frame = y + 6.0 + LEGEND * lines as f64;
+            y = frame + HEIGHT + 6.0;
+            frame
+        };
+        legends.iter().map(below).collect()
     }
 }
 
@@ -148,14 +173,7 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
     let total = inner.max(font::width(title, TITLE) + 2.0 * MARGIN);
     let (_, lines) = axes::flow(legend, total - 2.0 * MARGIN);
     let heads = Heads::new((!legend.is_empty()).then_some(lines), columns);
-    let row_tops: Vec<f64> = headings
-        .iter()
-        .scan(heads.charts, |y, &lines| {
-            let frame = *y + 6.0 + LEGEND * lines as f64;
-            *y = frame + HEIGHT + 6.0;
-            Some(frame)
-        })
-        .collect();
+    let row_tops = heads.row_tops(&headings);
     let bottom = row_tops.last().map_or(heads.charts, |y| y + HEIGHT);
     let height = bottom + 24.0 + LABEL + MARGIN;
 
@@ -172,26 +190,20 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
         if !column.title.is_empty() {
             picture.text([x + 0.5 * width, heads.titles], HEADING, Anchor::Middle, INK, &column.title);
         }
-        let band = |picture: &mut Picture, y: f64, height: f64, opacity: f64| {
-            for &([from, to], color) in &column.bands {
-                let place = Rect { x: scale_x.at(from), y, width: scale_x.at(to) - scale_x.at(from), height };
-                picture.polygon(place.corners(), color.with_opacity(opacity));
-            }
-        };
-        band(&mut picture, heads.strip, STRIP, 1.0);
+        column.draw_bands(&mut picture, &scale_x, [heads.strip, STRIP], 1.0);
         for (r, chart) in column.charts.iter().enumerate() {
             let frame = Rect { x, y: row_tops[r], width, height: HEIGHT };
             let scale_y = Scale::new(range(c, r), [frame.bottom(), frame.y]);
-            band(&mut picture, frame.y, frame.height, 0.13);
+            column.draw_bands(&mut picture, &scale_x, [frame.y, frame.height], 0.13);
             axes::x_marks(&mut picture, frame, &scale_x, &x_ticks, true, r + 1 == column.charts.len());
             axes::y_marks(&mut picture, frame, &scale_y, &marks(c, r), true);
             chart.draw(&mut picture, frame, [&scale_x, &scale_y]);
             let first = frame.y - 6.0 - LEGEND * (axes::flow(&entries(c, r), width).1 - 1) as f64;
             axes::legend(&mut picture, [x, first], width, &entries(c, r));
         }
-        let label = axes::labelled(&column.x_label, x_ticks.exponent, column.x_units, column.x_measure);
         let last = column.charts.len().checked_sub(1).map_or(bottom, |r| row_tops[r] + HEIGHT);
-        picture.text([x + 0.5 * width, last + 24.0 + LABEL], LABEL, Anchor::Middle, INK, label);
+        let below = [x + 0.5 * width, last + 24.0 + LABEL];
+        picture.text(below, LABEL, Anchor::Middle, INK, column.label(x_ticks.exponent));
         x += width + MARGIN + 8.0;
     }
     picture

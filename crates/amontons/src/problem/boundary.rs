@@ -224,17 +224,13 @@ impl ProblemData {
                 faults.push(Fault::new(format!("{path}.quadrature"), "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
             }
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
-                let hint = format!("merge it with entry {} of the file, which is on the same side", first + 1);
-                faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), "each side in one [[contact]] entry").hint(hint));
+                faults.push(again(format!("{path}.on"), &contact.on, first, "each side in one [[contact]] entry"));
             }
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
             if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
-                faults.push(
-                    Fault::new(format!("boundary[{i}].on"), format!("\"{}\" again", b.on), "each side in one [[boundary]] entry")
-                        .hint(format!("merge it with entry {} of the file, which is on the same side", first + 1)),
-                );
+                faults.push(again(format!("boundary[{i}].on"), &b.on, first, "each side in one [[boundary]] entry"));
             }
             self.check_displacement(i, b, faults);
             self.check_forces(i, b, faults);
@@ -331,6 +327,12 @@ impl ProblemData {
             }
         }
     }
+}
+
+/// A side that an entry before, the `first`, is on too.
+fn again(path: String, on: &str, first: usize, expected: &str) -> Fault {
+    let hint = format!("merge it with entry {} of the file, which is on the same side", first + 1);
+    Fault::new(path, format!("\"{on}\" again"), expected).hint(hint)
 }
 
 /// A name that is none of those that are known, with the nearest one.

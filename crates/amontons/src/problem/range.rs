@@ -172,14 +172,22 @@ impl ProblemData {
         let velocity = largest([fast, of(&|key| key.contains("foundation_velocity")), displacement.clone().map(|s| s.times(-end))]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
-        let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
-        let [volume, edge] = [dim, dim - 2.0].map(|d| d * h);
-        let matrices = [
-            largest([density.map(|s| s.times(volume - k)), viscous.map(|s| s.times(edge)), elastic.map(|s| s.times(edge + k))]),
-            largest([capacity.map(|s| s.times(volume - k)), conductivity.map(|s| s.times(edge))]),
-        ];
+        let matrices = entries(mesh, k, [density, viscous, elastic], [capacity, conductivity]);
         Scales { stress, displacement, velocity, temperature, energy, matrices }
     }
+}
+
+/// The largest entries of K_u with ρ, 𝓥, 𝓔 and of K_θ with c, 𝓚.
+fn entries(mesh: &Mesh, k: f64, of_u: [Option<Scale>; 3], of_theta: [Option<Scale>; 2]) -> [Option<Scale>; 2] {
+    let ([density, viscous, elastic], [capacity, conductivity]) = (of_u, of_theta);
+    let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
+    let dim = mesh.tensor_dim() as f64;
+    let [volume, edge] = [dim, dim - 2.0].map(|d| d * h);
+    let (inertia, stiffness) = (density.map(|s| s.times(volume - k)), elastic.map(|s| s.times(edge + k)));
+    [
+        largest([inertia, viscous.map(|s| s.times(edge)), stiffness]),
+        largest([capacity.map(|s| s.times(volume - k)), conductivity.map(|s| s.times(edge))]),
+    ]
 }
 
 /// The least of several scales, without those that are zero.
