@@ -52,16 +52,10 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     };
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
-    let problem = match data.check() {
-        Ok(problem) => Some(problem),
-        Err(faults) => {
-            build.findings.extend(faults.0.into_iter().map(Finding::from));
-            None
-        }
-    };
+    let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
+    (checked.ok().filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
 }
 
 fn system(raw: raw::Units) -> System {
