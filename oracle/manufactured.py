@@ -175,8 +175,9 @@ def errors(case, n, steps, points):
     at = lambda values: np.einsum("qa,cak->cqk", integrals.shape, values.reshape(len(mesh.x), -1)[mesh.cells])
     basis, dofs, p = mesh.strain_basis(), mesh.dofs(), integrals.points
     start = exact.u(mesh.x, 0).ravel(), exact.u(mesh.x, 0, dt=1).ravel(), exact.theta(mesh.x, 0)    # interpolated
-    rows = []
+    rows, sizes = [], np.zeros(3)
     for t, u, w, theta in scheme.run(*start):
+        sizes = np.maximum(sizes, scheme.sizes(u, w, theta))
         strain = np.repeat(np.einsum("caij,ca->cij", basis, u[dofs]), integrals.weight.shape[1], axis=0)
         rows.append([
             integrals.norm(at(w).reshape(-1, 2) - exact.u(p, t, dt=1)),
@@ -189,6 +190,9 @@ def errors(case, n, steps, points):
     values = {f"{name}_max": value for name, value in zip(names, rows.max(0))}
     values |= {f"{name}_T": value for name, value in zip(names, rows[-1])}
     values["E_max_sum"] = rows[:, :3].sum(1).max()
-    values["scale"] = max(integrals.norm(exact.u(p, t, dt=1)), integrals.norm(exact.theta(p, t)))
+    of_u, of_theta = scheme.round_off(sizes)
+    parts = [of_u, of_u, of_theta, of_u]
+    values["round_off"] = {f"{name}_{at}": part for name, part in zip(names, parts) for at in ("max", "T")}
+    values["round_off"]["E_max_sum"] = sum(parts[:3])
     states = {"open": OPEN, "stick": STICK, "slip+": 1, "slip-": -1}
     return values | {name: np.sum(state == s) for name, s in states.items()}

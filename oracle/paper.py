@@ -63,14 +63,13 @@ def summary(reading, theta_F, n, steps):
 
 def study(reading, theta_F, levels, fine):
     """(5.2) with h = k = 1/n for n in `levels` against h = k = 1/fine: the three maxima and that of the sum, by level,
-    and the same maxima of the norms of the fine solution."""
+    and the round-off of each on the fine mesh."""
     problem = scheme(reading, theta_F, fine, fine)
     forms, points = problem.forms, problem.mesh.x
     coarse = {n: (interpolation(n, points), solve(scheme(reading, theta_F, n, n))) for n in levels}
-    errors, sizes = {n: np.zeros(4) for n in levels}, np.zeros(4)
+    errors, sizes = {n: np.zeros(4) for n in levels}, np.zeros(3)
     for step, (_, u, w, theta) in enumerate(solve(problem), start=1):
-        size = [norm(forms.mass, w), norm(forms.eps, u), norm(forms.C, theta)]
-        sizes = np.maximum(sizes, [*size, sum(size)])
+        sizes = np.maximum(sizes, problem.sizes(u, w, theta))
         for n, (carry, steps) in coarse.items():
             if step * n % fine == 0:                                            # the coarse solution's own time levels
                 _, u_n, w_n, theta_n = next(steps)
@@ -81,7 +80,9 @@ def study(reading, theta_F, levels, fine):
                     norm(forms.C, theta - carry @ theta_n),
                 ]
                 errors[n] = np.maximum(errors[n], [*now, sum(now)])
-    return errors, sizes
+    of_u, of_theta = problem.round_off(sizes)
+    parts = [of_u, of_u, of_theta]
+    return errors, [*parts, sum(parts)]
 
 
 def interpolation(n, points):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 ONES, IDENTITY = np.ones((2, 2)), np.eye(2)
 
@@ -146,6 +146,8 @@ def gauss(points):
 # lambda = projection of lambda + c w_tau on |.| <= p_tau for every c > 0, so c changes the way of the iteration and not
 # its limit: c is mu_2 times the first of these numbers, and the next one wherever a pattern comes back.
 SCALES = (1.0, 4.0, 0.25, 16.0, 0.0625, 64.0)
+# ||theta|| <= REACH / m_d times the norm of a heat flux on Gamma_C: (s_2^2 / lam_FP)^(1/2) of constants.csv.
+REACH = 0.17
 OPEN, STICK, SLIP = 0, 2, 1                                     # slip is +1 or -1, the sign of the slip velocity
 
 
@@ -178,6 +180,22 @@ class Scheme:
 
     def penetration(self, u):
         return self.contact.normal @ u - self.data.g
+
+    def sizes(self, u, w, theta):
+        """Norms of what the two half-steps solve for or are driven by, and the largest |theta - theta_F|."""
+        f = self.forms
+        strain = norm(f.eps, u)
+        return max(norm(f.mass, w), strain), max(norm(f.C, theta), strain), np.abs(theta - self.data.theta_F).max()
+
+    def round_off(self, sizes):
+        """By how much two programs may differ by round-off, for the largest `sizes` of a run, to first order: a backward
+        stable solve in each, and for heat the penetration through the slope of k_c; at most 1e-10 of the sizes (README)."""
+        of_u, of_theta, difference = sizes
+        eps = 2 * np.finfo(float).eps
+        u = eps * condition(self.K_u) * of_u
+        slope, m_d = self.data.kbar / self.data.eps_c, np.linalg.eigvalsh(self.data.K)[0]
+        theta = eps * condition(self.K_theta) * of_theta + REACH / m_d * slope * difference * self.k * u
+        return min(u, 1e-10 * of_u), min(theta, 1e-10 * of_theta)
 
     def factor(self, state):
         """The system in (w, lambda) for known open, stick and slip points: the tangent of Newton's method, factored."""
@@ -241,6 +259,14 @@ class Scheme:
         new = np.zeros_like(theta)
         new[free] = self.heat[1].solve(right[free])
         return new
+
+
+def condition(K):
+    """Condition number of a symmetric positive definite matrix in the Euclidean norm, to about 1 %."""
+    start = np.cos(np.arange(K.shape[0]) ** 2)
+    inverse = LinearOperator(K.shape, splu(K.tocsc(), permc_spec="MMD_AT_PLUS_A").solve)
+    extreme = [eigsh(a, 1, which="LA", v0=start, tol=1e-2, return_eigenvectors=False)[0] for a in (K, inverse)]
+    return extreme[0] * extreme[1]
 
 
 def norm(matrix, v):

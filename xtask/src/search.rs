@@ -7,7 +7,7 @@ use std::process::ExitCode;
 use std::sync::Arc;
 
 use amontons::case::{self, Source};
-use amontons::hypotheses;
+use amontons::hypotheses::{self, FindingId};
 use amontons::linalg::Supernodal;
 use amontons::mesh::Mesh;
 use amontons::problem::Problem;
@@ -153,7 +153,7 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
 
 /// Whether the certificate says that a step has one solution.
 fn is_unique(problem: &Problem) -> bool {
-    hypotheses::certificate_or_findings(problem).findings.iter().any(|finding| finding.id == "step-unique" && finding.holds())
+    hypotheses::certificate_or_findings(problem).findings.iter().any(|finding| finding.id == FindingId::StepUnique && finding.holds())
 }
 
 /// The case of a seed.
@@ -165,14 +165,21 @@ fn sample(seed: u64) -> Sample {
     let (friction, friction_name) = friction_law(&mut random, space);
     let turn = turn(&mut random, space);
     let text = text(&mut random, space, elements, [&normal, &friction], &turn);
-    let mut problem = match case::parse(&Source::new("random.toml", text.clone()), &[]) {
+    let problem = match case::parse(&Source::new("random.toml", text.clone()), &[]) {
         Ok(case) => case.problem,
         Err(error) => {
             println!("seed {seed}: {error}\n{text}");
             std::process::exit(2);
         }
     };
-    problem.mesh = Arc::new(distorted(&problem.mesh, &mut random, &turn));
+    let mesh = Arc::new(distorted(&problem.mesh, &mut random, &turn));
+    let problem = match problem.with(|data| data.mesh = mesh) {
+        Ok(problem) => problem,
+        Err(faults) => {
+            println!("seed {seed}: {faults}\n{text}");
+            std::process::exit(2);
+        }
+    };
     let points = if text.contains("\"gauss\"") { "gauss" } else { "nodal" };
     Sample { text, problem, class: format!("{points} {normal_name:<10} {friction_name}") }
 }

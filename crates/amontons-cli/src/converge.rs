@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, Table, Vary};
+use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, StudyTable, Vary};
 use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
 use amontons::run::with_threads;
@@ -18,7 +18,7 @@ use crate::status::Failure;
 /// Makes the studies that the arguments ask for and prints their tables.
 pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), Failure> {
     let source = case::source(file)?;
-    let name = case::parse(&source, &common.set)?.problem.name;
+    let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-convergence")));
     let progress = Progress::new(common);
     let flag = progress.interrupt_flag();
@@ -95,7 +95,7 @@ pub struct Running<'a> {
 }
 
 /// Makes one study in a folder of its own. Finished levels of an interrupted one are taken as they are, and the reference goes on where it stopped.
-pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Running) -> Result<Table, Failure> {
+pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Running) -> Result<StudyTable, Failure> {
     let failed = std::sync::Mutex::new(None);
     // The study itself does not depend on what is kept: a failure is reported at the end.
     let note = |result: Result<(), OutputError>| {
@@ -127,7 +127,7 @@ pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Run
 }
 
 /// Writes the table of a study, and draws it.
-pub fn write(source: &Source, overrides: &[String], table: &Table, out: &Path) -> Result<(), Failure> {
+pub fn write(source: &Source, overrides: &[String], table: &StudyTable, out: &Path) -> Result<(), Failure> {
     let case = case::parse(source, overrides)?;
     StudyFolder::create(out, true)?.finish(table, &case.text, &case.inputs)?;
     let picture = plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
@@ -136,7 +136,7 @@ pub fn write(source: &Source, overrides: &[String], table: &Table, out: &Path) -
 }
 
 /// The table for reading.
-pub fn text(title: &str, table: &Table, out: &Path) -> String {
+pub fn text(title: &str, table: &StudyTable, out: &Path) -> String {
     let mut lines = vec![format!("{title}")];
     lines.push(format!("  {:>6} {:>11} {:>11} {:>12} {:>12} {:>12} {:>12} {:>7}", "level", "h", "k", "error_w", "error_u", "error_theta", "E", "order"));
     for row in &table.rows {

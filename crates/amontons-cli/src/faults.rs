@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 
-use amontons::case::{CaseFault, Place, Source};
+use amontons::case::{CaseFault, FaultPlace, Source};
 use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
 use serde_json::{Value, json};
 
@@ -25,7 +25,7 @@ fn write(file: &Source, faults: &[CaseFault], colours: bool, out: &mut Vec<u8>) 
     for fault in faults {
         let message = if fault.path.is_empty() { format!("found {}", fault.found) } else { format!("{}: found {}", fault.path, fault.found) };
         match &fault.place {
-            Place::File { start, end, .. } => {
+            FaultPlace::File { start, end, .. } => {
                 let span = || (name, *start..*end);
                 let config = Config::new().with_index_type(IndexType::Byte).with_color(colours);
                 let label = Label::new(span()).with_message(format!("expected {}", fault.expected)).with_color(Color::Red);
@@ -35,8 +35,8 @@ fn write(file: &Source, faults: &[CaseFault], colours: bool, out: &mut Vec<u8>) 
                 }
                 report.finish().write((name, ariadne::Source::from(&file.text)), &mut *out)?;
             }
-            Place::Override(given) => without_excerpt(&format!("--set {given}"), &message, fault, out)?,
-            Place::Whole => without_excerpt(name, &message, fault, out)?,
+            FaultPlace::Override(given) => without_excerpt(&format!("--set {given}"), &message, fault, out)?,
+            FaultPlace::Whole => without_excerpt(name, &message, fault, out)?,
         }
         writeln!(out)?;
     }
@@ -56,9 +56,9 @@ fn without_excerpt(place: &str, message: &str, fault: &CaseFault, out: &mut Vec<
 pub fn json(file: &Source, faults: &[CaseFault]) -> Value {
     let one = |fault: &CaseFault| {
         let place = match &fault.place {
-            Place::File { start, end, line, column } => json!({ "file": file.name, "line": line, "column": column, "start": start, "end": end }),
-            Place::Override(given) => json!({ "override": given }),
-            Place::Whole => json!({ "file": file.name }),
+            FaultPlace::File { start, end, line, column } => json!({ "file": file.name, "line": line, "column": column, "start": start, "end": end }),
+            FaultPlace::Override(given) => json!({ "override": given }),
+            FaultPlace::Whole => json!({ "file": file.name }),
         };
         json!({ "path": fault.path, "where": place, "found": fault.found, "expected": fault.expected, "hint": fault.hint })
     };

@@ -4,7 +4,12 @@ use amontons::model::Model;
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
-use crate::print::{row, unknowns};
+use crate::print::unknowns;
+
+/// A line with a name.
+pub fn row(name: &str, value: &str) -> String {
+    format!("  {name:<17} {value}")
+}
 
 /// Rows of the size of a model.
 pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {

@@ -5,12 +5,13 @@ use std::path::Path;
 
 use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::model::Model;
-use amontons::output::{ContactSummary, Outcome, Solver, Summary};
+use amontons::output::{ContactSummary, Outcome, Seconds, Solver, Summary};
 use amontons::problem::Problem;
 use amontons::units::{Extent, Measure, Units};
 use serde_json::{Value, json};
 
-use crate::{model, voices};
+use crate::model::{self, row};
+use crate::voices;
 
 /// Prints a value as indented JSON on standard output.
 pub fn json(value: &Value) -> io::Result<()> {
@@ -45,13 +46,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     let mut lines = vec![
         format!("{}: {state}, {} steps to t = {} in {:.2} s", summary.case, summary.steps, units.exact(summary.time, Measure::Time), seconds.total),
         row("unknowns", &unknowns([summary.unknowns.displacement, summary.unknowns.temperature, summary.unknowns.contact], mechanics, heat)),
-        row(
-            "time",
-            &format!(
-                "{:.2} s certificate, {:.2} s setup, {:.2} s factor, {:.2} s steps, {:.2} s output",
-                seconds.certificate, seconds.setup, seconds.factor, seconds.steps, seconds.output
-            ),
-        ),
+        row("time", &phases(seconds)),
     ];
     for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
         lines.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
@@ -74,6 +69,12 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     lines.push(row("results", &folder.display().to_string()));
     lines.extend(voices::of_run(&summary.findings));
     lines.join("\n") + "\n"
+}
+
+/// The times of the phases of a run.
+fn phases(seconds: &Seconds) -> String {
+    let Seconds { certificate, setup, factor, steps, output, .. } = seconds;
+    format!("{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output")
 }
 
 /// A line on halved and ambiguous steps, if there are any.
@@ -108,11 +109,6 @@ fn extent(units: Units, mechanics: bool) -> Option<String> {
         Extent::Space => return None,
     };
     Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
-}
-
-/// A line with a name.
-pub fn row(name: &str, value: &str) -> String {
-    format!("  {name:<17} {value}")
 }
 
 /// Contact on one side or on all, with wear and the temperature of the foundation if there are any.
@@ -156,7 +152,7 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
     if problem.physics.has_mechanics() {
         lines.push(row("contact", &contact));
     }
-    let width = certificate.findings.iter().map(|f| f.id.len()).max().unwrap_or(0) + 2;
+    let width = certificate.findings.iter().map(|f| f.id.as_str().len()).max().unwrap_or(0) + 2;
     lines.extend(model::rows(problem, model));
     for (title, kind) in [("What you can act on:", Kind::Warning), ("What the theory covers:", Kind::Theory)] {
         lines.push(title.to_owned());

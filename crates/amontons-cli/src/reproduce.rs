@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
-use amontons::convergence::{Table, Vary};
+use amontons::convergence::{StudyTable, Vary};
 use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, StudyFolder, Summary};
 use amontons::plot::{self, Kind};
 use amontons::run::{self, RunError, Settings};
@@ -36,7 +36,7 @@ const FOUNDATION: [&str; 2] = ["0", "10"];
 struct Reproduced {
     reading: Reading,
     runs: Vec<Summary>,
-    studies: Vec<Table>,
+    studies: Vec<StudyTable>,
 }
 
 /// Runs, studies, figures and report, in one folder. What an interrupted attempt has finished is taken as it is.
@@ -116,7 +116,7 @@ impl Work<'_> {
     }
 
     /// A study in a folder of its own: as it is if it is finished, else from what it has kept, which a finished one does not need.
-    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<Table, Failure> {
+    fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<StudyTable, Failure> {
         let study = case::study(&self.source, overrides, &self.request)?;
         if let Some(table) = StudyFolder::finished(path, &study) {
             return Ok(table);
@@ -165,6 +165,27 @@ const PICTURES: [(&str, &str); 4] = [
     ("Figure 5: errors", "figure-5-errors"),
 ];
 
+/// The orders of the studies of a reading, and what they say of statement 2.
+fn write_studies(out: &mut String, done: &Reproduced) {
+    let _ = writeln!(out, "| θ_F | E^hk by level | orders | least-squares slope |\n|---|---|---|---|");
+    let mut linear = true;
+    for (foundation, table) in FOUNDATION.iter().zip(&done.studies) {
+        let errors: Vec<String> = table.rows.iter().map(|r| format!("{:.4e}", r.error)).collect();
+        let orders: Vec<String> = table.rows.iter().filter_map(|r| r.order).map(|o| format!("{o:.3}")).collect();
+        let slope = table.slopes.iter().find(|(name, _)| *name == "error").map_or(f64::NAN, |(_, slope)| *slope);
+        linear &= (slope - 1.0).abs() <= 0.15;
+        let _ = writeln!(out, "| {foundation} | {} | {} | {slope:.3} |", errors.join(", "), orders.join(", "));
+    }
+    let verdict = if linear {
+        "The slopes lie within 0.15 of 1: the numbers support statement 2."
+    } else {
+        "A slope is farther than 0.15 from 1: statement 2 is supported with reserve only."
+    };
+    let times = done.studies.iter().filter_map(|t| t.rows.last()).map(|r| format!("t = {:.4}", r.time_of_error));
+    let late = times.collect::<Vec<_>>().join(" and ");
+    let _ = writeln!(out, "\n{verdict} On the finest level the maximum over time is taken at {late}.\n");
+}
+
 fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> String {
     let mut out = String::from("# The paper's section 5, recomputed\n\n");
     let _ = writeln!(
@@ -192,22 +213,8 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
             }
         }
         let verdict = if supported.iter().all(|&s| s) { "The numbers support statement 1." } else { "The numbers do **not** support statement 1." };
-        let _ = writeln!(out, "\n{verdict}\n\n| θ_F | E^hk by level | orders | least-squares slope |\n|---|---|---|---|");
-        let mut linear = true;
-        for (foundation, table) in FOUNDATION.iter().zip(&done.studies) {
-            let errors: Vec<String> = table.rows.iter().map(|r| format!("{:.4e}", r.error)).collect();
-            let orders: Vec<String> = table.rows.iter().filter_map(|r| r.order).map(|o| format!("{o:.3}")).collect();
-            let slope = table.slopes.iter().find(|(name, _)| *name == "error").map_or(f64::NAN, |(_, slope)| *slope);
-            linear &= (slope - 1.0).abs() <= 0.15;
-            let _ = writeln!(out, "| {foundation} | {} | {} | {slope:.3} |", errors.join(", "), orders.join(", "));
-        }
-        let verdict = if linear {
-            "The slopes lie within 0.15 of 1: the numbers support statement 2."
-        } else {
-            "A slope is farther than 0.15 from 1: statement 2 is supported with reserve only."
-        };
-        let late = done.studies.iter().filter_map(|t| t.rows.last()).map(|r| format!("t = {:.4}", r.time_of_error)).collect::<Vec<_>>().join(" and ");
-        let _ = writeln!(out, "\n{verdict} On the finest level the maximum over time is taken at {late}.\n");
+        let _ = writeln!(out, "\n{verdict}\n");
+        write_studies(&mut out, done);
         for (title, file) in PICTURES {
             let _ = writeln!(out, "![{title}, reading {name}]({name}/{file}.png)\n");
         }

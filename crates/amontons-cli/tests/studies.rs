@@ -1,4 +1,5 @@
 //! Studies, pictures and verification from the command line.
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::fs;

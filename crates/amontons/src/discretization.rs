@@ -35,7 +35,7 @@ pub struct Discretization {
     elasticity: Vec<Arc<dyn TensorLaw>>,
     viscosity: Vec<Arc<dyn TensorLaw>>,
     /// Branches that relax, by their time.
-    pub branches: Vec<Branch>,
+    pub branches: Vec<Relaxation>,
     /// d.
     pub d: BlockMatrix,
     /// m, from temperatures to forces.
@@ -59,14 +59,14 @@ pub struct Discretization {
 /// All branches of the body with one relaxation time τ. Where the springs have the strain ε(z), their stress is 𝓖ε(z), and
 /// ż + z/τ = u̇ is the equation of every one of them: one field z serves the body.
 #[derive(Debug)]
-pub struct Branch {
+pub struct Relaxation {
     /// τ in s.
     pub time: f64,
     /// ∫ 𝓖ε(·):ε(·).
     pub form: BlockMatrix,
 }
 
-impl Branch {
+impl Relaxation {
     /// 1/(1 + k/τ), what a step of length k leaves of z: z_n = (z_{n−1} + u_n − u_{n−1})/(1 + k/τ).
     #[must_use]
     pub fn factor(&self, k: f64) -> f64 {
@@ -296,7 +296,7 @@ impl Discretization {
 const ZERO: material::Branch = material::Branch { modulus: SymMap([[0.0; 6]; 6]), time: f64::INFINITY };
 
 /// The branches of all materials, those with one relaxation time together.
-fn branches(problem: &Problem, graph: &Arc<Graph>) -> Vec<Branch> {
+fn branches(problem: &Problem, graph: &Arc<Graph>) -> Vec<Relaxation> {
     let of = |material: &Material| material.prony.as_ref().map_or(&[][..], |prony| prony.branches()).to_vec();
     let form = |time: f64| {
         let springs: Vec<material::Branch> = problem
@@ -315,7 +315,7 @@ fn branches(problem: &Problem, graph: &Arc<Graph>) -> Vec<Branch> {
         let laws: Vec<&dyn TensorLaw> = springs.iter().map(|law| law as &dyn TensorLaw).collect();
         forms::tensor_form(&problem.mesh, graph, &laws, problem.dilatation)
     };
-    problem.relaxation_times().into_iter().map(|time| Branch { time, form: form(time) }).collect()
+    problem.relaxation_times().into_iter().map(|time| Relaxation { time, form: form(time) }).collect()
 }
 
 fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {

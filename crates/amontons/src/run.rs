@@ -120,25 +120,14 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     // Before the factors of the run, so that they are not in memory at once.
     let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));
     begins(Phase::Certificate);
-    let findings = within(pool.as_ref(), || match &settings.known {
-        Some(known) if settings.certificate => known.clone(),
-        _ if settings.certificate => hypotheses::certificate_or_findings(problem).findings,
-        _ => hypotheses::findings(problem),
-    });
+    let findings = within(pool.as_ref(), || judged(problem, settings));
     let certificate = begin.elapsed().as_secs_f64();
     begins(Phase::Assembly);
     let backend = Arc::new(Timed { watch: Mutex::new(settings.watch.clone()), ..Timed::default() });
     let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, Arc::<Timed>::clone(&backend)))?;
-    let [displacement, temperature, contact] = scheme.unknowns();
-    let unknowns = UnknownCounts { displacement, temperature, contact };
+    let unknowns = counted(&scheme);
     let resumed = from.is_some();
-    let Checkpoint { mut state, mut report, work: before } = match from {
-        Some(checkpoint) => {
-            checkpoint.check(scheme.discretization(), problem)?;
-            checkpoint
-        }
-        None => Checkpoint { state: scheme.initial()?, report: None, work: Work::default() },
-    };
+    let Checkpoint { mut state, mut report, work: before } = beginning(from, problem, &scheme)?;
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total };
     let factor = backend.seconds();
     clock.seconds.factor += factor;
@@ -177,13 +166,45 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
         None => Outcome::Done,
     };
     let last = Snapshot { work: clock.work(before, &scheme), ..last };
-    let mut summary = Summary::new(&last, unknowns, findings, outcome, failed.as_ref().map(ToString::to_string));
-    if outcome == Outcome::Done
+    let error = failed.as_ref().map(ToString::to_string);
+    let summary = sound(Summary::new(&last, unknowns, findings, outcome, error));
+    sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
+    ended(failed, summary)
+}
+
+fn counted(scheme: &BackwardEuler) -> UnknownCounts {
+    let [displacement, temperature, contact] = scheme.unknowns();
+    UnknownCounts { displacement, temperature, contact }
+}
+
+/// The findings on the data that the settings ask for.
+fn judged(problem: &Problem, settings: &Settings) -> Vec<Finding> {
+    match &settings.known {
+        Some(known) if settings.certificate => known.clone(),
+        _ if settings.certificate => hypotheses::certificate_or_findings(problem).findings,
+        _ => hypotheses::findings(problem),
+    }
+}
+
+/// The state that a run begins with.
+fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &BackwardEuler) -> Result<Checkpoint, RunError> {
+    let Some(checkpoint) = from else { return Ok(Checkpoint { state: scheme.initial()?, report: None, work: Work::default() }) };
+    checkpoint.check(scheme.discretization(), problem)?;
+    Ok(checkpoint)
+}
+
+/// The summary of a run, which is unsound where its figures cannot be trusted.
+fn sound(mut summary: Summary) -> Summary {
+    if summary.outcome == Outcome::Done
         && let Some(why) = summary.unsound()
     {
         (summary.outcome, summary.error) = (Outcome::Unsound, Some(why));
     }
-    sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
+    summary
+}
+
+/// What a run gives that ended with this error, if any, and this summary.
+fn ended(failed: Option<StepError>, summary: Summary) -> Result<Summary, RunError> {
     match (failed, summary.outcome) {
         (Some(source), _) => Err(RunError::Step { source, summary: Box::new(summary) }),
         (None, Outcome::Done) => Ok(summary),

@@ -236,49 +236,6 @@ fn trimmed(text: &str) -> String {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text.to_owned() }
 }
 
-impl Measure {
-    /// What a column of `history.csv`, `contact.csv` or `convergence.csv` measures; none of an unknown name and of names and words.
-    #[must_use]
-    pub fn of_column(name: &str) -> Option<Measure> {
-        let name = name.split('@').next().unwrap_or(name);
-        let stem = ["_x", "_y", "_z"].iter().find_map(|end| name.strip_suffix(end)).unwrap_or(name);
-        Some(match stem {
-            "step" | "node" | "open" | "stick" | "slip" | "newton_mechanics" | "newton_heat" | "passes" | "contraction" | "parts" => Measure::Number,
-            "t" => Measure::Time,
-            "x" | "y" | "z" | "penetration" | "penetration_max" | "wear" | "wear_max" | "contact_center" => Measure::Length,
-            "slip_velocity" => Measure::Velocity,
-            "temperature" | "foundation_temperature" => Measure::Temperature,
-            "pressure" | "pressure_max" | "traction" | "bound" => Measure::Stress,
-            "heat_flux" => Measure::HeatFlux,
-            "friction_work" => Measure::SurfaceWork,
-            "contact_force" => Measure::Force,
-            "heat_flow" => Measure::Power,
-            "contact_area" | "weight" => Measure::Area,
-            "wear_volume" => Measure::Volume,
-            "kinetic"
-            | "elastic"
-            | "viscous_dissipation"
-            | "friction_dissipation"
-            | "contact_energy"
-            | "load_work"
-            | "thermal_work"
-            | "scheme_dissipation"
-            | "closing_error"
-            | "heat_content"
-            | "heat_contact"
-            | "heat_prescribed"
-            | "heat_supplied"
-            | "heat_coupling"
-            | "heat_closing_error"
-            | "wear_dissipation"
-            | "heat_friction"
-            | "heat_foundation"
-            | "heat_surroundings" => Measure::Energy,
-            _ => return None,
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -371,20 +328,5 @@ mod tests {
         assert_eq!(Units::SPACE.prefixed(-3, Measure::Area), None);
         assert_eq!(Units::SPACE.without().prefixed(3, Measure::Stress), None);
         assert_eq!(Units::SPACE.without().prefixed(0, Measure::Stress).as_deref(), Some(""));
-    }
-
-    #[test]
-    fn columns_have_their_measures() {
-        for (name, measure) in [
-            ("contact_force_x", Measure::Force),
-            ("contact_force_y@bottom", Measure::Force),
-            ("slip_velocity_z", Measure::Velocity),
-            ("slip", Measure::Number),
-            ("x", Measure::Length),
-            ("wear_volume@left_x", Measure::Volume),
-        ] {
-            assert_eq!(Measure::of_column(name), Some(measure), "{name}");
-        }
-        assert_eq!(Measure::of_column("status"), None);
     }
 }

@@ -3,14 +3,16 @@
 //! A benchmark is one file in the crate's `benchmarks/`: a case, its source, and reference values that are not this
 //! program's own.
 
-use std::path::Path;
-
 use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take};
-use crate::contact::Status;
 use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
 use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
-use crate::plot::{PlotError, Run};
 use crate::run::{RunError, Settings, run};
+
+#[cfg(feature = "plot")]
+mod folder;
+
+#[cfg(feature = "plot")]
+pub use folder::recompute;
 
 /// Names and texts of the shipped benchmarks, by name.
 pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
@@ -53,8 +55,9 @@ pub enum VerifyError {
     #[error(transparent)]
     Request(#[from] StudyRequestError),
     /// The files of a run cannot be read.
+    #[cfg(feature = "plot")]
     #[error(transparent)]
-    Files(#[from] PlotError),
+    Files(#[from] crate::plot::PlotError),
     /// The case has no value to compare.
     #[error("{0} has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]")]
     Nothing(String),
@@ -196,72 +199,6 @@ impl Studies<'_> {
         }
         Ok(self.own.as_ref().map_or(f64::NAN, |row| error.of(row)))
     }
-}
-
-/// Recomputes the figures of a run from the files of its results folder and holds its summary against them.
-///
-/// # Errors
-/// When files are missing or damaged.
-pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
-    let path = folder.join("summary.json");
-    let text = std::fs::read_to_string(&path).map_err(|error| VerifyError::Check(format!("cannot read {}: {error}", path.display())))?;
-    let summary: serde_json::Value = serde_json::from_str(&text).map_err(|error| VerifyError::Check(format!("{}: {error}", path.display())))?;
-    let run = Run::read(folder)?;
-    let name = summary["case"].as_str().unwrap_or("run").to_owned();
-    let mut figures: Vec<(&str, f64)> = Vec::new();
-    let range = |values: &mut dyn Iterator<Item = f64>| values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-    if let Some(fields) = &run.snapshot {
-        let [x, y] = [0, 1].map(|c| range(&mut fields.displacement.iter().map(|u| u[c])));
-        let theta = range(&mut fields.temperature.iter().copied());
-        let stress = range(&mut fields.von_mises.iter().copied());
-        figures.extend([
-            ("/final/displacement_min/0", x[0]),
-            ("/final/displacement_max/0", x[1]),
-            ("/final/displacement_min/1", y[0]),
-            ("/final/displacement_max/1", y[1]),
-            ("/final/temperature_min", theta[0]),
-            ("/final/temperature_max", theta[1]),
-            ("/final/von_mises_max", stress[1]),
-        ]);
-    }
-    if !run.contact.is_empty() {
-        let count = |status: Status| run.contact.iter().filter(|row| row.status == status).count() as f64;
-        let largest = |value: fn(&crate::plot::ContactRow) -> f64| run.contact.iter().map(value).fold(0.0, f64::max);
-        figures.extend([
-            ("/final/contact/pressure_max", largest(|row| row.pressure)),
-            ("/final/contact/penetration_max", largest(|row| row.penetration)),
-            ("/final/contact/open", count(Status::Open)),
-            ("/final/contact/stick", count(Status::Stick)),
-            ("/final/contact/slip", count(Status::Slip)),
-        ]);
-    }
-    let columns = [
-        ("/energy/kinetic", "kinetic"),
-        ("/energy/elastic", "elastic"),
-        ("/energy/load_work", "load_work"),
-        ("/energy/viscous_dissipation", "viscous_dissipation"),
-        ("/energy/friction_dissipation", "friction_dissipation"),
-        ("/final/contact/force/0", "contact_force_x"),
-        ("/final/contact/force/1", "contact_force_y"),
-    ];
-    figures.extend(columns.into_iter().filter_map(|(place, column)| Some((place, *run.history.get(column)?.last()?))));
-    // The audit of the last row: what is stored and dissipated is the work done, up to the closing error.
-    let at = |column: &str| run.history.get(column).and_then(|values| values.last()).copied().unwrap_or(0.0);
-    let mut verdicts: Vec<Verdict> = figures
-        .into_iter()
-        .filter_map(|(place, computed)| {
-            let reference = summary.pointer(place)?.as_f64()?;
-            let is = Comparison { reference, tolerance: 1e-12, scale: reference.abs() };
-            Some(verdict(&name, place.trim_start_matches('/').replace('/', "."), computed, &is))
-        })
-        .collect();
-    let turned = summary.pointer("/energy/turned_over").and_then(serde_json::Value::as_f64).unwrap_or(1.0);
-    let closing = summary.pointer("/energy/closing_error").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-    let is = Comparison { reference: closing, tolerance: 1e-12, scale: 1.0 };
-    let error = at("closing_error");
-    // A run without mechanics turns nothing over.
-    verdicts.push(verdict(&name, "energy.closing_error".to_owned(), if turned > 0.0 { error / turned } else { error }, &is));
-    Ok(verdicts)
 }
 
 fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict {

@@ -7,10 +7,10 @@ use std::sync::Arc;
 
 use amontons::material::{Carreau, Hencky, Isotropic, Prony, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
 use amontons::output::Memory;
-use amontons::problem::{BoundaryCondition, Problem};
+use amontons::problem::{BoundaryCondition, Problem, ProblemData};
 use amontons::run::{self, Settings};
 use amontons::scheme::State;
-use common::{case, largest, paper};
+use common::{case, changed, checked, largest, paper};
 
 fn solve(problem: &Problem) -> Memory {
     let mut memory = Memory::new().states_every(1).reports();
@@ -21,14 +21,14 @@ fn solve(problem: &Problem) -> Memory {
 
 /// A rod of length 1 and height 1/4 in plane stress, on rollers at its left and lower side, pulled at its right end by the traction
 /// `pull`; without inertia and contact.
-fn rod(steps: usize, pull: f64) -> Problem {
+fn rod(steps: usize, pull: f64) -> ProblemData {
     let overrides = [format!("time.steps={steps}"), "time.end=1".to_owned()];
-    let mut problem = case("crates/amontons/benchmarks/kelvin-voigt-rod.toml", &overrides).problem;
+    let mut problem = case("crates/amontons/benchmarks/kelvin-voigt-rod.toml", &overrides).problem.into_data();
     let roller = |on: &str, free: usize| {
         let displacement = Some((0..2).map(|c| if c == free { None } else { Some(0.0.into()) }).collect());
-        BoundaryCondition { on: on.to_owned(), displacement, ..BoundaryCondition::default() }
+        BoundaryCondition { displacement, ..BoundaryCondition::on(on) }
     };
-    let pulled = BoundaryCondition { on: "right".to_owned(), traction: Some(vec![pull.into(), 0.0.into()]), ..BoundaryCondition::default() };
+    let pulled = BoundaryCondition::on("right").traction([pull, 0.0]);
     problem.boundary = vec![roller("left", 1), roller("bottom", 0), pulled];
     problem.contacts.clear();
     problem
@@ -51,9 +51,10 @@ fn newton_over_the_body_agrees_with_the_linear_path() {
     let (young, nu) = (2.0, 0.1);
     let (bulk, shear) = (young / (3.0 * (1.0 - 2.0 * nu)), young / (2.0 * (1.0 + nu)));
     let newtonian = |c: f64| Carreau::new(c, c, 1.0, 1.0).expect("constants");
-    let mut nonlinear = linear.clone();
-    nonlinear.materials[0].elasticity = hencky(bulk, newtonian(shear), StressState::PlaneStress);
-    nonlinear.materials[0].viscosity = hencky(10.0 + 10.0 / 3.0, newtonian(5.0), StressState::PlaneStrain);
+    let nonlinear = changed(&linear, |data| {
+        data.materials[0].elasticity = hencky(bulk, newtonian(shear), StressState::PlaneStress);
+        data.materials[0].viscosity = hencky(10.0 + 10.0 / 3.0, newtonian(5.0), StressState::PlaneStrain);
+    });
     assert!(!nonlinear.materials[0].elasticity.is_linear() && !nonlinear.materials[0].viscosity.is_linear());
     let (a, b) = (solve(&linear), solve(&nonlinear));
     for (a, b) in a.states.iter().zip(&b.states).skip(1) {
@@ -74,6 +75,7 @@ fn a_rod_beyond_the_von_mises_convex_obeys_the_scalar_equation() {
         let mut problem = rod(1, sigma);
         problem.materials[0].elasticity = hencky(bulk, law, StressState::PlaneStress);
         problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
+        let problem = checked(problem);
         let memory = solve(&problem);
         let last = memory.states.last().expect("a state");
         let end = problem.mesh.points.iter().zip(last.u.chunks_exact(2)).filter(|(x, _)| x[0] > 1.0 - 1e-12).map(|(_, u)| u[0]);
@@ -99,6 +101,7 @@ fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
     let mut problem = rod(4, sigma);
     problem.materials[0].elasticity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
     problem.materials[0].viscosity = hencky(bulk, law, StressState::PlaneStress);
+    let problem = checked(problem);
     for state in &solve(&problem).states[1..] {
         for (x, w) in problem.mesh.points.iter().zip(state.w.chunks_exact(2)) {
             assert!((w[0] - rate * x[0]).abs() < 1e-10 * rate, "step {}: {:e} at x = {}", state.step, w[0], x[0]);
@@ -110,10 +113,10 @@ fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
 /// the scheme dissipates is not negative.
 #[test]
 fn contact_is_solved_inside_newton_over_the_body() {
-    let mut problem = paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem;
+    let mut problem = paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem.into_data();
     problem.materials[0].elasticity = hencky(0.9, VonMisesProjection::new(0.9, 6.0, 0.01).expect("constants"), StressState::PlaneStress);
     problem.materials[0].viscosity = hencky(12.0, Carreau::new(5.0, 1.0, 20.0, 0.3).expect("constants"), StressState::PlaneStrain);
-    let memory = solve(&problem);
+    let memory = solve(&checked(problem));
     let linear = solve(&paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem);
     assert!(distance(memory.states.last().unwrap(), linear.states.last().unwrap()) > 1e-2, "the laws are active");
     for (report, states) in memory.reports.iter().zip(memory.states.windows(2)) {
@@ -140,6 +143,7 @@ fn stress_relaxes_by_the_prony_series() {
         problem.boundary[2].displacement = Some(vec![Some(strain.into()), None]);
         problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
         problem.materials[0].prony = Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
+        let problem = checked(problem);
         let memory = solve(&problem);
         let k = problem.k();
         for states in memory.states.windows(2) {
@@ -169,9 +173,9 @@ fn stress_relaxes_by_the_prony_series() {
 /// The branches couple with contact: the paper's problem with a branch as stiff as the body keeps both identities.
 #[test]
 fn branches_and_contact_keep_the_identities() {
-    let mut problem = paper(&["mesh.n=8", "time.steps=32"]).problem;
+    let mut problem = paper(&["mesh.n=8", "time.steps=32"]).problem.into_data();
     problem.materials[0].prony = Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
-    let memory = solve(&problem);
+    let memory = solve(&checked(problem));
     for state in &memory.states {
         assert!(state.ledger.relative_closing_error().abs() < 1e-12 && state.ledger.relative_heat_closing_error().abs() < 1e-12);
     }

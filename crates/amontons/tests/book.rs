@@ -67,24 +67,38 @@ fn every_block_of_the_guides_is_a_case() {
     assert_eq!(read("contact.md"), (1, 8), "blocks that include a case, and parts of cases");
 }
 
+/// The chapter on extending shows every example, and each in its own file: the tests of the examples compile and run those.
+#[test]
+fn the_examples_are_in_the_guide() {
+    let text = std::fs::read_to_string(file("book/src/extending.md")).expect("the chapter");
+    let examples = std::fs::read_dir(file("crates/amontons/examples")).expect("the examples").flatten();
+    let mut shown = 0;
+    for example in examples.map(|entry| entry.file_name().into_string().expect("a name")) {
+        assert!(text.contains(&format!("{{{{#include ../../crates/amontons/examples/{example}}}}}")), "{example} is not shown");
+        shown += 1;
+    }
+    assert_eq!(text.matches("{{#include ").count(), shown);
+}
+
 /// The chapter on results gives every column of the tables its unit, in the plane and in space.
 #[test]
 fn the_table_of_columns_has_their_units() {
     let text = std::fs::read_to_string(file("book/src/results.md")).expect("the chapter");
     let section = text.split("## Tables").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
+    let all = amontons::output::columns::all_measures();
     let mut told = Vec::new();
     for line in section.lines().filter(|line| line.starts_with("| `")) {
         let cells: Vec<&str> = line.trim_matches('|').split('|').map(str::trim).collect();
         for name in cells[0].split(", ").map(|name| name.trim_matches('`')) {
-            let measure = Measure::of_column(name).unwrap_or_else(|| panic!("{name} is no column"));
+            let known = all.iter().find(|(column, _)| column == name).unwrap_or_else(|| panic!("{name} is no column"));
+            let measure = known.1.unwrap_or_else(|| panic!("{name} has no unit"));
             assert_eq!([Units::PLANE.of(measure), Units::SPACE.of(measure)], [cells[2], cells[3]], "{name}");
             told.push(name.to_owned());
         }
     }
-    let problem = common::paper(&[]).problem;
-    for column in amontons::output::history_columns(&problem) {
-        let is_count = Measure::of_column(&column) == Some(Measure::Number);
-        assert!(is_count || told.contains(&column), "the chapter says nothing of {column}");
+    for (column, measure) in &all {
+        let has_unit = measure.is_some_and(|measure| measure != Measure::Number) && !["x", "y", "z"].contains(&column.as_str());
+        assert!(!has_unit || told.contains(column), "the chapter says nothing of {column}");
     }
 }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::expression::Expression;
-use amontons::field::{Field, Table};
+use amontons::field::{Field, TimeTable};
 use amontons::forms;
 use amontons::linalg::{Graph, dot};
 use amontons::mesh::{Diagonal, Mesh};
@@ -27,7 +27,7 @@ fn rectangle(n: usize) -> Mesh {
 }
 
 fn on(side: &str) -> BoundaryCondition {
-    BoundaryCondition { on: side.to_owned(), ..BoundaryCondition::default() }
+    BoundaryCondition::on(side)
 }
 
 /// Resultant and moment about the origin of a load.
@@ -72,7 +72,7 @@ fn pressure_all_around_is_in_equilibrium() {
 #[test]
 fn a_table_is_a_load_that_varies_in_time() {
     let mesh = rectangle(2);
-    let table = Table::new(vec![0.0, 1.0, 2.0], vec![0.0, 4.0, 6.0]).unwrap().scaled(Expression::parse("y").unwrap());
+    let table = TimeTable::new(vec![0.0, 1.0, 2.0], vec![0.0, 4.0, 6.0]).unwrap().scaled(Expression::parse("y").unwrap());
     let load = forms::f(&mesh, &[], &[BoundaryCondition { traction: Some(vec![Field::Table(table), Field::ZERO]), ..on("left") }]);
     for (t, value) in [(0.0, 0.0), (0.25, 1.0), (1.0, 4.0), (1.5, 5.0), (2.0, 6.0)] {
         assert_near(&resultant(&mesh, &load.at(t)), &[4.5 * value, 0.0, -9.0 * value], 1e-14);

@@ -1,4 +1,5 @@
 //! Bodies of a case file: meshes of every kind and from files, materials by region and by law; and each fault with its place.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp, reason = "a test fails by panicking, and some values are exact")]
 
 mod common;

@@ -5,7 +5,7 @@ mod common;
 
 use std::path::{Path, PathBuf};
 
-use amontons::case::{self, CaseError, Place, Source};
+use amontons::case::{self, CaseError, FaultPlace, Source};
 use common::{spoil, told};
 use proptest::prelude::*;
 
@@ -444,7 +444,7 @@ fn spans_cover_what_is_faulty() {
     let result = case::parse(&Source::new("paper.toml", text), &[]);
     let Err(CaseError::Faults { file, faults }) = result else { panic!("no faults") };
     let [fault] = faults.as_slice() else { panic!("{faults:?}") };
-    let Place::File { start, end, .. } = fault.place else { panic!("{fault:?}") };
+    let FaultPlace::File { start, end, .. } = fault.place else { panic!("{fault:?}") };
     assert_eq!(&file.text[start..end], "θ");
 }
 
@@ -564,7 +564,7 @@ proptest! {
                 let CaseError::Faults { file, faults } = &error else { panic!("{error}") };
                 prop_assert!(!faults.is_empty());
                 for fault in faults {
-                    if let Place::File { start, end, .. } = fault.place {
+                    if let FaultPlace::File { start, end, .. } = fault.place {
                         prop_assert!(file.text.get(start..end).is_some(), "{fault}");
                     }
                 }

@@ -51,9 +51,9 @@ fn the_readings_of_the_paper_need_overrides_only() -> Outcome {
         assert_eq!(tensor, Sym::identity(2));
     }
     assert_eq!(parse(PAPER, &["material.conductivity=[[1,1],[1,1]]"])?.problem.materials[0].conductivity, ones());
-    let hot = parse(PAPER, &["contact.heat.foundation_temperature=10"])?.problem.contacts.swap_remove(0);
+    let hot = parse(PAPER, &["contact.heat.foundation_temperature=10"])?.problem.into_data().contacts.swap_remove(0);
     assert_eq!(hot.foundation_temperature, Field::Constant(10.0));
-    assert_eq!(parse(PAPER, &["contact.quadrature=gauss"])?.problem.contacts.swap_remove(0).quadrature, Quadrature::Gauss);
+    assert_eq!(parse(PAPER, &["contact.quadrature=gauss"])?.problem.into_data().contacts.swap_remove(0).quadrature, Quadrature::Gauss);
     Ok(())
 }
 
@@ -86,7 +86,7 @@ fn contact_initial_data_loads_and_output_may_be_left_out() -> Outcome {
 #[test]
 fn friction_and_heat_of_a_contact_may_be_left_out() -> Outcome {
     let contact = "[contact]\non = \"bottom\"\nnormal = { law = \"compliance\", stiffness = 5 }\n";
-    let contact = parse(&format!("{}{contact}", without_contact()), &[])?.problem.contacts.swap_remove(0);
+    let contact = parse(&format!("{}{contact}", without_contact()), &[])?.problem.into_data().contacts.swap_remove(0);
     assert!(contact.friction.is_frictionless() && contact.heat.conductance_bound() == 0.0 && contact.gap.is_zero());
     Ok(())
 }
@@ -222,7 +222,7 @@ fn obstacles_are_read_with_their_keys() -> Outcome {
         ("shape = 'wave', point = [0, -1], normal = [0, 1], direction = [1, 0], amplitude = 0.01, wavelength = 1", false, 1.01, [0.0, -1.0, 0.0]),
         ("shape = 'surface', level = '4*(y + 0.25 + t)'", false, 0.75, [0.0; 3]),
     ] {
-        let contact = parse(PAPER, &[&format!("contact.obstacle={{ {keys} }}")])?.problem.contacts.swap_remove(0);
+        let contact = parse(PAPER, &[&format!("contact.obstacle={{ {keys} }}")])?.problem.into_data().contacts.swap_remove(0);
         let obstacle = contact.obstacle.expect("an obstacle");
         let nearest = obstacle.nearest(&x, 0.5);
         assert!((nearest.distance - distance).abs() < 1e-14, "{keys}: {nearest:?}");

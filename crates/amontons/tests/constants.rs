@@ -13,10 +13,10 @@ use amontons::hypotheses::{Constant, DomainConstants, domain_constants};
 use amontons::linalg::{BlockMatrix, Eigenpair, Graph, Quotient, System, Unknowns, largest};
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Block, Diagonal, Mesh};
-use amontons::problem::Problem;
+use amontons::problem::{Problem, ProblemData};
 use amontons::run::with_threads;
 use amontons::tensor::Sym;
-use common::{Random, paper};
+use common::{Random, changed, paper};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
@@ -186,7 +186,7 @@ fn the_laplacian_of_a_rectangle() {
 
 /// A problem on a distorted mesh whose contact side is curved.
 fn curved() -> Problem {
-    let mut problem = problem(6, "right");
+    let problem = problem(6, "right");
     let mut mesh = Mesh::rectangle([1.5, 1.0], [6, 4], Diagonal::Crossed).unwrap();
     let mut random = Random(7);
     for p in &mut mesh.points {
@@ -196,8 +196,7 @@ fn curved() -> Problem {
         }
     }
     mesh.check().expect("the distortion keeps the cells positive");
-    problem.mesh = Arc::new(mesh);
-    problem
+    changed(&problem, |data| data.mesh = Arc::new(mesh))
 }
 
 /// The largest eigenvalue of B x = μ K x by dense algebra: of L⁻¹BL⁻ᵀ, K = LLᵀ.
@@ -268,7 +267,7 @@ fn scaled(problem: &Problem, factor: f64) -> DomainConstants {
     for p in &mut mesh.points {
         *p = p.map(|x| factor * x);
     }
-    domain_constants(&Problem { mesh: Arc::new(mesh), ..problem.clone() }).expect("regular forms")
+    domain_constants(&changed(problem, |data| data.mesh = Arc::new(mesh))).expect("regular forms")
 }
 
 /// s ~ √L and 1/c² − 1 ~ L² for a body of size L; in a unit that is a power of four the bits are the same.
@@ -300,13 +299,11 @@ fn constants_are_there_where_their_inequalities_are() {
     let all = |problem: &Problem| domain_constants(problem).expect("regular forms").named().map(|(_, constant)| constant.is_some());
     let full = problem(4, "right");
     assert_eq!(all(&full), [true; 6]);
-    let without = Problem { contacts: Vec::new(), ..full.clone() };
+    let without = changed(&full, |data| data.contacts.clear());
     assert_eq!(all(&without), [true, true, false, false, false, false]);
-    let mut free = full.clone();
-    free.boundary.iter_mut().for_each(|b| b.displacement = None);
+    let free = changed(&full, |data| data.boundary.iter_mut().for_each(|b| b.displacement = None));
     assert_eq!(all(&free), [false, true, false, false, false, true]);
-    let mut insulated = full.clone();
-    insulated.boundary.iter_mut().for_each(|b| b.temperature = None);
+    let insulated = changed(&full, |data| data.boundary.iter_mut().for_each(|b| b.temperature = None));
     assert_eq!(all(&insulated), [true, false, true, true, true, false]);
 
     // A second body that no side holds.
@@ -314,7 +311,7 @@ fn constants_are_there_where_their_inequalities_are() {
     let first = mesh.points.len() as u32;
     mesh.points.extend([[3.0, 0.0, 0.0], [4.0, 0.0, 0.0], [3.0, 1.0, 0.0]]);
     mesh.blocks.push(Block { element: mesh.blocks[0].element, region: 0, nodes: vec![first, first + 1, first + 2] });
-    assert_eq!(all(&Problem { mesh: Arc::new(mesh), ..full.clone() }), [false; 6]);
+    assert_eq!(all(&changed(&full, |data| data.mesh = Arc::new(mesh))), [false; 6]);
 
     // One cell: every temperature is prescribed, and 0 is the only function of Q^h. Quadrature of the laws is no matter.
     let least = domain_constants(&problem(1, "right")).expect("regular forms");
@@ -326,17 +323,16 @@ fn constants_are_there_where_their_inequalities_are() {
 /// Where the sides that hold the body take in all nodes of Γ_C the traces vanish.
 #[test]
 fn prescribed_contact_nodes_bear_no_trace() {
-    let mut held = problem(1, "right");
-    for side in &mut held.boundary {
-        side.displacement = Some(vec![Some(amontons::field::Field::default()); 2]);
-    }
+    let hold = |data: &mut ProblemData| {
+        for side in &mut data.boundary {
+            (side.displacement, side.traction) = (Some(vec![Some(amontons::field::Field::default()); 2]), None);
+        }
+    };
+    let held = changed(&problem(1, "right"), hold);
     let constants = domain_constants(&held).expect("nothing to factorize");
     assert_eq!((constants.c_k.unwrap().value, constants.s1.unwrap().value, constants.s1_tangential.unwrap().value), (1.0, 0.0, 0.0));
     // With more cells the corners of Γ_C alone are prescribed: smaller spaces, larger c and smaller s.
-    let (mut held, free) = (problem(6, "right"), domain_constants(&problem(6, "right")).expect("regular forms"));
-    for side in &mut held.boundary {
-        side.displacement = Some(vec![Some(amontons::field::Field::default()); 2]);
-    }
+    let (held, free) = (changed(&problem(6, "right"), hold), domain_constants(&problem(6, "right")).expect("regular forms"));
     let less = domain_constants(&held).expect("regular forms");
     assert!(less.c_k.unwrap().value > free.c_k.unwrap().value);
     assert!(less.s1.unwrap().value < free.s1.unwrap().value && less.s1.unwrap().value > 0.0);

@@ -11,22 +11,22 @@ use amontons::linalg::Supernodal;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::Memory;
-use amontons::problem::{BoundaryCondition, Problem};
+use amontons::problem::{BoundaryCondition, ProblemData};
 use amontons::run::{self, Settings};
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use amontons::tensor::{Sym, length};
-use common::{Random, largest, paper};
+use common::{Random, checked, largest, paper};
 
-fn solve(problem: &Problem) -> Memory {
+fn solve(data: &ProblemData) -> Memory {
     let mut memory = Memory::new().states_every(1).reports();
-    let problem = problem.clone().checked().unwrap_or_else(|faults| panic!("{faults}"));
+    let problem = checked(data.clone());
     let settings = Settings { certificate: false, ..Settings::default() };
     run::run(&problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
     memory
 }
 
 /// The laws of the paper's material in `dim` dimensions, all strains across zero.
-fn in_strain(problem: &mut Problem, dim: usize, direct: f64) {
+fn in_strain(problem: &mut ProblemData, dim: usize, direct: f64) {
     problem.materials[0].elasticity = Arc::new(Isotropic::elastic(dim, 2.0, 0.1, StressState::PlaneStrain));
     problem.materials[0].viscosity = Arc::new(Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain));
     // 𝓜 and 𝓡 are all ones in the plane, and couple what is across to nothing.
@@ -36,11 +36,11 @@ fn in_strain(problem: &mut Problem, dim: usize, direct: f64) {
 }
 
 fn symmetry(on: &str) -> BoundaryCondition {
-    BoundaryCondition { on: on.to_owned(), normal_displacement: Some(Field::ZERO), ..BoundaryCondition::default() }
+    BoundaryCondition::on(on).normal_displacement(0.0)
 }
 
 /// The body swept along z, between planes of symmetry.
-fn swept(plane: &Problem, height: f64, layers: usize) -> Problem {
+fn swept(plane: &ProblemData, height: f64, layers: usize) -> ProblemData {
     let mut body = plane.clone();
     body.mesh = Arc::new(plane.mesh.extruded(height, layers, ["back", "front"]).expect("a mesh"));
     in_strain(&mut body, 3, 1.0);
@@ -78,7 +78,7 @@ fn difference(small: &State, large: &State, [d, e]: [usize; 2], nodes: &[usize])
 fn the_paper_s_problem_between_planes_of_symmetry() {
     let height = 0.3;
     for elements in [Elements::P1, Elements::Q1] {
-        let mut plane = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem;
+        let mut plane = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem.into_data();
         plane.mesh = Arc::new(Mesh::rectangle_of(elements, [1.0, 1.0], [8, 8], Diagonal::Right).expect("a mesh"));
         in_strain(&mut plane, 2, 1.0);
         let body = swept(&plane, height, 2);
@@ -106,15 +106,14 @@ fn the_paper_s_problem_between_planes_of_symmetry() {
 #[test]
 fn a_rod_is_a_strip_between_planes_of_symmetry() {
     let height = 0.5;
-    let condition = |on: &str| BoundaryCondition { on: on.to_owned(), ..BoundaryCondition::default() };
-    let mut strip = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem;
+    let mut strip = paper(&["time.steps=16", "contact.heat.foundation_temperature=10"]).problem.into_data();
     strip.mesh = Arc::new(Mesh::rectangle_of(Elements::Q1, [1.0, height], [16, 1], Diagonal::Right).expect("a mesh"));
     in_strain(&mut strip, 2, 1.0);
     // Shear of 𝓜 and 𝓡 would couple to nothing in the rod.
     let diagonal = Sym::from_fn(2, |i, j| if i == j { 1.0 } else { 0.0 });
     (strip.materials[0].expansion, strip.materials[0].coupling) = (diagonal, diagonal);
     strip.body_force = vec![1.0.into(), Field::ZERO];
-    let held = BoundaryCondition { displacement: Some(vec![Some(Field::ZERO); 2]), temperature: Some(Field::ZERO), ..condition("left") };
+    let held = BoundaryCondition::on("left").displacement([0.0; 2]).temperature(0.0);
     strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];
     let contact = &mut strip.contacts[0];
     contact.on = "right".to_owned();
@@ -126,7 +125,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     rod.body_force.truncate(1);
     rod.initial.displacement.truncate(1);
     rod.initial.velocity.truncate(1);
-    rod.boundary = vec![BoundaryCondition { displacement: Some(vec![Some(Field::ZERO)]), temperature: Some(Field::ZERO), ..condition("left") }];
+    rod.boundary = vec![BoundaryCondition::on("left").displacement([0.0]).temperature(0.0)];
 
     let (small, large) = (solve(&rod), solve(&strip));
     let at = |x: f64, y: f64| strip.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node");
@@ -199,10 +198,10 @@ fn friction_in_the_tangent_plane() {
 /// A problem on a mesh built by hand that names a node that there is not is a fault, not a panic.
 #[test]
 fn a_mesh_with_an_unknown_node_is_a_fault() {
-    let mut problem = paper(&["mesh.n=2"]).problem;
+    let mut problem = paper(&["mesh.n=2"]).problem.into_data();
     let mut mesh = Mesh::clone(&problem.mesh);
     mesh.blocks[0].nodes[0] = 1000;
     problem.mesh = Arc::new(mesh);
-    let faults = problem.checked().expect_err("a fault").to_string();
+    let faults = problem.check().expect_err("a fault").to_string();
     assert_eq!(faults, "mesh: found a cell names node 1000, expected one below 9, the number of nodes, expected cells and facets whose nodes exist");
 }

@@ -35,8 +35,8 @@ const K: f64 = 0.5;
 const S: f64 = 1.0 / K + 1.0 + K;
 const H: f64 = 1.0 / K + 1.0;
 
-fn step(mut problem: Problem, coupling: Coupling) -> (State, StepReport) {
-    problem.coupling = coupling;
+fn step(problem: &Problem, coupling: Coupling) -> (State, StepReport) {
+    let problem = problem.with(|data| data.coupling = coupling).expect("valid data");
     let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
     let start = scheme.initial().expect("finite initial data");
     scheme.step(&start).unwrap_or_else(|error| panic!("{error}"))
@@ -44,9 +44,8 @@ fn step(mut problem: Problem, coupling: Coupling) -> (State, StepReport) {
 
 fn hot(slope: bool, coupling: Coupling) -> (State, StepReport) {
     // Narrow: in a wide column a difference between both contact points grows from pass to pass, by 7/6.
-    let mut problem = column(&["contact.foundation_velocity=[1, 0]", "mesh.size=[0.5, 1]"]);
-    problem.contacts[0].friction = Arc::new(Exponential { slope });
-    step(problem, coupling)
+    let problem = column(&["contact.foundation_velocity=[1, 0]", "mesh.size=[0.5, 1]"]);
+    step(&problem.with(|data| data.contacts[0].friction = Arc::new(Exponential { slope })).expect("valid data"), coupling)
 }
 
 /// The root of a function that changes its sign between two numbers.
@@ -111,7 +110,7 @@ fn newton_sees_the_slope_of_wear_in_the_temperature() {
             "contact.friction.coefficient=0.8",
             &format!("contact.wear={{law='archard-temperature', temperature=[0, 1], coefficient=[{kappa:?}, {:?}]}}", kappa + more),
         ]);
-        step(problem, coupling)
+        step(&problem, coupling)
     };
     let p = |theta: f64, w: f64| 1.0 / (1.0 + 1e3 * K * (kappa + more * theta) * (1.0 - w));
     let w = |theta: f64| root(|w| S * w - 0.8 * p(theta, w), 0.0, 1.0);

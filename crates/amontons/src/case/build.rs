@@ -2,20 +2,20 @@
 
 use std::sync::Arc;
 
-use super::check::nearest;
+use super::nearest::nearest;
 use super::files::{Files, Loader};
 use super::material;
 use super::path::{Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
-use super::verify::Verify;
+use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
-use crate::problem::{Coupling, Initial, Physics, Problem};
+use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::units::System;
 
@@ -34,45 +34,50 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
-    let problem = Problem {
+    let data = ProblemData {
         name: raw.name,
-        system: match raw.units {
-            raw::Units::Si => System::Si,
-            raw::Units::Dimensionless => System::Dimensionless,
-        },
+        system: system(raw.units),
         end: raw.time.end,
         steps: raw.time.steps,
         physics,
         materials,
-        dilatation: match raw.material.dilatation {
-            raw::Dilatation::Full => Dilatation::Full,
-            raw::Dilatation::Mean => Dilatation::Mean,
-        },
+        dilatation: dilatation(raw.material.dilatation),
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
         contacts: raw.contact.map_or_else(Vec::new, raw::Contacts::all).into_iter().map(|(path, c)| build.contact(&path, c, &mesh)).collect(),
         initial: build.initial(&raw.initial, &mesh.points),
-        coupling: match raw.scheme.coupling {
-            raw::Coupling::Staggered => Coupling::Staggered,
-            raw::Coupling::FixedPoint => Coupling::FixedPoint,
-            raw::Coupling::Monolithic => Coupling::Monolithic,
-        },
+        coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
     };
-    let probes = build.probes(&raw.probe, &problem);
-    let verify = raw.verify.map(|raw| build.verify(&raw, &problem, exact.is_some()));
-    let problem = match problem.checked() {
-        Ok(problem) => Some(problem),
-        Err(faults) => {
-            build.findings.extend(faults.0.into_iter().map(Finding::from));
-            None
-        }
-    };
-    let said = |finding: &Finding| build.is_doubtful(&finding.path);
-    let findings: Vec<Finding> = build.findings.iter().filter(|f| !said(f)).cloned().collect();
+    let probes = build.probes(&raw.probe, &data);
+    let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
+    let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
+    let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    (problem.filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
+    (checked.ok().filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
+}
+
+fn system(raw: raw::Units) -> System {
+    match raw {
+        raw::Units::Si => System::Si,
+        raw::Units::Dimensionless => System::Dimensionless,
+    }
+}
+
+fn dilatation(raw: raw::Dilatation) -> Dilatation {
+    match raw {
+        raw::Dilatation::Full => Dilatation::Full,
+        raw::Dilatation::Mean => Dilatation::Mean,
+    }
+}
+
+fn coupling(raw: raw::Coupling) -> Coupling {
+    match raw {
+        raw::Coupling::Staggered => Coupling::Staggered,
+        raw::Coupling::FixedPoint => Coupling::FixedPoint,
+        raw::Coupling::Monolithic => Coupling::Monolithic,
+    }
 }
 
 /// What a case gives.
@@ -106,13 +111,13 @@ pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
 }
 
 /// The expected values of a case.
-pub(super) fn expected(raw: &raw::Expected) -> super::Expected {
+pub(super) fn expected(raw: &raw::Expected) -> Expected {
     let list = |values: &raw::Values| match values {
         raw::Values::One(value) => vec![*value],
         raw::Values::Several(values) => values.clone(),
     };
     let values = raw.values.iter().map(|(path, values)| (path.clone(), list(values))).collect();
-    super::Expected { tolerance: raw.tolerance, values }
+    Expected { tolerance: raw.tolerance, values }
 }
 
 /// What is known while a problem is built.
@@ -136,9 +141,13 @@ impl Build<'_> {
         self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
     }
 
+    /// The findings that do not rest on stand-ins.
+    fn certain(&self) -> Vec<Finding> {
+        self.findings.iter().filter(|finding| !self.is_doubtful(&finding.path)).cloned().collect()
+    }
+
     fn is_doubtful(&self, path: &Path) -> bool {
-        let root = path.0.first();
-        if self.no_mesh && !["mesh", "name", "time"].iter().any(|key| root == Some(&Segment::Key((*key).to_owned()))) {
+        if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
             return true;
         }
         // A side cannot be looked up while the mesh that has the sides is unknown.

@@ -6,6 +6,7 @@
 use serde_json::{Map, Value};
 use toml::de::{DeArray, DeTable, DeValue};
 
+use super::nearest::nearest;
 use super::path::Path;
 use super::place::{At, Finding};
 use super::schema::{View, one_of};
@@ -244,16 +245,6 @@ fn describe(found: &DeValue<'_>) -> String {
         DeValue::Array(array) => format!("an array of {}", array.len()),
         DeValue::Table(_) => "a table".to_owned(),
     }
-}
-
-/// The word that was probably meant: the nearest one if it is near.
-pub(super) fn nearest<'w>(word: &str, words: &[&'w str]) -> Option<&'w str> {
-    let word = word.to_lowercase().replace([' ', '_'], "-");
-    let distance = |w: &str| strsim::damerau_levenshtein(&w.to_lowercase().replace('_', "-"), &word);
-    let near = words.iter().copied().min_by_key(|w| distance(w))?;
-    // A third of the letters may be wrong: of a word of two or fewer, none.
-    let budget = near.chars().count().max(word.chars().count()) / 3;
-    (distance(near) <= budget).then_some(near)
 }
 
 /// Other names of our keys, as other programs and textbooks have them.

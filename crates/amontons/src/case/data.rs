@@ -6,7 +6,7 @@ use super::place::At;
 use super::raw::{Component, Datum, Extend, Scalar, TableData};
 use super::table;
 use crate::expression::{Expression, Variable};
-use crate::field::{Field, Table, TableError};
+use crate::field::{Field, TimeTable, TableError};
 use crate::tensor::Point;
 
 /// Names of the coordinates.
@@ -95,7 +95,7 @@ impl Build<'_> {
     }
 
     /// The table that is meant: of a file, or of `times` and `values`.
-    fn table(&mut self, path: &str, data: &TableData) -> Option<Table> {
+    fn table(&mut self, path: &str, data: &TableData) -> Option<TimeTable> {
         let (times, values) = match (&data.table, &data.times, &data.values) {
             (Some(name), None, None) => self.columns(path, name, data)?,
             (None, Some(times), Some(values)) => self.pairs(path, times, values, data)?,
@@ -110,7 +110,7 @@ impl Build<'_> {
             Some(Scalar::Expression(text)) => Some((1.0, Some(self.expression(&format!("{path}.factor"), text)?))),
         };
         let values = values.iter().map(|value| value * factor.as_ref().map_or(1.0, |(number, _)| *number)).collect();
-        let table = match Table::new(times, values) {
+        let table = match TimeTable::new(times, values) {
             Ok(table) if data.extend == Extend::Hold => table.hold(),
             Ok(table) => table,
             Err(error) => {
@@ -173,7 +173,7 @@ impl Build<'_> {
     fn check_finite(&mut self, path: &str, field: &Field, points: &[Point]) {
         // Points of a stand-in mesh say nothing, and of times that a table lacks the problem tells.
         let [first, last] = field.span();
-        if self.doubtful.iter().any(|p| p.to_string().starts_with("mesh")) || first > 0.0 || last < self.end {
+        if self.doubtful.iter().any(|p| p.is_in("mesh")) || first > 0.0 || last < self.end {
             return;
         }
         for t in [0.0, self.end] {

@@ -27,7 +27,7 @@ impl Source {
 
 /// Where a fault is.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FaultPlace {
     /// In the file.
     File {
         /// First byte in the text.
@@ -45,9 +45,9 @@ pub enum Place {
     Whole,
 }
 
-impl Place {
+impl FaultPlace {
     /// The place of a span of bytes of a text.
-    pub(super) fn in_file(text: &str, span: Range<usize>) -> Place {
+    pub(super) fn in_file(text: &str, span: Range<usize>) -> FaultPlace {
         let mut start = span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;
@@ -55,15 +55,15 @@ impl Place {
         let before = text.get(..start).unwrap_or_default();
         let line = before.matches('\n').count() + 1;
         let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-        Place::File { start, end: span.end.clamp(start, text.len()), line, column }
+        FaultPlace::File { start, end: span.end.clamp(start, text.len()), line, column }
     }
 
     /// Faults of the whole come first, then those in the file, then those of overrides.
     fn order(&self) -> (u8, usize) {
         match self {
-            Place::Whole => (0, 0),
-            Place::File { start, .. } => (1, *start),
-            Place::Override(_) => (2, 0),
+            FaultPlace::Whole => (0, 0),
+            FaultPlace::File { start, .. } => (1, *start),
+            FaultPlace::Override(_) => (2, 0),
         }
     }
 }
@@ -72,7 +72,7 @@ impl Place {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CaseFault {
     /// Where it is.
-    pub place: Place,
+    pub place: FaultPlace,
     /// Dotted path of the datum, `boundary[1].on`; empty if the text is no TOML.
     pub path: String,
     /// What was found.
@@ -127,9 +127,9 @@ impl CaseError {
 
 fn lines(file: &Source, faults: &[CaseFault]) -> String {
     let line = |fault: &CaseFault| match &fault.place {
-        Place::File { line, column, .. } => format!("{}:{line}:{column}: {fault}", file.name),
-        Place::Override(given) => format!("--set {given}: {fault}"),
-        Place::Whole => format!("{}: {fault}", file.name),
+        FaultPlace::File { line, column, .. } => format!("{}:{line}:{column}: {fault}", file.name),
+        FaultPlace::Override(given) => format!("--set {given}: {fault}"),
+        FaultPlace::Whole => format!("{}: {fault}", file.name),
     };
     faults.iter().map(line).collect::<Vec<_>>().join("\n")
 }

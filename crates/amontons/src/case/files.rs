@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::check::nearest;
+use super::nearest::nearest;
 use super::path;
 use crate::output::{INPUTS, Input};
 

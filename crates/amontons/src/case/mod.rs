@@ -1,4 +1,4 @@
-//! The case file: from TOML to a checked [`Problem`], or all its faults at once.
+//! The case file: from TOML to a checked [`Problem`](crate::problem::Problem), or all its faults at once.
 //!
 //! A case passes four gates. The TOML parser reads it; overrides are set into its text;
 //! the document is held against the JSON Schema of the file, which is derived from the types that
@@ -15,6 +15,7 @@
 //! # Ok::<(), case::CaseError>(())
 //! ```
 
+mod benchmark;
 mod build;
 mod check;
 mod contact;
@@ -24,161 +25,31 @@ mod files;
 mod material;
 mod memory;
 mod mesh;
+mod nearest;
 mod obstacle;
 mod overrides;
+mod parse;
 mod path;
 mod physics;
 mod place;
 mod probe;
 mod raw;
-mod read;
+mod request;
 mod schema;
 mod sides;
 mod study;
 mod syntax;
 mod table;
+mod text;
 mod verify;
 
-use std::collections::BTreeMap;
-
-use toml::de::DeTable;
-
-pub use fault::{CaseError, CaseFault, Place, Source};
+pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
 pub use schema::schema;
-pub use study::{ReferenceRequest, StudyRequest, StudyRequestError, meshes, study};
-pub use verify::{Check, Comparison, ErrorName, Take, Verify};
-
-use crate::convergence::Exact;
-use crate::output::{Input, OutputField, Probe, fingerprint};
-use crate::problem::Problem;
-use overrides::Applied;
-use place::{At, Finding, Origin};
+pub use parse::{Case, parse, read, source};
+pub use request::{ReferenceRequest, StudyRequest, StudyRequestError};
+pub use study::{meshes, study};
+pub use verify::{Check, Comparison, ErrorName, Expected, Take, Verify};
 
 /// A small complete case that runs, with every key explained: what `amontons new` writes.
 pub const STARTER: &str = include_str!("starter.toml");
-
-/// A case, ready to run.
-#[derive(Clone, Debug)]
-pub struct Case {
-    /// The problem.
-    pub problem: Problem,
-    /// Steps between field snapshots; 0: only the last.
-    pub every: usize,
-    /// Fields of the snapshots beside those that every one has.
-    pub fields: Vec<OutputField>,
-    /// What is read off the run after every step.
-    pub probes: Vec<Probe>,
-    /// Values that a run must give.
-    pub expected: Option<Expected>,
-    /// A solution in closed form.
-    pub exact: Option<Exact>,
-    /// What makes the case a benchmark.
-    pub verify: Option<Verify>,
-    /// Cells per direction of a generated mesh; none of a mesh from a file.
-    pub cells: Vec<usize>,
-    /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
-    pub text: String,
-    /// The files that it refers to.
-    pub inputs: Vec<Input>,
-}
-
-impl Case {
-    /// What tells the case from others: its text and what the files hold that it refers to.
-    #[must_use]
-    pub fn fingerprint(&self) -> String {
-        fingerprint(&self.text, &self.inputs)
-    }
-}
-
-/// Values that a run of a case must give.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Expected {
-    /// Allowed deviation, relative to the largest magnitude in the value.
-    pub tolerance: f64,
-    /// The values by their dotted path in `summary.json`, one entry per component.
-    pub values: BTreeMap<String, Vec<f64>>,
-}
-
-/// Reads a case file; overrides are given as `KEY=VALUE`.
-///
-/// # Errors
-/// [`CaseError::Read`] when the file cannot be read, [`CaseError::Faults`] when it, or an override, has faults.
-pub fn read(path: &std::path::Path, overrides: &[String]) -> Result<Case, CaseError> {
-    parse(&source(path)?, overrides)
-}
-
-/// The text of a case file with its name and the folder in which the files are that it refers to.
-///
-/// # Errors
-/// [`CaseError::Read`] when the file cannot be read.
-pub fn source(path: &std::path::Path) -> Result<Source, CaseError> {
-    let text = read::text(path).map_err(|source| CaseError::Read { path: path.to_owned(), source })?;
-    let folder = path.parent().map(std::path::Path::to_owned).unwrap_or_default();
-    Ok(Source { files: Files::Folder(folder), ..Source::new(path.display().to_string(), text) })
-}
-
-/// Reads a case from its text; overrides are given as `KEY=VALUE`.
-///
-/// # Errors
-/// [`CaseError::Faults`] with all faults of the text and of the overrides.
-pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
-    let (document, errors) = DeTable::parse_recoverable(&source.text);
-    if !errors.is_empty() {
-        let errors = errors.iter().map(|e| (e.message().to_owned(), e.span())).collect();
-        let mut faults = syntax::faults(&source.text, errors);
-        faults.extend(overrides::faults(overrides));
-        // With keys given twice alone the rest can be read; overrides might change what it says.
-        if overrides.is_empty() && faults.iter().all(syntax::is_duplicate) {
-            let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
-            faults.extend(build_case(document.get_ref(), &source.files, false).1.into_iter().map(|finding| origin.locate(finding)));
-        }
-        return Err(CaseError::faults(source, faults));
-    }
-    let applied = overrides::apply(&source.text, overrides).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
-    let Applied { text, set, mut faults } = applied;
-    let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
-    // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those that it lacks.
-    let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
-    let (case, findings) = match DeTable::parse(&text) {
-        Ok(changed) => build_case(changed.get_ref(), &source.files, has_other_end),
-        Err(error) => (None, vec![whole(error.message())]),
-    };
-    faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
-    match case {
-        Some((mut case, references)) if faults.is_empty() => {
-            case.text = overrides::refer(&text, &references).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error])))?;
-            Ok(case)
-        }
-        _ => Err(CaseError::faults(source, faults)),
-    }
-}
-
-/// A finding about the file as a whole.
-fn whole(found: impl Into<String>) -> Finding {
-    Finding::new(path::Path::default(), At::Value, found, "a case file")
-}
-
-/// Keys of a case that refer to files, and what they say where copies of the files are.
-type References = Vec<(path::Path, String)>;
-
-/// Checks and builds the case of a document with overrides applied; without a case there are findings.
-fn build_case(document: &DeTable<'_>, files: &Files, has_other_end: bool) -> (Option<(Case, References)>, Vec<Finding>) {
-    let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document);
-    let raw: raw::Case = match serde_json::from_value(value) {
-        Ok(raw) => raw,
-        Err(error) => {
-            // The schema and the types are one source, so this speaks of a gap between the two.
-            findings.push(whole(error.to_string()));
-            return (None, findings);
-        }
-    };
-    let (every, fields, expected) = (raw.output.every, build::fields(&raw.output), raw.expected.as_ref().map(build::expected));
-    let cells = mesh::cells(&raw.mesh);
-    let (built, later) = build::problem(raw, files, memory::available(), &doubtful, has_other_end);
-    findings.extend(later);
-    let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
-        (Case { problem, every, fields, probes, expected, exact, verify, cells, text: String::new(), inputs }, references)
-    });
-    (case, findings)
-}

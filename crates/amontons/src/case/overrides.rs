@@ -2,9 +2,9 @@
 
 use toml_edit::{DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
-use super::fault::{CaseFault, Place};
+use super::fault::{CaseFault, FaultPlace};
 use super::path::{Path, Segment};
-use super::syntax::SyntaxError;
+use super::syntax::{self, SyntaxError};
 
 /// A case with overrides applied.
 pub(super) struct Applied {
@@ -77,7 +77,7 @@ impl Refusal {
 
     fn into_fault(self, given: &str) -> CaseFault {
         let Refusal { path, found, expected, hint } = self;
-        CaseFault { place: Place::Override(given.to_owned()), path, found, expected, hint }
+        CaseFault { place: FaultPlace::Override(given.to_owned()), path, found, expected, hint }
     }
 }
 
@@ -99,7 +99,7 @@ fn read(given: &str) -> Result<(Path, Value), Refusal> {
         Err(_) if is_bare_word(value) => Ok((path, Value::from(value))),
         Err(error) => {
             let what = error.message().lines().next().unwrap_or_default().to_owned();
-            Err(Refusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(if what.contains("quoted") {
+            Err(Refusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(if syntax::Kind::of(&what) == syntax::Kind::NoValue {
                 format!("a string stands in quotes that the shell leaves alone: '{key}=\"{value}\"'")
             } else {
                 what

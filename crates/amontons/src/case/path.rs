@@ -86,6 +86,11 @@ impl Path {
         self.0.split_last().map(|(_, parent)| Path(parent.to_vec()))
     }
 
+    /// Whether it is the key `table` of the root or leads through it.
+    pub fn is_in(&self, table: &str) -> bool {
+        matches!(self.0.first(), Some(Segment::Key(key)) if key == table)
+    }
+
     /// Whether `self` is `other` or leads through it.
     pub fn is_at_or_below(&self, other: &Path) -> bool {
         self.0.starts_with(&other.0)

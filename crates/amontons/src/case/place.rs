@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fault::{CaseFault, Place};
+use super::fault::{CaseFault, FaultPlace};
 use super::path::{Path, Segment};
 use crate::problem::Fault;
 
@@ -69,9 +69,9 @@ impl Origin<'_> {
         CaseFault { place, path: path.to_string(), found, expected, hint }
     }
 
-    fn place(&self, path: &Path, at: At) -> Place {
+    fn place(&self, path: &Path, at: At) -> FaultPlace {
         if let Some((_, given)) = self.overrides.iter().rev().find(|(set, _)| path.is_at_or_below(set)) {
-            return Place::Override(given.clone());
+            return FaultPlace::Override(given.clone());
         }
         let entry = self.entry(path);
         let span = match (entry, at) {
@@ -81,21 +81,21 @@ impl Origin<'_> {
             // A table that the file does not have was made by an override.
             (None, _) => {
                 if let Some((_, given)) = self.overrides.iter().rev().find(|(set, _)| set.is_at_or_below(path)) {
-                    return Place::Override(given.clone());
+                    return FaultPlace::Override(given.clone());
                 }
                 return match path.parent() {
                     Some(parent) if !parent.0.is_empty() => self.place_of_table(&parent),
-                    _ => Place::Whole,
+                    _ => FaultPlace::Whole,
                 };
             }
         };
-        Place::in_file(self.text, span)
+        FaultPlace::in_file(self.text, span)
     }
 
     /// The place of a table that lacks something: its header, or the override that made it.
-    fn place_of_table(&self, path: &Path) -> Place {
+    fn place_of_table(&self, path: &Path) -> FaultPlace {
         match self.entry(path) {
-            Some((_, span)) => Place::in_file(self.text, span),
+            Some((_, span)) => FaultPlace::in_file(self.text, span),
             None => self.place(path, At::Missing),
         }
     }

@@ -1,11 +1,11 @@
 //! The probes of a case, those of its `[verify]` block included.
 
 use super::build::Build;
-use super::check::nearest;
+use super::nearest::nearest;
 use super::place::At;
 use super::raw;
-use crate::output::{Place, Probe, ProbeError, ProbeSet, Quantity, Take};
-use crate::problem::Problem;
+use crate::output::{ProbePlace, Probe, ProbeError, ProbeSet, Quantity, Take};
+use crate::problem::ProblemData;
 use crate::tensor::Point;
 
 /// Where a raw probe reads, and the path of its table.
@@ -19,7 +19,7 @@ struct Target<'r> {
 
 impl Build<'_> {
     /// The probes of `[[probe]]`.
-    pub fn probes(&mut self, raw: &[raw::Probe], problem: &Problem) -> Vec<Probe> {
+    pub fn probes(&mut self, raw: &[raw::Probe], problem: &ProblemData) -> Vec<Probe> {
         let mut probes: Vec<Probe> = Vec::new();
         for (i, probe) in raw.iter().enumerate() {
             let path = format!("probe[{i}]");
@@ -44,7 +44,7 @@ impl Build<'_> {
     }
 
     /// The probe of a check of `[verify]`; none if it has faults.
-    pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &Problem) -> Option<Probe> {
+    pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
         let raw::Check::Probe { field, at, on, region, take, .. } = check else { return None };
         let target = Target { path: format!("verify.check[{i}]"), at: at.as_ref(), on: on.as_ref(), region: region.as_ref(), take: *take };
         let (place, quantity) = (self.probe_place(&target, problem)?, Quantity::parse(field)?);
@@ -53,7 +53,7 @@ impl Build<'_> {
         Some(probe)
     }
 
-    fn probe_place(&mut self, target: &Target, problem: &Problem) -> Option<Place> {
+    fn probe_place(&mut self, target: &Target, problem: &ProblemData) -> Option<ProbePlace> {
         let (path, dim) = (&target.path, problem.mesh.dim);
         let take = target.take.map(|take| match take {
             raw::Over::Mean => Take::Mean,
@@ -72,14 +72,14 @@ impl Build<'_> {
                     self.note(&format!("{path}.at"), At::Value, format!("{} coordinates", at.len()), format!("{dim} coordinates"), None);
                     return None;
                 }
-                Some(Place::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
+                Some(ProbePlace::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
             }
             (["at"], .., Some(_)) => {
                 self.note(&format!("{path}.take"), At::Key, "`take` of the value at a point", "`take` with `on` or `region`", None);
                 None
             }
-            (["on"], _, Some(on), _, Some(take)) => Some(Place::On(on.clone(), take)),
-            (["region"], _, _, Some(region), Some(take)) => Some(Place::Region(region.clone(), take)),
+            (["on"], _, Some(on), _, Some(take)) => Some(ProbePlace::On(on.clone(), take)),
+            (["region"], _, _, Some(region), Some(take)) => Some(ProbePlace::Region(region.clone(), take)),
             (["on" | "region"], ..) => {
                 self.note(
                     &format!("{path}.take"),
@@ -99,9 +99,9 @@ impl Build<'_> {
     }
 
     /// Notes why a probe cannot be read; `quantity` is the key of the quantity.
-    fn check_probe(&mut self, target: &Target, quantity: &str, problem: &Problem, probe: &Probe) {
+    fn check_probe(&mut self, target: &Target, quantity: &str, problem: &ProblemData, probe: &Probe) {
         // On a mesh with faults it is not known what is outside.
-        let mesh_unknown = self.findings.iter().any(|finding| finding.path.to_string().starts_with("mesh"));
+        let mesh_unknown = self.findings.iter().any(|finding| finding.path.is_in("mesh"));
         let Err(error) = ProbeSet::check(problem, probe) else { return };
         let path = |key: &str| format!("{}.{key}", target.path);
         let among = |name: Option<&String>, known: &[String]| {
@@ -132,7 +132,7 @@ impl Build<'_> {
 }
 
 /// `displacement_x at (0.5, 1)`.
-fn describe(field: &str, place: &Place, dim: usize) -> String {
+fn describe(field: &str, place: &ProbePlace, dim: usize) -> String {
     let over = |take: Take, name: &str| {
         let take = match take {
             Take::Mean => "mean",
@@ -143,8 +143,8 @@ fn describe(field: &str, place: &Place, dim: usize) -> String {
         format!("{take} {field}, {name}")
     };
     match place {
-        Place::At(at) => format!("{field} at {}", point(&coordinates(at, dim))),
-        Place::On(name, take) | Place::Region(name, take) => over(*take, name),
+        ProbePlace::At(at) => format!("{field} at {}", point(&coordinates(at, dim))),
+        ProbePlace::On(name, take) | ProbePlace::Region(name, take) => over(*take, name),
     }
 }
 

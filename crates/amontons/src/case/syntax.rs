@@ -2,62 +2,112 @@
 
 use std::ops::Range;
 
-use super::fault::{CaseFault, Place};
+use super::fault::{CaseFault, FaultPlace};
 
 /// An error of the TOML parser: its message and its place.
 pub(super) type SyntaxError = (String, Option<Range<usize>>);
 
-/// What is expected of a key.
-const ONCE: &str = "each key once in its table";
+/// What the TOML parser found wrong. It says so in words only, which are read here and nowhere else.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Kind {
+    /// A key given twice, behind which the rest of the text can be read.
+    Duplicate,
+    /// Elements of an array without a comma between them; everything behind is misread.
+    MissingComma,
+    /// A bracket that is not closed, with what was expected; everything behind is misread.
+    Unclosed(String),
+    /// A value that is none, or a string without quotes.
+    NoValue,
+    /// Something that should not be there.
+    Superfluous,
+    /// Any other, with what was expected.
+    Other(String),
+}
+
+impl Kind {
+    pub(super) fn of(message: &str) -> Kind {
+        const VALID: &str = "valid TOML";
+        let (what, expected) = message.split_once(", expected ").unwrap_or((message, VALID));
+        match (what, expected) {
+            ("duplicate key", _) => Kind::Duplicate,
+            ("missing comma between array elements", _) => Kind::MissingComma,
+            (_, "literal string") => Kind::NoValue,
+            _ if what.starts_with("unclosed") => Kind::Unclosed(if expected == "nothing" { VALID } else { expected }.to_owned()),
+            (_, "nothing") => Kind::Superfluous,
+            _ => Kind::Other(expected.to_owned()),
+        }
+    }
+}
+
+/// The faults of a text, and whether all of them are keys given twice, so that the rest of the text can be read.
+pub(super) struct SyntaxFaults {
+    pub faults: Vec<CaseFault>,
+    pub only_duplicates: bool,
+}
 
 /// One fault a line: further errors of a line are mostly consequences of the first.
-pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> Vec<CaseFault> {
+pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> SyntaxFaults {
     errors.sort_by_key(|(_, span)| span.as_ref().map_or(0, |s| s.start));
     let mut faults: Vec<(usize, CaseFault)> = Vec::new();
+    let mut only_duplicates = true;
     for (message, span) in errors {
+        let kind = Kind::of(&message);
         let span = span.unwrap_or(0..0);
-        let place = Place::in_file(text, span.clone());
-        let Place::File { line, .. } = place else { continue };
+        let place = FaultPlace::in_file(text, span.clone());
+        let FaultPlace::File { line, .. } = place else { continue };
         if faults.last().is_none_or(|(last, _)| *last != line) {
-            faults.push((line, fault(text, &message, span, place)));
+            only_duplicates &= kind == Kind::Duplicate;
+            faults.push((line, fault(text, &message, &kind, span, place)));
         }
-        // Behind a bracket that is not closed everything is misread.
-        if message.starts_with("unclosed") || message.starts_with("missing comma") {
+        if matches!(kind, Kind::Unclosed(_) | Kind::MissingComma) {
             break;
         }
     }
-    faults.into_iter().map(|(_, fault)| fault).collect()
+    SyntaxFaults { faults: faults.into_iter().map(|(_, fault)| fault).collect(), only_duplicates }
 }
 
-/// Whether a fault is a key given twice, behind which the rest of the text can be read.
-pub(super) fn is_duplicate(fault: &CaseFault) -> bool {
-    fault.path.is_empty() && fault.expected == ONCE
-}
-
-fn fault(text: &str, message: &str, span: Range<usize>, place: Place) -> CaseFault {
-    let found = excerpt(text, span);
-    let (what, expected) = message.split_once(", expected ").unwrap_or((message, "valid TOML"));
-    let (found, expected, hint) = match (what, expected) {
-        ("duplicate key", _) => (format!("{found} again"), ONCE.to_owned(), None),
-        (_, "literal string") if found.starts_with("the end") => (found, "a value".to_owned(), None),
-        (_, "literal string") => (found, "a value".to_owned(), Some("put strings in quotes".to_owned())),
-        ("missing comma between array elements", _) => (found, "`,` or `]`".to_owned(), Some("close the array before it".to_owned())),
-        (_, "nothing") => (found, "valid TOML".to_owned(), Some(what.to_owned())),
-        _ => (found, expected.to_owned(), Some(what.to_owned())),
+fn fault(text: &str, message: &str, kind: &Kind, span: Range<usize>, place: FaultPlace) -> CaseFault {
+    let (found, at_end) = excerpt(text, span);
+    let what = || message.split_once(", expected ").map_or(message, |(what, _)| what).to_owned();
+    let (found, expected, hint) = match kind {
+        Kind::Duplicate => (format!("{found} again"), "each key once in its table".to_owned(), None),
+        Kind::NoValue if at_end => (found, "a value".to_owned(), None),
+        Kind::NoValue => (found, "a value".to_owned(), Some("put strings in quotes".to_owned())),
+        Kind::MissingComma => (found, "`,` or `]`".to_owned(), Some("close the array before it".to_owned())),
+        Kind::Superfluous => (found, "valid TOML".to_owned(), Some(what())),
+        Kind::Other(expected) | Kind::Unclosed(expected) => (found, expected.clone(), Some(what())),
     };
     CaseFault { place, path: String::new(), found, expected, hint }
 }
 
-/// What stands at a span, or right behind it if it is empty.
-fn excerpt(text: &str, span: Range<usize>) -> String {
+/// What stands at a span, or right behind it if it is empty, and whether that is the end of the file or of a line.
+fn excerpt(text: &str, span: Range<usize>) -> (String, bool) {
     const LONGEST: usize = 30;
     let start = span.start;
     match text.get(span).and_then(|t| t.lines().next()).filter(|t| !t.trim().is_empty()) {
-        Some(found) => format!("`{}`", found.chars().take(LONGEST).collect::<String>().escape_debug()),
+        Some(found) => (format!("`{}`", found.chars().take(LONGEST).collect::<String>().escape_debug()), false),
         None => match text.get(start..).and_then(|rest| rest.chars().next()) {
-            None => "the end of the file".to_owned(),
-            Some('\n' | '\r') => "the end of the line".to_owned(),
-            Some(c) => format!("`{}`", c.escape_debug()),
+            None => ("the end of the file".to_owned(), true),
+            Some('\n' | '\r') => ("the end of the line".to_owned(), true),
+            Some(c) => (format!("`{}`", c.escape_debug()), false),
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The words of the parser, which has no other way to say what is wrong.
+    #[test]
+    fn the_words_of_the_parser_are_known() {
+        let kinds = |text: &str| -> Vec<Kind> {
+            toml::de::DeTable::parse_recoverable(text).1.iter().map(|error| Kind::of(error.message())).collect()
+        };
+        assert_eq!(kinds("a = 1\na = 2\n"), [Kind::Duplicate]);
+        assert_eq!(kinds("a = [1 2]\n"), [Kind::MissingComma]);
+        assert_eq!(kinds("a = word\n"), [Kind::NoValue]);
+        assert!(matches!(kinds("a = [1, 2\n")[..], [Kind::Unclosed(_), ..]));
+        assert!(kinds("a = 1\n").is_empty());
     }
 }

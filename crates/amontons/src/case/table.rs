@@ -1,6 +1,6 @@
 //! Columns of a file of separated values.
 
-use super::check::nearest;
+use super::nearest::nearest;
 use super::raw::Column;
 
 /// Why a file gives no times and values: the key of the case that it is about, and what to say.
@@ -24,13 +24,7 @@ fn refuse<T>(key: &'static str, found: String, expected: impl Into<String>, hint
 /// # Errors
 /// With the line of the file, what was found there and what was expected.
 pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Option<&Column>) -> Result<(Vec<f64>, Vec<f64>), Refusal> {
-    let text = match std::str::from_utf8(bytes) {
-        Ok(text) => text.trim_start_matches('\u{feff}'),
-        Err(error) => {
-            let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
-            return refuse("table", format!("bytes in line {line} of {name} that are no text"), "a table saved as UTF-8 text", None);
-        }
-    };
+    let text = text(name, bytes)?;
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
     let Some(&(first, line)) = lines.peek() else {
         return refuse("table", format!("no rows in {name}"), "a time and a value per row", None);
@@ -60,14 +54,8 @@ pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Optio
             return refuse("table", found, format!("{}, as in line {first}", head.len()), None);
         }
         for (column, into) in [(time, &mut times), (value, &mut values)] {
-            let entry = &row[column];
-            match entry.parse::<f64>() {
-                Ok(number) if number.is_finite() => into.push(number),
-                _ => {
-                    let comma = entry.contains(',').then(|| "decimals stand behind a point".to_owned());
-                    return refuse("table", format!("\"{entry}\" in line {number} of {name}"), format!("a number in {}", title(column)), comma);
-                }
-            }
+            let place = format!("in line {number} of {name}");
+            into.push(entry(&row[column], &place, || title(column))?);
         }
         if let [.., before, last] = times.as_slice()
             && last <= before
@@ -79,6 +67,27 @@ pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Optio
         return refuse("table", format!("no rows in {name}"), "a time and a value per row", None);
     }
     Ok((times, values))
+}
+
+fn text<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, Refusal> {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Ok(text.trim_start_matches('\u{feff}')),
+        Err(error) => {
+            let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
+            refuse("table", format!("bytes in line {line} of {name} that are no text"), "a table saved as UTF-8 text", None)
+        }
+    }
+}
+
+/// The number in a field of a table.
+fn entry(field: &str, place: &str, title: impl Fn() -> String) -> Result<f64, Refusal> {
+    match field.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => {
+            let comma = field.contains(',').then(|| "decimals stand behind a point".to_owned());
+            refuse("table", format!("\"{field}\" {place}"), format!("a number in {}", title()), comma)
+        }
+    }
 }
 
 /// The index of a column that is given by its header or its number.

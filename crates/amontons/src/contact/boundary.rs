@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{FrictionLaw, HeatLaw, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
+use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
 use crate::element::{Element, Table};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -19,8 +19,9 @@ pub enum Quadrature {
     Gauss,
 }
 
-/// Contact of one part of the boundary with the foundation.
+/// Contact of one part of the boundary with the foundation: made by [`Contact::new`], its fields then set.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Contact {
     /// Name of the facet set that is Γ_C.
     pub on: String,
@@ -47,6 +48,36 @@ pub struct Contact {
 }
 
 impl Contact {
+    /// Contact of the facet set `on` by this law p_ν at its nodes, without gap, friction, heat exchange and wear. The foundation is at rest.
+    #[must_use]
+    pub fn new(on: impl Into<String>, normal: impl NormalLaw + 'static) -> Contact {
+        Contact {
+            on: on.into(),
+            gap: Field::ZERO,
+            quadrature: Quadrature::Nodal,
+            normal: Arc::new(normal),
+            friction: Arc::new(Frictionless),
+            heat: Arc::new(Insulated),
+            foundation_temperature: Field::ZERO,
+            foundation_heat: None,
+            obstacle: None,
+            wear: None,
+            foundation_velocity: Vec::new(),
+        }
+    }
+
+    /// The same contact with this law p_τ.
+    #[must_use]
+    pub fn friction(self, law: impl FrictionLaw + 'static) -> Contact {
+        Contact { friction: Arc::new(law), ..self }
+    }
+
+    /// The same contact with this law of heat exchange, with a foundation of the temperature θ_F in K.
+    #[must_use]
+    pub fn heat(self, law: impl HeatLaw + 'static, foundation_temperature: impl Into<Field>) -> Contact {
+        Contact { heat: Arc::new(law), foundation_temperature: foundation_temperature.into(), ..self }
+    }
+
     /// The gap in m at points of the body at rest: the datum, and the distance to the obstacle.
     #[must_use]
     pub fn gaps(&self, points: &[Point], t: f64) -> Vec<f64> {

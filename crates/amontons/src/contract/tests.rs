@@ -1,6 +1,7 @@
 //! Every law, element and backend keeps its contract, and laws that do not are caught.
 
 use super::*;
+use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::contact::obstacle::{Nearest, Shape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
 use crate::material::Constants;

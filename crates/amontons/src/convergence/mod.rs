@@ -13,5 +13,5 @@ mod transfer;
 pub use limit::{ConstantsRow, ConstantsTable, Limit, limit};
 pub use locator::Locator;
 pub use norms::{Errors, Exact, Products, against_exact, of_difference};
-pub use study::{Level, Reference, ReferenceProgress, Row, Study, StudyError, StudySettings, Table, Vary, slope};
+pub use study::{Level, Reference, ReferenceProgress, Row, Study, StudyError, StudySettings, StudyTable, Vary, slope};
 pub use transfer::{Transfer, TransferError};

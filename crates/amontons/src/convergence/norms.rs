@@ -65,7 +65,7 @@ pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
                 for cell in nodes.chunks_exact(block.element.nodes.len()) {
                     for (q, weight) in table.weights.iter().enumerate() {
                         map.at(cell, q);
-                        add_squares(&map, weight * map.measure, mesh, cell, state, exact, &mut sums);
+                        add_squares(&map, weight * map.measure, cell, &Compared { mesh, state, exact }, &mut sums);
                     }
                 }
                 sums
@@ -81,8 +81,16 @@ pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
     Errors { w, u, theta, u_h }
 }
 
+/// A state and the solution that it is compared with.
+struct Compared<'a> {
+    mesh: &'a Mesh,
+    state: &'a State,
+    exact: &'a Exact,
+}
+
 /// Adds the squared errors at one quadrature point: w, ε(u), θ, u.
-fn add_squares(map: &CellMap, weight: f64, mesh: &Mesh, cell: &[u32], state: &State, exact: &Exact, sums: &mut [f64; 4]) {
+fn add_squares(map: &CellMap, weight: f64, cell: &[u32], compared: &Compared, sums: &mut [f64; 4]) {
+    let Compared { mesh, state, exact } = *compared;
     let (dim, values) = (mesh.dim, map.values());
     let (mut gradient, mut radial) = ([[0.0; 3]; 3], 0.0);
     for (c, row) in gradient.iter_mut().enumerate().take(dim) {

@@ -111,7 +111,7 @@ pub struct Row {
 
 /// The result of a study.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Table {
+pub struct StudyTable {
     /// What was refined.
     pub vary: Vary,
     /// The rows, coarsest first.
@@ -179,7 +179,7 @@ impl Study {
     ///
     /// # Errors
     /// When a level fails, when times or meshes do not match, or when the study is interrupted.
-    pub fn run(&self, settings: &StudySettings) -> Result<Table, StudyError> {
+    pub fn run(&self, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         match &self.reference {
             Reference::Exact(exact) => {
                 let rows = self.levels.par_iter().map(|level| {
@@ -196,27 +196,14 @@ impl Study {
         }
     }
 
-    fn against(&self, reference: &Level, settings: &StudySettings) -> Result<Table, StudyError> {
+    fn against(&self, reference: &Level, settings: &StudySettings) -> Result<StudyTable, StudyError> {
         let steps = reference.problem.steps;
         for level in &self.levels {
             if !steps.is_multiple_of(level.problem.steps) {
                 return Err(StudyError::Times { level: level.level, steps: level.problem.steps, reference: steps });
             }
         }
-        let trajectories = self.levels.par_iter().map(|level| {
-            if let Some(states) = settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.steps) {
-                return Ok(states);
-            }
-            let mut states = Vec::new();
-            walk(level, settings, |state| {
-                states.push(state.clone());
-                Ok(())
-            })?;
-            if let Some(keep) = settings.keep {
-                keep(level, &states);
-            }
-            Ok(states)
-        });
+        let trajectories = self.levels.par_iter().map(|level| trajectory(level, settings));
         let trajectories = trajectories.collect::<Result<Vec<_>, StudyError>>()?;
 
         let mut scheme = scheme_of(reference)?;
@@ -264,7 +251,7 @@ impl Study {
         Ok(self.table(self.levels.iter().zip(&worst).map(|(level, worst)| worst.row(level)).collect(), nested))
     }
 
-    fn table(&self, mut rows: Vec<Row>, nested: bool) -> Table {
+    fn table(&self, mut rows: Vec<Row>, nested: bool) -> StudyTable {
         let size = |row: &Row| if self.vary == Vary::Time { row.k } else { row.h };
         for i in 1..rows.len() {
             let (a, b) = (&rows[i - 1], &rows[i]);
@@ -281,11 +268,27 @@ impl Study {
             ("error", fit(|r| r.error)),
         ];
         let slopes = slopes.into_iter().map(|(name, slope)| (name.to_owned(), slope)).collect();
-        Table { vary: self.vary, rows, slopes, nested }
+        StudyTable { vary: self.vary, rows, slopes, nested }
     }
 }
 
-impl Table {
+/// The states of a level after each step, kept from before or computed.
+fn trajectory(level: &Level, settings: &StudySettings) -> Result<Vec<State>, StudyError> {
+    if let Some(states) = settings.load.and_then(|load| load(level)).filter(|s| s.len() == level.problem.steps) {
+        return Ok(states);
+    }
+    let mut states = Vec::new();
+    walk(level, settings, |state| {
+        states.push(state.clone());
+        Ok(())
+    })?;
+    if let Some(keep) = settings.keep {
+        keep(level, &states);
+    }
+    Ok(states)
+}
+
+impl StudyTable {
     /// The table as `convergence.csv`.
     #[must_use]
     pub fn csv(&self) -> String {

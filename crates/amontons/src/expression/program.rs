@@ -140,6 +140,34 @@ pub(super) struct Program {
     result: usize,
 }
 
+/// The instructions that are evaluated at every point. Slots are numbered as they are needed, and used again.
+fn body(nodes: &[Node], stages: &[Stage], last_use: &[Option<usize>], slot: &mut [usize], slots: &mut usize) -> Vec<Instruction> {
+    let mut body = Vec::new();
+    let mut free = Vec::new();
+    for (i, node) in nodes.iter().enumerate() {
+        let Node::Apply(op, operands) = *node else {
+            continue;
+        };
+        if stages[i] != Stage::Space || last_use[i].is_none() {
+            continue;
+        }
+        // The result takes its slot before the operands give theirs up: an instruction never
+        // writes what it reads, which lets the blocks be borrowed side by side.
+        slot[i] = free.pop().unwrap_or_else(|| {
+            *slots += 1;
+            *slots - 1
+        });
+        let [a, b, c] = operands;
+        body.push(Instruction { op, slot: slot[i], operands: operands.map(|o| slot[o]) });
+        for (operand, first) in [(a, true), (b, b != a), (c, c != a && c != b)] {
+            if first && stages[operand] == Stage::Space && last_use[operand] == Some(i) {
+                free.push(slot[operand]);
+            }
+        }
+    }
+    body
+}
+
 impl Program {
     pub(super) fn new(graph: &Graph, root: NodeId) -> Program {
         let nodes = &graph.nodes;
@@ -188,29 +216,7 @@ impl Program {
                 slots += 1;
             }
         }
-        let mut body = Vec::new();
-        let mut free = Vec::new();
-        for (i, node) in nodes.iter().enumerate() {
-            let Node::Apply(op, operands) = *node else {
-                continue;
-            };
-            if stages[i] != Stage::Space || !live(i) {
-                continue;
-            }
-            // The result takes its slot before the operands give theirs up: an instruction never
-            // writes what it reads, which lets the blocks be borrowed side by side.
-            slot[i] = free.pop().unwrap_or_else(|| {
-                slots += 1;
-                slots - 1
-            });
-            let [a, b, c] = operands;
-            body.push(Instruction { op, slot: slot[i], operands: operands.map(|o| slot[o]) });
-            for (operand, first) in [(a, true), (b, b != a), (c, c != a && c != b)] {
-                if first && stages[operand] == Stage::Space && last_use[operand] == Some(i) {
-                    free.push(slot[operand]);
-                }
-            }
-        }
+        let body = body(nodes, &stages, &last_use, &mut slot, &mut slots);
         let result = slot[root.0];
         Program { constants, uniform, slots, time, axes, prologue, body, result }
     }

@@ -2,7 +2,7 @@
 
 mod table;
 
-pub use table::{Table, TableError};
+pub use table::{TimeTable, TableError};
 
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
@@ -15,7 +15,7 @@ pub enum Field {
     /// An expression in x, y, z and t.
     Expression(Expression),
     /// Values at times, linear between them, times a factor.
-    Table(Table),
+    Table(TimeTable),
 }
 
 impl Default for Field {
@@ -27,6 +27,12 @@ impl Default for Field {
 impl From<f64> for Field {
     fn from(value: f64) -> Field {
         Field::Constant(value)
+    }
+}
+
+impl From<Expression> for Field {
+    fn from(expression: Expression) -> Field {
+        Field::Expression(expression)
     }
 }
 

@@ -44,19 +44,19 @@ pub enum TableError {
 /// A function of time given by its values at times t₀ < t₁ < …, linear between them, times a factor that may vary in
 /// space and time: f(x, t) = factor(x, t) Σ v_i φ_i(t), φ_i the hat function of t_i.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Table {
+pub struct TimeTable {
     times: Arc<[f64]>,
     values: Arc<[f64]>,
     hold: bool,
     factor: Option<Arc<Expression>>,
 }
 
-impl Table {
+impl TimeTable {
     /// The function with these values at these times in s. Outside the times it has no value: it is NaN there.
     ///
     /// # Errors
     /// When there are no times, not as many values, numbers that are not finite, or times that do not increase.
-    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Table, TableError> {
+    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<TimeTable, TableError> {
         if times.len() != values.len() {
             return Err(TableError::Lengths { times: times.len(), values: values.len() });
         }
@@ -69,19 +69,19 @@ impl Table {
         if let Some(i) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
             return Err(TableError::NotIncreasing { row: i + 2, found: times[i + 1], before: times[i] });
         }
-        Ok(Table { times: times.into(), values: values.into(), hold: false, factor: None })
+        Ok(TimeTable { times: times.into(), values: values.into(), hold: false, factor: None })
     }
 
     /// The same table with its first value before its times and its last one after them.
     #[must_use]
-    pub fn hold(mut self) -> Table {
+    pub fn hold(mut self) -> TimeTable {
         self.hold = true;
         self
     }
 
     /// The same table times a factor.
     #[must_use]
-    pub fn scaled(mut self, factor: Expression) -> Table {
+    pub fn scaled(mut self, factor: Expression) -> TimeTable {
         self.factor = Some(Arc::new(factor));
         self
     }
@@ -153,13 +153,13 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn ramp() -> Result<Table, TableError> {
-        Table::new(vec![0.0, 1.0, 3.0], vec![1.0, 5.0, -1.0])
+    fn ramp() -> Result<TimeTable, TableError> {
+        TimeTable::new(vec![0.0, 1.0, 3.0], vec![1.0, 5.0, -1.0])
     }
 
     #[test]
     fn values_are_linear_between_the_times_and_none_outside() -> Result<(), TableError> {
-        let at = |table: &Table, t: f64| table.value(&[0.0; 3], t);
+        let at = |table: &TimeTable, t: f64| table.value(&[0.0; 3], t);
         let table = ramp()?;
         assert_eq!([0.0, 0.25, 1.0, 2.0, 3.0].map(|t| at(&table, t)), [1.0, 2.0, 5.0, 2.0, -1.0]);
         assert!(at(&table, -1e-9).is_nan() && at(&table, 3.000_001).is_nan());
@@ -185,7 +185,7 @@ mod tests {
 
     #[test]
     fn what_is_no_function_of_time_is_refused() {
-        let of = |times: &[f64], values: &[f64]| Table::new(times.to_vec(), values.to_vec()).map(|_| ()).map_err(|e| e.to_string());
+        let of = |times: &[f64], values: &[f64]| TimeTable::new(times.to_vec(), values.to_vec()).map(|_| ()).map_err(|e| e.to_string());
         let told = |message: &str| Err(message.to_owned());
         assert_eq!(of(&[], &[]), told("the table has no rows, expected at least one"));
         assert_eq!(of(&[0.0], &[]), told("the table has 1 times and 0 values, expected one value per time"));

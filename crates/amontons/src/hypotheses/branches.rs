@@ -2,7 +2,7 @@
 
 use super::laws::tests;
 use super::sample::Samples;
-use super::{Finding, Status};
+use super::{Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactPoint};
 use crate::problem::Problem;
 use crate::tensor::Point;
@@ -81,5 +81,5 @@ pub(super) fn branches(problem: &Problem) -> Option<Finding> {
     let part = if falls.pressure > 0.0 { "normal" } else { "friction" };
     let value = [falls.pressure, falls.with_speed, falls.at_start].into_iter().find(|fall| *fall > 0.0).filter(|fall| fall.is_finite());
     let place = format!("{}.{part}", problem.contact_path(side));
-    Some(Finding::new("branches", Status::NotCovered, message, &place).numbers(value, Some(0.0)))
+    Some(Finding::new(FindingId::Branches, FindingStatus::NotCovered, message, &place).numbers(value, Some(0.0)))
 }

@@ -2,7 +2,7 @@
 
 use super::laws::at;
 use super::sample::times;
-use super::{Finding, Status};
+use super::{Finding, FindingId, FindingStatus};
 use crate::field::Field;
 use crate::problem::Problem;
 use crate::tensor::Point;
@@ -15,8 +15,8 @@ const LEVELS: usize = 1024;
 const MATCH: f64 = 1e-12;
 
 /// One part of (H6).
-struct Part {
-    status: Status,
+struct Clause {
+    status: FindingStatus,
     value: Option<f64>,
     message: String,
     place: String,
@@ -27,19 +27,19 @@ struct Part {
 /// between is not known.
 pub(super) fn h6(problem: &Problem) -> Finding {
     let parts = parts(problem);
-    let worst = parts.iter().map(|p| p.status).max().unwrap_or(Status::Holds);
+    let worst = parts.iter().map(|p| p.status).max().unwrap_or(FindingStatus::Holds);
     let said: Vec<&str> = parts.iter().filter(|p| p.status == worst).map(|p| p.message.as_str()).collect();
     let first = parts.iter().find(|p| p.status == worst);
     let mut message = said.join("; ");
-    if worst == Status::Holds {
+    if worst == FindingStatus::Holds {
         message = format!("{message}; j is convex, since p_τ ≥ 0 and its first term is linear in v");
     }
-    let finding = Finding::new("H6", worst, message, first.map_or("load", |p| p.place.as_str()));
-    let needed = first.filter(|p| p.status != Status::Holds && p.value.is_some()).map(|_| 0.0);
+    let finding = Finding::new(FindingId::H6, worst, message, first.map_or("load", |p| p.place.as_str()));
+    let needed = first.filter(|p| p.status != FindingStatus::Holds && p.value.is_some()).map(|_| 0.0);
     finding.numbers(first.and_then(|p| p.value), needed).repair(first.map_or("", |p| p.repair))
 }
 
-fn parts(problem: &Problem) -> Vec<Part> {
+fn parts(problem: &Problem) -> Vec<Clause> {
     let mut parts = vec![finite(problem)];
     parts.extend(gap(problem));
     parts.extend(initial(problem));
@@ -50,28 +50,28 @@ fn parts(problem: &Problem) -> Vec<Part> {
 /// What of (H6) Theorem 1 needs and these data do not satisfy: data that are finite, and u₀ ∈ V. A negative gap does no harm, and of u̇₀
 /// it is enough that it is square integrable.
 pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
-    let harmless = |part: &Part| part.value.is_some() && !part.place.starts_with("initial.displacement");
-    parts(problem).into_iter().find(|part| part.status == Status::Fails && !harmless(part)).map(|part| part.message)
+    let harmless = |part: &Clause| part.value.is_some() && !part.place.starts_with("initial.displacement");
+    parts(problem).into_iter().find(|part| part.status == FindingStatus::Fails && !harmless(part)).map(|part| part.message)
 }
 
 /// Loads are finite: bounded data are square integrable.
-fn finite(problem: &Problem) -> Part {
+fn finite(problem: &Problem) -> Clause {
     for datum in problem.data().into_iter().chain(problem.initial_data()).filter(|d| !matches!(d.field, Field::Constant(v) if v.is_finite())) {
         let (points, place, field) = (problem.nodes_of(&datum), datum.key, datum.field);
         for t in [0.0, problem.end] {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {
                 let message = format!("{place} is {} at {}, t = {}", values[i], at(&points[i]), problem.units().exact(t, Measure::Time));
-                return Part { status: Status::Fails, value: None, message, place, repair: "data that are finite everywhere" };
+                return Clause { status: FindingStatus::Fails, value: None, message, place, repair: "data that are finite everywhere" };
             }
         }
     }
     let message = "the data are finite at the nodes at t = 0 and t = T".to_owned();
-    Part { status: Status::Holds, value: None, message, place: "load".to_owned(), repair: "" }
+    Clause { status: FindingStatus::Holds, value: None, message, place: "load".to_owned(), repair: "" }
 }
 
 /// g ≥ 0.
-fn gap(problem: &Problem) -> Option<Part> {
+fn gap(problem: &Problem) -> Option<Clause> {
     let boundary = problem.contact_boundary();
     let least = problem.contacts.iter().enumerate().filter_map(|(side, contact)| {
         let points: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
@@ -81,10 +81,10 @@ fn gap(problem: &Problem) -> Option<Part> {
         Some((least, x, t, levels, format!("{}.{}", problem.contact_path(side), if contact.obstacle.is_some() { "obstacle" } else { "gap" })))
     });
     let (least, x, t, levels, place) = least.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (status, sign) = if least >= 0.0 { (Status::Holds, "g ≥ 0") } else { (Status::Fails, "the gap is negative") };
+    let (status, sign) = if least >= 0.0 { (FindingStatus::Holds, "g ≥ 0") } else { (FindingStatus::Fails, "the gap is negative") };
     let when = if levels.len() > 1 { format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len()) } else { String::new() };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
-    Some(Part {
+    Some(Clause {
         status,
         value: Some(least),
         message,
@@ -96,8 +96,8 @@ fn gap(problem: &Problem) -> Option<Part> {
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
 type Mismatch = Option<(f64, f64, Point, String)>;
 
-/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) requires it of u₀ and u̇₀ only; without inertia u̇₀ has no effect.
-fn initial(problem: &Problem) -> Vec<Part> {
+/// The largest mismatches of u₀, u̇₀ and θ₀ with prescribed values, and of u̇₀ with their rate; without inertia u̇₀ has no effect.
+fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mesh = &problem.mesh;
     let start = &problem.initial;
     let is_inert = problem.materials.iter().any(|m| m.density > 0.0);
@@ -127,20 +127,25 @@ fn initial(problem: &Problem) -> Vec<Part> {
             }
         }
     }
-    let mut parts: Vec<Part> = Vec::new();
-    for (worst, status) in worst.into_iter().zip([Status::Fails, Status::Fails, Status::NotCovered]) {
+    worst
+}
+
+/// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) requires it of u₀ and u̇₀ only.
+fn initial(problem: &Problem) -> Vec<Clause> {
+    let mut parts: Vec<Clause> = Vec::new();
+    for (worst, status) in mismatches(problem).into_iter().zip([FindingStatus::Fails, FindingStatus::Fails, FindingStatus::NotCovered]) {
         let Some((mismatch, expected, x, place)) = worst else { continue };
-        let what = if status == Status::Fails {
+        let what = if status == FindingStatus::Fails {
             "the first step has a jump"
         } else {
             "enough for a solution, but the errors of the first steps do not have the order of (4.4)"
         };
         let message = format!("{place} differs by {mismatch:.6e} from the prescribed {expected:.6e} at {}: {what}", at(&x));
-        parts.push(Part { status, value: Some(mismatch), message, place, repair: "initial data that have the prescribed values, and rates, at t = 0" });
+        parts.push(Clause { status, value: Some(mismatch), message, place, repair: "initial data that have the prescribed values, and rates, at t = 0" });
     }
     if parts.is_empty() {
         let message = "initial and prescribed values agree".to_owned();
-        parts.push(Part { status: Status::Holds, value: Some(0.0), message, place: "initial".to_owned(), repair: "" });
+        parts.push(Clause { status: FindingStatus::Holds, value: Some(0.0), message, place: "initial".to_owned(), repair: "" });
     }
     parts
 }
@@ -154,7 +159,7 @@ fn keep(worst: &mut Mismatch, found: f64, expected: f64, x: &Point, place: Strin
 }
 
 /// (2.5), (2.7): prescribed values are zero.
-fn homogeneous(problem: &Problem) -> Option<Part> {
+fn homogeneous(problem: &Problem) -> Option<Clause> {
     for (i, b) in problem.boundary.iter().enumerate() {
         let displacement = b.displacement.iter().flatten().flatten().chain(&b.normal_displacement).any(|f| !f.is_zero());
         if !displacement && b.temperature.as_ref().is_none_or(Field::is_zero) {
@@ -165,8 +170,8 @@ fn homogeneous(problem: &Problem) -> Option<Part> {
             "the prescribed {what} on \"{}\" is not zero as in (2.5), (2.7); subtracting a function with these values gives a problem of the paper's form with other loads, gap and θ_F, and the same (H1)–(H5), (H7), (H8)",
             b.on
         );
-        return Some(Part {
-            status: Status::NotCovered,
+        return Some(Clause {
+            status: FindingStatus::NotCovered,
             value: None,
             message,
             place: format!("boundary[{i}].{what}"),

@@ -4,7 +4,7 @@
 //! refuted: two arguments that contradict a declared constant make the hypothesis fail.
 
 use super::sample::{Samples, diameter, some};
-use super::{Constants, Finding, Status};
+use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactPoint, GraphKind};
 use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
@@ -43,24 +43,19 @@ pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding>
 /// Whether a finding on a material represents the body instead of another finding: by its status, then by its constant, which is a lower
 /// bound in (H1)–(H3) and an upper one in (H4), (H5).
 fn is_worse(found: &Finding, other: &Finding) -> bool {
-    let upper = ["H4", "H5"].contains(&found.id.as_str());
+    let upper = matches!(found.id, FindingId::H4 | FindingId::H5);
     let by_value = if upper { found.value > other.value } else { found.value < other.value };
-    gravity(found) > gravity(other) || (gravity(found) == gravity(other) && by_value)
-}
-
-/// How bad the verdict of a finding is.
-pub(super) fn gravity(finding: &Finding) -> Option<usize> {
-    ["holds", "not-covered", "fails"].iter().position(|status| *status == finding.status)
+    found.status > other.status || (found.status == other.status && by_value)
 }
 
 /// (H1)–(H5) of one material.
 fn of_material(problem: &Problem, material: &Material, constants: &Constants) -> Vec<Finding> {
     vec![
-        operator(problem, material.viscosity.as_ref(), ["H1", "𝓥", "m_b", "M_b", "material.viscosity"]),
-        operator(problem, material.elasticity.as_ref(), ["H2", "𝓔", "m_a", "M_a", "material.elasticity"]),
+        operator(problem, material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
+        operator(problem, material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
         conductivity(problem, &material.conductivity),
-        coupling(problem, &material.expansion, constants.bound_m, ["H4", "𝓜", "M_m", "material.expansion"]),
-        coupling(problem, &material.coupling, constants.bound_e, ["H5", "𝓡", "M_e", "material.coupling"]),
+        coupling(problem, &material.expansion, constants.bound_m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]),
+        coupling(problem, &material.coupling, constants.bound_e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
     ]
 }
 
@@ -70,25 +65,25 @@ pub(super) fn norm(tensor: &Sym, dim: usize) -> f64 {
 }
 
 /// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
-fn operator(problem: &Problem, law: &dyn TensorLaw, [id, name, m, upper, place]: [&str; 5]) -> Finding {
+fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
-    let (status, message) = if id == "H1" && lipschitz == 0.0 {
-        (Status::NotCovered, format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"))
+    let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {
+        (FindingStatus::NotCovered, format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"))
     } else if !lipschitz.is_finite() {
-        (Status::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
+        (FindingStatus::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
     } else if !positive {
-        (Status::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))
+        (FindingStatus::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))
     } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
-        (Status::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
+        (FindingStatus::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
     } else {
         let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
-        (Status::Holds, format!("{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"))
+        (FindingStatus::Holds, format!("{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"))
     };
     let repair =
-        if id == "H1" { "give the material some viscosity, with both eigenvalues positive" } else { "give the law a positive stiffness in every direction" };
+        if id == FindingId::H1 { "give the material some viscosity, with both eigenvalues positive" } else { "give the law a positive stiffness in every direction" };
     let value = if positive { least } else { least.min(0.0) };
     Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
 }
@@ -150,20 +145,20 @@ fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
         format!("𝓚 has the eigenvalues {list}: it is not positive definite, heat flows in some directions only and the result depends on the mesh")
     };
     let value = if positive { least } else { least.max(0.0) };
-    Finding::new("H3", Status::of(positive), message, "material.conductivity")
+    Finding::new(FindingId::H3, FindingStatus::of(positive), message, "material.conductivity")
         .numbers(Some(value), Some(0.0))
         .repair("a positive definite matrix, such as a multiple of the identity")
 }
 
 /// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
-fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, [id, name, upper, place]: [&str; 4]) -> Finding {
+fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, id: FindingId, [name, upper, place]: [&str; 3]) -> Finding {
     let norm = norm(tensor, problem.mesh.tensor_dim());
     let message = match bound {
         _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}"),
         Some(bound) => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so {upper} = {bound:.6e} by (2.13)"),
         None => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"),
     };
-    Finding::new(id, Status::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
+    Finding::new(id, FindingStatus::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
 }
 
 /// (H7), (H8) and the cut-off of φ_L.
@@ -176,11 +171,11 @@ pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> 
         findings
     });
     let worst = |worst: Vec<Finding>, found: Vec<Finding>| {
-        worst.into_iter().zip(found).map(|(worst, found)| if gravity(&found) > gravity(&worst) { found } else { worst }).collect()
+        worst.into_iter().zip(found).map(|(worst, found)| if found.status > worst.status { found } else { worst }).collect()
     };
     each.reduce(worst).unwrap_or_else(|| {
-        let none = |id: &str, what: &str| Finding::new(id, Status::Holds, format!("there is no contact: {what}"), "contact");
-        vec![none("H7", "k_c = 0"), none("H8", "p_ν = p_τ = 0"), none("phi-L", "φ_L does not enter")]
+        let none = |id: FindingId, what: &str| Finding::new(id, FindingStatus::Holds, format!("there is no contact: {what}"), "contact");
+        vec![none(FindingId::H7, "k_c = 0"), none(FindingId::H8, "p_ν = p_τ = 0"), none(FindingId::PhiL, "φ_L does not enter")]
     })
 }
 
@@ -262,27 +257,27 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
     let bound = heat.conductance_bound();
     // φ_L has the slope 1 at 0.
     let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;
-    let finding = |status, message: String| Finding::new("H7", status, message, "contact.heat").numbers(constants.bound_kc, None);
+    let finding = |status, message: String| Finding::new(FindingId::H7, status, message, "contact.heat").numbers(constants.bound_kc, None);
     if bound > 0.0 && test.heat_sees_level() {
-        return finding(Status::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10): its slope depends on the temperatures".to_owned());
+        return finding(FindingStatus::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10): its slope depends on the temperatures".to_owned());
     }
     if bound > 0.0 && test.heat_sees_pressure() {
-        return finding(Status::NotCovered, "the conductance depends on the pressure, in (2.10) on the penetration".to_owned());
+        return finding(FindingStatus::NotCovered, "the conductance depends on the pressure, in (2.10) on the penetration".to_owned());
     }
     let (lipschitz, bound) = match (heat.conductance_lipschitz().filter(|l| l.is_finite()), bound.is_finite()) {
         (Some(lipschitz), true) => (lipschitz, bound),
         (lipschitz, is_bounded) => {
             let bounded = if is_bounded { format!("bounded by M_kc = {bound:.6e}") } else { "not bounded, M_kc = ∞".to_owned() };
             let slope = lipschitz.map_or_else(|| "has no Lipschitz constant".to_owned(), |l| format!("Lipschitz with L_kc = {l:.6e}"));
-            return finding(Status::Fails, format!("k_c is {bounded}, and {slope}"))
+            return finding(FindingStatus::Fails, format!("k_c is {bounded}, and {slope}"))
                 .repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
         }
     };
     match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
         Some(contradiction) => {
-            finding(Status::Fails, format!("k_c violates the constants that it declares: {contradiction}")).repair("correct the constants of the law")
+            finding(FindingStatus::Fails, format!("k_c violates the constants that it declares: {contradiction}")).repair("correct the constants of the law")
         }
-        None => finding(Status::Holds, format!("k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration")),
+        None => finding(FindingStatus::Holds, format!("k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration")),
     }
 }
 
@@ -290,13 +285,13 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
 fn pressure(test: &Test, constants: &Constants) -> Finding {
     let contact = test.contact;
     let finding = |status, message: String, place: &str| {
-        Finding::new("H8", status, message, place).numbers(constants.lipschitz_nu.zip(constants.lipschitz_tau).map(|(n, t)| n + t), None)
+        Finding::new(FindingId::H8, status, message, place).numbers(constants.lipschitz_nu.zip(constants.lipschitz_tau).map(|(n, t)| n + t), None)
     };
     let Some(nu) = contact.normal.lipschitz().filter(|l| l.is_finite()) else {
         let (status, message) = if contact.normal.graph() == GraphKind::Function {
-            (Status::Fails, "p_ν is not a Lipschitz function of the penetration")
+            (FindingStatus::Fails, "p_ν is not a Lipschitz function of the penetration")
         } else {
-            (Status::NotCovered, "the pressure is not a function of the penetration, which (2.8) assumes: a rigid foundation has no L_ν")
+            (FindingStatus::NotCovered, "the pressure is not a function of the penetration, which (2.8) assumes: a rigid foundation has no L_ν")
         };
         return finding(status, message.to_owned(), "contact.normal").repair("use normal compliance with a stiffness");
     };
@@ -306,20 +301,20 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         } else {
             "p_τ is not a Lipschitz function of the penetration"
         };
-        return finding(Status::Fails, message.to_owned(), "contact.friction").repair("a friction bound that grows gradually from zero");
+        return finding(FindingStatus::Fails, message.to_owned(), "contact.friction").repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";
     if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
-        return finding(Status::Fails, format!("p_ν violates the constants that it declares: {contradiction}"), "contact.normal").repair(wrong);
+        return finding(FindingStatus::Fails, format!("p_ν violates the constants that it declares: {contradiction}"), "contact.normal").repair(wrong);
     }
     if let Some(contradiction) = test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value) {
-        return finding(Status::Fails, format!("p_τ violates the constants that it declares: {contradiction}"), "contact.friction").repair(wrong);
+        return finding(FindingStatus::Fails, format!("p_τ violates the constants that it declares: {contradiction}"), "contact.friction").repair(wrong);
     }
     if let Some((what, place)) = beyond(test) {
-        return finding(Status::NotCovered, what.to_owned(), place).repair("use a pressure and a friction bound that depend on the penetration alone");
+        return finding(FindingStatus::NotCovered, what.to_owned(), place).repair("use a pressure and a friction bound that depend on the penetration alone");
     }
     let message = format!("p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration");
-    finding(Status::Holds, message, "contact")
+    finding(FindingStatus::Holds, message, "contact")
 }
 
 /// What pressure and friction depend on besides the penetration that (2.8), (2.9) give them, and the place.
@@ -357,7 +352,7 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
     let message = "the foundation is rigid and the conductance depends on the penetration, which is round-off in closed contact: the heat flow is meaningless";
     let place = format!("{}.heat", problem.contact_path(side));
     Some(
-        Finding::new("contact-heat", Status::Fails, message, &place)
+        Finding::new(FindingId::ContactHeat, FindingStatus::Fails, message, &place)
             .repair("use a conductance that depends on the pressure, law = \"pressure\", or a compliant foundation"),
     )
 }
@@ -366,18 +361,18 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
 fn cut_off(test: &Test) -> Finding {
     let heat = &test.contact.heat;
     let (bound, cut) = (heat.conductance_bound(), heat.truncation());
-    let finding = |status, message: String| Finding::new("phi-L", status, message, "contact.heat.truncation").numbers(cut, None);
+    let finding = |status, message: String| Finding::new(FindingId::PhiL, status, message, "contact.heat.truncation").numbers(cut, None);
     match cut {
         _ if bound == 0.0 && test.friction_makes_heat() => {
-            finding(Status::Holds, "no heat is conducted: φ_L does not enter; friction heat is not part of (2.10)".to_owned())
+            finding(FindingStatus::Holds, "no heat is conducted: φ_L does not enter; friction heat is not part of (2.10)".to_owned())
         }
-        _ if bound == 0.0 => finding(Status::Holds, "there is no heat exchange: φ_L does not enter".to_owned()),
+        _ if bound == 0.0 => finding(FindingStatus::Holds, "there is no heat exchange: φ_L does not enter".to_owned()),
         _ if test.heat_sees_level() => {
-            finding(Status::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10), so there is no φ_L to truncate".to_owned())
+            finding(FindingStatus::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10), so there is no φ_L to truncate".to_owned())
         }
-        Some(l) => finding(Status::Holds, format!("φ_L is truncated at ±L, L = {l:.6e}, as in (2.10)")),
+        Some(l) => finding(FindingStatus::Holds, format!("φ_L is truncated at ±L, L = {l:.6e}, as in (2.10)")),
         None => finding(
-            Status::NotCovered,
+            FindingStatus::NotCovered,
             "φ_L(s) = s is not bounded; (2.10) truncates it at ±L and (3.24) uses L. Section 5 of the paper also computes without truncation, and the theorem in book/src/theory.md does not need it".to_owned(),
         )
         .repair("contact.heat.truncation = L, larger than any temperature difference that occurs: results are then the same"),

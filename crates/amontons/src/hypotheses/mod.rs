@@ -20,6 +20,7 @@
 mod branches;
 mod data;
 mod domain;
+mod finding;
 mod laws;
 mod probe;
 mod quality;
@@ -37,111 +38,11 @@ use crate::problem::{Physics, Problem};
 use crate::tensor::Sym;
 
 pub use domain::{Constant, DomainConstants, domain_constants};
+pub use finding::{Finding, FindingId, FindingStatus, Kind, UnknownFinding};
 pub(crate) use sample::Samples;
 pub use step::monotonicity_loss;
 
-/// A hypothesis or condition, and whether it holds.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Finding {
-    /// `H1` … `H8`, `2.23-printed`, `2.23-needed`, or one of our own such as `energy`.
-    pub id: String,
-    /// `holds`, `fails` or `not-covered`.
-    pub status: String,
-    /// The value found, if there is one.
-    pub value: Option<f64>,
-    /// The value needed, if there is one.
-    pub needed: Option<f64>,
-    /// Its meaning.
-    pub message: String,
-    /// The dotted path of the case file that it concerns, if there is one.
-    #[serde(rename = "where")]
-    pub place: String,
-    /// A change that would make it hold, if one is known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub repair: Option<String>,
-    /// A warning to act on, or a statement of the theory.
-    #[serde(default)]
-    pub kind: Kind,
-}
-
-/// The voice of a finding.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Kind {
-    /// Act on it if it does not hold: results may not be trustworthy.
-    Warning,
-    /// What the theory covers: a run is not wrong if it does not hold.
-    #[default]
-    Theory,
-}
-
-/// The verdict of a finding, in ascending order of gravity.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Status {
-    Holds,
-    NotCovered,
-    Fails,
-}
-
-impl Status {
-    fn of(holds: bool) -> Status {
-        if holds { Status::Holds } else { Status::Fails }
-    }
-}
-
-impl Finding {
-    fn new(id: &str, status: Status, message: impl Into<String>, place: &str) -> Finding {
-        let status = match status {
-            Status::Holds => "holds",
-            Status::Fails => "fails",
-            Status::NotCovered => "not-covered",
-        };
-        Finding {
-            id: id.to_owned(),
-            status: status.to_owned(),
-            value: None,
-            needed: None,
-            message: message.into(),
-            place: place.to_owned(),
-            repair: None,
-            kind: warnings::kind(id),
-        }
-    }
-
-    /// With the number found and the one needed.
-    fn numbers(mut self, value: Option<f64>, needed: Option<f64>) -> Finding {
-        (self.value, self.needed) = (value, needed);
-        self
-    }
-
-    /// With a repair, which is left out if the finding holds.
-    fn repair(mut self, repair: impl Into<String>) -> Finding {
-        if !self.holds() {
-            self.repair = Some(repair.into());
-        }
-        self
-    }
-
-    /// Whether it holds.
-    #[must_use]
-    pub fn holds(&self) -> bool {
-        self.status == "holds"
-    }
-
-    /// Whether it fails.
-    #[must_use]
-    pub fn fails(&self) -> bool {
-        self.status == "fails"
-    }
-
-    /// Whether it is something to act on.
-    #[must_use]
-    pub fn warns(&self) -> bool {
-        self.kind == Kind::Warning && self.fails()
-    }
-}
-
-/// The constants of the hypotheses under the names of the paper; none if a constant does not exist.
+/// The constants of the hypotheses, under the names of the paper; none where there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Constants {
     /// m_a of (H2) in Pa.
@@ -263,27 +164,17 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     let mut findings = laws::material(problem, constants);
     findings.push(data::h6(problem));
     findings.extend(laws::contact(problem, constants));
-    findings.retain(|finding| concerns(&finding.id, problem.physics));
+    findings.retain(|finding| finding.id.concerns(problem.physics));
     findings.push(theorem::needed(problem, constants, &findings));
     findings.extend(branches::branches(problem));
     findings.extend(laws::rigid_conductance(problem));
     findings.push(quality::cells(&problem.mesh));
     findings.extend(warnings::of_data(problem));
-    findings.retain(|finding| concerns(&finding.id, problem.physics));
+    findings.retain(|finding| finding.id.concerns(problem.physics));
     findings
 }
 
-/// Whether a finding concerns a problem with these equations.
-fn concerns(id: &str, physics: Physics) -> bool {
-    match id {
-        "H3" | "heat" | "thermal-layer" => physics.has_heat(),
-        "H4" | "H5" | "H7" | "phi-L" | "contact-heat" | "expansion-scale" | "expansion-zz" => physics == Physics::Coupled,
-        "H6" | "mesh-quality" | "coincident-nodes" => true,
-        _ => physics.has_mechanics(),
-    }
-}
-
-/// All verdicts on a problem except those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
+/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
 /// and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a. Constants are those of V^h and Q^h.
 ///
 /// # Errors
@@ -295,7 +186,7 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, FactorError> {
     if !problem.physics.has_mechanics() {
         return Ok(Certificate { findings, constants });
     }
-    let at = findings.iter().position(|f| f.id == "2.23-needed").unwrap_or(findings.len());
+    let at = findings.iter().position(|f| f.id == FindingId::Needed).unwrap_or(findings.len());
     findings.insert(at, theorem::printed(problem, &constants));
     findings.push(unique);
     if !reach::loads_vary(problem) {
@@ -325,7 +216,7 @@ pub fn certificate_or_findings(problem: &Problem) -> Certificate {
         let constants = Constants::of_laws(problem);
         let mut findings = judged(problem, &constants);
         let message = format!("the constants of the domain cannot be computed: {error}");
-        findings.push(Finding::new("certificate", Status::NotCovered, message, "mesh"));
+        findings.push(Finding::new(FindingId::Certificate, FindingStatus::NotCovered, message, "mesh"));
         Certificate { findings, constants }
     })
 }
@@ -347,17 +238,17 @@ pub const GROSS: f64 = 1e-3;
 /// Whether the identities that a problem has close: that of energy and that of heat.
 #[must_use]
 pub fn audit(physics: Physics, energy: f64, heat: f64) -> Vec<Finding> {
-    let one = |id: &str, name: &str, error: f64| {
+    let one = |id: FindingId, name: &str, error: f64| {
         let holds = error.abs() <= CLOSING;
         let message = if holds {
             format!("the {name} identity closes to {error:.1e} of what was turned over")
         } else {
             format!("the {name} identity closes only to {error:.1e} of what was turned over: round-off has grown, check the results")
         };
-        Finding::new(id, Status::of(holds), message, "the audit of every step").numbers(Some(error.abs()), Some(CLOSING))
+        Finding::new(id, FindingStatus::of(holds), message, "the audit of every step").numbers(Some(error.abs()), Some(CLOSING))
     };
-    let both = [one("energy", "energy", energy), one("heat", "heat", heat)];
-    both.into_iter().filter(|finding| concerns(&finding.id, physics)).collect()
+    let both = [one(FindingId::Energy, "energy", energy), one(FindingId::Heat, "heat", heat)];
+    both.into_iter().filter(|finding| finding.id.concerns(physics)).collect()
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! `mesh-quality`: the shape of the cells.
 
 use super::laws::at;
-use super::{Finding, Status};
+use super::{Finding, FindingId, FindingStatus};
 use crate::element::{Element, Table};
 use crate::mesh::{CellMap, Mesh};
 use crate::tensor::Point;
@@ -38,7 +38,7 @@ pub(super) fn cells(mesh: &Mesh) -> Finding {
     let holds = quality >= NEEDED;
     let what = if holds { "the cells are well shaped" } else { "slender cells reduce the accuracy" };
     let message = format!("{what}: the worst, about {}, has the quality {quality:.4} (1: regular, 0: flat)", at(&x));
-    Finding::new("mesh-quality", Status::of(holds), message, "mesh").numbers(Some(quality), Some(NEEDED)).repair("use cells with edges of similar length")
+    Finding::new(FindingId::MeshQuality, FindingStatus::of(holds), message, "mesh").numbers(Some(quality), Some(NEEDED)).repair("use cells with edges of similar length")
 }
 
 /// Second moment of the nodes of the reference cell about their centre.

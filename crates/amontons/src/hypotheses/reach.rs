@@ -13,9 +13,9 @@
 //! its dilatation and its springs; branches that relax add their energy, zero at the start, to y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof:
 //! `book/src/theory.md`.
 
-use super::laws::{Test, at, gravity, norm, tests};
+use super::laws::{Test, at, norm, tests};
 use super::step::{heat_acts_at_once, holds_the_body};
-use super::{Constants, Finding, Status};
+use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactBoundary};
 use crate::discretization::Discretization;
 use crate::element::Table;
@@ -29,7 +29,7 @@ use crate::space::Space;
 use crate::tensor::Point;
 use crate::units::{Measure, Units};
 
-const ID: &str = "contact-possible";
+const ID: FindingId = FindingId::ContactPossible;
 
 /// Whether a static problem has to be solved for every step.
 pub(super) fn loads_vary(problem: &Problem) -> bool {
@@ -45,24 +45,24 @@ pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
         finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
         finding
     });
-    each.reduce(|best, found| if gravity(&found) < gravity(&best) { found } else { best })
-        .unwrap_or_else(|| Finding::new(ID, Status::Holds, "there is no contact", "contact"))
+    each.reduce(|best, found| if found.status < best.status { found } else { best })
+        .unwrap_or_else(|| Finding::new(ID, FindingStatus::Holds, "there is no contact", "contact"))
 }
 
 fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
     let contact = test.contact;
     if test.does_nothing() {
         let message = "the stiffness of the foundation is zero, and neither friction nor heat passes: [contact] has no effect";
-        return Finding::new(ID, Status::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
+        return Finding::new(ID, FindingStatus::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
     }
-    let not_judged = |why: &str, place: &str| Finding::new(ID, Status::NotCovered, format!("whether contact can occur is not checked: {why}"), place);
+    let not_judged = |why: &str, place: &str| Finding::new(ID, FindingStatus::NotCovered, format!("whether contact can occur is not checked: {why}"), place);
     let (Some(material), Some(facets)) = (problem.materials.first(), problem.mesh.facets.get(&contact.on)) else {
         return not_judged("the body has no material, or does not have this side", "material");
     };
     let body = Body::new(problem, material, ContactBoundary::new(&problem.mesh, facets, contact.quadrature));
     if let Some((x, penetration)) = body.touching(contact) {
         let message = format!("the body touches the foundation at t = 0, at {}", at(&x));
-        return Finding::new(ID, Status::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
+        return Finding::new(ID, FindingStatus::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
     }
     if let Some((why, part)) = test.acts_open() {
         return not_judged(why, &format!("contact.{part}"));
@@ -103,10 +103,10 @@ impl Bound {
                 "contact cannot occur{which}: u_ν stays below {:.6e}, the gap is {:.6e} (nearest at {place}), so [contact] has{other} no effect",
                 self.normal, self.gap
             );
-            return numbers(Finding::new(ID, Status::Fails, message, "contact.gap")).repair("a smaller gap, or larger loads; or leave [contact] out");
+            return numbers(Finding::new(ID, FindingStatus::Fails, message, "contact.gap")).repair("a smaller gap, or larger loads; or leave [contact] out");
         }
         let message = format!("contact is not excluded: u_ν is bounded by {:.6e} where the gap is {:.6e}, at {place}", self.normal, self.gap);
-        numbers(Finding::new(ID, Status::Holds, message, "contact.gap"))
+        numbers(Finding::new(ID, FindingStatus::Holds, message, "contact.gap"))
     }
 }
 

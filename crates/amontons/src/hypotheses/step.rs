@@ -22,7 +22,7 @@ use std::sync::Arc;
 use super::branches::falls;
 use super::domain::TraceQuotient;
 use super::laws::{norm, tests};
-use super::{Finding, Status};
+use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::linalg::{Backend, BlockMatrix, Entry, FactorError, Supernodal, System, Unknowns, dot, largest};
@@ -71,7 +71,7 @@ fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
 fn minorized(problem: &Problem) -> Problem {
     let dim = problem.mesh.tensor_dim();
     let below = |m: &Material| Material { elasticity: minorant(&m.elasticity, dim), viscosity: minorant(&m.viscosity, dim), ..m.clone() };
-    Problem { materials: problem.materials.iter().map(below).collect(), ..problem.clone() }
+    problem.with_materials(below)
 }
 
 /// The mechanical system of a step for any k.
@@ -213,29 +213,29 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
 }
 
 /// The system to judge, or the finding that says why there is none.
-fn prepare<'a>(problem: &'a Problem, id: &str) -> Result<Step<'a>, Box<Finding>> {
+fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
     if problem.contacts.is_empty() {
-        return Err(Box::new(Finding::new(id, Status::Holds, "there is no contact: a step is monotone", "contact")));
+        return Err(Box::new(Finding::new(id, FindingStatus::Holds, "there is no contact: a step is monotone", "contact")));
     }
     let falls = falls(problem);
     if let Some((message, place)) = not_judged(problem, falls.iter().any(|f| f.at_start > 0.0), falls.iter().any(|f| f.pressure.is_infinite())) {
-        return Err(Box::new(Finding::new(id, Status::NotCovered, message, place)));
+        return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, place)));
     }
     let losses = problem.contacts.iter().zip(&falls).map(|(contact, falls)| Some([loss(contact, falls.pressure)?, falls.with_speed]));
     let Some(losses) = losses.collect::<Option<Vec<[f64; 2]>>>() else {
         let message = "the condition is known for laws with Lipschitz constants L_ν, L_τ only: see (H8)";
-        return Err(Box::new(Finding::new(id, Status::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
+        return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
     };
     if heat_acts_at_once(problem) {
         let message = "u_n and θ_n are solved together: the condition holds for a step with given θ";
-        return Err(Box::new(Finding::new(id, Status::NotCovered, message, "material.expansion")));
+        return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material.expansion")));
     }
     let step = Step::new(problem, &losses);
     match step.heat_is_definite(problem.k()) {
         Ok(true) => Ok(step),
         Ok(false) => {
             let message = "the heat equation of a step is not positive definite, and the theory does not say how many solutions it has";
-            Err(Box::new(Finding::new(id, Status::NotCovered, message, "material.conductivity").repair("a heat capacity, or a prescribed temperature")))
+            Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material.conductivity").repair("a heat capacity, or a prescribed temperature")))
         }
         Err(error) => Err(Box::new(not_factorized(id, &error))),
     }
@@ -248,32 +248,32 @@ fn suffix(units: Units, measure: Measure) -> String {
 
 /// The verdict if friction decreases with the slip speed by f p and a step has one solution apart from that: it has one solution as long as
 /// f p < λ_min − c* k. No bound of the pressure is known before the run.
-fn up_to_a_pressure(id: &str, [found, needed]: [f64; 2], with_speed: f64, steps: f64, units: Units) -> Finding {
+fn up_to_a_pressure(id: FindingId, [found, needed]: [f64; 2], with_speed: f64, steps: f64, units: Units) -> Finding {
     let (most, unit) = ((found - needed) / with_speed, suffix(units, Measure::Stress));
     let message = format!(
         "with {steps} steps each step has one solution as long as the pressure is below {most:.6e}{unit}, because friction that decreases with the slip speed uses up the rest of λ_min(S, W) = {found:.4}: no bound of the pressure is known beforehand. For the pressure alone the condition holds, since {found:.4} exceeds {needed:.4}. A run halves the steps that may leave the branch of the previous step, and counts those that halving does not resolve in solver.ambiguous_steps"
     );
-    Finding::new(id, Status::NotCovered, message, "contact.friction")
+    Finding::new(id, FindingStatus::NotCovered, message, "contact.friction")
 }
 
-fn not_factorized(id: &str, error: &FactorError) -> Finding {
-    Finding::new(id, Status::NotCovered, format!("the mechanical system of a step cannot be factorized: {error}"), "boundary")
+fn not_factorized(id: FindingId, error: &FactorError) -> Finding {
+    Finding::new(id, FindingStatus::NotCovered, format!("the mechanical system of a step cannot be factorized: {error}"), "boundary")
 }
 
 /// What is said where K_u is not positive definite, as Theorem 2 asks.
-fn not_held(id: &str) -> Finding {
+fn not_held(id: FindingId) -> Finding {
     let message = "the mechanical system of a step is not positive definite beyond round-off: only contact holds the body in some direction, which the theory does not cover";
-    Finding::new(id, Status::NotCovered, message, "boundary")
+    Finding::new(id, FindingStatus::NotCovered, message, "boundary")
         .repair("add a support, a density, or springs that are weaker than the body by at most twelve orders of magnitude")
 }
 
 /// `step-unique`: λ_min(S, W) > c* k.
 pub(super) fn unique(problem: &Problem) -> Finding {
-    let id = "step-unique";
+    let id = FindingId::StepUnique;
     prepare(problem, id).map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
-fn judge(step: &Step, id: &str) -> Result<Finding, FactorError> {
+fn judge(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
     let k = step.problem.k();
     let needed = step.loss * k;
     let holds = step.dominates(k, step.loss)?;
@@ -289,26 +289,26 @@ fn judge(step: &Step, id: &str) -> Result<Finding, FactorError> {
         let message = format!(
             "each step has one solution, and it depends continuously on the data: λ_min(S, W) = {found:.4}, which exceeds the {needed:.4} that the contact laws require"
         );
-        (Status::Holds, message)
+        (FindingStatus::Holds, message)
     } else if found <= needed {
         let message = format!(
             "the condition that ensures one solution of a step does not hold: λ_min(S, W) = {found:.4}, and the contact laws require {needed:.4}. The condition is sufficient, not necessary: a step has a solution and may have only one"
         );
-        (Status::Fails, message)
+        (FindingStatus::Fails, message)
     } else {
         let message = format!("λ_min(S, W) = {found:.4} and the {needed:.4} that the contact laws require differ by less than round-off");
-        (Status::NotCovered, message)
+        (FindingStatus::NotCovered, message)
     };
     Ok(numbers(Finding::new(id, status, message, "time.steps")))
 }
 
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
 pub(super) fn time_step(problem: &Problem) -> Finding {
-    let id = "time-step";
+    let id = FindingId::TimeStep;
     prepare(problem, id).map_or_else(|finding| *finding, |step| search(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
-fn search(step: &Step, id: &str) -> Result<Finding, FactorError> {
+fn search(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
     let problem = step.problem;
     let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
     let k = |doubling: u32| problem.end / steps(doubling);
@@ -326,7 +326,7 @@ fn search(step: &Step, id: &str) -> Result<Finding, FactorError> {
     }
     if !found {
         let message = "no number of steps was found that ensures one solution of a step";
-        return Ok(Finding::new(id, Status::NotCovered, message, "time.steps")
+        return Ok(Finding::new(id, FindingStatus::NotCovered, message, "time.steps")
             .numbers(Some(problem.steps as f64), None)
             .repair("inertia, viscosity, a smaller coefficient of friction, or a law that softens less"));
     }
@@ -341,5 +341,5 @@ fn search(step: &Step, id: &str) -> Result<Finding, FactorError> {
     } else {
         format!("with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}", problem.steps)
     };
-    Ok(numbers(Finding::new(id, Status::of(doubling == 0), message, "time.steps")).repair(format!("time.steps = {steps}")))
+    Ok(numbers(Finding::new(id, FindingStatus::of(doubling == 0), message, "time.steps")).repair(format!("time.steps = {steps}")))
 }

@@ -2,7 +2,7 @@
 
 use super::data::not_in_v;
 use super::laws::{Test, beyond, not_lipschitz, tests};
-use super::{Constants, Finding, Status};
+use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::GraphKind;
 use crate::material::Material;
 use crate::mesh::defects::components;
@@ -11,24 +11,24 @@ use crate::space::Space;
 
 /// `2.23-printed`: m_a < (L_ν + L_τ) s₁², the second L_ν of the print read as L_τ, and m_d > M_kc s₂².
 pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
-    let id = "2.23-printed";
+    let id = FindingId::Printed;
     if problem.contacts.is_empty() {
-        return Finding::new(id, Status::NotCovered, "there is no contact, and no constant of a trace to compare with", "contact");
+        return Finding::new(id, FindingStatus::NotCovered, "there is no contact, and no constant of a trace to compare with", "contact");
     }
     let (Some(nu), Some(tau)) = (constants.lipschitz_nu, constants.lipschitz_tau) else {
-        return Finding::new(id, Status::NotCovered, "the contact laws have no Lipschitz constants L_ν, L_τ: see (H8)", "contact")
+        return Finding::new(id, FindingStatus::NotCovered, "the contact laws have no Lipschitz constants L_ν, L_τ: see (H8)", "contact")
             .repair("normal compliance with a stiffness");
     };
     let Some(kc) = constants.bound_kc.filter(|kc| kc.is_finite()) else {
-        return Finding::new(id, Status::NotCovered, "the heat through the contact has no bound M_kc: see (H7)", "contact.heat");
+        return Finding::new(id, FindingStatus::NotCovered, "the heat through the contact has no bound M_kc: see (H7)", "contact.heat");
     };
     let Some(s1) = constants.s1 else {
         let message = "there is no s₁ of (2.14): no displacement is prescribed that holds the body";
-        return Finding::new(id, Status::NotCovered, message, "boundary").repair("a side with `displacement`");
+        return Finding::new(id, FindingStatus::NotCovered, message, "boundary").repair("a side with `displacement`");
     };
     let Some(s2) = constants.s2.or((kc == 0.0).then_some(0.0)) else {
         let message = "there is no s₂ of (2.15): no temperature is prescribed that holds the heat equation";
-        return Finding::new(id, Status::NotCovered, message, "boundary").repair("a side with `temperature`");
+        return Finding::new(id, FindingStatus::NotCovered, message, "boundary").repair("a side with `temperature`");
     };
     let (force, heat) = ((nu + tau) * s1 * s1, kc * s2 * s2);
     let (first, second) = (constants.m_a < force, constants.m_d > heat || !problem.physics.has_heat());
@@ -42,7 +42,7 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     );
     let numbers = if first && !second { (constants.m_d, heat) } else { (constants.m_a, force) };
     let place = if first && !second { "contact.heat" } else { "material.elasticity" };
-    Finding::new(id, Status::of(first && second), message, place).numbers(Some(numbers.0), Some(numbers.1)).repair(if first {
+    Finding::new(id, FindingStatus::of(first && second), message, place).numbers(Some(numbers.0), Some(numbers.1)).repair(if first {
         "a smaller conductance, or none: the proof does not need this inequality"
     } else {
         "none: the proof does not need this inequality"
@@ -53,35 +53,35 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
 ///
 /// With κ = M_a + s₁²(L_ν + L_τ), two solutions of (3.6) differ by ‖u(t)‖² ≤ (2t/m_b²) exp(κ²t²/m_b²) ∫₀ᵗ ‖y₁ − y₂‖².
 pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Finding]) -> Finding {
-    let id = "2.23-needed";
+    let id = FindingId::Needed;
     let numbers = |finding: Finding| finding.numbers(Some(constants.m_b), Some(0.0));
     if let Some((what, place)) = outside(problem) {
-        return numbers(Finding::new(id, Status::NotCovered, format!("the theorem does not cover these data: {what}"), &place));
+        return numbers(Finding::new(id, FindingStatus::NotCovered, format!("the theorem does not cover these data: {what}"), &place));
     }
     let missing = missing(problem, findings);
     if let Some((_, place)) = missing.first() {
         let list = missing.iter().map(|(what, _)| what.as_str()).collect::<Vec<_>>().join("; ");
         let message = format!("the proof needs no inequality between constants, but it needs a hypothesis that fails here: {list}");
-        return numbers(Finding::new(id, Status::Fails, message, place)).repair("repair the hypotheses named");
+        return numbers(Finding::new(id, FindingStatus::Fails, message, place)).repair("repair the hypotheses named");
     }
     let message = "no inequality between constants is needed: Problem 2.2 has one solution. m_b > 0 with Young's and Gronwall's inequalities absorbs the terms of a, p_ν and p_τ whatever their size, and the flux through Γ_C is monotone in θ";
-    numbers(Finding::new(id, Status::Holds, message, "material.viscosity"))
+    numbers(Finding::new(id, FindingStatus::Holds, message, "material.viscosity"))
 }
 
 /// Hypotheses of Theorem 1 that these data do not satisfy, with their places.
 fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str)> {
-    let fails = |id: &str| findings.iter().any(|f| f.id == id && f.fails());
+    let fails = |id: FindingId| findings.iter().any(|f| f.id == id && f.fails());
     let mut missing = Vec::new();
-    if fails("H1") {
+    if fails(FindingId::H1) {
         missing.push(("(H1): m_b > 0 absorbs elasticity, compliance and friction".to_owned(), "material.viscosity"));
     }
     if let Some(why) = problem.materials.iter().find_map(|m| not_lipschitz(problem, m.elasticity.as_ref(), "M_a")) {
         missing.push((format!("(H2): elasticity must be Lipschitz, {why}"), "material.elasticity"));
     }
-    if fails("H3") {
+    if fails(FindingId::H3) {
         missing.push(("(H3): m_d > 0 absorbs the heat through Γ_C".to_owned(), "material.conductivity"));
     }
-    if fails("H4") || fails("H5") {
+    if fails(FindingId::H4) || fails(FindingId::H5) {
         missing.push(("(H4), (H5): the coupling must be bounded".to_owned(), "material"));
     }
     if let Some(why) = not_in_v(problem) {

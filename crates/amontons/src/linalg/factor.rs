@@ -9,10 +9,8 @@ use std::sync::Arc;
 
 use faer::Mat;
 
-use super::dense::Dense;
 use super::ordering::nested_dissection;
 use super::sparse::BlockMatrix;
-use super::supernodal::Supernodal;
 use crate::tensor::Point;
 
 /// Why a system could not be factorized.
@@ -122,12 +120,6 @@ pub trait Factor: Debug + Send + Sync {
     fn condensed(&self) -> Arc<Mat<f64>>;
     /// Numbers that the factor stores; a sweep reads them once.
     fn stored(&self) -> usize;
-}
-
-/// Every backend, for tests that loop over them.
-#[must_use]
-pub fn backends() -> Vec<Box<dyn Backend>> {
-    vec![Box::new(Supernodal), Box::new(Dense)]
 }
 
 /// Upper triangle in elimination order by compressed columns.

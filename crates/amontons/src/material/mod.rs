@@ -134,8 +134,9 @@ pub enum Dilatation {
     Mean,
 }
 
-/// The material of a body.
+/// The material of a body: made by [`Material::new`], its fields then set.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct Material {
     /// ρ in kg/m³; 0 for a quasistatic problem.
     pub density: f64,
@@ -156,6 +157,28 @@ pub struct Material {
 }
 
 impl Material {
+    /// A material with this law 𝓔 on bodies of `dim` dimensions. Density, heat capacity, conductivity and couplings are zero, and
+    /// there is no viscosity.
+    #[must_use]
+    pub fn new(dim: usize, elasticity: impl TensorLaw + 'static) -> Material {
+        Material {
+            density: 0.0,
+            heat_capacity: 0.0,
+            elasticity: Arc::new(elasticity),
+            viscosity: Arc::new(Isotropic::lame(dim, 0.0, 0.0, StressState::PlaneStress)),
+            prony: None,
+            expansion: Sym::ZERO,
+            coupling: Sym::ZERO,
+            conductivity: Sym::ZERO,
+        }
+    }
+
+    /// The same material with this law 𝓥.
+    #[must_use]
+    pub fn viscosity(self, law: impl TensorLaw + 'static) -> Material {
+        Material { viscosity: Arc::new(law), ..self }
+    }
+
     /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜, without the stress of `prony`, which depends on the past.
     #[must_use]
     pub fn stress(&self, x: &Point, strain: &Sym, strain_rate: &Sym, theta: f64) -> Sym {

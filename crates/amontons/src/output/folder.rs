@@ -5,7 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use super::csv::{Rows, contact_columns, history_columns, history_values, write_contact};
+use super::columns::{contact_measures, history_columns, history_measures, history_values};
+use super::csv::{Rows, write_contact};
 use super::earlier::{CERTIFICATE, write_certificate};
 use super::files::{copy, create_folder, remove, write_atomically, write_json};
 use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
@@ -242,14 +243,14 @@ impl Folder {
 
     /// The tables of the run, and what their columns measure where it is known.
     fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 3] {
-        let known = |columns: Vec<String>| columns.into_iter().filter_map(|name| Some((name.clone(), Measure::of_column(&name)?))).collect::<Vec<_>>();
+        let of_points = contact_measures(problem.mesh.dim).into_iter().filter_map(|(name, measure)| Some((name, measure?))).collect();
         let probes = self.options.probes.iter().filter_map(|probe| Some((probe, probe.measure()?)));
         let columns = |(probe, measure): (&Probe, Measure)| {
             let endings = probe.quantity.columns(problem.mesh.dim);
             endings.into_iter().map(move |ending| (format!("{}{ending}", probe.name), measure)).collect::<Vec<_>>()
         };
         let of_probes = std::iter::once(("t".to_owned(), Measure::Time)).chain(probes.flat_map(columns)).collect();
-        [(HISTORY, known(history_columns(problem))), ("contact.csv", known(contact_columns(problem.mesh.dim))), (PROBES, of_probes)]
+        [(HISTORY, history_measures(problem)), ("contact.csv", of_points), (PROBES, of_probes)]
     }
 
     /// Brings the files back to the step of the checkpoint.

@@ -10,6 +10,7 @@
 
 mod cells;
 pub mod checkpoint;
+pub mod columns;
 mod csv;
 mod earlier;
 mod files;
@@ -30,19 +31,19 @@ use std::path::{Path, PathBuf};
 
 pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
-pub use csv::{history_columns, history_values};
+pub use columns::{contact_measures, history_columns, history_measures, history_values};
 pub use earlier::{finished_run, known_certificate};
 pub use folder::{Folder, FolderOptions};
 pub use inputs::{INPUTS, Input, fingerprint};
 pub use memory::Memory;
-pub use probe::{Place, Probe, ProbeError, ProbeSet, Take};
+pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
 pub use quantity::{Base, Part, Quantity};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use study::StudyFolder;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 pub use vtu::OutputField;
 
-use crate::convergence::Table;
+use crate::convergence::StudyTable;
 use crate::hypotheses::Finding;
 use crate::problem::Problem;
 use crate::scheme::{Discretization, State, StepReport};

@@ -10,7 +10,7 @@ use crate::contact::{ContactBoundary, Status};
 use crate::convergence::Locator;
 use crate::element::{Element, Table};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
-use crate::problem::Problem;
+use crate::problem::{Problem, ProblemData};
 use crate::quadrature::{Rule, rule};
 use crate::tensor::{Point, length};
 use crate::units::Measure;
@@ -23,7 +23,7 @@ pub struct Probe {
     /// What is read.
     pub quantity: Quantity,
     /// Where.
-    pub place: Place,
+    pub place: ProbePlace,
 }
 
 /// Where a probe reads.
@@ -32,7 +32,7 @@ pub struct Probe {
 /// the nodes of the cell, so that they do not reach over the boundary of a region. Means and integrals over a region are those of
 /// the values in the cells themselves.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Place {
+pub enum ProbePlace {
     /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.
     At(Point),
     /// Over a facet set.
@@ -129,12 +129,12 @@ impl Probe {
     #[must_use]
     pub fn measure(&self) -> Option<Measure> {
         match (&self.place, self.quantity.measure()) {
-            (Place::On(_, Take::Integral), Measure::Stress) => Some(Measure::Force),
-            (Place::On(_, Take::Integral), Measure::HeatFlux) => Some(Measure::Power),
-            (Place::On(_, Take::Integral), Measure::SurfaceWork) => Some(Measure::Energy),
-            (Place::On(_, Take::Integral), Measure::Length) => Some(Measure::Volume),
-            (Place::On(_, Take::Integral), Measure::Number) => Some(Measure::Area),
-            (Place::On(_, Take::Integral) | Place::Region(_, Take::Integral), _) => None,
+            (ProbePlace::On(_, Take::Integral), Measure::Stress) => Some(Measure::Force),
+            (ProbePlace::On(_, Take::Integral), Measure::HeatFlux) => Some(Measure::Power),
+            (ProbePlace::On(_, Take::Integral), Measure::SurfaceWork) => Some(Measure::Energy),
+            (ProbePlace::On(_, Take::Integral), Measure::Length) => Some(Measure::Volume),
+            (ProbePlace::On(_, Take::Integral), Measure::Number) => Some(Measure::Area),
+            (ProbePlace::On(_, Take::Integral) | ProbePlace::Region(_, Take::Integral), _) => None,
             (_, measure) => Some(measure),
         }
     }
@@ -151,8 +151,8 @@ impl ProbeSet {
         for (i, probe) in probes.iter().enumerate() {
             let (contact, spots) = builder.spots(probe).map_err(|error| (i, error))?;
             let take = match &probe.place {
-                Place::At(_) => None,
-                Place::On(_, take) | Place::Region(_, take) => Some(*take),
+                ProbePlace::At(_) => None,
+                ProbePlace::On(_, take) | ProbePlace::Region(_, take) => Some(*take),
             };
             prepared.push(Prepared { quantity: probe.quantity, take, contact, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
@@ -170,7 +170,7 @@ impl ProbeSet {
     ///
     /// # Errors
     /// Why not.
-    pub fn check(problem: &Problem, probe: &Probe) -> Result<(), ProbeError> {
+    pub fn check(problem: &ProblemData, probe: &Probe) -> Result<(), ProbeError> {
         Builder::new(problem).check(probe).map(|_| ())
     }
 
@@ -282,7 +282,7 @@ enum Found<'a> {
 
 /// Prepares probes, each patch of the recovery once.
 struct Builder<'a> {
-    problem: &'a Problem,
+    problem: &'a ProblemData,
     mesh: &'a Mesh,
     locator: Option<Locator<'a>>,
     boundary: Option<ContactBoundary>,
@@ -291,7 +291,7 @@ struct Builder<'a> {
 }
 
 impl<'a> Builder<'a> {
-    fn new(problem: &'a Problem) -> Builder<'a> {
+    fn new(problem: &'a ProblemData) -> Builder<'a> {
         Builder { problem, mesh: &problem.mesh, locator: None, boundary: None, recovery: None, stencils: BTreeMap::new() }
     }
 
@@ -302,7 +302,7 @@ impl<'a> Builder<'a> {
                 // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means about vertices.
                 let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
                 let extremes = match &probe.place {
-                    Place::On(name, Take::Max | Take::Min) if is_traction => self.vertex_means(name),
+                    ProbePlace::On(name, Take::Max | Take::Min) if is_traction => self.vertex_means(name),
                     _ => None,
                 };
                 let alone = || points.iter().map(|&(i, weight)| (vec![(i, 1.0)], weight)).collect();
@@ -319,7 +319,7 @@ impl<'a> Builder<'a> {
     /// Whether the body has the quantity there, and the place in the mesh.
     fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
-        let on_side = matches!(probe.place, Place::On(..));
+        let on_side = matches!(probe.place, ProbePlace::On(..));
         let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux);
         let physics = self.problem.physics;
         match (quantity.base, quantity.part) {
@@ -332,9 +332,9 @@ impl<'a> Builder<'a> {
             _ => {}
         }
         match &probe.place {
-            Place::At(point) if matches!(quantity.base, Base::Contact(_)) => self.on_contact(point).ok_or_else(|| ProbeError::Contact(quantity.name())),
-            Place::At(point) => self.find(point),
-            Place::On(side, take) => {
+            ProbePlace::At(point) if matches!(quantity.base, Base::Contact(_)) => self.on_contact(point).ok_or_else(|| ProbeError::Contact(quantity.name())),
+            ProbePlace::At(point) => self.find(point),
+            ProbePlace::On(side, take) => {
                 let set = mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
                 match (quantity.base, self.problem.contacts.iter().position(|contact| contact.on == *side)) {
                     (Base::Contact(_), Some(side)) => {
@@ -345,8 +345,8 @@ impl<'a> Builder<'a> {
                     _ => Ok(Found::Side(set, *take)),
                 }
             }
-            Place::Region(..) if matches!(quantity.base, Base::Contact(_)) => Err(ProbeError::Contact(quantity.name())),
-            Place::Region(name, take) => {
+            ProbePlace::Region(..) if matches!(quantity.base, Base::Contact(_)) => Err(ProbeError::Contact(quantity.name())),
+            ProbePlace::Region(name, take) => {
                 let region = mesh.regions.iter().position(|known| known == name).ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?;
                 Ok(Found::Region(region, *take))
             }

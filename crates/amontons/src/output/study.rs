@@ -7,7 +7,7 @@ use super::checkpoint::{read_states, write_states};
 use super::earlier::hash;
 use super::files::{create_folder, remove, write_atomically, write_json};
 use super::inputs::{Input, write_inputs};
-use super::{OutputError, Table};
+use super::{OutputError, StudyTable};
 use crate::convergence::{Level, Reference, ReferenceProgress, Study};
 use crate::scheme::State;
 
@@ -60,7 +60,7 @@ impl StudyFolder {
 
     /// The table of a study that was finished before with the same inputs; none if there is none to be had.
     #[must_use]
-    pub fn finished(path: &Path, study: &Study) -> Option<Table> {
+    pub fn finished(path: &Path, study: &Study) -> Option<StudyTable> {
         let read = |name: &str| std::fs::read_to_string(path.join(name)).ok();
         (read(INPUT)?.trim() == study_hash(study)).then_some(())?;
         serde_json::from_str(&read("convergence.json")?).ok()
@@ -109,7 +109,7 @@ impl StudyFolder {
     ///
     /// # Errors
     /// When a file cannot be written.
-    pub fn finish(&self, table: &Table, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
+    pub fn finish(&self, table: &StudyTable, case: &str, inputs: &[Input]) -> Result<(), OutputError> {
         write_atomically(&self.path.join("case.toml"), |out| out.write_all(case.as_bytes()))?;
         write_inputs(&self.path, inputs)?;
         write_json(&self.path.join("convergence.json"), table)?;

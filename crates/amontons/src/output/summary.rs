@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::Status;
+use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
 use crate::linalg::max_abs;
 use crate::scheme::{ContactReport, Contraction, Ledger};
@@ -248,18 +249,43 @@ pub struct Seconds {
     pub total: f64,
 }
 
+impl Final {
+    fn new(last: &Snapshot, figures: &Figures) -> Final {
+        let Snapshot { problem, discretization, state, report, .. } = *last;
+        let (dim, physics) = (problem.mesh.dim, problem.physics);
+        let of_motion = |values: Vec<f64>| if physics.has_mechanics() { values } else { Vec::new() };
+        let von_mises = || max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>());
+        Final {
+            displacement_min: of_motion(by_component(&state.u, dim, f64::INFINITY, f64::min)),
+            displacement_max: of_motion(by_component(&state.u, dim, f64::NEG_INFINITY, f64::max)),
+            velocity_max: of_motion(by_component(&state.w, dim, f64::NEG_INFINITY, f64::max)),
+            temperature_min: state.theta.iter().copied().reduce(f64::min).filter(|_| physics.has_heat()),
+            temperature_max: state.theta.iter().copied().reduce(f64::max).filter(|_| physics.has_heat()),
+            von_mises_max: physics.has_mechanics().then(von_mises),
+            strain_max: physics.has_mechanics().then_some(figures.strain),
+            undershoot: figures.outside[0].filter(|_| physics.has_heat()),
+            overshoot: figures.outside[1].filter(|_| physics.has_heat()),
+            penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
+            norms: Norms {
+                displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
+                displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, &state.u)),
+                velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
+                temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
+            },
+            contact: report.filter(|_| physics.has_mechanics()).map(|report| ContactSummary::new(last, &report.contact, None)),
+        }
+    }
+}
+
 impl Summary {
     /// Sums up a run that ended after `last`; `findings` are those on the data, the audit's are added.
     #[must_use]
     pub fn new(last: &Snapshot, unknowns: UnknownCounts, findings: Vec<Finding>, outcome: Outcome, error: Option<String>) -> Summary {
-        let Snapshot { problem, discretization, state, report, work } = *last;
+        let Snapshot { problem, state, work, .. } = *last;
         let counts = &state.counts;
         let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
-        let (dim, physics) = (problem.mesh.dim, problem.physics);
-        let of_motion = |values: Vec<f64>| if physics.has_mechanics() { values } else { Vec::new() };
-        let von_mises = || max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>());
         let figures = limits::figures(last);
-        let audit = hypotheses::audit(physics, ledger_energy, ledger_heat);
+        let audit = hypotheses::audit(problem.physics, ledger_energy, ledger_heat);
         let findings: Vec<Finding> = findings.into_iter().chain(audit).chain(warnings::of_run(problem, &figures)).collect();
         let energy = Ledger {
             closing_error: state.ledger.relative_closing_error(),
@@ -270,30 +296,12 @@ impl Summary {
             case: problem.name.clone(),
             outcome,
             error,
-            dimension: dim,
+            dimension: problem.mesh.dim,
             units: problem.units(),
             time: state.t,
             steps: state.step,
             unknowns,
-            last: Final {
-                displacement_min: of_motion(by_component(&state.u, dim, f64::INFINITY, f64::min)),
-                displacement_max: of_motion(by_component(&state.u, dim, f64::NEG_INFINITY, f64::max)),
-                velocity_max: of_motion(by_component(&state.w, dim, f64::NEG_INFINITY, f64::max)),
-                temperature_min: state.theta.iter().copied().reduce(f64::min).filter(|_| physics.has_heat()),
-                temperature_max: state.theta.iter().copied().reduce(f64::max).filter(|_| physics.has_heat()),
-                von_mises_max: physics.has_mechanics().then(von_mises),
-                strain_max: physics.has_mechanics().then_some(figures.strain),
-                undershoot: figures.outside[0].filter(|_| physics.has_heat()),
-                overshoot: figures.outside[1].filter(|_| physics.has_heat()),
-                penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
-                norms: Norms {
-                    displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
-                    displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, &state.u)),
-                    velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
-                    temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
-                },
-                contact: report.filter(|_| physics.has_mechanics()).map(|report| ContactSummary::new(last, &report.contact, None)),
-            },
+            last: Final::new(last, &figures),
             solver: Solver {
                 newton_mechanics_total: counts.newton_mechanics_total,
                 newton_mechanics_max: counts.newton_mechanics_max,

@@ -75,6 +75,79 @@ const MARGIN: f64 = 16.0;
 const STRIP: f64 = 12.0;
 const MOST_MARKS: usize = 5;
 
+impl Chart {
+    /// Draws areas and lines into a frame.
+    fn draw(&self, picture: &mut Picture, frame: Rect, [scale_x, scale_y]: [&Scale; 2]) {
+        if scale_y.values[0] < 0.0 && scale_y.values[1] > 0.0 {
+            picture.line(&[[frame.x, scale_y.at(0.0)], [frame.right(), scale_y.at(0.0)]], Stroke::new(GREY, 1.0));
+        }
+        let place = |p: &[f64; 2]| [scale_x.at(p[0]), scale_y.at(p[1])];
+        for area in &self.areas {
+            for polygon in &area.polygons {
+                picture.polygon(polygon.iter().map(place).collect(), area.color);
+            }
+        }
+        for series in &self.series {
+            let pieces: Vec<Vec<[f64; 2]>> = series.pieces.iter().map(|piece| piece.iter().map(place).collect()).collect();
+            picture.lines(&pieces, series.stroke.clone());
+        }
+        axes::border(picture, frame);
+    }
+}
+
+impl Column {
+    fn label(&self, exponent: i32) -> String {
+        axes::labelled(&self.x_label, exponent, self.x_units, self.x_measure)
+    }
+
+    /// Draws the bands from y on with a height.
+    fn draw_bands(&self, picture: &mut Picture, scale_x: &Scale, [y, height]: [f64; 2], opacity: f64) {
+        for &([from, to], color) in &self.bands {
+            let place = Rect { x: scale_x.at(from), y, width: scale_x.at(to) - scale_x.at(from), height };
+            picture.polygon(place.corners(), color.with_opacity(opacity));
+        }
+    }
+}
+
+/// Heights at which the parts above the charts stand, and where the first row of charts begins.
+struct Heads {
+    legend: f64,
+    titles: f64,
+    strip: f64,
+    charts: f64,
+}
+
+impl Heads {
+    /// Below the title: a legend of so many lines, titles of the columns, a strip of bands.
+    fn new(legend_lines: Option<usize>, columns: &[Column]) -> Heads {
+        let mut top = MARGIN + TITLE + 6.0;
+        let legend = top + LEGEND;
+        if let Some(lines) = legend_lines {
+            top += LEGEND * lines as f64 + 4.0;
+        }
+        let titles = top + HEADING + 4.0;
+        if columns.iter().any(|c| !c.title.is_empty()) {
+            top += HEADING + 8.0;
+        }
+        let strip = top + 6.0;
+        if columns.iter().any(|c| !c.bands.is_empty()) {
+            top += STRIP + 8.0;
+        }
+        Heads { legend, titles, strip, charts: top }
+    }
+
+    /// Where the frames of the rows begin, below legends of so many lines.
+    fn row_tops(&self, legends: &[usize]) -> Vec<f64> {
+        let mut y = self.charts;
+        let below = |&lines: &usize| {
+            let frame = y + 6.0 + LEGEND * lines as f64;
+            y = frame + HEIGHT + 6.0;
+            frame
+        };
+        legends.iter().map(below).collect()
+    }
+}
+
 /// Draws columns of charts side by side under a title and a legend.
 pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], shared: bool) -> Picture {
     let width = if columns.len() > 2 { 340.0 } else { 430.0 };
@@ -98,79 +171,39 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
 
     let inner = MARGIN + rooms.iter().map(|room| room + width + MARGIN + 8.0).sum::<f64>();
     let total = inner.max(font::width(title, TITLE) + 2.0 * MARGIN);
-    let mut top = MARGIN + TITLE + 6.0;
-    let legend_at = top + LEGEND;
-    if !legend.is_empty() {
-        top += LEGEND * axes::flow(legend, total - 2.0 * MARGIN).1 as f64 + 4.0;
-    }
-    let has_titles = columns.iter().any(|c| !c.title.is_empty());
-    let titles_at = top + HEADING + 4.0;
-    if has_titles {
-        top += HEADING + 8.0;
-    }
-    let has_strip = columns.iter().any(|c| !c.bands.is_empty());
-    let strip_at = top + 6.0;
-    if has_strip {
-        top += STRIP + 8.0;
-    }
-    let row_tops: Vec<f64> = headings
-        .iter()
-        .scan(top, |y, &lines| {
-            let frame = *y + 6.0 + LEGEND * lines as f64;
-            *y = frame + HEIGHT + 6.0;
-            Some(frame)
-        })
-        .collect();
-    let bottom = row_tops.last().map_or(top, |y| y + HEIGHT);
+    let (_, lines) = axes::flow(legend, total - 2.0 * MARGIN);
+    let heads = Heads::new((!legend.is_empty()).then_some(lines), columns);
+    let row_tops = heads.row_tops(&headings);
+    let bottom = row_tops.last().map_or(heads.charts, |y| y + HEIGHT);
     let height = bottom + 24.0 + LABEL + MARGIN;
 
     let mut picture = Picture::new(total, height, title);
     picture.text([0.5 * total, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
-    let (_, lines) = axes::flow(legend, total - 2.0 * MARGIN);
     let start = if lines > 1 { MARGIN } else { MARGIN + rooms.first().copied().unwrap_or(0.0) };
-    axes::legend(&mut picture, [start, legend_at], total - 2.0 * MARGIN, legend);
+    axes::legend(&mut picture, [start, heads.legend], total - 2.0 * MARGIN, legend);
 
     let mut x = MARGIN + 0.5 * (total - inner);
     for (c, column) in columns.iter().enumerate() {
         x += rooms[c];
         let scale_x = Scale::new(column.x, [x, x + width]);
         let x_ticks = ticks::in_units(column.x, 7, column.x_units, column.x_measure);
-        if has_titles {
-            picture.text([x + 0.5 * width, titles_at], HEADING, Anchor::Middle, INK, &column.title);
+        if !column.title.is_empty() {
+            picture.text([x + 0.5 * width, heads.titles], HEADING, Anchor::Middle, INK, &column.title);
         }
-        let band = |picture: &mut Picture, y: f64, height: f64, opacity: f64| {
-            for &([from, to], color) in &column.bands {
-                let place = Rect { x: scale_x.at(from), y, width: scale_x.at(to) - scale_x.at(from), height };
-                picture.polygon(place.corners(), color.with_opacity(opacity));
-            }
-        };
-        band(&mut picture, strip_at, STRIP, 1.0);
+        column.draw_bands(&mut picture, &scale_x, [heads.strip, STRIP], 1.0);
         for (r, chart) in column.charts.iter().enumerate() {
             let frame = Rect { x, y: row_tops[r], width, height: HEIGHT };
             let scale_y = Scale::new(range(c, r), [frame.bottom(), frame.y]);
-            band(&mut picture, frame.y, frame.height, 0.13);
+            column.draw_bands(&mut picture, &scale_x, [frame.y, frame.height], 0.13);
             axes::x_marks(&mut picture, frame, &scale_x, &x_ticks, true, r + 1 == column.charts.len());
             axes::y_marks(&mut picture, frame, &scale_y, &marks(c, r), true);
-            if scale_y.values[0] < 0.0 && scale_y.values[1] > 0.0 {
-                picture.line(&[[frame.x, scale_y.at(0.0)], [frame.right(), scale_y.at(0.0)]], Stroke::new(GREY, 1.0));
-            }
-            let place = |p: &[f64; 2]| [scale_x.at(p[0]), scale_y.at(p[1])];
-            for area in &chart.areas {
-                for polygon in &area.polygons {
-                    picture.polygon(polygon.iter().map(place).collect(), area.color);
-                }
-            }
-            for series in &chart.series {
-                let pieces: Vec<Vec<[f64; 2]>> = series.pieces.iter().map(|piece| piece.iter().map(place).collect()).collect();
-                picture.lines(&pieces, series.stroke.clone());
-            }
-            axes::border(&mut picture, frame);
+            chart.draw(&mut picture, frame, [&scale_x, &scale_y]);
             let first = frame.y - 6.0 - LEGEND * (axes::flow(&entries(c, r), width).1 - 1) as f64;
             axes::legend(&mut picture, [x, first], width, &entries(c, r));
         }
-        let label = axes::labelled(&column.x_label, x_ticks.exponent, column.x_units, column.x_measure);
         let last = column.charts.len().checked_sub(1).map_or(bottom, |r| row_tops[r] + HEIGHT);
-        picture.text([x + 0.5 * width, last + 24.0 + LABEL], LABEL, Anchor::Middle, INK, label);
+        let below = [x + 0.5 * width, last + 24.0 + LABEL];
+        picture.text(below, LABEL, Anchor::Middle, INK, column.label(x_ticks.exponent));
         x += width + MARGIN + 8.0;
     }
     picture

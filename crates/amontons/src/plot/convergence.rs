@@ -5,7 +5,7 @@ use std::path::Path;
 use super::axes::{self, HEADING, LABEL, LEGEND, MARKERS, NUMBER, Scale, Sign, TITLE};
 use super::color::{INK, LINES, SOFT};
 use super::picture::{Anchor, Picture, Rect, Stroke};
-use super::table::Table;
+use super::table::CsvTable;
 use super::ticks::{self, Ticks};
 use super::{Options, PlotError, font};
 use crate::units::{Measure, Units};
@@ -40,7 +40,7 @@ impl ConvergencePlot {
     /// # Errors
     /// When the file is missing or damaged.
     pub fn read(path: &Path, options: &Options) -> Result<ConvergencePlot, PlotError> {
-        let table = Table::read(path)?;
+        let table = CsvTable::read(path)?;
         let (h, k) = (table.numbers("h")?, table.numbers("k")?);
         let names = [("error", "E^{hk}"), ("error_u", "‖u − u^{hk}‖_{V}"), ("error_w", "‖w − w^{hk}‖_{H}"), ("error_theta", "‖θ − θ^{hk}‖_{L²}")];
         let series = names.into_iter().map(|(name, label)| Ok(ErrorSeries { label: label.to_owned(), errors: table.numbers(name)? }));
@@ -124,16 +124,7 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
         axes::x_marks(&mut picture, frame, &scale_x, &level_ticks(&plot.sizes, &scale_x), true, true);
         axes::y_marks(&mut picture, frame, &scale_y, &y_ticks, true);
         axes::border(&mut picture, frame);
-        for (s, series) in plot.series.iter().enumerate() {
-            let mut points: Vec<[f64; 2]> =
-                plot.sizes.iter().zip(&series.errors).filter(|(_, e)| **e > 0.0).map(|(&h, &e)| [scale_x.at(h), scale_y.at(e)]).collect();
-            points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
-            let stroke = style(s);
-            picture.line(&points, stroke.clone());
-            for point in points {
-                MARKERS[s % MARKERS.len()].draw(&mut picture, point, stroke.color);
-            }
-        }
+        lines_of(&mut picture, plot, [&scale_x, &scale_y]);
         let [a, b, c] = triangle.map(|[h, e]| [scale_x.at(h), scale_y.at(e)]);
         picture.line(&[a, b, c, a], Stroke::new(SOFT, 1.0));
         picture.text([0.5 * (a[0] + b[0]), a[1] + 5.0 + 0.75 * NUMBER], NUMBER, Anchor::Middle, SOFT, "1");
@@ -142,6 +133,20 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
         picture.text_upwards([x - left + 0.8 * LABEL, frame.y + 0.5 * HEIGHT], LABEL, INK, &plot.y_label);
     }
     Ok(picture)
+}
+
+/// Draws the errors of a study with a mark per level.
+fn lines_of(picture: &mut Picture, plot: &ConvergencePlot, [scale_x, scale_y]: [&Scale; 2]) {
+    for (s, series) in plot.series.iter().enumerate() {
+        let positive = plot.sizes.iter().zip(&series.errors).filter(|(_, e)| **e > 0.0);
+        let mut points: Vec<[f64; 2]> = positive.map(|(&h, &e)| [scale_x.at(h), scale_y.at(e)]).collect();
+        points.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        let stroke = style(s);
+        picture.line(&points, stroke.clone());
+        for point in points {
+            MARKERS[s % MARKERS.len()].draw(picture, point, stroke.color);
+        }
+    }
 }
 
 fn check(plot: &ConvergencePlot) -> Result<(), PlotError> {

@@ -7,10 +7,11 @@ use std::sync::Arc;
 use super::body::Body;
 use super::run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
 use super::surface::Surface;
-use super::table::Table;
+use super::table::CsvTable;
 use super::{PlotError, frames, vtu};
 use crate::case::{self, CaseError};
 use crate::contact::Status;
+use crate::output::columns::{self, Column, OnContact};
 use crate::problem::Problem;
 
 /// Cell types of VTK that are plane: triangles and quadrilaterals, linear and quadratic.
@@ -64,7 +65,7 @@ impl Results<'_> {
     fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
         let problem = Arc::new(problem(folder)?);
         let snapshots = vtu::snapshots(&folder.join("fields.pvd"))?;
-        let history = history(&Table::read(&folder.join("history.csv"))?)?;
+        let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
         Ok(Results { folder, problem, history, snapshots })
     }
 
@@ -110,16 +111,16 @@ impl Results<'_> {
     }
 
     /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not written.
-    fn contact(&self, snapshot: usize) -> Result<Option<Table>, PlotError> {
+    fn contact(&self, snapshot: usize) -> Result<Option<CsvTable>, PlotError> {
         if self.problem.contacts.is_empty() {
             return Ok(None);
         }
         if snapshot + 1 == self.snapshots.len() {
-            return Table::read(&self.folder.join("contact.csv")).map(Some);
+            return CsvTable::read(&self.folder.join("contact.csv")).map(Some);
         }
         let stem = Path::new(&self.snapshots[snapshot].1).file_stem().unwrap_or_default();
         let path = self.folder.join("contact").join(stem).with_extension("csv");
-        if path.exists() { Table::read(&path).map(Some) } else { Ok(None) }
+        if path.exists() { CsvTable::read(&path).map(Some) } else { Ok(None) }
     }
 }
 
@@ -187,12 +188,12 @@ fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64
 }
 
 /// The contact points of a body in space.
-fn contact_in_space(table: &Table, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
-    let triple = |name: &str| -> Result<[Vec<f64>; 3], PlotError> {
-        Ok([table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?, table.numbers(&format!("{name}z"))?])
+fn contact_in_space(table: &CsvTable, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
+    let triple = |of: &Column<OnContact>| -> Result<[Vec<f64>; 3], PlotError> {
+        Ok([table.numbers(&of.component(0))?, table.numbers(&of.component(1))?, table.numbers(&of.component(2))?])
     };
-    let ([x, y, z], slip) = (triple("")?, triple("slip_velocity_")?);
-    let (pressure, status, side) = (table.numbers("pressure")?, statuses(table)?, on_sides(table, sides)?);
+    let ([x, y, z], slip) = (triple(&columns::POSITION)?, triple(&columns::SLIP_VELOCITY)?);
+    let (pressure, status, side) = (table.numbers(columns::PRESSURE.name)?, statuses(table)?, on_sides(table, sides)?);
     let [wear, friction_work] = worn(table, x.len())?;
     let row = |i: usize| SolidContact {
         x: [x[i], y[i], z[i]],
@@ -207,24 +208,24 @@ fn contact_in_space(table: &Table, sides: &[String]) -> Result<Vec<SolidContact>
 }
 
 /// Wear and friction work, zero in a table without them.
-fn worn(table: &Table, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
+fn worn(table: &CsvTable, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
     let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
-    Ok([column("wear")?, column("friction_work")?])
+    Ok([column(columns::WEAR.name)?, column(columns::FRICTION_WORK.name)?])
 }
 
 /// The side of each contact point; the first where the table does not say.
-fn on_sides(table: &Table, sides: &[String]) -> Result<Vec<usize>, PlotError> {
-    if !table.has("side") {
+fn on_sides(table: &CsvTable, sides: &[String]) -> Result<Vec<usize>, PlotError> {
+    if !table.has(columns::SIDE.name) {
         return Ok(vec![0; table.rows()]);
     }
-    let names: Vec<String> = table.column("side")?;
+    let names: Vec<String> = table.column(columns::SIDE.name)?;
     let fault = |name: &String| PlotError::Format { path: table.path().to_owned(), what: format!("the side `{name}` is none of {}", sides.join(", ")) };
     names.iter().map(|name| sides.iter().position(|side| side == name).ok_or_else(|| fault(name))).collect()
 }
 
 /// The states of the contact points.
-fn statuses(table: &Table) -> Result<Vec<Status>, PlotError> {
-    let words: Vec<String> = table.column("status")?;
+fn statuses(table: &CsvTable) -> Result<Vec<Status>, PlotError> {
+    let words: Vec<String> = table.column(columns::STATUS.name)?;
     let status = |word: &String| {
         let known = [Status::Open, Status::Stick, Status::Slip];
         known
@@ -235,18 +236,18 @@ fn statuses(table: &Table) -> Result<Vec<Status>, PlotError> {
     words.iter().map(status).collect()
 }
 
-fn contact(table: &Table, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
-    let pairs = |name: &str| -> Result<Vec<[f64; 2]>, PlotError> {
-        let (x, y) = (table.numbers(&format!("{name}x"))?, table.numbers(&format!("{name}y"))?);
+fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
+    let pairs = |of: &Column<OnContact>| -> Result<Vec<[f64; 2]>, PlotError> {
+        let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
     };
-    let (x, traction, slip_velocity) = (pairs("")?, pairs("traction_")?, pairs("slip_velocity_")?);
-    let (penetration, pressure) = (table.numbers("penetration")?, table.numbers("pressure")?);
+    let (x, traction, slip_velocity) = (pairs(&columns::POSITION)?, pairs(&columns::TRACTION)?, pairs(&columns::SLIP_VELOCITY)?);
+    let (penetration, pressure) = (table.numbers(columns::PENETRATION.name)?, table.numbers(columns::PRESSURE.name)?);
     let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
-    let (temperature, heat_flux) = (of_heat("temperature")?, of_heat("heat_flux")?);
+    let (temperature, heat_flux) = (of_heat(columns::TEMPERATURE.name)?, of_heat(columns::HEAT_FLUX.name)?);
     let (status, side) = (statuses(table)?, on_sides(table, sides)?);
     let [wear, friction_work] = worn(table, x.len())?;
-    let bound = if table.has("bound") { Some(table.numbers("bound")?) } else { None };
+    let bound = if table.has(columns::BOUND.name) { Some(table.numbers(columns::BOUND.name)?) } else { None };
     let row = |i: usize| ContactRow {
         x: x[i],
         penetration: penetration[i],
@@ -264,7 +265,7 @@ fn contact(table: &Table, sides: &[String]) -> Result<Vec<ContactRow>, PlotError
     Ok((0..x.len()).map(row).collect())
 }
 
-fn history(table: &Table) -> Result<History, PlotError> {
-    table.numbers("t")?;
+fn history(table: &CsvTable) -> Result<History, PlotError> {
+    table.numbers(columns::TIME.name)?;
     table.names().iter().map(|name| Ok((name.clone(), table.numbers(name)?))).collect()
 }

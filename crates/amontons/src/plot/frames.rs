@@ -2,6 +2,7 @@
 
 use super::PlotError;
 use super::run::History;
+use crate::output::columns;
 
 /// Frames of a strip that is not asked for by its times.
 const FRAMES: usize = 4;
@@ -35,7 +36,7 @@ fn nearest(t: f64, snapshots: &[f64]) -> Option<usize> {
 /// and the end. A snapshot at t = 0 is not among them.
 pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
     let Some(end) = snapshots.len().checked_sub(1) else { return Vec::new() };
-    let times = history.get("t").map_or(&[][..], Vec::as_slice);
+    let times = history.get(columns::TIME.name).map_or(&[][..], Vec::as_slice);
     let series = story(history, times);
     let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     let is_there = |values: &Vec<f64>| values.last().is_none_or(|v| v.abs() >= STILL_THERE * largest(values));
@@ -66,16 +67,16 @@ pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
 fn story(history: &History, times: &[f64]) -> Vec<Vec<f64>> {
     let column = |name: &str| history.get(name).filter(|values| values.len() == times.len());
     let force = (0..times.len()).map(|i| {
-        let components = ["contact_force_x", "contact_force_y", "contact_force_z"];
+        let components = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
         components.iter().filter_map(|name| column(name)).map(|values| values[i] * values[i]).sum::<f64>().sqrt()
     });
-    let work = column("friction_dissipation").cloned().unwrap_or_default();
+    let work = column(columns::FRICTION_DISSIPATION.name).cloned().unwrap_or_default();
     let rate = |i: usize| {
         let (t, w) = if i > 0 { (times[i - 1], work[i - 1]) } else { (0.0, 0.0) };
         if times[i] > t { (work[i] - w) / (times[i] - t) } else { 0.0 }
     };
     let power: Vec<f64> = (0..work.len()).map(rate).collect();
-    let plain = ["elastic", "heat_content"].into_iter().filter_map(column).cloned();
+    let plain = [columns::ELASTIC, columns::HEAT_CONTENT].map(|column| column.name).into_iter().filter_map(column).cloned();
     let all = plain.chain([force.collect(), power]);
     all.filter(|values: &Vec<f64>| values.iter().any(|v| *v != 0.0)).collect()
 }

@@ -6,6 +6,7 @@ use super::picture::{Picture, Stroke};
 use super::profiles::{STATUSES, color};
 use super::run::{History, Run};
 use super::{Options, Panel, PlotError, axes, heading};
+use crate::output::columns;
 use crate::units::{Measure, Units};
 
 pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotError> {
@@ -13,7 +14,7 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
     let mut columns = Vec::new();
     for panel in panels {
         let history = &panel.run.history;
-        let times = history.get("t").map_or(&[][..], Vec::as_slice);
+        let times = history.get(columns::TIME.name).map_or(&[][..], Vec::as_slice);
         if let Some((name, column)) = history.iter().find(|(_, column)| column.len() != times.len()) {
             return Err(PlotError::Data(format!("the column {name} of the history has {} rows, expected {}", column.len(), times.len())));
         }
@@ -58,33 +59,43 @@ fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     let chart =
         |quantity: &str, measure: Measure, series: Vec<Series>| Chart { quantity: quantity.to_owned(), units, measure, areas: Vec::new(), series, zero: true };
     let of = |quantity: &str, measure: Measure, columns: &[(&str, &str)]| chart(quantity, measure, lines(run, columns));
-    let counts = STATUSES.map(|s| history.get(s.name()));
+    let counts = [columns::OPEN, columns::STICK, columns::SLIP].map(|count| history.get(count.name));
     let has_contact = counts.iter().flatten().any(|count| count.iter().any(|&c| c > 0.0));
     let works = [
-        ("load_work", "loads"),
-        ("thermal_work", "thermal"),
-        ("viscous_dissipation", "viscous"),
-        ("friction_dissipation", "friction"),
-        ("scheme_dissipation", "time scheme"),
+        (columns::LOAD_WORK.name, "loads"),
+        (columns::THERMAL_WORK.name, "thermal"),
+        (columns::VISCOUS_DISSIPATION.name, "viscous"),
+        (columns::FRICTION_DISSIPATION.name, "friction"),
+        (columns::SCHEME_DISSIPATION.name, "time scheme"),
     ];
+    let energies = [(columns::KINETIC.name, "kinetic"), (columns::ELASTIC.name, "elastic"), (columns::CONTACT_ENERGY.name, "contact")];
     let mut charts = vec![
-        of("energies", Measure::Energy, &[("kinetic", "kinetic"), ("elastic", "elastic"), ("contact_energy", "contact")]),
+        of("energies", Measure::Energy, &energies),
         of("work and dissipation since the start", Measure::Energy, &works),
     ];
     charts.retain(|chart| !chart.series.is_empty());
-    let (column, balance) = if run.has_mechanics() { ("closing_error", "energy") } else { ("heat_closing_error", "heat") };
+    let (column, balance) = if run.has_mechanics() {
+        (columns::CLOSING_ERROR.name, "energy")
+    } else {
+        (columns::HEAT_CLOSING_ERROR.name, "heat")
+    };
     if history.contains_key(column) {
         let series = vec![Series { label: String::new(), stroke: Stroke::new(LINES[0], 1.6), pieces: vec![points(history, column)] }];
         charts.push(chart(&format!("closing error of the {balance} balance"), Measure::Energy, series));
     }
     if has_contact {
-        let force = of("contact force", Measure::Force, &[("contact_force_x", "x"), ("contact_force_y", "y"), ("contact_force_z", "z")]);
+        let [x, y, z] = [0, 1, 2].map(|c| columns::CONTACT_FORCE.component(c));
+        let force = of("contact force", Measure::Force, &[(&x, "x"), (&y, "y"), (&z, "z")]);
         charts.extend(Some(force).filter(|chart| !chart.series.is_empty()));
         charts.push(status_chart(history, units));
     }
     if run.has_heat() {
-        let columns = [("heat_content", "content"), ("heat_contact", "left through Γ_{C} since the start"), ("heat_foundation", "content of the foundation")];
-        charts.extend(Some(of("heat", Measure::Energy, &columns)).filter(|chart| !chart.series.is_empty()));
+        let heats = [
+            (columns::HEAT_CONTENT.name, "content"),
+            (columns::HEAT_CONTACT.name, "left through Γ_{C} since the start"),
+            (columns::HEAT_FOUNDATION.name, "content of the foundation"),
+        ];
+        charts.extend(Some(of("heat", Measure::Energy, &heats)).filter(|chart| !chart.series.is_empty()));
     }
     if has_contact {
         charts.extend(surface_charts(run, &chart));
@@ -101,29 +112,29 @@ fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart
         pieces: vec![pieces],
     };
     let mut charts = Vec::new();
-    if run.has("friction_dissipation") {
+    if run.has(columns::FRICTION_DISSIPATION.name) {
         // The mean over each step, from the works since the start.
         let mut before = [0.0; 2];
-        let power = points(history, "friction_dissipation").into_iter().map(|now| {
+        let power = points(history, columns::FRICTION_DISSIPATION.name).into_iter().map(|now| {
             let mean = (now[1] - before[1]) / (now[0] - before[0]);
             before = now;
             [now[0], if mean.is_finite() { mean } else { 0.0 }]
         });
         charts.push(chart("power of friction", Measure::Power, vec![line("", 1, power.collect())]));
     }
-    let foundation = |name: &&String| name.starts_with("foundation_temperature");
-    let lines = history.keys().filter(foundation).enumerate();
-    let lines: Vec<Series> = lines.map(|(i, name)| line(name.split_once('@').map_or("", |(_, side)| side), i, points(history, name))).collect();
+    let foundations = history.keys().filter_map(|name| Some((name, columns::FOUNDATION_TEMPERATURE.side_of(name)?)));
+    let lines: Vec<Series> = foundations.enumerate().map(|(i, (name, side))| line(side, i, points(history, name))).collect();
     if !lines.is_empty() {
         charts.push(chart("temperature of the foundation", Measure::Temperature, lines));
     }
-    for (name, quantity, measure) in [
-        ("contact_area", "area of contact", Measure::Area),
-        ("wear_max", "largest depth worn off", Measure::Length),
-        ("wear_volume", "volume worn off", Measure::Volume),
+    for (column, quantity) in [
+        (columns::CONTACT_AREA, "area of contact"),
+        (columns::WEAR_MAX, "largest depth worn off"),
+        (columns::WEAR_VOLUME, "volume worn off"),
     ] {
-        if run.has(name) {
-            charts.push(chart(quantity, measure, vec![line("", 0, points(history, name))]));
+        if run.has(column.name) {
+            let measure = column.measure.unwrap_or(Measure::Number);
+            charts.push(chart(quantity, measure, vec![line("", 0, points(history, column.name))]));
         }
     }
     charts
@@ -131,12 +142,12 @@ fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart
 
 fn points(history: &History, name: &str) -> Vec<[f64; 2]> {
     let column = |name: &str| history.get(name).map_or(&[][..], Vec::as_slice).iter().copied();
-    column("t").zip(column(name)).map(|(t, v)| [t, v]).collect()
+    column(columns::TIME.name).zip(column(name)).map(|(t, v)| [t, v]).collect()
 }
 
 /// The numbers of open, sticking and slipping points, one upon the other.
 fn status_chart(history: &History, units: Units) -> Chart {
-    let times = points(history, "t");
+    let times = points(history, columns::TIME.name);
     let mut below: Vec<[f64; 2]> = times.iter().map(|p| [p[0], 0.0]).collect();
     let mut areas = Vec::new();
     // Sticking and slipping points first: together they are the closed part.

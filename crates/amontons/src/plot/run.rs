@@ -7,6 +7,7 @@ use super::PlotError;
 use super::body::Body;
 use super::surface::Surface;
 use crate::contact::Status;
+use crate::output::columns;
 use crate::problem::Problem;
 use crate::units::Units;
 
@@ -76,8 +77,8 @@ impl Run {
     pub(super) fn has_heat(&self) -> bool {
         let theta = self.temperatures();
         let first = theta.first().copied().unwrap_or_default();
-        let flows = ["heat_contact", "heat_prescribed", "heat_supplied", "heat_coupling"];
-        theta.iter().any(|v| (v - first).abs() > 1e-9 * first.abs()) || flows.iter().any(|name| self.has(name))
+        let flows = [columns::HEAT_CONTACT, columns::HEAT_PRESCRIBED, columns::HEAT_SUPPLIED, columns::HEAT_COUPLING];
+        theta.iter().any(|v| (v - first).abs() > 1e-9 * first.abs()) || flows.iter().any(|column| self.has(column.name))
     }
 
     /// Whether the case solves for displacements; without a case it is assumed to.

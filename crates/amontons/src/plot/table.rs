@@ -12,7 +12,7 @@ pub(super) fn text(path: &Path) -> Result<String, PlotError> {
 
 /// A table with named columns.
 #[derive(Clone, Debug)]
-pub(super) struct Table {
+pub(super) struct CsvTable {
     path: PathBuf,
     names: Vec<String>,
     rows: Vec<Vec<String>>,
@@ -34,12 +34,12 @@ fn cut(line: &str) -> Vec<String> {
     cells.iter().map(|cell| cell.trim().to_owned()).collect()
 }
 
-impl Table {
-    pub(super) fn read(path: &Path) -> Result<Table, PlotError> {
+impl CsvTable {
+    pub(super) fn read(path: &Path) -> Result<CsvTable, PlotError> {
         let text = text(path)?;
         let mut lines = text.lines();
         let names = lines.next().map(cut).unwrap_or_default();
-        let mut table = Table { path: path.to_owned(), names, rows: Vec::new() };
+        let mut table = CsvTable { path: path.to_owned(), names, rows: Vec::new() };
         for line in lines.filter(|line| !line.trim().is_empty()) {
             let row = cut(line);
             if row.len() != table.names.len() {

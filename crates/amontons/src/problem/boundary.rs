@@ -1,6 +1,6 @@
 //! What holds on the parts of the boundary, contact apart, and which of it excludes what.
 
-use super::{Fault, Problem};
+use super::{Fault, ProblemData};
 use crate::contact::{GraphKind, Quadrature};
 use crate::element::Table;
 use crate::field::Field;
@@ -75,6 +75,42 @@ pub struct Convection {
 }
 
 impl BoundaryCondition {
+    /// A free and insulated side, on the facet set `on`.
+    #[must_use]
+    pub fn on(on: impl Into<String>) -> BoundaryCondition {
+        BoundaryCondition { on: on.into(), ..BoundaryCondition::default() }
+    }
+
+    /// With all components of the displacement prescribed, m.
+    #[must_use]
+    pub fn displacement(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
+        BoundaryCondition { displacement: Some(components.into_iter().map(|c| Some(c.into())).collect()), ..self }
+    }
+
+    /// With a prescribed displacement along the outward normal, m.
+    #[must_use]
+    pub fn normal_displacement(self, along: impl Into<Field>) -> BoundaryCondition {
+        BoundaryCondition { normal_displacement: Some(along.into()), ..self }
+    }
+
+    /// With a traction, Pa.
+    #[must_use]
+    pub fn traction(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
+        BoundaryCondition { traction: Some(components.into_iter().map(Into::into).collect()), ..self }
+    }
+
+    /// With a prescribed temperature, K.
+    #[must_use]
+    pub fn temperature(self, theta: impl Into<Field>) -> BoundaryCondition {
+        BoundaryCondition { temperature: Some(theta.into()), ..self }
+    }
+
+    /// With a heat flux into the body, W/m².
+    #[must_use]
+    pub fn heat_inflow(self, flux: impl Into<Field>) -> BoundaryCondition {
+        BoundaryCondition { heat_inflow: Some(flux.into()), ..self }
+    }
+
     /// Whether some displacement of the body is held: by a prescribed value or a spring.
     #[must_use]
     pub fn holds_body(&self) -> bool {
@@ -162,7 +198,10 @@ fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> 
     axis.ok_or((0, [f64::NAN; 3]))
 }
 
-impl Problem {
+/// What is expected of a side with a displacement and a force in one direction.
+const BOTH: &str = "one of the two: Γ_D and Γ_N do not overlap";
+
+impl ProblemData {
     /// V^h with the prescribed displacements: (2.5).
     #[must_use]
     pub fn displacement_space(&self) -> Space {
@@ -185,17 +224,13 @@ impl Problem {
                 faults.push(Fault::new(format!("{path}.quadrature"), "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
             }
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
-                let hint = format!("merge it with entry {} of the file, which is on the same side", first + 1);
-                faults.push(Fault::new(format!("{path}.on"), format!("\"{}\" again", contact.on), "each side in one [[contact]] entry").hint(hint));
+                faults.push(again(format!("{path}.on"), &contact.on, first, "each side in one [[contact]] entry"));
             }
         }
         self.check_sides(faults);
         for (i, b) in self.boundary.iter().enumerate() {
             if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
-                faults.push(
-                    Fault::new(format!("boundary[{i}].on"), format!("\"{}\" again", b.on), "each side in one [[boundary]] entry")
-                        .hint(format!("merge it with entry {} of the file, which is on the same side", first + 1)),
-                );
+                faults.push(again(format!("boundary[{i}].on"), &b.on, first, "each side in one [[boundary]] entry"));
             }
             self.check_displacement(i, b, faults);
             self.check_forces(i, b, faults);
@@ -264,17 +299,20 @@ impl Problem {
             })
             .collect();
         let all_held = held.iter().all(|held| *held);
-        let drop = "remove one of them";
-        let both = "one of the two: Γ_D and Γ_N do not overlap";
         if let Some(traction) = &b.traction {
             if all_held {
-                faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", both).hint(drop));
+                faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", BOTH).hint("remove one of them"));
             } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero())) {
                 faults.push(
-                    Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", both).hint("set it to 0"),
+                    Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", BOTH).hint("set it to 0"),
                 );
             }
         }
+        Self::check_supports(i, b, all_held, faults);
+    }
+
+    /// Pressures, springs and dashpots act on what is not prescribed.
+    fn check_supports(i: usize, b: &BoundaryCondition, all_held: bool, faults: &mut Vec<Fault>) {
         let along_normal = |support: &Option<Support>| matches!(support, Some(Support::Normal(_)));
         for (key, what, given, normal) in [
             ("pressure", "a pressure", b.pressure.is_some(), b.pressure.is_some()),
@@ -282,13 +320,19 @@ impl Problem {
             ("dashpot", "a dashpot", b.dashpot.is_some(), along_normal(&b.dashpot)),
         ] {
             if given && all_held {
-                faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), both).hint(drop));
+                faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), BOTH).hint("remove one of them"));
             } else if normal && b.normal_displacement.is_some() {
                 let found = format!("{what} along the normal besides a displacement along it");
-                faults.push(Fault::new(format!("boundary[{i}].{key}"), found, both).hint(drop));
+                faults.push(Fault::new(format!("boundary[{i}].{key}"), found, BOTH).hint("remove one of them"));
             }
         }
     }
+}
+
+/// A side that an entry before, the `first`, is on too.
+fn again(path: String, on: &str, first: usize, expected: &str) -> Fault {
+    let hint = format!("merge it with entry {} of the file, which is on the same side", first + 1);
+    Fault::new(path, format!("\"{on}\" again"), expected).hint(hint)
 }
 
 /// A name that is none of those that are known, with the nearest one.

@@ -1,6 +1,6 @@
 //! The data of a problem that may vary in space and time, with their places in the case file.
 
-use super::Problem;
+use super::ProblemData;
 use crate::field::Field;
 use crate::tensor::Point;
 
@@ -14,7 +14,7 @@ pub(crate) struct Datum<'a> {
     pub side: Option<&'a str>,
 }
 
-impl Problem {
+impl ProblemData {
     /// Loads, conditions on sides and data of contact: what a step evaluates.
     pub(crate) fn data(&self) -> Vec<Datum<'_>> {
         let body = |key: String, field| Datum { key, field, side: None };

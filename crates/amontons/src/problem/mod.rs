@@ -1,11 +1,16 @@
 //! Problem 2.1 with its data: what is to be solved, checked once and trusted afterwards.
+//!
+//! [`ProblemData`] can be built and changed freely; [`ProblemData::check`] makes it a [`Problem`], which cannot change. What
+//! solves, judges or writes takes a [`Problem`].
 
 mod boundary;
+mod check;
 mod data;
 mod physics;
 mod range;
 
 use std::fmt;
+use std::ops::Deref;
 use std::sync::Arc;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
@@ -15,7 +20,6 @@ pub use physics::Physics;
 use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;
 use crate::material::{Dilatation, Material, Prony};
-use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
 use crate::units::{Extent, System, Units};
 
@@ -95,9 +99,26 @@ impl fmt::Display for Coupling {
     }
 }
 
-/// A problem with all its data, checked.
+/// The data of a problem, not yet checked: made by [`ProblemData::new`], the fields then set.
+///
+/// ```
+/// use amontons::contact::{Compliance, Contact, Coulomb};
+/// use amontons::material::{Isotropic, Material, StressState::PlaneStrain};
+/// use amontons::mesh::{Diagonal, Mesh};
+/// use amontons::problem::{BoundaryCondition, Physics, ProblemData};
+///
+/// let mesh = Mesh::rectangle([0.2, 0.1], [16, 8], Diagonal::Right)?;
+/// let rubber = Material::new(2, Isotropic::elastic(2, 5e6, 0.4, PlaneStrain)).viscosity(Isotropic::lame(2, 0.0, 2e4, PlaneStrain));
+/// let mut block = ProblemData::new("block", mesh, rubber, 1.0, 20);
+/// block.physics = Physics::Mechanics;
+/// block.boundary = vec![BoundaryCondition::on("top").displacement([0.0, -1e-3])];
+/// block.contacts = vec![Contact::new("bottom", Compliance { stiffness: 1e10 }).friction(Coulomb { coefficient: 0.3 })];
+/// let block = block.check()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 #[derive(Clone, Debug)]
-pub struct Problem {
+#[non_exhaustive]
+pub struct ProblemData {
     /// Name, used for result folders and titles.
     pub name: String,
     /// Whether the data are in SI units or without units.
@@ -128,7 +149,65 @@ pub struct Problem {
     pub dilatation: Dilatation,
 }
 
+/// A problem whose data are checked; it reads like its [`ProblemData`].
+#[derive(Clone, Debug)]
+pub struct Problem(ProblemData);
+
+impl Deref for Problem {
+    type Target = ProblemData;
+
+    fn deref(&self) -> &ProblemData {
+        &self.0
+    }
+}
+
 impl Problem {
+    /// The data, to be changed and checked again.
+    #[must_use]
+    pub fn into_data(self) -> ProblemData {
+        self.0
+    }
+
+    /// The same problem with data changed by `change`, checked again.
+    ///
+    /// # Errors
+    /// All faults that the changed data have.
+    pub fn with(&self, change: impl FnOnce(&mut ProblemData)) -> Result<Problem, Faults> {
+        let mut data = self.0.clone();
+        change(&mut data);
+        data.check()
+    }
+
+    /// The same problem with each material replaced by another, which has laws on the same strains and the same densities.
+    pub(crate) fn with_materials(&self, other: impl Fn(&Material) -> Material) -> Problem {
+        let materials = self.materials.iter().map(other).collect();
+        Problem(ProblemData { materials, ..self.0.clone() })
+    }
+}
+
+impl ProblemData {
+    /// A body of one material in SI units from t = 0 to t = `end` s in `steps` steps. Nothing acts on it and nothing holds it; it is at
+    /// rest, its temperature is 0, and it has both mechanics and heat.
+    #[must_use]
+    pub fn new(name: impl Into<String>, mesh: Mesh, material: Material, end: f64, steps: usize) -> ProblemData {
+        ProblemData {
+            name: name.into(),
+            system: System::Si,
+            mesh: Arc::new(mesh),
+            end,
+            steps,
+            physics: Physics::Coupled,
+            materials: vec![material],
+            body_force: Vec::new(),
+            heat_source: Field::ZERO,
+            boundary: Vec::new(),
+            contacts: Vec::new(),
+            initial: Initial::default(),
+            coupling: Coupling::Staggered,
+            dilatation: Dilatation::Full,
+        }
+    }
+
     /// The units of its numbers.
     #[must_use]
     pub fn units(&self) -> Units {
@@ -192,134 +271,6 @@ impl Problem {
         Some(all)
     }
 
-    /// Checks the data and returns the problem.
-    ///
-    /// # Errors
-    /// All faults that the data have, with the place of each named as in a case file.
-    pub fn checked(self) -> Result<Problem, Faults> {
-        let mut faults = Vec::new();
-        self.check_time(&mut faults);
-        self.check_material(&mut faults);
-        if let Err(error) = self.mesh.check_nodes() {
-            faults.push(Fault::new("mesh", error.to_string(), "cells and facets whose nodes exist"));
-            return Err(Faults(faults));
-        }
-        self.check_parts(&mut faults);
-        self.check_shapes(&mut faults);
-        self.check_boundary(&mut faults);
-        self.check_times(&mut faults);
-        if let Err(error) = self.mesh.check() {
-            faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));
-        }
-        if faults.is_empty() {
-            // Both evaluate the data, which must be in order.
-            self.check_temperatures(&mut faults);
-            self.check_range(&mut faults);
-        }
-        if faults.is_empty() { Ok(self) } else { Err(Faults(faults)) }
-    }
-
-    fn check_time(&self, faults: &mut Vec<Fault>) {
-        if !(self.end.is_finite() && self.end > 0.0) {
-            faults.push(Fault::new("time.end", self.end.to_string(), "a positive time in s"));
-        }
-        if self.steps == 0 {
-            faults.push(Fault::new("time.steps", "0", "at least one step"));
-        }
-    }
-
-    fn check_material(&self, faults: &mut Vec<Fault>) {
-        let (found, regions) = (self.materials.len(), self.mesh.regions.len());
-        if found != 1 && found != regions {
-            faults.push(Fault::new("material", format!("{found} materials"), format!("one for all, or one for each of the {regions} regions")));
-        }
-        for m in &self.materials {
-            for (path, value) in [("material.density", m.density), ("material.heat_capacity", m.heat_capacity)] {
-                if !(value.is_finite() && value >= 0.0) {
-                    faults.push(Fault::new(path, value.to_string(), "a number that is not negative"));
-                }
-            }
-        }
-    }
-
-    /// Each part of the body that is not held somewhere has inertia, and heat capacity if its temperature is not.
-    ///
-    /// A part without inertia or without heat capacity anywhere in it needs the hold.
-    fn check_parts(&self, faults: &mut Vec<Fault>) {
-        let parts = components(&self.mesh);
-        let mut part_of = vec![0; self.mesh.points.len()];
-        for (number, part) in parts.iter().enumerate() {
-            for &node in &part.nodes {
-                part_of[node as usize] = number;
-            }
-        }
-        // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
-        let mut held = vec![[false; 2]; parts.len()];
-        let mut lacks = vec![[false; 2]; parts.len()];
-        let exchange = self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
-        let sides = self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
-        for (on, holds) in sides {
-            // Of a side that is not there it is not known what it holds: that it is not there is told.
-            let nodes = self.mesh.facets.get(on).map(FacetSet::node_list);
-            let touched = nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
-            for part in touched.unwrap_or_else(|| (0..parts.len()).collect::<Vec<usize>>()) {
-                if let Some(part) = held.get_mut(part) {
-                    *part = [part[0] || holds[0], part[1] || holds[1]];
-                }
-            }
-        }
-        for block in &self.mesh.blocks {
-            let Some(m) = self.material_of(block.region) else { continue };
-            for cell in block.cells() {
-                let part = &mut lacks[part_of[cell[0] as usize]];
-                *part = [part[0] || m.density == 0.0, part[1] || m.heat_capacity == 0.0];
-            }
-        }
-        for (what, found, expected, hint) in [
-            (0, "no displacement prescribed and density 0", "a part Γ_D that holds the body", "give `displacement` on a side, or a positive material.density"),
-            (
-                1,
-                "no temperature prescribed and heat_capacity 0",
-                "a side whose temperature is known",
-                "give `temperature` on a side, or a positive material.heat_capacity",
-            ),
-        ] {
-            let solved = [self.physics.has_mechanics(), self.physics.has_heat()][what];
-            let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else { continue };
-            let found =
-                if parts.len() == 1 { found.to_owned() } else { format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh)) };
-            faults.push(Fault::new("boundary", found, expected).hint(hint));
-        }
-    }
-
-    /// Tables have values at all times of the run.
-    fn check_times(&self, faults: &mut Vec<Fault>) {
-        let mut check = |path: String, field: &Field| {
-            let [first, last] = field.span();
-            let hint = "give more rows, or `extend = \"hold\"` to keep the value at the end";
-            if first > 0.0 {
-                faults.push(Fault::new(&*path, format!("a table that begins at t = {first:?}"), "values from t = 0").hint(hint));
-            }
-            if last < self.end {
-                faults.push(
-                    Fault::new(path, format!("a table that ends at t = {last:?}"), format!("values to the end of the run, t = {:?}", self.end)).hint(hint),
-                );
-            }
-        };
-        for (i, field) in self.body_force.iter().enumerate() {
-            check(format!("load.body_force[{i}]"), field);
-        }
-        check("load.heat_source".to_owned(), &self.heat_source);
-        for (i, condition) in self.boundary.iter().enumerate() {
-            for (key, field) in condition.fields() {
-                check(format!("boundary[{i}].{key}"), field);
-            }
-        }
-        for (path, field) in self.contact_fields() {
-            check(path, field);
-        }
-    }
-
     /// The data of contact that may vary in time, with their places.
     pub(crate) fn contact_fields(&self) -> Vec<(String, &Field)> {
         let mut all = Vec::new();
@@ -334,33 +285,4 @@ impl Problem {
         }
         all
     }
-
-    /// Vector data have d components.
-    fn check_shapes(&self, faults: &mut Vec<Fault>) {
-        let dim = self.mesh.dim;
-        let mut check = |path: String, found: Option<usize>| {
-            if let Some(n) = found
-                && n != dim
-            {
-                faults.push(Fault::new(path, format!("{n} components"), format!("{dim} components")));
-            }
-        };
-        let filled = |v: &Vec<Field>| if v.is_empty() { None } else { Some(v.len()) };
-        check("load.body_force".into(), filled(&self.body_force));
-        check("initial.displacement".into(), filled(&self.initial.displacement));
-        check("initial.velocity".into(), filled(&self.initial.velocity));
-        for (i, b) in self.boundary.iter().enumerate() {
-            check(format!("boundary[{i}].displacement"), b.displacement.as_ref().map(Vec::len));
-            check(format!("boundary[{i}].traction"), b.traction.as_ref().map(Vec::len));
-            check(format!("boundary[{i}].spring"), b.spring.as_ref().and_then(Support::components));
-            check(format!("boundary[{i}].dashpot"), b.dashpot.as_ref().and_then(Support::components));
-        }
-    }
-}
-
-/// Where a part of the body is: `x from 0.0 to 1.0, y from 2.0 to 3.0`.
-fn extent(part: &Component, mesh: &Mesh) -> String {
-    let [low, high] = part.bounds(mesh);
-    let along = |(c, axis): (usize, &str)| format!("{axis} from {:?} to {:?}", low[c], high[c]);
-    ["x", "y", "z"].into_iter().take(mesh.dim).enumerate().map(along).collect::<Vec<_>>().join(", ")
 }

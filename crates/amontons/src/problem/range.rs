@@ -1,6 +1,6 @@
 //! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below absolute zero.
 
-use super::{Datum, Fault, Problem};
+use super::{Datum, Fault, ProblemData};
 use crate::field::Field;
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -44,7 +44,7 @@ fn power(value: f64) -> Option<f64> {
 /// What to do about a temperature below absolute zero.
 const HINT: &str = "correct the temperature, or `absolute_zero` of the radiation, which is -273.15 for degrees Celsius and 0 for kelvins";
 
-impl Problem {
+impl ProblemData {
     /// Temperatures of the data are not below the absolute zero of a radiating contact.
     pub(super) fn check_temperatures(&self, faults: &mut Vec<Fault>) {
         let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
@@ -159,8 +159,7 @@ impl Problem {
         let given = of(&|key| key.starts_with("initial.temperature") || is_temperature(key));
         let sources = largest([of(&|key| key == "load.heat_source").map(|s| s.times(length)), of(&|key| key.ends_with("heat_inflow"))]);
         let heated = [by(sources.clone(), &conductivity, -1.0, length), by(sources, &capacity, -1.0, end - length)];
-        let heated = heated.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power));
-        let temperature = largest([given, heated]);
+        let temperature = largest([given, least(heated)]);
 
         let force = of(&|key| key.starts_with("load.body_force")).map(|s| s.times(length));
         let load = largest([force, of(&|key| key.contains("].traction") || key.ends_with("].pressure")), by(temperature.clone(), &expansion, 1.0, 0.0)]);
@@ -169,19 +168,31 @@ impl Problem {
         let stress = largest([load.clone(), by(moved.clone(), &elastic, 1.0, -length), by(fast.clone(), &viscous, 1.0, -length)]);
         // What a load moves is held by stiffness, viscosity or inertia, whichever holds most.
         let carried = [by(load.clone(), &elastic, -1.0, length), by(load.clone(), &viscous, -1.0, length + end), by(load, &density, -1.0, 2.0 * end - length)];
-        let carried = carried.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power));
-        let displacement = largest([moved, carried]);
+        let displacement = largest([moved, least(carried)]);
         let velocity = largest([fast, of(&|key| key.contains("foundation_velocity")), displacement.clone().map(|s| s.times(-end))]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
-        let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
-        let [volume, edge] = [dim, dim - 2.0].map(|d| d * h);
-        let matrices = [
-            largest([density.map(|s| s.times(volume - k)), viscous.map(|s| s.times(edge)), elastic.map(|s| s.times(edge + k))]),
-            largest([capacity.map(|s| s.times(volume - k)), conductivity.map(|s| s.times(edge))]),
-        ];
+        let matrices = entries(mesh, k, [density, viscous, elastic], [capacity, conductivity]);
         Scales { stress, displacement, velocity, temperature, energy, matrices }
     }
+}
+
+/// The largest entries of K_u with ρ, 𝓥, 𝓔 and of K_θ with c, 𝓚.
+fn entries(mesh: &Mesh, k: f64, of_u: [Option<Scale>; 3], of_theta: [Option<Scale>; 2]) -> [Option<Scale>; 2] {
+    let ([density, viscous, elastic], [capacity, conductivity]) = (of_u, of_theta);
+    let (h, k) = (power(mesh.spacing()).unwrap_or(0.0), power(k).unwrap_or(0.0));
+    let dim = mesh.tensor_dim() as f64;
+    let [volume, edge] = [dim, dim - 2.0].map(|d| d * h);
+    let (inertia, stiffness) = (density.map(|s| s.times(volume - k)), elastic.map(|s| s.times(edge + k)));
+    [
+        largest([inertia, viscous.map(|s| s.times(edge)), stiffness]),
+        largest([capacity.map(|s| s.times(volume - k)), conductivity.map(|s| s.times(edge))]),
+    ]
+}
+
+/// The least of several scales, without those that are zero.
+fn least(scales: impl IntoIterator<Item = Option<Scale>>) -> Option<Scale> {
+    scales.into_iter().flatten().min_by(|a, b| a.power.total_cmp(&b.power))
 }
 
 /// Magnitudes of a run; none where it is zero.

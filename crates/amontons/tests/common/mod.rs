@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};
-use amontons::problem::Problem;
+use amontons::problem::{Problem, ProblemData};
 use amontons::scheme::{BackwardEuler, Scheme, State};
 
 /// A file of the repository.
@@ -21,6 +21,16 @@ pub fn case(path: &str, overrides: &[String]) -> Case {
 pub fn paper(overrides: &[&str]) -> Case {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     case("cases/paper.toml", &overrides)
+}
+
+/// Data that have to pass the checks.
+pub fn checked(data: ProblemData) -> Problem {
+    data.check().unwrap_or_else(|faults| panic!("{faults}"))
+}
+
+/// A problem with other data, which have to pass the checks.
+pub fn changed(problem: &Problem, change: impl FnOnce(&mut ProblemData)) -> Problem {
+    problem.with(change).unwrap_or_else(|faults| panic!("{faults}"))
 }
 
 /// Overrides that turn the default reading of the paper's tensors into another.

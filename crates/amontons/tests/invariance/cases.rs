@@ -1,4 +1,5 @@
 //! The cases of the pairs: every law, in one to three dimensions, all data growing from rest.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 
 use amontons::mesh::{Diagonal, Elements, Mesh};
 

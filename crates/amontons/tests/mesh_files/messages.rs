@@ -1,4 +1,5 @@
 //! Every fault of a file has its place, what was found and what was expected.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 
 use amontons::mesh::{self, gmsh, vtu};
 

@@ -1,4 +1,5 @@
 //! A writer of Gmsh files, straight from the format's description, for all variants that the reader knows.
+#![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 
 use amontons::element::Element;
 use amontons::mesh::Mesh;

@@ -20,39 +20,15 @@ mod thermal;
 pub use run::{Figures, Penetration, of_run};
 
 use super::laws::{at, norm};
-use super::{Finding, Kind, Status};
+use super::{Finding, FindingId, FindingStatus};
 use crate::mesh::Mesh;
 use crate::mesh::defects::coincident;
 use crate::problem::Problem;
 use crate::tensor::Sym;
 
-/// The findings that are something to act on.
-const WARNINGS: &[&str] = &[
-    "absolute-zero",
-    "coincident-nodes",
-    "contact-heat",
-    "contact-held",
-    "contact-possible",
-    "energy",
-    "expansion-scale",
-    "expansion-zz",
-    "heat",
-    "mesh-quality",
-    "part-free",
-    "penetration",
-    "strain",
-    "temperature-range",
-    "thermal-layer",
-];
-
-/// The voice of the finding with this id.
-pub(super) fn kind(id: &str) -> Kind {
-    if WARNINGS.contains(&id) { Kind::Warning } else { Kind::Theory }
-}
-
 /// A warning with the value found and the limit that it exceeds or misses.
-fn warning(id: &str, place: &str, [value, limit]: [f64; 2], message: String, repair: impl Into<String>) -> Finding {
-    Finding::new(id, Status::Fails, message, place).numbers(Some(value), Some(limit)).repair(repair)
+fn warning(id: FindingId, place: &str, [value, limit]: [f64; 2], message: String, repair: impl Into<String>) -> Finding {
+    Finding::new(id, FindingStatus::Fails, message, place).numbers(Some(value), Some(limit)).repair(repair)
 }
 
 /// The warnings that data give cause for.
@@ -80,7 +56,7 @@ fn not_merged(mesh: &Mesh) -> Option<Finding> {
         at(x)
     );
     let repair = "merge the nodes where the mesh is made (in Gmsh: Coherence Mesh, or BooleanFragments of the parts); leave them if a crack is intended";
-    Some(warning("coincident-nodes", "mesh.file", [pairs.len() as f64, 0.0], message, repair))
+    Some(warning(FindingId::CoincidentNodes, "mesh.file", [pairs.len() as f64, 0.0], message, repair))
 }
 
 /// Where a number of the material of a region stands in the case file.
@@ -111,7 +87,7 @@ fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
          but 𝓜 is the stress per kelvin of a body that is held"
     );
     let repair = format!("give α E/(1 − 2ν), in plane stress α E/(1 − ν): about {:.2e} for α = {largest:.3e}", largest * stiffness);
-    Some(warning("expansion-scale", &material_key(problem, region, "expansion"), [strain, LEAST_EXPANSION], message, repair))
+    Some(warning(FindingId::ExpansionScale, &material_key(problem, region, "expansion"), [strain, LEAST_EXPANSION], message, repair))
 }
 
 /// `expansion-zz`: in plane strain a number expands the body across its plane, too, a matrix of the plane does not.
@@ -132,5 +108,5 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     };
     let message =
         "a matrix of the plane has 𝓜_zz = 0: in plane strain σ_zz, and with it the von Mises stress, lacks the thermal stress −θ 𝓜_zz that a number gives";
-    Some(warning("expansion-zz", &material_key(problem, region, "expansion"), [0.0, m_xx.abs().max(m_yy.abs())], message.to_owned(), repair))
+    Some(warning(FindingId::ExpansionZz, &material_key(problem, region, "expansion"), [0.0, m_xx.abs().max(m_yy.abs())], message.to_owned(), repair))
 }

@@ -1,6 +1,6 @@
 //! Warnings at the end of a run.
 
-use super::super::Finding;
+use super::super::{Finding, FindingId};
 use super::super::laws::at;
 use super::warning;
 use crate::problem::Problem;
@@ -58,7 +58,7 @@ fn strain(figures: &Figures) -> Option<Finding> {
         at(&figures.strain_at)
     );
     let repair = "reduce loads or prescribed displacements, or check the units of material.elasticity";
-    Some(warning("strain", "material.elasticity", [strain, STRAIN], message, repair))
+    Some(warning(FindingId::Strain, "material.elasticity", [strain, STRAIN], message, repair))
 }
 
 fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
@@ -83,7 +83,7 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
             format!(" = {}", units.write((6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt(), Measure::Length))
         })
     );
-    Some(warning("temperature-range", "time.steps", [by, RANGE * range], message, repair))
+    Some(warning(FindingId::TemperatureRange, "time.steps", [by, RANGE * range], message, repair))
 }
 
 fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
@@ -94,7 +94,7 @@ fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
     }
     let message = format!("a temperature of {low:.6e} is below absolute_zero = {zero:?}: the body does not radiate there");
     let repair = "correct absolute_zero, heat sources and the units of the heat data; see the warning temperature-range if there is one";
-    Some(warning("absolute-zero", &format!("{}.heat.absolute_zero", problem.contact_path(side)), [low, zero], message, repair))
+    Some(warning(FindingId::AbsoluteZero, &format!("{}.heat.absolute_zero", problem.contact_path(side)), [low, zero], message, repair))
 }
 
 fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
@@ -108,5 +108,5 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
         depth / cell
     );
     let place = format!("{}.normal", problem.contact_path(side));
-    Some(warning("penetration", &place, [depth, PENETRATION * cell], message, "use a stiffer foundation, or law = \"signorini\" for a rigid one"))
+    Some(warning(FindingId::Penetration, &place, [depth, PENETRATION * cell], message, "use a stiffer foundation, or law = \"signorini\" for a rigid one"))
 }

@@ -1,6 +1,6 @@
 //! What holds the body, and what holds it where contact should.
 
-use super::super::Finding;
+use super::super::{Finding, FindingId};
 use super::super::laws::at;
 use super::super::sample::times;
 use super::warning;
@@ -53,7 +53,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
             at(&first.x)
         );
         let repair = "prescribe tangential components only next to Γ_C (\"free\" for the others), or end one of the two sides before the other";
-        findings.push(warning("contact-held", &format!("{}.on", problem.contact_path(side)), [share, 0.0], message, repair));
+        findings.push(warning(FindingId::ContactHeld, &format!("{}.on", problem.contact_path(side)), [share, 0.0], message, repair));
     }
     findings
 }
@@ -82,5 +82,5 @@ pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
         if free.len() > 1 { format!("; so do {} more parts", free.len() - 1) } else { String::new() }
     );
     let repair = "give `displacement`, `normal_displacement` or `spring` on a side of the part, or merge its nodes with those of its neighbour";
-    Some(warning("part-free", "boundary", [motions as f64, 0.0], message, repair))
+    Some(warning(FindingId::PartFree, "boundary", [motions as f64, 0.0], message, repair))
 }

@@ -1,6 +1,6 @@
 //! `thermal-layer`: how deep heat gets from Γ_C beside the size of a cell.
 
-use super::super::Finding;
+use super::super::{Finding, FindingId};
 use super::super::laws::at;
 use super::warning;
 use crate::model::thermal_layers;
@@ -39,5 +39,5 @@ pub(super) fn layer(problem: &Problem) -> Option<Finding> {
         length(needed),
         layer.side
     );
-    Some(warning("thermal-layer", "mesh", [layer.cell, needed], message, repair))
+    Some(warning(FindingId::ThermalLayer, "mesh", [layer.cell, needed], message, repair))
 }

@@ -4,7 +4,7 @@ use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
 
-use super::check::nearest;
+use super::nearest::nearest;
 
 /// Longest case file in bytes: far above any real one, far below what memory holds.
 const LONGEST: u64 = 16 << 20;

@@ -1,0 +1,287 @@
+//! A finding: a statement by its id, its status, numbers and words.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use crate::problem::Physics;
+
+/// The ids of findings, each with its text, its voice and the equations that it speaks of.
+macro_rules! findings {
+    ($($(#[$doc:meta])* $id:ident = $text:literal, $kind:ident, $of:ident;)*) => {
+        /// What a finding is about. Its text is the `id` of result files and messages.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[serde(into = "String", try_from = "String")]
+        #[non_exhaustive]
+        pub enum FindingId {
+            $($(#[$doc])* $id,)*
+        }
+
+        impl FindingId {
+            /// All ids, in the order of the table in [`crate::hypotheses`].
+            pub const ALL: &[FindingId] = &[$(FindingId::$id),*];
+
+            /// The text of result files and messages.
+            #[must_use]
+            pub const fn as_str(self) -> &'static str {
+                match self { $(FindingId::$id => $text,)* }
+            }
+
+            /// The voice in which it is said.
+            #[must_use]
+            pub const fn kind(self) -> Kind {
+                match self { $(FindingId::$id => Kind::$kind,)* }
+            }
+
+            /// The equations that it speaks of.
+            const fn equations(self) -> Equations {
+                match self { $(FindingId::$id => Equations::$of,)* }
+            }
+        }
+    };
+}
+
+findings! {
+    /// (H1) on 𝓥.
+    H1 = "H1", Theory, Mechanics;
+    /// (H2) on 𝓔.
+    H2 = "H2", Theory, Mechanics;
+    /// (H3) on 𝓚.
+    H3 = "H3", Theory, Heat;
+    /// (H4) on 𝓜.
+    H4 = "H4", Theory, Both;
+    /// (H5) on 𝓡.
+    H5 = "H5", Theory, Both;
+    /// (H6) on loads, gap and initial data.
+    H6 = "H6", Theory, Any;
+    /// (H7) on k_c.
+    H7 = "H7", Theory, Both;
+    /// (H8) on p_ν and p_τ.
+    H8 = "H8", Theory, Mechanics;
+    /// The cut-off of φ_L in (2.10).
+    PhiL = "phi-L", Theory, Both;
+    /// (2.23) as it is printed.
+    Printed = "2.23-printed", Theory, Mechanics;
+    /// What is needed in the place of (2.23).
+    Needed = "2.23-needed", Theory, Mechanics;
+    /// One solution of a step.
+    StepUnique = "step-unique", Theory, Mechanics;
+    /// The number of steps that ensures one solution.
+    TimeStep = "time-step", Theory, Mechanics;
+    /// A rigid foundation that conducts by the penetration.
+    ContactHeat = "contact-heat", Warning, Both;
+    /// Contact laws that fall.
+    Branches = "branches", Theory, Mechanics;
+    /// The shape of the cells.
+    MeshQuality = "mesh-quality", Warning, Any;
+    /// Whether contact can occur.
+    ContactPossible = "contact-possible", Warning, Mechanics;
+    /// The energy identity of a run.
+    Energy = "energy", Warning, Mechanics;
+    /// The heat identity of a run.
+    Heat = "heat", Warning, Heat;
+    /// Why there is no certificate.
+    Certificate = "certificate", Theory, Mechanics;
+    /// Nodes at one place.
+    CoincidentNodes = "coincident-nodes", Warning, Any;
+    /// A part that can move without strain.
+    PartFree = "part-free", Warning, Mechanics;
+    /// Contact points whose normal displacement is prescribed.
+    ContactHeld = "contact-held", Warning, Mechanics;
+    /// An expansion tensor of the size of α.
+    ExpansionScale = "expansion-scale", Warning, Both;
+    /// An expansion tensor without a component zz in plane strain.
+    ExpansionZz = "expansion-zz", Warning, Both;
+    /// Cells that are too large for the heat of Γ_C.
+    ThermalLayer = "thermal-layer", Warning, Heat;
+    /// Large strain.
+    Strain = "strain", Warning, Mechanics;
+    /// Temperatures outside the range of the data.
+    TemperatureRange = "temperature-range", Warning, Mechanics;
+    /// A temperature below the absolute zero of a radiating contact.
+    AbsoluteZero = "absolute-zero", Warning, Mechanics;
+    /// Penetration deeper than a cell.
+    Penetration = "penetration", Warning, Mechanics;
+}
+
+/// The equations that a problem must have for a finding to say something about it.
+#[derive(Clone, Copy)]
+enum Equations {
+    Any,
+    Mechanics,
+    Heat,
+    Both,
+}
+
+impl FindingId {
+    /// Whether it says something about a problem with these equations.
+    pub(super) fn concerns(self, physics: Physics) -> bool {
+        match self.equations() {
+            Equations::Any => true,
+            Equations::Mechanics => physics.has_mechanics(),
+            Equations::Heat => physics.has_heat(),
+            Equations::Both => physics == Physics::Coupled,
+        }
+    }
+}
+
+impl fmt::Display for FindingId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.as_str())
+    }
+}
+
+/// A text that is the id of no finding.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no finding has the id \"{0}\"")]
+pub struct UnknownFinding(pub String);
+
+impl FromStr for FindingId {
+    type Err = UnknownFinding;
+
+    fn from_str(text: &str) -> Result<FindingId, UnknownFinding> {
+        FindingId::ALL.iter().copied().find(|id| id.as_str() == text).ok_or_else(|| UnknownFinding(text.to_owned()))
+    }
+}
+
+impl TryFrom<String> for FindingId {
+    type Error = UnknownFinding;
+
+    fn try_from(text: String) -> Result<FindingId, UnknownFinding> {
+        text.parse()
+    }
+}
+
+impl From<FindingId> for String {
+    fn from(id: FindingId) -> String {
+        id.as_str().to_owned()
+    }
+}
+
+/// The voice of a finding.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// What results can be trusted for: something to act on where it does not hold.
+    Warning,
+    /// What the theory covers: nothing is wrong with a run where it does not hold.
+    #[default]
+    Theory,
+}
+
+/// Whether a statement holds, in ascending order of severity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FindingStatus {
+    /// It holds.
+    Holds,
+    /// The theory does not cover the data, or it is not evaluated.
+    NotCovered,
+    /// It fails.
+    Fails,
+}
+
+impl FindingStatus {
+    pub(super) fn of(holds: bool) -> FindingStatus {
+        if holds { FindingStatus::Holds } else { FindingStatus::Fails }
+    }
+
+    /// The text of result files and messages.
+    #[must_use]
+    pub const fn as_str(self) -> &'static str {
+        match self {
+            FindingStatus::Holds => "holds",
+            FindingStatus::NotCovered => "not-covered",
+            FindingStatus::Fails => "fails",
+        }
+    }
+}
+
+impl fmt::Display for FindingStatus {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.as_str())
+    }
+}
+
+/// A hypothesis or condition, and whether it holds.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// What it is about.
+    pub id: FindingId,
+    /// Whether it holds.
+    pub status: FindingStatus,
+    /// The value found, if there is one.
+    pub value: Option<f64>,
+    /// The value needed, if there is one.
+    pub needed: Option<f64>,
+    /// What it means.
+    pub message: String,
+    /// What it is about: a dotted path of the case file where there is one.
+    #[serde(rename = "where")]
+    pub place: String,
+    /// What would make it hold, if something is known to.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub repair: Option<String>,
+    /// Whether it is something to act on, or what the theory covers.
+    #[serde(default)]
+    pub kind: Kind,
+}
+
+impl Finding {
+    pub(super) fn new(id: FindingId, status: FindingStatus, message: impl Into<String>, place: &str) -> Finding {
+        Finding { id, status, value: None, needed: None, message: message.into(), place: place.to_owned(), repair: None, kind: id.kind() }
+    }
+
+    /// With the number found and the one needed.
+    pub(super) fn numbers(mut self, value: Option<f64>, needed: Option<f64>) -> Finding {
+        (self.value, self.needed) = (value, needed);
+        self
+    }
+
+    /// With what would repair it; nothing is said where it holds.
+    pub(super) fn repair(mut self, repair: impl Into<String>) -> Finding {
+        if !self.holds() {
+            self.repair = Some(repair.into());
+        }
+        self
+    }
+
+    /// Whether it holds.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.status == FindingStatus::Holds
+    }
+
+    /// Whether it fails.
+    #[must_use]
+    pub fn fails(&self) -> bool {
+        self.status == FindingStatus::Fails
+    }
+
+    /// Whether it is something to act on.
+    #[must_use]
+    pub fn warns(&self) -> bool {
+        self.kind == Kind::Warning && self.fails()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The texts are those of the result files: a finding is read from the text that it is written as.
+    #[test]
+    fn findings_are_read_as_they_are_written() {
+        for &id in FindingId::ALL {
+            assert_eq!(id.as_str().parse(), Ok(id));
+            for status in [FindingStatus::Holds, FindingStatus::NotCovered, FindingStatus::Fails] {
+                let finding = Finding::new(id, status, "message", "where");
+                let text = serde_json::to_value(&finding).unwrap_or_default();
+                assert_eq!((text["id"].as_str(), text["status"].as_str()), (Some(id.as_str()), Some(status.as_str())));
+                assert_eq!(serde_json::from_value::<Finding>(text).ok(), Some(finding));
+            }
+        }
+        assert!("H9".parse::<FindingId>().is_err() && FindingStatus::Holds < FindingStatus::NotCovered);
+    }
+}

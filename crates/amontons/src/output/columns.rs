@@ -1,0 +1,380 @@
+//! The columns of `history.csv` and `contact.csv`: name, what it measures and value of each, in one place.
+//!
+//! Writers, readers, pictures and the guide take names and units from here.
+
+use super::{ContactSummary, Snapshot};
+use crate::contact::{PointOnBoundary, Quadrature};
+use crate::inclusion::PointState;
+use crate::problem::ProblemData;
+use crate::scheme::{Ledger, StepReport};
+use crate::tensor::Point;
+use crate::units::Measure;
+
+/// Names of the coordinate directions.
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// What a row of a table is made of.
+pub trait Rows {
+    /// A row, borrowed from a run.
+    type Row<'a>;
+}
+
+/// `history.csv`: one row per step.
+pub enum History {}
+
+impl Rows for History {
+    type Row<'a> = StepRow<'a>;
+}
+
+/// `contact.csv`: one row per contact point.
+pub enum OnContact {}
+
+impl Rows for OnContact {
+    type Row<'a> = PointRow<'a>;
+}
+
+/// A column of a table, or the columns of a vector.
+pub struct Column<T: Rows> {
+    /// Its name; the columns of a vector add `_x`, `_y`, `_z`.
+    pub name: &'static str,
+    /// What it measures; none of words.
+    pub measure: Option<Measure>,
+    value: Value<T>,
+}
+
+/// How the value of a column is taken from a row.
+enum Value<T: Rows> {
+    Number(fn(&T::Row<'_>) -> f64),
+    Vector(fn(&T::Row<'_>) -> Point),
+    /// A number that some runs do not have.
+    Optional(fn(&T::Row<'_>) -> Option<f64>),
+    Text(fn(&T::Row<'_>) -> String),
+}
+
+impl<T: Rows> Column<T> {
+    const fn number(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> f64) -> Column<T> {
+        Column { name, measure: Some(measure), value: Value::Number(value) }
+    }
+
+    const fn vector(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
+        Column { name, measure: Some(measure), value: Value::Vector(value) }
+    }
+
+    const fn optional(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Option<f64>) -> Column<T> {
+        Column { name, measure: Some(measure), value: Value::Optional(value) }
+    }
+
+    const fn text(name: &'static str, value: fn(&T::Row<'_>) -> String) -> Column<T> {
+        Column { name, measure: None, value: Value::Text(value) }
+    }
+
+    /// The name of component `c` of a vector: `contact_force_x`. A vector without a name is the position: `x`.
+    #[must_use]
+    pub fn component(&self, c: usize) -> String {
+        let axis = AXES.get(c).copied().unwrap_or_default();
+        if self.name.is_empty() { axis.to_owned() } else { format!("{}_{axis}", self.name) }
+    }
+
+    /// Its names in `dim` dimensions, with what they measure.
+    fn named(&self, dim: usize) -> Vec<(String, Option<Measure>)> {
+        let names = match self.value {
+            Value::Vector(_) => (0..dim).map(|c| self.component(c)).collect(),
+            _ => vec![self.name.to_owned()],
+        };
+        names.into_iter().map(|name| (name, self.measure)).collect()
+    }
+
+    /// The side that a column of this name belongs to: `left` of `foundation_temperature@left`, and no word of the column of an only contact.
+    #[must_use]
+    pub fn side_of<'a>(&self, name: &'a str) -> Option<&'a str> {
+        match name.strip_prefix(self.name)? {
+            "" => Some(""),
+            rest => rest.strip_prefix('@'),
+        }
+    }
+}
+
+/// A step with its contact, or with that of one side: what a row of `history.csv` is made of.
+pub struct StepRow<'a> {
+    ledger: &'a Ledger,
+    report: &'a StepReport,
+    step: usize,
+    t: f64,
+    contact: ContactSummary,
+    foundation: Option<f64>,
+}
+
+impl<'a> StepRow<'a> {
+    fn new(now: &Snapshot<'a>, report: &'a StepReport, side: Option<usize>) -> StepRow<'a> {
+        let state = now.state;
+        let foundation = side.and_then(|side| state.surface.foundation.get(side).copied().flatten());
+        let contact = ContactSummary::new(now, &report.contact, side);
+        StepRow { ledger: &state.ledger, report, step: state.step, t: state.t, contact, foundation }
+    }
+}
+
+fn vector(components: &[f64]) -> Point {
+    std::array::from_fn(|c| components.get(c).copied().unwrap_or_default())
+}
+
+macro_rules! columns {
+    ($table:ty: $($id:ident = $kind:ident($($argument:expr),*);)*) => {
+        $(
+            #[doc = concat!("`", stringify!($id), "`, as its name says.")]
+            pub const $id: Column<$table> = Column::$kind($($argument),*);
+        )*
+    };
+}
+
+columns! { History:
+    STEP = number("step", Measure::Number, |row| row.step as f64);
+    TIME = number("t", Measure::Time, |row| row.t);
+    KINETIC = number("kinetic", Measure::Energy, |row| row.ledger.kinetic);
+    ELASTIC = number("elastic", Measure::Energy, |row| row.ledger.elastic);
+    VISCOUS_DISSIPATION = number("viscous_dissipation", Measure::Energy, |row| row.ledger.viscous_dissipation);
+    FRICTION_DISSIPATION = number("friction_dissipation", Measure::Energy, |row| row.ledger.friction_dissipation);
+    CONTACT_ENERGY = number("contact_energy", Measure::Energy, |row| row.ledger.contact_energy);
+    LOAD_WORK = number("load_work", Measure::Energy, |row| row.ledger.load_work);
+    THERMAL_WORK = number("thermal_work", Measure::Energy, |row| row.ledger.thermal_work);
+    SCHEME_DISSIPATION = number("scheme_dissipation", Measure::Energy, |row| row.ledger.scheme_dissipation);
+    CLOSING_ERROR = number("closing_error", Measure::Energy, |row| row.ledger.closing_error);
+    HEAT_CONTENT = number("heat_content", Measure::Energy, |row| row.ledger.heat_content);
+    HEAT_CONTACT = number("heat_contact", Measure::Energy, |row| row.ledger.heat_contact);
+    CONTACT_FORCE = vector("contact_force", Measure::Force, |row| vector(&row.contact.force));
+    PENETRATION_MAX = number("penetration_max", Measure::Length, |row| row.contact.penetration_max);
+    OPEN = number("open", Measure::Number, |row| row.contact.open as f64);
+    STICK = number("stick", Measure::Number, |row| row.contact.stick as f64);
+    SLIP = number("slip", Measure::Number, |row| row.contact.slip as f64);
+    NEWTON_MECHANICS = number("newton_mechanics", Measure::Number, |row| row.report.newton_mechanics as f64);
+    NEWTON_HEAT = number("newton_heat", Measure::Number, |row| row.report.newton_heat as f64);
+    HEAT_PRESCRIBED = number("heat_prescribed", Measure::Energy, |row| row.ledger.heat_prescribed);
+    HEAT_SUPPLIED = number("heat_supplied", Measure::Energy, |row| row.ledger.heat_supplied);
+    HEAT_COUPLING = number("heat_coupling", Measure::Energy, |row| row.ledger.heat_coupling);
+    HEAT_CLOSING_ERROR = number("heat_closing_error", Measure::Energy, |row| row.ledger.heat_closing_error);
+    PASSES = number("passes", Measure::Number, |row| row.report.coupling.passes as f64);
+    // No contraction factor is 0, so that every row has a number in every column.
+    CONTRACTION = number("contraction", Measure::Number, |row| row.report.coupling.contraction.unwrap_or_default().mean);
+    CONTACT_AREA = number("contact_area", Measure::Area, |row| row.contact.area);
+    WEAR_MAX = number("wear_max", Measure::Length, |row| row.contact.wear_max);
+    WEAR_VOLUME = number("wear_volume", Measure::Volume, |row| row.contact.wear_volume);
+    WEAR_DISSIPATION = number("wear_dissipation", Measure::Energy, |row| row.ledger.wear_dissipation);
+    HEAT_FRICTION = number("heat_friction", Measure::Energy, |row| row.ledger.heat_friction);
+    HEAT_FOUNDATION = number("heat_foundation", Measure::Energy, |row| row.ledger.heat_foundation);
+    HEAT_SURROUNDINGS = number("heat_surroundings", Measure::Energy, |row| row.ledger.heat_surroundings);
+    PARTS = number("parts", Measure::Number, |row| row.report.parts as f64);
+    CONTACT_CENTER = vector("contact_center", Measure::Length, |row| vector(&row.contact.center));
+    FOUNDATION_TEMPERATURE = optional("foundation_temperature", Measure::Temperature, |row| row.foundation);
+    HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
+    PRESSURE_MAX = number("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
+}
+
+/// The columns of `history.csv` in their order, but for those of each contact.
+const OF_STEP: &[&Column<History>] = &[
+    &STEP,
+    &TIME,
+    &KINETIC,
+    &ELASTIC,
+    &VISCOUS_DISSIPATION,
+    &FRICTION_DISSIPATION,
+    &CONTACT_ENERGY,
+    &LOAD_WORK,
+    &THERMAL_WORK,
+    &SCHEME_DISSIPATION,
+    &CLOSING_ERROR,
+    &HEAT_CONTENT,
+    &HEAT_CONTACT,
+    &CONTACT_FORCE,
+    &PENETRATION_MAX,
+    &OPEN,
+    &STICK,
+    &SLIP,
+    &NEWTON_MECHANICS,
+    &NEWTON_HEAT,
+    &HEAT_PRESCRIBED,
+    &HEAT_SUPPLIED,
+    &HEAT_COUPLING,
+    &HEAT_CLOSING_ERROR,
+    &PASSES,
+    &CONTRACTION,
+    &CONTACT_AREA,
+    &WEAR_MAX,
+    &WEAR_VOLUME,
+    &WEAR_DISSIPATION,
+    &HEAT_FRICTION,
+    &HEAT_FOUNDATION,
+    &HEAT_SURROUNDINGS,
+    &PARTS,
+    &CONTACT_CENTER,
+];
+
+/// Those of each contact where there are several, after its [`FOUNDATION_TEMPERATURE`].
+const OF_SIDE: &[&Column<History>] = &[
+    &CONTACT_FORCE,
+    &CONTACT_CENTER,
+    &CONTACT_AREA,
+    &HEAT_FLOW,
+    &PENETRATION_MAX,
+    &PRESSURE_MAX,
+    &OPEN,
+    &STICK,
+    &SLIP,
+    &WEAR_MAX,
+    &WEAR_VOLUME,
+];
+
+/// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several contacts.
+fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static Column<History>> + use<> {
+    let warms_up = problem.contacts.get(side).is_some_and(|contact| contact.foundation_heat.is_some());
+    let several = problem.contacts.len() > 1;
+    let foundation = warms_up.then_some(&FOUNDATION_TEMPERATURE as &'static Column<History>);
+    foundation.into_iter().chain(if several { OF_SIDE } else { &[] }.iter().copied())
+}
+
+/// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own, ending with `@` and the
+/// name of its side.
+#[must_use]
+pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
+    let dim = problem.mesh.dim;
+    let mut all: Vec<_> = OF_STEP.iter().flat_map(|column| column.named(dim)).collect();
+    for (side, contact) in problem.contacts.iter().enumerate() {
+        let end = if problem.contacts.len() > 1 { format!("@{}", contact.on) } else { String::new() };
+        let columns = of_side(problem, side).flat_map(|column| column.named(dim));
+        all.extend(columns.map(|(name, measure)| (name + &end, measure)));
+    }
+    all.into_iter().map(|(name, measure)| (name, measure.unwrap_or(Measure::Number))).collect()
+}
+
+/// Names of the columns of `history.csv`.
+#[must_use]
+pub fn history_columns(problem: &ProblemData) -> Vec<String> {
+    history_measures(problem).into_iter().map(|(name, _)| name).collect()
+}
+
+/// The row of a step, in the order of [`history_columns`]; none at t = 0.
+#[must_use]
+pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
+    let report = now.report?;
+    let dim = now.problem.mesh.dim;
+    let mut values = Vec::new();
+    let mut add = |column: &Column<History>, step: &StepRow| match column.value {
+        Value::Number(value) => values.push(value(step)),
+        Value::Vector(value) => values.extend(value(step).iter().take(dim)),
+        Value::Optional(value) => values.extend(value(step)),
+        Value::Text(_) => values.push(f64::NAN),
+    };
+    let all = StepRow::new(now, report, None);
+    for column in OF_STEP {
+        add(column, &all);
+    }
+    for side in 0..now.problem.contacts.len() {
+        let of_this: Vec<_> = of_side(now.problem, side).collect();
+        if !of_this.is_empty() {
+            let step = StepRow::new(now, report, Some(side));
+            for column in of_this {
+                add(column, &step);
+            }
+        }
+    }
+    Some(values)
+}
+
+/// A contact point after a step: what a row of `contact.csv` is made of.
+pub struct PointRow<'a> {
+    now: &'a Snapshot<'a>,
+    number: usize,
+    point: &'a PointOnBoundary,
+    state: &'a PointState,
+    temperature: f64,
+    flux: f64,
+}
+
+impl PointRow<'_> {
+    /// The node with nodal quadrature; otherwise the contact points are counted from 0.
+    fn node(&self) -> usize {
+        let nodal = self.now.problem.contacts.get(self.point.side).is_some_and(|c| c.quadrature == Quadrature::Nodal);
+        let on_node = self.point.nodes.first().filter(|_| nodal);
+        on_node.and_then(|(node, _)| self.now.discretization.boundary.nodes.get(*node)).map_or(self.number, |&node| node as usize)
+    }
+
+    /// Without heat the body has no temperature.
+    fn of_heat(&self, value: f64) -> Option<f64> {
+        self.now.problem.physics.has_heat().then_some(value)
+    }
+
+    fn kept(&self, values: &[f64]) -> f64 {
+        values.get(self.number).copied().unwrap_or(0.0)
+    }
+}
+
+columns! { OnContact:
+    NODE = text("node", |row| row.node().to_string());
+    POSITION = vector("", Measure::Length, |row| row.point.x);
+    PENETRATION = number("penetration", Measure::Length, |row| row.state.penetration);
+    PRESSURE = number("pressure", Measure::Stress, |row| row.state.pressure);
+    TRACTION = vector("traction", Measure::Stress, |row| row.state.q.map(|q| 0.0 - q));
+    SLIP_VELOCITY = vector("slip_velocity", Measure::Velocity, |row| row.state.slip);
+    STATUS = text("status", |row| row.state.status.name().to_owned());
+    TEMPERATURE = optional("temperature", Measure::Temperature, |row| row.of_heat(row.temperature));
+    HEAT_FLUX = optional("heat_flux", Measure::HeatFlux, |row| row.of_heat(row.flux));
+    WEIGHT = number("weight", Measure::Area, |row| row.point.weight);
+    WEAR = number("wear", Measure::Length, |row| row.kept(&row.now.state.surface.wear));
+    FRICTION_WORK = number("friction_work", Measure::SurfaceWork, |row| row.kept(&row.now.state.surface.friction_work));
+    SIDE = text("side", |row| quoted(row.now.problem.contacts.get(row.point.side).map_or("", |contact| &contact.on)));
+    BOUND = number("bound", Measure::Stress, |row| row.state.bound);
+}
+
+/// The columns of `contact.csv` in their order.
+const OF_POINT: &[&Column<OnContact>] = &[
+    &NODE,
+    &POSITION,
+    &PENETRATION,
+    &PRESSURE,
+    &TRACTION,
+    &SLIP_VELOCITY,
+    &STATUS,
+    &TEMPERATURE,
+    &HEAT_FLUX,
+    &WEIGHT,
+    &WEAR,
+    &FRICTION_WORK,
+    &SIDE,
+    &BOUND,
+];
+
+/// Names of the columns of `contact.csv` in `dim` dimensions with what they measure; none of words.
+#[must_use]
+pub fn contact_measures(dim: usize) -> Vec<(String, Option<Measure>)> {
+    OF_POINT.iter().flat_map(|column| column.named(dim)).collect()
+}
+
+/// The rows of `contact.csv` after a step, as they are written.
+pub(super) fn contact_rows(now: &Snapshot) -> Vec<String> {
+    let Some(report) = now.report else { return Vec::new() };
+    let (contact, dim) = (&report.contact, now.problem.mesh.dim);
+    let of_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
+    let rows = now.discretization.boundary.points.iter().zip(of_points).enumerate();
+    rows.map(|(number, (point, (state, (&temperature, flux))))| {
+        let row = PointRow { now, number, point, state, temperature, flux: flux.value };
+        let cell = |column: &&Column<OnContact>| match column.value {
+            Value::Number(value) => format!("{:?}", value(&row)),
+            Value::Vector(value) => super::csv::join(&value(&row)[..dim]),
+            Value::Optional(value) => value(&row).map_or_else(String::new, |value| format!("{value:?}")),
+            Value::Text(value) => value(&row),
+        };
+        OF_POINT.iter().map(cell).collect::<Vec<_>>().join(",")
+    })
+    .collect()
+}
+
+/// A name as a field of a table: in quotes where it has a comma, a quote or a line end.
+fn quoted(name: &str) -> String {
+    if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
+}
+
+/// Every name that a column of the two tables can have, in space, with what it measures; those of sides without the name of the side.
+#[must_use]
+pub fn all_measures() -> Vec<(String, Option<Measure>)> {
+    let of_sides = std::iter::once(&FOUNDATION_TEMPERATURE as &Column<History>).chain(OF_SIDE.iter().copied());
+    let history = OF_STEP.iter().copied().chain(of_sides).flat_map(|column| column.named(3));
+    history.chain(contact_measures(3)).collect()
+}

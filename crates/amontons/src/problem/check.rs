@@ -1,0 +1,165 @@
+//! The checks that make a [`Problem`] of its data.
+
+use super::{Fault, Faults, Problem, ProblemData, Support};
+use crate::field::Field;
+use crate::mesh::defects::{Component, components};
+use crate::mesh::{FacetSet, Mesh};
+
+impl ProblemData {
+    /// Checks the data and makes them a problem, which does not change any more.
+    ///
+    /// # Errors
+    /// All faults that the data have, with the place of each named as in a case file.
+    pub fn check(self) -> Result<Problem, Faults> {
+        let mut faults = Vec::new();
+        self.check_time(&mut faults);
+        self.check_material(&mut faults);
+        if let Err(error) = self.mesh.check_nodes() {
+            faults.push(Fault::new("mesh", error.to_string(), "cells and facets whose nodes exist"));
+            return Err(Faults(faults));
+        }
+        self.check_parts(&mut faults);
+        self.check_shapes(&mut faults);
+        self.check_boundary(&mut faults);
+        self.check_times(&mut faults);
+        if let Err(error) = self.mesh.check() {
+            faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));
+        }
+        if faults.is_empty() {
+            // Both evaluate the data, which must be in order.
+            self.check_temperatures(&mut faults);
+            self.check_range(&mut faults);
+        }
+        if faults.is_empty() { Ok(Problem(self)) } else { Err(Faults(faults)) }
+    }
+
+    fn check_time(&self, faults: &mut Vec<Fault>) {
+        if !(self.end.is_finite() && self.end > 0.0) {
+            faults.push(Fault::new("time.end", self.end.to_string(), "a positive time in s"));
+        }
+        if self.steps == 0 {
+            faults.push(Fault::new("time.steps", "0", "at least one step"));
+        }
+    }
+
+    fn check_material(&self, faults: &mut Vec<Fault>) {
+        let (found, regions) = (self.materials.len(), self.mesh.regions.len());
+        if found != 1 && found != regions {
+            faults.push(Fault::new("material", format!("{found} materials"), format!("one for all, or one for each of the {regions} regions")));
+        }
+        for m in &self.materials {
+            for (path, value) in [("material.density", m.density), ("material.heat_capacity", m.heat_capacity)] {
+                if !(value.is_finite() && value >= 0.0) {
+                    faults.push(Fault::new(path, value.to_string(), "a number that is not negative"));
+                }
+            }
+        }
+    }
+
+    /// Each part of the body that is not held somewhere has inertia, and heat capacity if its temperature is not.
+    ///
+    /// A part without inertia or without heat capacity anywhere in it needs the hold.
+    fn check_parts(&self, faults: &mut Vec<Fault>) {
+        let parts = components(&self.mesh);
+        let mut part_of = vec![0; self.mesh.points.len()];
+        for (number, part) in parts.iter().enumerate() {
+            for &node in &part.nodes {
+                part_of[node as usize] = number;
+            }
+        }
+        // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
+        let mut held = vec![[false; 2]; parts.len()];
+        let mut lacks = vec![[false; 2]; parts.len()];
+        let exchange = self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
+        let sides = self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
+        for (on, holds) in sides {
+            // A missing side is reported by `check_sides`; here we assume it could hold every part.
+            let nodes = self.mesh.facets.get(on).map(FacetSet::node_list);
+            let touched = nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
+            for part in touched.unwrap_or_else(|| (0..parts.len()).collect::<Vec<usize>>()) {
+                if let Some(part) = held.get_mut(part) {
+                    *part = [part[0] || holds[0], part[1] || holds[1]];
+                }
+            }
+        }
+        for block in &self.mesh.blocks {
+            let Some(m) = self.material_of(block.region) else { continue };
+            for cell in block.cells() {
+                let part = &mut lacks[part_of[cell[0] as usize]];
+                *part = [part[0] || m.density == 0.0, part[1] || m.heat_capacity == 0.0];
+            }
+        }
+        for (what, found, expected, hint) in [
+            (0, "no displacement prescribed and density 0", "a part Γ_D that holds the body", "give `displacement` on a side, or a positive material.density"),
+            (
+                1,
+                "no temperature prescribed and heat_capacity 0",
+                "a side whose temperature is known",
+                "give `temperature` on a side, or a positive material.heat_capacity",
+            ),
+        ] {
+            let solved = [self.physics.has_mechanics(), self.physics.has_heat()][what];
+            let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else { continue };
+            let found =
+                if parts.len() == 1 { found.to_owned() } else { format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh)) };
+            faults.push(Fault::new("boundary", found, expected).hint(hint));
+        }
+    }
+
+    /// Tables have values at all times of the run.
+    fn check_times(&self, faults: &mut Vec<Fault>) {
+        let mut check = |path: String, field: &Field| {
+            let [first, last] = field.span();
+            let hint = "give more rows, or `extend = \"hold\"` to keep the value at the end";
+            if first > 0.0 {
+                faults.push(Fault::new(&*path, format!("a table that begins at t = {first:?}"), "values from t = 0").hint(hint));
+            }
+            if last < self.end {
+                faults.push(
+                    Fault::new(path, format!("a table that ends at t = {last:?}"), format!("values to the end of the run, t = {:?}", self.end)).hint(hint),
+                );
+            }
+        };
+        for (i, field) in self.body_force.iter().enumerate() {
+            check(format!("load.body_force[{i}]"), field);
+        }
+        check("load.heat_source".to_owned(), &self.heat_source);
+        for (i, condition) in self.boundary.iter().enumerate() {
+            for (key, field) in condition.fields() {
+                check(format!("boundary[{i}].{key}"), field);
+            }
+        }
+        for (path, field) in self.contact_fields() {
+            check(path, field);
+        }
+    }
+
+    /// Vector data have d components.
+    fn check_shapes(&self, faults: &mut Vec<Fault>) {
+        let dim = self.mesh.dim;
+        let mut check = |path: String, found: Option<usize>| {
+            if let Some(n) = found
+                && n != dim
+            {
+                faults.push(Fault::new(path, format!("{n} components"), format!("{dim} components")));
+            }
+        };
+        let filled = |v: &Vec<Field>| if v.is_empty() { None } else { Some(v.len()) };
+        check("load.body_force".into(), filled(&self.body_force));
+        check("initial.displacement".into(), filled(&self.initial.displacement));
+        check("initial.velocity".into(), filled(&self.initial.velocity));
+        for (i, b) in self.boundary.iter().enumerate() {
+            check(format!("boundary[{i}].displacement"), b.displacement.as_ref().map(Vec::len));
+            check(format!("boundary[{i}].traction"), b.traction.as_ref().map(Vec::len));
+            check(format!("boundary[{i}].spring"), b.spring.as_ref().and_then(Support::components));
+            check(format!("boundary[{i}].dashpot"), b.dashpot.as_ref().and_then(Support::components));
+        }
+    }
+}
+
+/// Where a part of the body is: `x from 0.0 to 1.0, y from 2.0 to 3.0`.
+fn extent(part: &Component, mesh: &Mesh) -> String {
+    let [low, high] = part.bounds(mesh);
+    let along = |(c, axis): (usize, &str)| format!("{axis} from {:?} to {:?}", low[c], high[c]);
+    ["x", "y", "z"].into_iter().take(mesh.dim).enumerate().map(along).collect::<Vec<_>>().join(", ")
+}
