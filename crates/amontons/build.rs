@@ -1,4 +1,5 @@
-//! Lists the benchmark cases of `benchmarks/` and the meshes beside them, so that adding one is a matter of files there.
+//! Lists the benchmark cases of `benchmarks/` and the meshes beside them, so that adding one is a matter of files
+//! there.
 
 use std::path::Path;
 use std::{env, fs, io};
@@ -23,7 +24,8 @@ fn main() -> io::Result<()> {
 
 /// Names of the files in a folder, in order.
 fn names(folder: &Path) -> io::Result<Vec<String>> {
-    let mut names: Vec<String> = fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let mut names: Vec<String> =
+        fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
     names.sort();
     Ok(names)
 }

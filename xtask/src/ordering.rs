@@ -1,5 +1,5 @@
-//! Fill and work of a Cholesky factor by the order of elimination, on a cube of tetrahedra of degree 1 with three unknowns per node: nested
-//! dissection by coordinates, approximate minimum degree, and orders of other programs.
+//! Fill and work of a Cholesky factor by the order of elimination, on a cube of tetrahedra of degree 1 with three
+//! unknowns per node: nested dissection by coordinates, approximate minimum degree, and orders of other programs.
 
 use std::fs;
 use std::io;
@@ -49,7 +49,9 @@ fn measure(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("{:<34} {:>14} {:>12} {:>10}", "order", "numbers in L", "operations", "time in s");
     let keep = vec![true; nodes];
-    for (name, last) in [("nested dissection", Vec::new()), ("nested dissection, one side last", mesh.facets["bottom"].node_list())] {
+    for (name, last) in
+        [("nested dissection", Vec::new()), ("nested dissection, one side last", mesh.facets["bottom"].node_list())]
+    {
         let begin = Instant::now();
         let order = nested_dissection(&graph, &mesh.points, &keep, &last).order;
         row(name, &graph, &order, Some(begin.elapsed().as_secs_f64()))?;
@@ -58,7 +60,8 @@ fn measure(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let order = minimum_degree(&graph)?;
     row("approximate minimum degree (faer)", &graph, &order, Some(begin.elapsed().as_secs_f64()))?;
     if let Some(path) = &arguments.order {
-        let order = fs::read_to_string(path)?.lines().map(|line| line.trim().parse()).collect::<Result<Vec<u32>, _>>()?;
+        let order =
+            fs::read_to_string(path)?.lines().map(|line| line.trim().parse()).collect::<Result<Vec<u32>, _>>()?;
         row(&path.display().to_string(), &graph, &order, None)?;
     }
     Ok(())
@@ -71,7 +74,8 @@ fn row(name: &str, graph: &Graph, order: &[u32], seconds: Option<f64>) -> Result
     Ok(())
 }
 
-/// Entries of L and operations of its computation, Σ c² over the lengths c of its columns, with three unknowns per node.
+/// Entries of L and operations of its computation, Σ c² over the lengths c of its columns, with three unknowns per
+/// node.
 fn cost(graph: &Graph, order: &[u32]) -> Result<[f64; 2], String> {
     const NONE: usize = usize::MAX;
     let n = graph.len();
@@ -114,7 +118,8 @@ fn minimum_degree(graph: &Graph) -> Result<Vec<u32>, String> {
     let pattern = SymbolicSparseColMat::<usize>::new_checked(n, n, starts, None, rows);
     let (mut order, mut inverse) = (vec![0usize; n], vec![0usize; n]);
     let mut memory = MemBuffer::new(amd::order_scratch::<usize>(n, count));
-    amd::order(&mut order, &mut inverse, pattern.as_ref(), amd::Control::default(), MemStack::new(&mut memory)).map_err(|error| format!("{error:?}"))?;
+    amd::order(&mut order, &mut inverse, pattern.as_ref(), amd::Control::default(), MemStack::new(&mut memory))
+        .map_err(|error| format!("{error:?}"))?;
     Ok(order.into_iter().map(|node| node as u32).collect())
 }
 

@@ -1,5 +1,6 @@
-//! A random search for steps that Newton's method on Γ_C does not like: bodies of every cell in the plane and in space, turned by random
-//! angles, with every law of pressure and friction, on random obstacles, over decades of stiffness and of the step length.
+//! A random search for steps that Newton's method on Γ_C does not like: bodies of every cell in the plane and in space,
+//! turned by random angles, with every law of pressure and friction, on random obstacles, over decades of stiffness and
+//! of the step length.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -57,13 +58,20 @@ struct Class {
     worst: u64,
 }
 
-/// Runs the search; fails if a step that has one solution by the certificate fails or takes more than [`MOST`] iterations.
+/// Runs the search; fails if a step that has one solution by the certificate fails or takes more than [`MOST`]
+/// iterations.
 pub fn run(arguments: &Arguments) -> ExitCode {
     let (classes, last) = search(arguments);
-    println!("{:<36} {:>6} {:>6} {:>7} {:>7} {:>6} {:>6}  seed", "class", "cases", "steps", "failed", "halved", "mean", "most");
+    println!(
+        "{:<36} {:>6} {:>6} {:>7} {:>7} {:>6} {:>6}  seed",
+        "class", "cases", "steps", "failed", "halved", "mean", "most"
+    );
     for (name, class) in &classes {
         let mean = class.iterations as f64 / class.steps.max(1) as f64;
-        println!("{name:<36} {:>6} {:>6} {:>7} {:>7} {mean:>6.1} {:>6}  {}", class.cases, class.steps, class.failed, class.halved, class.most, class.worst);
+        println!(
+            "{name:<36} {:>6} {:>6} {:>7} {:>7} {mean:>6.1} {:>6}  {}",
+            class.cases, class.steps, class.failed, class.halved, class.most, class.worst
+        );
     }
     let sum = |is_unique: bool| {
         let own = classes.iter().filter(|(name, _)| name.starts_with(UNIQUE) == is_unique);
@@ -100,7 +108,8 @@ fn search(arguments: &Arguments) -> (BTreeMap<String, Class>, u64) {
                 seed += 1;
                 continue;
             }
-            let class = classes.entry(format!("{:<6} {}", if is_unique { UNIQUE } else { "-" }, sample.class)).or_default();
+            let class =
+                classes.entry(format!("{:<6} {}", if is_unique { UNIQUE } else { "-" }, sample.class)).or_default();
             class.cases += 1;
             made += steps(&sample.problem, class, seed, arguments.only);
         }
@@ -132,7 +141,13 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
         match scheme.step(&state) {
             Ok((next, report)) => {
                 if talk {
-                    println!("step {}: {} iterations in {} parts, residual {:.1e}", n + 1, report.newton_mechanics, report.parts, report.residual);
+                    println!(
+                        "step {}: {} iterations in {} parts, residual {:.1e}",
+                        n + 1,
+                        report.newton_mechanics,
+                        report.parts,
+                        report.residual
+                    );
                 }
                 class.iterations += report.newton_mechanics;
                 class.halved += usize::from(report.parts > 1);
@@ -153,7 +168,10 @@ fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
 
 /// Whether the certificate says that a step has one solution.
 fn is_unique(problem: &Problem) -> bool {
-    hypotheses::certificate_or_findings(problem).findings.iter().any(|finding| finding.id == FindingId::StepUnique && finding.holds())
+    hypotheses::certificate_or_findings(problem)
+        .findings
+        .iter()
+        .any(|finding| finding.id == FindingId::StepUnique && finding.holds())
 }
 
 /// The case of a seed.
@@ -195,7 +213,9 @@ fn turn(random: &mut Random, space: bool) -> Turn {
         (turn[a][a], turn[a][b], turn[b][a], turn[b][b]) = (angle.cos(), -angle.sin(), angle.sin(), angle.cos());
         turn
     };
-    let after = |s: &Turn, t: &Turn| -> Turn { std::array::from_fn(|c| std::array::from_fn(|e| (0..3).map(|f| s[c][f] * t[f][e]).sum())) };
+    let after = |s: &Turn, t: &Turn| -> Turn {
+        std::array::from_fn(|c| std::array::from_fn(|e| (0..3).map(|f| s[c][f] * t[f][e]).sum()))
+    };
     let [a, b, c] = [0; 3].map(|_: i32| random.between(0.0, 6.3));
     if space { after(&about(0, b), &after(&about(1, c), &about(2, a))) } else { about(2, a) }
 }
@@ -220,7 +240,14 @@ fn turned(turn: &Turn, v: &[f64; 3]) -> [f64; 3] {
 
 /// A vector of expressions, turned, as the case file has it.
 fn expressions(turn: &Turn, components: &[String]) -> String {
-    let of = |c: usize| components.iter().enumerate().map(|(e, f)| format!("({:.17e})*({f})", turn[c][e])).collect::<Vec<_>>().join(" + ");
+    let of = |c: usize| {
+        components
+            .iter()
+            .enumerate()
+            .map(|(e, f)| format!("({:.17e})*({f})", turn[c][e]))
+            .collect::<Vec<_>>()
+            .join(" + ")
+    };
     (0..components.len()).map(|c| format!("\"{}\"", of(c))).collect::<Vec<_>>().join(", ")
 }
 
@@ -236,8 +263,18 @@ fn normal_law(random: &mut Random) -> (String, &'static str) {
         1 => ("{ law = \"signorini\" }".into(), "signorini"),
         2 => (format!("{{ law = \"stop\", stiffness = {c:e}, depth = {:e} }}", random.decades(1e-5, 1e-2)), "stop"),
         3 => (format!("{{ law = \"power\", stiffness = {c:e}, exponent = {} }}", random.between(1.0, 3.0)), "power"),
-        4 => (format!("{{ law = \"damped\", stiffness = {c:e}, damping = {:e} }}", c * random.decades(1e-6, 1e-1)), "damped"),
-        _ => (format!("{{ law = \"table\", penetration = [0, 1e-4, 1e-3], pressure = [0, {:e}, {:e}] }}", 1e-4 * c, 1e-2 * c), "table"),
+        4 => (
+            format!("{{ law = \"damped\", stiffness = {c:e}, damping = {:e} }}", c * random.decades(1e-6, 1e-1)),
+            "damped",
+        ),
+        _ => (
+            format!(
+                "{{ law = \"table\", penetration = [0, 1e-4, 1e-3], pressure = [0, {:e}, {:e}] }}",
+                1e-4 * c,
+                1e-2 * c
+            ),
+            "table",
+        ),
     }
 }
 
@@ -246,16 +283,32 @@ fn friction_law(random: &mut Random, space: bool) -> (String, &'static str) {
     match random.of(&[0, 0, 0, 0, 1, 2, 3, 4, 5, 6]) {
         0 => (format!("{{ law = \"coulomb\", coefficient = {mu} }}"), "coulomb"),
         1 => (format!("{{ law = \"tresca\", bound = {:e} }}", random.decades(1e-2, 1e2)), "tresca"),
-        2 => (format!("{{ law = \"static-kinetic\", static = {mu}, kinetic = {} }}", mu * random.between(0.5, 0.95)), "static-kinetic"),
+        2 => (
+            format!("{{ law = \"static-kinetic\", static = {mu}, kinetic = {} }}", mu * random.between(0.5, 0.95)),
+            "static-kinetic",
+        ),
         3 => {
             let (kinetic, decay) = (mu * random.between(0.5, 0.95), random.decades(1e-2, 1.0));
-            (format!("{{ law = \"static-kinetic\", static = {mu}, kinetic = {kinetic}, decay_speed = {decay} }}"), "decaying")
+            (
+                format!("{{ law = \"static-kinetic\", static = {mu}, kinetic = {kinetic}, decay_speed = {decay} }}"),
+                "decaying",
+            )
         }
         4 => (format!("{{ law = \"coulomb\", coefficient = {mu}, cap = {:e} }}", random.decades(1e-2, 1e2)), "capped"),
-        5 if space => {
-            (format!("{{ law = \"orthotropic\", coefficients = [{mu}, {}], direction = [1, 0.3, 0.5] }}", mu * random.between(0.3, 1.0)), "orthotropic")
-        }
-        5 => (format!("{{ law = \"slip-rate\", speed = [0, 0.1, 1], coefficient = [{mu}, {}, {mu}] }}", mu * random.between(0.6, 1.0)), "slip-rate"),
+        5 if space => (
+            format!(
+                "{{ law = \"orthotropic\", coefficients = [{mu}, {}], direction = [1, 0.3, 0.5] }}",
+                mu * random.between(0.3, 1.0)
+            ),
+            "orthotropic",
+        ),
+        5 => (
+            format!(
+                "{{ law = \"slip-rate\", speed = [0, 0.1, 1], coefficient = [{mu}, {}, {mu}] }}",
+                mu * random.between(0.6, 1.0)
+            ),
+            "slip-rate",
+        ),
         _ => ("{ law = \"coulomb\", coefficient = 0.0 }".into(), "none"),
     }
 }
@@ -274,7 +327,8 @@ fn text(random: &mut Random, space: bool, elements: &str, [normal, friction]: [&
     let [first, second] = random.of(&[[0.0, 0.0], [0.3, 0.8], [3.0, 8.0]]);
     let press = random.decades(1e-3, 3e-2);
     let [shake, turns] = [random.decades(1e-3, 3e-2), random.between(0.2, 2.0)];
-    let mut motion = vec![format!("{shake:e}*sin({:e}*t)", 6.3 * turns / end), format!("-{press:e}*min(1, t/{:e})", 0.4 * end)];
+    let mut motion =
+        vec![format!("{shake:e}*sin({:e}*t)", 6.3 * turns / end), format!("-{press:e}*min(1, t/{:e})", 0.4 * end)];
     if space {
         motion.push(format!("{:e}*(1 - cos({:e}*t))", 0.7 * shake, 4.1 * turns / end));
     }
@@ -290,7 +344,11 @@ fn text(random: &mut Random, space: bool, elements: &str, [normal, friction]: [&
         random.of(&[0.0, 0.3, 0.45]),
         if space { "" } else { ", stress_state = \"plane-strain\"" },
         expressions(turn, &motion),
-        if random.chance(0.25) && !(normal.contains("signorini") || normal.contains("stop")) { "gauss" } else { "nodal" },
+        if random.chance(0.25) && !(normal.contains("signorini") || normal.contains("stop")) {
+            "gauss"
+        } else {
+            "nodal"
+        },
     );
     if random.chance(0.6) {
         let _ = writeln!(text, "foundation_velocity = [{v}]");
@@ -327,15 +385,21 @@ mod tests {
         assert!(holds(&classes));
     }
 
-    /// Gauss points hold a body more often than it has unknowns, so that multipliers are not unique: soft and stiff layers in the plane and in space, with
-    /// Coulomb's friction and with a cap, with and without a solution that the certificate knows to be the only one.
+    /// Gauss points hold a body more often than it has unknowns, so that multipliers are not unique: soft and stiff
+    /// layers in the plane and in space, with Coulomb's friction and with a cap, with and without a solution that the
+    /// certificate knows to be the only one.
     #[test]
     fn gauss_points_that_hold_a_body_too_often_are_easy() {
         for seed in [51, 239, 326, 2641, 3727, 4467, 5642, 5968] {
             let (classes, _) = search(&Arguments { seed, steps: 1, only: false, certified: false, with: None });
             for (name, class) in classes {
                 let most = if name.starts_with(UNIQUE) { MOST } else { 2 * MOST };
-                assert!(name.contains("gauss") && class.failed == 0 && class.most <= most, "seed {seed}: {} failed, {} iterations", class.failed, class.most);
+                assert!(
+                    name.contains("gauss") && class.failed == 0 && class.most <= most,
+                    "seed {seed}: {} failed, {} iterations",
+                    class.failed,
+                    class.most
+                );
             }
         }
     }

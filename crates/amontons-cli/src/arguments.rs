@@ -67,13 +67,15 @@ pub enum Command {
     Plot {
         /// The results folder
         dir: PathBuf,
-        /// Times of the frames, rounded to the nearest snapshot [default: the end, or up to four frames if most changes happen before]
+        /// Times of the frames, rounded to the nearest snapshot [default: the end, or up to four frames if most changes
+        /// happen before]
         #[arg(long, value_delimiter = ',', value_name = "T,T,…")]
         time: Vec<f64>,
         /// Leave out the units, also those of a case with units = "SI"
         #[arg(long)]
         dimensionless: bool,
-        /// Factor of the displacement in the picture of the deformed body [default: 1 beside obstacles, else a round number]
+        /// Factor of the displacement in the picture of the deformed body [default: 1 beside obstacles, else a round
+        /// number]
         #[arg(long, value_name = "F")]
         scale: Option<f64>,
         /// Pixels of a PNG per unit of 1/96 inch
@@ -82,7 +84,8 @@ pub enum Command {
     },
     /// Compare runs with the reference values of a case or of the shipped benchmarks
     Verify {
-        /// Case files with `[expected]` or `[verify]`, results folders, whose figures are recomputed, or benchmarks [default: all benchmarks]
+        /// Case files with `[expected]` or `[verify]`, results folders, whose figures are recomputed, or benchmarks
+        /// [default: all benchmarks]
         names: Vec<String>,
         #[command(flatten)]
         common: Common,

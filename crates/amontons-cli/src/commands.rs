@@ -27,9 +27,11 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::Resume { dir, no_certificate, common } => resume(&dir, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
-        Command::Plot { dir, time, dimensionless, scale, pixels } => {
-            draw(&dir, &plot::Options { times: time, dimensionless, pixels, scale_factor: scale, ..plot::Options::default() }, false)
-        }
+        Command::Plot { dir, time, dimensionless, scale, pixels } => draw(
+            &dir,
+            &plot::Options { times: time, dimensionless, pixels, scale_factor: scale, ..plot::Options::default() },
+            false,
+        ),
         Command::Verify { names, common } => verify::execute(&names, &common),
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
         Command::Schema => Ok(print::json(&case::schema())?),
@@ -67,7 +69,11 @@ fn resume(dir: &Path, no_certificate: bool, common: &Common) -> Result<(), Failu
     let checkpoint = Checkpoint::read(dir, &case.fingerprint())?;
     let out = common.out.as_deref().unwrap_or(dir);
     let settings = settings(&case, dir, no_certificate, &progress, common);
-    let folder = if out == dir { Folder::reopen(dir, options(&case, common))? } else { Folder::copy(dir, out, options(&case, common))? };
+    let folder = if out == dir {
+        Folder::reopen(dir, options(&case, common))?
+    } else {
+        Folder::copy(dir, out, options(&case, common))?
+    };
     drive(&case, Some(checkpoint), (folder, out), &settings, progress, common)
 }
 
@@ -131,11 +137,17 @@ fn done(summary: &Summary, out: &Path, common: &Common) -> Result<(), Failure> {
 /// What to do about a run that has ended early.
 fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
-    let (RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary)) = error else { return None };
+    let (RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary)) = error else {
+        return None;
+    };
     if folder.keeps_older_results() {
         return Some(format!("{out} still holds the results of an earlier run"));
     }
-    let kept = format!("results up to step {}, t = {}, are in {out}", summary.steps, summary.units.exact(summary.time, Measure::Time));
+    let kept = format!(
+        "results up to step {}, t = {}, are in {out}",
+        summary.steps,
+        summary.units.exact(summary.time, Measure::Time)
+    );
     Some(match error {
         RunError::Step { source: StepError::Residual { .. }, .. } => format!(
             "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
@@ -152,7 +164,8 @@ fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> 
     let problem = &case.problem;
     let full = run::with_threads(common.threads.map(usize::from), || hypotheses::full(problem));
     let certificate = full.map_err(|error| Failure::Run { error, hint: None })?;
-    let model = run::with_threads(common.threads.map(usize::from), || Model::new(problem)).map_err(|error| Failure::Run { error, hint: None })?;
+    let model = run::with_threads(common.threads.map(usize::from), || Model::new(problem))
+        .map_err(|error| Failure::Run { error, hint: None })?;
     let table = constants::table(file, levels, common)?;
     match common.format {
         Format::Json => {

@@ -18,7 +18,10 @@ pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<Co
     }
     let levels = case::meshes(&case::source(file)?, &common.set, levels)?;
     let computed = with_threads(common.threads.map(usize::from), || {
-        levels.iter().map(|level| Ok((level.level, level.problem.mesh.spacing(), domain_constants(&level.problem)?))).collect::<Result<Vec<_>, Failure>>()
+        levels
+            .iter()
+            .map(|level| Ok((level.level, level.problem.mesh.spacing(), domain_constants(&level.problem)?)))
+            .collect::<Result<Vec<_>, Failure>>()
     });
     let meshes = computed.map_err(|error| Failure::Run { error, hint: None })??;
     Ok(Some(ConstantsTable::new(&meshes)))
@@ -32,8 +35,10 @@ pub fn text(table: &ConstantsTable) -> String {
         format!("  {first:>6} {second:>11}{cells}\n")
     };
     let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |v| format!("{v:.9e}"));
-    let of_limits = |show: &dyn Fn(&Limit) -> String| table.limits.map(|limit| limit.as_ref().map_or_else(|| "-".to_owned(), show));
-    let mut text = "  constants on refined meshes; on the domain c_k and c_f are not larger, s1 … s2 not smaller\n".to_owned();
+    let of_limits =
+        |show: &dyn Fn(&Limit) -> String| table.limits.map(|limit| limit.as_ref().map_or_else(|| "-".to_owned(), show));
+    let mut text =
+        "  constants on refined meshes; on the domain c_k and c_f are not larger, s1 … s2 not smaller\n".to_owned();
     text += &line("level", "h", names.map(str::to_owned));
     for row in &table.rows {
         let values = row.constants.named().map(|(_, constant)| number(constant.map(|c| c.value)));

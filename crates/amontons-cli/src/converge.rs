@@ -30,7 +30,12 @@ pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Resu
         let out = if folder.is_empty() { out.clone() } else { out.join(folder) };
         let part = format!("study {} of {}", number + 1, variants.len());
         let running = Running { part: &part, progress: &progress, interrupt: &flag };
-        let table = study(&case::study(&source, &overrides, &request(arguments))?, &StudyFolder::create(&out, common.force)?, common, &running)?;
+        let table = study(
+            &case::study(&source, &overrides, &request(arguments))?,
+            &StudyFolder::create(&out, common.force)?,
+            common,
+            &running,
+        )?;
         write(&source, &overrides, &table, &out)?;
         if common.format == Format::Text && !common.quiet {
             let title = if values.is_empty() { name.clone() } else { format!("{name}, {}", values.join(", ")) };
@@ -67,7 +72,9 @@ impl From<crate::arguments::VaryArgument> for Vary {
 fn variants(each: &[String]) -> Result<Vec<(String, Vec<String>)>, Failure> {
     let mut variants = vec![(String::new(), Vec::new())];
     for argument in each {
-        let Some((key, values)) = argument.split_once('=').filter(|(key, values)| !key.is_empty() && !values.is_empty()) else {
+        let Some((key, values)) =
+            argument.split_once('=').filter(|(key, values)| !key.is_empty() && !values.is_empty())
+        else {
             return Err(Failure::Usage(format!("--each {argument}: expected KEY=VALUE,VALUE,…")));
         };
         let short = key.rsplit('.').next().unwrap_or(key);
@@ -94,7 +101,8 @@ pub struct Running<'a> {
     pub interrupt: &'a AtomicBool,
 }
 
-/// Makes one study in a folder of its own. Finished levels of an interrupted one are taken as they are, and the reference goes on where it stopped.
+/// Makes one study in a folder of its own. Finished levels of an interrupted one are taken as they are, and the
+/// reference goes on where it stopped.
 pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Running) -> Result<StudyTable, Failure> {
     let failed = std::sync::Mutex::new(None);
     // The study itself does not depend on what is kept: a failure is reported at the end.
@@ -109,7 +117,8 @@ pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Run
     running.progress.part(running.part, study.steps());
     running.progress.begin_steps();
     let made = AtomicUsize::new(0);
-    let progress = |_level: usize, _step: usize, _steps: usize| running.progress.done(made.fetch_add(1, Ordering::Relaxed) + 1);
+    let progress =
+        |_level: usize, _step: usize, _steps: usize| running.progress.done(made.fetch_add(1, Ordering::Relaxed) + 1);
     let settings = StudySettings {
         interrupt: Some(running.interrupt),
         progress: Some(&progress),
@@ -118,7 +127,8 @@ pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Run
         load_reference: Some(&load_reference),
         keep_reference: Some(&keep_reference),
     };
-    let table = with_threads(common.threads.map(usize::from), || study.run(&settings)).map_err(|error| Failure::Run { error, hint: None })?;
+    let table = with_threads(common.threads.map(usize::from), || study.run(&settings))
+        .map_err(|error| Failure::Run { error, hint: None })?;
     let table = table.map_err(|error| Failure::Study { error, folder: folder.path().to_owned() })?;
     match failed.into_inner() {
         Ok(Some(error)) => Err(error.into()),
@@ -130,7 +140,8 @@ pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Run
 pub fn write(source: &Source, overrides: &[String], table: &StudyTable, out: &Path) -> Result<(), Failure> {
     let case = case::parse(source, overrides)?;
     StudyFolder::create(out, true)?.finish(table, &case.text, &case.inputs)?;
-    let picture = plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
+    let picture =
+        plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
     picture.save(&out.join("convergence"), plot::Options::default().pixels)?;
     Ok(())
 }
@@ -138,7 +149,10 @@ pub fn write(source: &Source, overrides: &[String], table: &StudyTable, out: &Pa
 /// The table for reading.
 pub fn text(title: &str, table: &StudyTable, out: &Path) -> String {
     let mut lines = vec![format!("{title}")];
-    lines.push(format!("  {:>6} {:>11} {:>11} {:>12} {:>12} {:>12} {:>12} {:>7}", "level", "h", "k", "error_w", "error_u", "error_theta", "E", "order"));
+    lines.push(format!(
+        "  {:>6} {:>11} {:>11} {:>12} {:>12} {:>12} {:>12} {:>7}",
+        "level", "h", "k", "error_w", "error_u", "error_theta", "E", "order"
+    ));
     for row in &table.rows {
         let order = row.order.map_or_else(String::new, |o| format!("{o:.4}"));
         lines.push(format!(
@@ -147,7 +161,10 @@ pub fn text(title: &str, table: &StudyTable, out: &Path) -> String {
         ));
     }
     let slopes = table.slopes.iter().filter(|(name, slope)| *name != "error_u_h" && slope.is_finite());
-    lines.push(format!("  least-squares slopes: {}", slopes.map(|(name, slope)| format!("{name} {slope:.3}")).collect::<Vec<_>>().join(", ")));
+    lines.push(format!(
+        "  least-squares slopes: {}",
+        slopes.map(|(name, slope)| format!("{name} {slope:.3}")).collect::<Vec<_>>().join(", ")
+    ));
     lines.push(format!("  results in {}\n", out.display()));
     lines.join("\n") + "\n"
 }

@@ -23,13 +23,21 @@ fn colours() -> bool {
 fn write(file: &Source, faults: &[CaseFault], colours: bool, out: &mut Vec<u8>) -> io::Result<()> {
     let name = file.name.as_str();
     for fault in faults {
-        let message = if fault.path.is_empty() { format!("found {}", fault.found) } else { format!("{}: found {}", fault.path, fault.found) };
+        let message = if fault.path.is_empty() {
+            format!("found {}", fault.found)
+        } else {
+            format!("{}: found {}", fault.path, fault.found)
+        };
         match &fault.place {
             FaultPlace::File { start, end, .. } => {
                 let span = || (name, *start..*end);
                 let config = Config::new().with_index_type(IndexType::Byte).with_color(colours);
-                let label = Label::new(span()).with_message(format!("expected {}", fault.expected)).with_color(Color::Red);
-                let mut report = Report::build(ReportKind::Error, span()).with_config(config).with_message(message).with_label(label);
+                let label =
+                    Label::new(span()).with_message(format!("expected {}", fault.expected)).with_color(Color::Red);
+                let mut report = Report::build(ReportKind::Error, span())
+                    .with_config(config)
+                    .with_message(message)
+                    .with_label(label);
                 if let Some(hint) = &fault.hint {
                     report = report.with_help(hint);
                 }
@@ -56,7 +64,9 @@ fn without_excerpt(place: &str, message: &str, fault: &CaseFault, out: &mut Vec<
 pub fn json(file: &Source, faults: &[CaseFault]) -> Value {
     let one = |fault: &CaseFault| {
         let place = match &fault.place {
-            FaultPlace::File { start, end, line, column } => json!({ "file": file.name, "line": line, "column": column, "start": start, "end": end }),
+            FaultPlace::File { start, end, line, column } => {
+                json!({ "file": file.name, "line": line, "column": column, "start": start, "end": end })
+            }
             FaultPlace::Override(given) => json!({ "override": given }),
             FaultPlace::Whole => json!({ "file": file.name }),
         };

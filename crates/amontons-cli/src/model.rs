@@ -14,9 +14,11 @@ pub fn row(name: &str, value: &str) -> String {
 /// Rows of the size of a model.
 pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
     let (mechanics, heat) = (problem.physics.has_mechanics(), problem.physics.has_heat());
-    let write = |value: f64, measure: Measure| format!("{value:.5e} {}", problem.units().of(measure)).trim_end().to_owned();
+    let write =
+        |value: f64, measure: Measure| format!("{value:.5e} {}", problem.units().of(measure)).trim_end().to_owned();
     let [low, high] = &model.bounds;
-    let extents = low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect::<Vec<_>>().join(" × ");
+    let extents =
+        low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect::<Vec<_>>().join(" × ");
     let parts = if model.parts == 1 { String::new() } else { format!(" in {} parts", model.parts) };
     let mass = if mechanics { format!(", mass {}", write(model.mass, Measure::Mass)) } else { String::new() };
     let mut rows = vec![
@@ -24,20 +26,27 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
         row("body", &format!("volume {}{mass}{parts}", write(model.volume, Measure::Volume))),
     ];
     rows.extend(model.sides.iter().map(|(side, size)| {
-        let points = model.contact_points.get(side).map_or_else(String::new, |points| format!(", {points} contact points"));
+        let points =
+            model.contact_points.get(side).map_or_else(String::new, |points| format!(", {points} contact points"));
         row(&format!("side \"{side}\""), &format!("area {}{points}", write(*size, Measure::Area)))
     }));
     rows.extend(times(problem, model));
     rows.extend(model.thermal_layers.iter().map(|layer| {
         let length = |value: f64| problem.units().write(value, Measure::Length);
         let [step, end, cell] = [layer.step, layer.end, layer.cell].map(length);
-        row("thermal layer", &format!("√(k K/c) = {step} in a step, {end} in the run, cell {cell} high on \"{}\"", layer.side))
+        row(
+            "thermal layer",
+            &format!("√(k K/c) = {step} in a step, {end} in the run, cell {cell} high on \"{}\"", layer.side),
+        )
     }));
     if let Some(cost) = &model.cost {
         rows.push(row("unknowns", &unknowns(cost.unknowns, mechanics, heat)));
         let [by_u, by_theta] = cost.factors;
         let numbers = if mechanics && heat { format!("{by_u} + {by_theta}") } else { (by_u + by_theta).to_string() };
-        rows.push(row("factors", &format!("{numbers} numbers, {} operations to compute them", short(cost.factorization_flops))));
+        rows.push(row(
+            "factors",
+            &format!("{numbers} numbers, {} operations to compute them", short(cost.factorization_flops)),
+        ));
         let step = format!("{} operations, reads {}", short(cost.step_flops), bytes(cost.step_bytes));
         rows.push(row("per step", &format!("{step}; {} memory for factors and forms", bytes(cost.memory_bytes))));
     }
@@ -54,12 +63,25 @@ fn times(problem: &Problem, model: &Model) -> Vec<String> {
     let steady = problem.materials.iter().all(|m| m.heat_capacity == 0.0);
     let mut rows = Vec::new();
     if problem.physics.has_mechanics() {
-        rows.push(row("first period", &or(times.first_period, if inert { "none: density 0" } else { "none: only contact holds the body" })));
+        rows.push(row(
+            "first period",
+            &or(times.first_period, if inert { "none: density 0" } else { "none: only contact holds the body" }),
+        ));
     }
     if problem.physics.has_heat() {
-        rows.push(row("heat time", &or(times.heat, if steady { "none: heat_capacity 0" } else { "none: no side holds the temperature, or conductivity 0" })));
+        rows.push(row(
+            "heat time",
+            &or(
+                times.heat,
+                if steady { "none: heat_capacity 0" } else { "none: no side holds the temperature, or conductivity 0" },
+            ),
+        ));
     }
-    rows.extend(times.retardation.map(|[low, high]| row("viscosity", &format!("retardation times {low:.5e} … {}", write(high)))));
+    rows.extend(
+        times
+            .retardation
+            .map(|[low, high]| row("viscosity", &format!("retardation times {low:.5e} … {}", write(high)))),
+    );
     if !times.relaxation.is_empty() {
         rows.push(row("relaxation", &times.relaxation.iter().map(|time| write(*time)).collect::<Vec<_>>().join(", ")));
     }
@@ -73,6 +95,7 @@ fn short(count: f64) -> String {
 
 /// A number of bytes for reading.
 fn bytes(count: f64) -> String {
-    let (unit, name) = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| count >= *unit).unwrap_or((1e3, "kB"));
+    let (unit, name) =
+        [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| count >= *unit).unwrap_or((1e3, "kB"));
     format!("{:.3} {name}", count / unit)
 }

@@ -44,8 +44,21 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     };
     let (seconds, units) = (&summary.seconds, summary.units);
     let mut lines = vec![
-        format!("{}: {state}, {} steps to t = {} in {:.2} s", summary.case, summary.steps, units.exact(summary.time, Measure::Time), seconds.total),
-        row("unknowns", &unknowns([summary.unknowns.displacement, summary.unknowns.temperature, summary.unknowns.contact], mechanics, heat)),
+        format!(
+            "{}: {state}, {} steps to t = {} in {:.2} s",
+            summary.case,
+            summary.steps,
+            units.exact(summary.time, Measure::Time),
+            seconds.total
+        ),
+        row(
+            "unknowns",
+            &unknowns(
+                [summary.unknowns.displacement, summary.unknowns.temperature, summary.unknowns.contact],
+                mechanics,
+                heat,
+            ),
+        ),
         row("time", &phases(seconds)),
     ];
     for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
@@ -54,7 +67,9 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
     if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
         lines.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
     }
-    lines.extend(end.von_mises_max.map(|most| row("von Mises stress", &format!("up to {}", units.write(most, Measure::Stress)))));
+    lines.extend(
+        end.von_mises_max.map(|most| row("von Mises stress", &format!("up to {}", units.write(most, Measure::Stress)))),
+    );
     lines.extend(end.strain_max.map(|most| row("strain", &format!("up to {}", units.write(most, Measure::Number)))));
     if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
         lines.extend(touching("contact", contact, units));
@@ -63,8 +78,16 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         }
     }
     lines.extend(extent(units, mechanics));
-    lines.extend(mechanics.then(|| row("energy closes to", &format!("{:.1e} of the energy turned over", summary.energy.closing_error))));
-    lines.extend(heat.then(|| row("heat closes to", &format!("{:.1e} of the heat turned over", summary.energy.heat_closing_error))));
+    lines.extend(
+        mechanics.then(|| {
+            row("energy closes to", &format!("{:.1e} of the energy turned over", summary.energy.closing_error))
+        }),
+    );
+    lines.extend(
+        heat.then(|| {
+            row("heat closes to", &format!("{:.1e} of the heat turned over", summary.energy.heat_closing_error))
+        }),
+    );
     lines.extend(halved(&summary.solver));
     lines.push(row("results", &folder.display().to_string()));
     lines.extend(voices::of_run(&summary.findings));
@@ -74,7 +97,9 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
 /// The times of the phases of a run.
 fn phases(seconds: &Seconds) -> String {
     let Seconds { certificate, setup, factor, steps, output, .. } = seconds;
-    format!("{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output")
+    format!(
+        "{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output"
+    )
 }
 
 /// A line on halved and ambiguous steps, if there are any.
@@ -84,7 +109,8 @@ fn halved(solver: &Solver) -> Option<String> {
         0 => "none of them remains ambiguous".to_owned(),
         some => format!("{some} of all steps remain ambiguous"),
     };
-    (halved_steps > 0 || ambiguous_steps > 0).then(|| row("halved steps", &format!("{halved_steps} steps, {ambiguous}")))
+    (halved_steps > 0 || ambiguous_steps > 0)
+        .then(|| row("halved steps", &format!("{halved_steps} steps, {ambiguous}")))
 }
 
 /// The ends of a range in one unit.
@@ -96,7 +122,11 @@ fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
 /// Numbers of unknowns: displacement, temperature, contact, those that a case has.
 pub fn unknowns([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
     let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
-    let all = [of_mechanics(displacement, "displacement"), heat.then(|| format!("{temperature} temperature")), of_mechanics(contact, "on the contact side")];
+    let all = [
+        of_mechanics(displacement, "displacement"),
+        heat.then(|| format!("{temperature} temperature")),
+        of_mechanics(contact, "on the contact side"),
+    ];
     all.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
@@ -116,10 +146,21 @@ fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<String> {
     let write = |value: f64, measure: Measure| units.write(value, measure);
     let force = units.vector(&contact.force, Measure::Force);
     let mut lines = vec![
-        row(name, &format!("{} open, {} stick, {} slip; area {}", contact.open, contact.stick, contact.slip, write(contact.area, Measure::Area))),
+        row(
+            name,
+            &format!(
+                "{} open, {} stick, {} slip; area {}",
+                contact.open,
+                contact.stick,
+                contact.slip,
+                write(contact.area, Measure::Area)
+            ),
+        ),
         row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
     ];
-    lines.extend(contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))));
+    lines.extend(
+        contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
+    );
     if contact.wear_max > 0.0 {
         let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
         lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
@@ -147,7 +188,15 @@ pub fn valid(name: &str, problem: &Problem, model: &Model, certificate: &Certifi
                 write(mesh.h(), Measure::Length)
             ),
         ),
-        row("time", &format!("{} steps of {} to {}", problem.steps, write(problem.k(), Measure::Time), write(problem.end, Measure::Time))),
+        row(
+            "time",
+            &format!(
+                "{} steps of {} to {}",
+                problem.steps,
+                write(problem.k(), Measure::Time),
+                write(problem.end, Measure::Time)
+            ),
+        ),
     ];
     if problem.physics.has_mechanics() {
         lines.push(row("contact", &contact));

@@ -1,6 +1,7 @@
 //! Where a command is: a bar on a terminal, a line per minute elsewhere, or a JSON object per line.
 //!
-//! The work notes where it is; a thread of its own reports it, so that a long certificate or factorization is reported too.
+//! The work notes where it is; a thread of its own reports it, so that a long certificate or factorization is reported
+//! too.
 
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -70,10 +71,18 @@ impl Place {
         let part = if self.part.is_empty() { String::new() } else { format!("{}: ", self.part) };
         let gone = duration(self.begin.elapsed().as_secs_f64());
         if self.phase != "steps" {
-            return format!("{part}{}, {} in this phase; {gone} gone", self.phase, duration(self.phase_begin.elapsed().as_secs_f64()));
+            return format!(
+                "{part}{}, {} in this phase; {gone} gone",
+                self.phase,
+                duration(self.phase_begin.elapsed().as_secs_f64())
+            );
         }
-        let time = self.t.map_or_else(String::new, |t| format!(", t = {t:.6} {}", self.units.of(Measure::Time)).trim_end().to_owned());
-        let contact = self.contact.map_or_else(String::new, |[open, stick, slip]| format!("; contact: {open} open, {stick} stick, {slip} slip"));
+        let time = self.t.map_or_else(String::new, |t| {
+            format!(", t = {t:.6} {}", self.units.of(Measure::Time)).trim_end().to_owned()
+        });
+        let contact = self.contact.map_or_else(String::new, |[open, stick, slip]| {
+            format!("; contact: {open} open, {stick} stick, {slip} slip")
+        });
         let left = self.left().map_or_else(String::new, |left| format!(", about {} left", duration(left)));
         format!("{part}step {} of {}{time}{contact}; {gone} gone{left}", self.step, self.steps)
     }
@@ -88,7 +97,9 @@ impl Place {
             value["steps"] = json!(self.steps);
             value["seconds_left"] = json!(self.left());
             value["t"] = json!(self.t);
-            value["contact"] = self.contact.map_or(Value::Null, |[open, stick, slip]| json!({ "open": open, "stick": stick, "slip": slip }));
+            value["contact"] = self
+                .contact
+                .map_or(Value::Null, |[open, stick, slip]| json!({ "open": open, "stick": stick, "slip": slip }));
         }
         value
     }
@@ -299,7 +310,8 @@ pub struct StepSink<'a>(pub &'a Progress);
 impl Sink for StepSink<'_> {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let mut place = self.0.shared.place();
-        (place.step, place.steps, place.t) = (start.from.state.step, start.from.problem.steps, Some(start.from.state.t));
+        (place.step, place.steps, place.t) =
+            (start.from.state.step, start.from.problem.steps, Some(start.from.state.t));
         place.units = start.from.problem.units();
         Ok(())
     }
@@ -338,11 +350,23 @@ mod tests {
         // 40 s for 2 of 8 steps: 120 s for the other 6.
         let ago = |seconds| Instant::now().checked_sub(Duration::from_secs(seconds)).unwrap();
         (place.begin, place.phase_begin) = (ago(3700), ago(40));
-        assert_eq!(place.line(), "study 3 of 6: step 2 of 8, t = 0.250000 s; contact: 3 open, 0 stick, 5 slip; 1 h 1 min gone, about 2 min 0 s left");
+        assert_eq!(
+            place.line(),
+            "study 3 of 6: step 2 of 8, t = 0.250000 s; contact: 3 open, 0 stick, 5 slip; 1 h 1 min gone, about 2 min 0 s left"
+        );
         let value = place.json();
-        assert_eq!((&value["step"], &value["contact"]["slip"], &value["part"]), (&json!(2), &json!(5), &json!("study 3 of 6")));
-        assert_eq!(place.after_interrupt(), "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once");
+        assert_eq!(
+            (&value["step"], &value["contact"]["slip"], &value["part"]),
+            (&json!(2), &json!(5), &json!("study 3 of 6"))
+        );
+        assert_eq!(
+            place.after_interrupt(),
+            "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once"
+        );
         place.step = 8;
-        assert!(place.after_interrupt().starts_with("Ctrl-C: the present phase (steps) is finished"), "there is no step 9 of 8");
+        assert!(
+            place.after_interrupt().starts_with("Ctrl-C: the present phase (steps) is finished"),
+            "there is no step 9 of 8"
+        );
     }
 }

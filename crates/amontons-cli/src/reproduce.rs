@@ -48,7 +48,12 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
     }
     let progress = Progress::new(common);
     let flag = progress.interrupt_flag();
-    let request = StudyRequest { vary: Vary::Both, levels: levels.to_vec(), reference: ReferenceRequest::Level(reference), power: 1 };
+    let request = StudyRequest {
+        vary: Vary::Both,
+        levels: levels.to_vec(),
+        reference: ReferenceRequest::Level(reference),
+        power: 1,
+    };
     let work = Work { source: Source::new("paper.toml", PAPER), request, common, progress: &progress, flag };
     let mut all = Vec::new();
     for reading in READINGS {
@@ -68,7 +73,11 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
     }
     drop(progress);
     let text = write_report(&all, levels, reference);
-    std::fs::write(&report, &text).map_err(|source| OutputError::Io { doing: "write", path: report.clone(), source })?;
+    std::fs::write(&report, &text).map_err(|source| OutputError::Io {
+        doing: "write",
+        path: report.clone(),
+        source,
+    })?;
     match common.format {
         Format::Json => print::json(&serde_json::json!({ "report": report, "folder": out }))?,
         Format::Text if common.quiet => {}
@@ -101,21 +110,33 @@ impl Work<'_> {
             watch: Some(self.progress.watch()),
             ..Settings::default()
         };
-        let options =
-            FolderOptions { every: case.every, fields: case.fields.clone(), probes: case.probes.clone(), force: true, ..FolderOptions::new(&case.text) };
+        let options = FolderOptions {
+            every: case.every,
+            fields: case.fields.clone(),
+            probes: case.probes.clone(),
+            force: true,
+            ..FolderOptions::new(&case.text)
+        };
         let mut steps = StepSink(self.progress);
         let result = match Checkpoint::read(folder, &case.fingerprint()) {
-            Ok(checkpoint) => run::resume(&case.problem, checkpoint, &settings, &mut [&mut Folder::reopen(folder, options)?, &mut steps]),
+            Ok(checkpoint) => run::resume(
+                &case.problem,
+                checkpoint,
+                &settings,
+                &mut [&mut Folder::reopen(folder, options)?, &mut steps],
+            ),
             // Without a checkpoint of this case there is nothing to go on with.
             Err(_) => run::run(&case.problem, &settings, &mut [&mut Folder::create(folder, options)?, &mut steps]),
         };
         result.map_err(|error| {
-            let hint = matches!(error, RunError::Interrupted(_)).then(|| "the same command goes on where it stopped".to_owned());
+            let hint = matches!(error, RunError::Interrupted(_))
+                .then(|| "the same command goes on where it stopped".to_owned());
             Failure::Run { error, hint }
         })
     }
 
-    /// A study in a folder of its own: as it is if it is finished, else from what it has kept, which a finished one does not need.
+    /// A study in a folder of its own: as it is if it is finished, else from what it has kept, which a finished one
+    /// does not need.
     fn study(&self, overrides: &[String], path: &Path, of: &str) -> Result<StudyTable, Failure> {
         let study = case::study(&self.source, overrides, &self.request)?;
         if let Some(table) = StudyFolder::finished(path, &study) {
@@ -149,11 +170,13 @@ fn figures(folder: &Path, reference: usize) -> Result<(), Failure> {
     }
     let mut studies = Vec::new();
     for f in FOUNDATION {
-        let mut study = plot::ConvergencePlot::read(&folder.join(format!("study-{f}")).join("convergence.csv"), &options)?;
+        let mut study =
+            plot::ConvergencePlot::read(&folder.join(format!("study-{f}")).join("convergence.csv"), &options)?;
         study.title = format!("θ_{{F}} = {f}");
         studies.push(study);
     }
-    plot::convergence_panels(&format!("Errors against h = k = 1/{reference}"), &studies)?.save(&folder.join("figure-5-errors"), options.pixels)?;
+    plot::convergence_panels(&format!("Errors against h = k = 1/{reference}"), &studies)?
+        .save(&folder.join("figure-5-errors"), options.pixels)?;
     Ok(())
 }
 
@@ -199,20 +222,33 @@ fn write_report(all: &[Reproduced], levels: &[usize], reference: usize) -> Strin
         let _ = writeln!(out, "## Reading `{name}`: {what}\n");
         let _ = writeln!(out, "| | θ_F = 0 | θ_F = 10 | larger? |\n|---|---|---|---|");
         let quantity = |f: fn(&Summary) -> f64| done.runs.iter().map(f).collect::<Vec<f64>>();
-        let largest = |s: &Summary| s.last.displacement_max.iter().chain(&s.last.displacement_min).fold(0.0f64, |m, v| m.max(v.abs()));
+        let largest = |s: &Summary| {
+            s.last.displacement_max.iter().chain(&s.last.displacement_min).fold(0.0f64, |m, v| m.max(v.abs()))
+        };
         let mut supported = Vec::new();
         for (label, values) in [
             ("largest displacement component", quantity(largest)),
             ("‖ε(u)‖", quantity(|s| s.last.norms.displacement_v.unwrap_or(0.0))),
-            ("largest von Mises stress (not convergent: corners are singular)", quantity(|s| s.last.von_mises_max.unwrap_or(0.0))),
+            (
+                "largest von Mises stress (not convergent: corners are singular)",
+                quantity(|s| s.last.von_mises_max.unwrap_or(0.0)),
+            ),
             ("largest temperature", quantity(|s| s.last.temperature_max.unwrap_or(0.0))),
         ] {
             if let [cold, warm] = values[..] {
-                let _ = writeln!(out, "| {label} | {cold:.6} | {warm:.6} | {} |", if warm > cold { "yes" } else { "**no**" });
+                let _ = writeln!(
+                    out,
+                    "| {label} | {cold:.6} | {warm:.6} | {} |",
+                    if warm > cold { "yes" } else { "**no**" }
+                );
                 supported.push(warm > cold);
             }
         }
-        let verdict = if supported.iter().all(|&s| s) { "The numbers support statement 1." } else { "The numbers do **not** support statement 1." };
+        let verdict = if supported.iter().all(|&s| s) {
+            "The numbers support statement 1."
+        } else {
+            "The numbers do **not** support statement 1."
+        };
         let _ = writeln!(out, "\n{verdict}\n");
         write_studies(&mut out, done);
         for (title, file) in PICTURES {

@@ -122,7 +122,10 @@ impl Failure {
     fn class(&self) -> Class {
         match self {
             Failure::Case(CaseError::Faults { .. }) => CASE,
-            Failure::Output(OutputError::HoldsResults { .. }) | Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
+            Failure::Output(OutputError::HoldsResults { .. })
+            | Failure::Exists(_)
+            | Failure::Request(_)
+            | Failure::Usage(_) => USAGE,
             Failure::Verification { .. } => CHECK,
             Failure::Constants(_) => SOLVER,
             Failure::Plot(_) => FILE,
@@ -152,10 +155,15 @@ impl Failure {
             Failure::Output(error) => error.to_string(),
             Failure::Checkpoint(error) => error.to_string(),
             Failure::Study { error: StudyError::Interrupted, folder } => {
-                format!("interrupted; finished levels and the progress of the reference are kept in {}; the same command goes on", folder.display())
+                format!(
+                    "interrupted; finished levels and the progress of the reference are kept in {}; the same command goes on",
+                    folder.display()
+                )
             }
             Failure::Study { error, .. } => error.to_string(),
-            Failure::Request(message) | Failure::Usage(message) | Failure::Verification { message, .. } => message.clone(),
+            Failure::Request(message) | Failure::Usage(message) | Failure::Verification { message, .. } => {
+                message.clone()
+            }
             Failure::Constants(error) => format!("the constants of the domain: {error}"),
             Failure::Plot(error) => error.to_string(),
             Failure::Exists(path) => format!("{} already exists; give another name", path.display()),
@@ -173,7 +181,10 @@ impl Failure {
     /// The summary of the run before it failed.
     fn summary(&self) -> Option<&Summary> {
         match self {
-            Failure::Run { error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary), .. } => Some(summary),
+            Failure::Run {
+                error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary),
+                ..
+            } => Some(summary),
             _ => None,
         }
     }

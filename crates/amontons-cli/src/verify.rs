@@ -82,17 +82,26 @@ fn chosen<'a>(names: &'a [String], overrides: &[String]) -> Result<Vec<Target<'a
         None if Path::new(name).is_file() => Ok(Target::Case(case::source(Path::new(name))?)),
         None => {
             let known: Vec<&str> = BENCHMARKS.iter().map(|(known, _)| *known).collect();
-            Err(Failure::Usage(format!("{name} is no case file, no results folder and no benchmark; the benchmarks are {}", known.join(", "))))
+            Err(Failure::Usage(format!(
+                "{name} is no case file, no results folder and no benchmark; the benchmarks are {}",
+                known.join(", ")
+            )))
         }
     };
     names.iter().map(target).collect()
 }
 
 fn header() -> String {
-    format!("{:<28} {:<46} {:>15} {:>15} {:>9} {:>9}  verdict\n", "case", "value", "computed", "reference", "error", "allowed")
+    format!(
+        "{:<28} {:<46} {:>15} {:>15} {:>9} {:>9}  verdict\n",
+        "case", "value", "computed", "reference", "error", "allowed"
+    )
 }
 
 fn row(v: &Verdict) -> String {
     let verdict = if v.holds { "holds" } else { "FAILS" };
-    format!("{:<28} {:<46} {:>15.8e} {:>15.8e} {:>9.1e} {:>9.1e}  {verdict}\n", v.benchmark, v.what, v.computed, v.reference, v.error, v.tolerance)
+    format!(
+        "{:<28} {:<46} {:>15.8e} {:>15.8e} {:>9.1e} {:>9.1e}  {verdict}\n",
+        v.benchmark, v.what, v.computed, v.reference, v.error, v.tolerance
+    )
 }

@@ -18,6 +18,7 @@ fn warning(finding: &Finding) -> Vec<String> {
 
 /// The hypotheses of the theory that do not hold, by their ids.
 fn not_covered(findings: &[Finding]) -> Option<String> {
-    let ids: Vec<&str> = findings.iter().filter(|f| f.kind == Kind::Theory && !f.holds()).map(|f| f.id.as_str()).collect();
+    let ids: Vec<&str> =
+        findings.iter().filter(|f| f.kind == Kind::Theory && !f.holds()).map(|f| f.id.as_str()).collect();
     (!ids.is_empty()).then(|| format!("Not covered by the theory: {}; see `amontons check`", ids.join(", ")))
 }

@@ -35,7 +35,8 @@ fn a_folder_holds_what_the_contract_says() {
     let folder = tempdir().expect("a folder");
     let out = folder.path().join("a/b");
     assert_code(&run_paper(&out, 8, &[]), 0);
-    let names: Vec<String> = files(&out).iter().map(|p| p.strip_prefix(&out).expect("inside").display().to_string()).collect();
+    let names: Vec<String> =
+        files(&out).iter().map(|p| p.strip_prefix(&out).expect("inside").display().to_string()).collect();
     let expected = [
         "case.toml",
         "certificate.json",
@@ -59,7 +60,9 @@ fn a_folder_holds_what_the_contract_says() {
     let history = columns(&out.join("history.csv"));
     assert_eq!(numbers(&history, "step"), (1..=8).map(f64::from).collect::<Vec<_>>());
     let summary = summary(&out);
-    for name in ["kinetic", "elastic", "viscous_dissipation", "contact_energy", "load_work", "heat_content", "heat_contact"] {
+    for name in
+        ["kinetic", "elastic", "viscous_dissipation", "contact_energy", "load_work", "heat_content", "heat_contact"]
+    {
         let last = numbers(&history, name)[7];
         assert_eq!(summary["energy"][name].as_f64().map(f64::to_bits), Some(last.to_bits()), "{name}");
     }
@@ -77,7 +80,8 @@ fn a_folder_holds_what_the_contract_says() {
     // The resultant of σν by the weights of the nodes: p on the side below pushes up, friction pulls along σ_τ.
     let weight = |x: f64| if x <= 0.0 || x >= 1.0 { 1.0 / 16.0 } else { 1.0 / 8.0 };
     let x = numbers(&contact, "x");
-    let resultant = |name: &str| -> f64 { numbers(&contact, name).iter().zip(&x).map(|(value, &x)| weight(x) * value).sum() };
+    let resultant =
+        |name: &str| -> f64 { numbers(&contact, name).iter().zip(&x).map(|(value, &x)| weight(x) * value).sum() };
     assert!((resultant("pressure") - last["force"][1].as_f64().expect("a force")).abs() < 1e-12);
     assert!((resultant("traction_x") - last["force"][0].as_f64().expect("a force")).abs() < 1e-12);
     assert!((resultant("heat_flux") - last["heat_flow"].as_f64().expect("a flow")).abs() < 1e-12);
@@ -102,7 +106,16 @@ fn a_case_without_contact_has_results_too() {
     let (before, rest) = text.split_once("[contact]").expect("a contact");
     let (_, after) = rest.split_once("[initial]").expect("initial data");
     fs::write(&case, format!("{before}[initial]{after}")).expect("a file");
-    let arguments = ["run", &case.display().to_string(), "--out", &out.display().to_string(), "--set", "mesh.n=4", "--set", "time.steps=4"];
+    let arguments = [
+        "run",
+        &case.display().to_string(),
+        "--out",
+        &out.display().to_string(),
+        "--set",
+        "mesh.n=4",
+        "--set",
+        "time.steps=4",
+    ];
     assert_code(&common::output(&mut common::amontons(&arguments)), 0);
     assert_eq!(summary(&out)["unknowns"]["contact"], 0);
     assert_eq!(read(&out.join("contact.csv")).lines().count(), 1);

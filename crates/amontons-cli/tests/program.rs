@@ -10,7 +10,9 @@ use tempfile::tempdir;
 
 #[test]
 fn bad_usage_is_told_apart_from_a_bad_case() {
-    for arguments in [&["run"][..], &["frobnicate"], &["run", "x.toml", "--threads", "0"], &["run", "x.toml", "--format", "xml"]] {
+    for arguments in
+        [&["run"][..], &["frobnicate"], &["run", "x.toml", "--threads", "0"], &["run", "x.toml", "--format", "xml"]]
+    {
         assert_code(&output(&mut amontons(arguments)), 2);
     }
     assert_code(&output(&mut amontons(&["--help"])), 0);
@@ -21,13 +23,19 @@ fn bad_usage_is_told_apart_from_a_bad_case() {
 fn all_faults_of_a_case_are_shown_with_their_places() {
     let folder = tempdir().expect("a folder");
     let file = folder.path().join("bad.toml");
-    fs::write(&file, read(paper().as_ref()).replace("density = 1.0", "density = -1.0").replace("on = \"top\"", "on = \"topp\"")).expect("a file");
+    fs::write(
+        &file,
+        read(paper().as_ref()).replace("density = 1.0", "density = -1.0").replace("on = \"top\"", "on = \"topp\""),
+    )
+    .expect("a file");
     let file = file.display().to_string();
     for command in ["run", "check"] {
         let printed = output(&mut amontons(&[command, &file, "--set", "mesh.m=3"]));
         assert_code(&printed, 2);
         let text = stderr(&printed);
-        for part in ["material.density", "bad.toml:24:11", "did you mean \"top\"", "--set mesh.m=3", "bad.toml: 3 faults"] {
+        for part in
+            ["material.density", "bad.toml:24:11", "did you mean \"top\"", "--set mesh.m=3", "bad.toml: 3 faults"]
+        {
             assert!(text.contains(part), "{part} is not in\n{text}");
         }
         assert!(!text.contains('\u{1b}'), "colours without a terminal");
@@ -78,12 +86,19 @@ fn check_tabulates_the_constants_on_refined_meshes() {
     assert_eq!((&told["levels"][2]["level"], &told["levels"][2]["h"]), (&16.into(), &0.0625.into()));
     for name in ["c_k", "c_f", "s1", "s1_normal", "s1_tangential", "s2"] {
         let falls = name.starts_with('c') || name == "s1_normal";
-        assert!(if falls { level(2, name) <= level(1, name) * (1.0 + 1e-12) } else { level(2, name) > level(1, name) }, "{name}");
+        assert!(
+            if falls { level(2, name) <= level(1, name) * (1.0 + 1e-12) } else { level(2, name) > level(1, name) },
+            "{name}"
+        );
     }
     let lambda = 1.25 * std::f64::consts::PI.powi(2);
     let (exact, limit) = ((lambda / (1.0 + lambda)).sqrt(), &told["limits"]["c_f"]);
     let off = (limit["value"].as_f64().expect("a number") - exact).abs();
-    assert!(level(2, "c_f") > exact && off < 0.1 * (level(2, "c_f") - exact) && off <= limit["error"].as_f64().expect("a number"));
+    assert!(
+        level(2, "c_f") > exact
+            && off < 0.1 * (level(2, "c_f") - exact)
+            && off <= limit["error"].as_f64().expect("a number")
+    );
     assert!(told["levels"][1]["orders"]["c_f"].is_null() && told["levels"][2]["orders"]["c_f"] == limit["order"]);
     assert!(told["limits"]["s1_normal"]["order"].is_null() && told["findings"].is_array());
 
@@ -153,8 +168,10 @@ fn progress_as_json_names_the_phases() {
     let folder = tempdir().expect("a folder");
     let printed = run_paper(&folder.path().join("run"), 4, &["--progress", "json", "--quiet"]);
     assert_code(&printed, 0);
-    let lines: Vec<serde_json::Value> = stderr(&printed).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
-    let phases: Vec<&str> = lines.iter().filter_map(|line| line["phase"].as_str()).filter(|phase| *phase != "steps").collect();
+    let lines: Vec<serde_json::Value> =
+        stderr(&printed).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
+    let phases: Vec<&str> =
+        lines.iter().filter_map(|line| line["phase"].as_str()).filter(|phase| *phase != "steps").collect();
     assert_eq!(phases, ["mesh", "certificate", "assembly", "factor", "results"]);
     let last = lines.iter().rfind(|line| line["phase"] == "steps").expect("steps");
     assert_eq!((&last["step"], &last["steps"], &last["t"]), (&4.into(), &4.into(), &1.0.into()));

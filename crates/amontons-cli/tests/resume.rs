@@ -42,7 +42,8 @@ fn small_case() -> Case {
 
 fn small_case_with(further: &[&str]) -> Case {
     let steps = format!("time.steps={STEPS}");
-    let overrides: Vec<String> = ["mesh.n=8", &steps, "output.every=3"].iter().chain(further).map(|&o| o.to_owned()).collect();
+    let overrides: Vec<String> =
+        ["mesh.n=8", &steps, "output.every=3"].iter().chain(further).map(|&o| o.to_owned()).collect();
     case::read(paper().as_ref(), &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
@@ -94,7 +95,8 @@ fn an_interrupted_run_goes_on_to_the_same_bits() {
         assert!(broken.join(format!("fields/step_{step:07}.vtu")).is_file());
         assert_code(&resume(&broken, &[]), 0);
         assert_same_results(&whole, &broken);
-        let manifest: serde_json::Value = serde_json::from_str(&read(&broken.join("manifest.json"))).expect("a manifest");
+        let manifest: serde_json::Value =
+            serde_json::from_str(&read(&broken.join("manifest.json"))).expect("a manifest");
         assert_eq!(manifest["sessions"][0]["to_step"], step);
         assert_eq!(manifest["sessions"][1]["from_step"], step);
         // A run that is done stays as it is.
@@ -130,7 +132,9 @@ fn a_run_that_died_goes_on_from_its_newest_checkpoint() {
     let died = whole.with_file_name("died");
     let case = small_case();
     let mut folder = folder_of(&case, &died, Duration::ZERO);
-    let mut die = At(7, || Err(OutputError::Io { doing: "write", path: PathBuf::new(), source: std::io::Error::other("the disk is gone") }));
+    let mut die = At(7, || {
+        Err(OutputError::Io { doing: "write", path: PathBuf::new(), source: std::io::Error::other("the disk is gone") })
+    });
     let ended = run::run(&case.problem, &Settings::default(), &mut [&mut folder, &mut die]);
     assert!(matches!(ended, Err(RunError::Output(_))));
     drop(folder);
@@ -180,7 +184,8 @@ fn a_run_goes_on_with_its_own_case_only() {
     assert_code(&resume(&broken.join("none"), &[]), 4);
 }
 
-/// Results keep copies of the tables that a case refers to: a run goes on, and is drawn and verified, without the originals.
+/// Results keep copies of the tables that a case refers to: a run goes on, and is drawn and verified, without the
+/// originals.
 #[test]
 fn a_run_goes_on_without_the_files_of_its_case() {
     let folder = tempdir().expect("a folder");
@@ -190,18 +195,22 @@ fn a_run_goes_on_without_the_files_of_its_case() {
     }
     fs::write(data.join("heat.csv"), "t,source\n0,1\n0.4,3\n1,2\n").expect("a file");
     let file = cases.join("oven.toml");
-    let text = read(paper().as_ref()).replace("heat_source = 1.0 ", "heat_source = { table = \"../data/heat.csv\", factor = \"1 + x\" } ");
+    let text = read(paper().as_ref())
+        .replace("heat_source = 1.0 ", "heat_source = { table = \"../data/heat.csv\", factor = \"1 + x\" } ");
     fs::write(&file, &text).expect("a file");
     let set = ["mesh.n=8", "time.steps=10", "output.every=3"];
     let case = case::read(&file, &set.map(str::to_owned)).unwrap_or_else(|error| panic!("{error}"));
     let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
-    let mut arguments = vec!["run".to_owned(), file.display().to_string(), "--out".to_owned(), whole.display().to_string()];
+    let mut arguments =
+        vec!["run".to_owned(), file.display().to_string(), "--out".to_owned(), whole.display().to_string()];
     arguments.extend(set.into_iter().flat_map(|set| ["--set".to_owned(), set.to_owned()]));
     assert_code(&output(&mut amontons(&arguments.iter().map(String::as_str).collect::<Vec<_>>())), 0);
     interrupted(&case, &broken, 4);
     fs::remove_dir_all(&data).expect("a folder");
     fs::remove_dir_all(&cases).expect("a folder");
-    assert!(read(&broken.join("case.toml")).contains("heat_source = { table = \"inputs/heat.csv\", factor = \"1 + x\" } "));
+    assert!(
+        read(&broken.join("case.toml")).contains("heat_source = { table = \"inputs/heat.csv\", factor = \"1 + x\" } ")
+    );
 
     assert_code(&resume(&broken, &[]), 0);
     assert_same_results(&whole, &broken);
@@ -255,7 +264,11 @@ fn ctrl_c_leaves_a_checkpoint() {
         let arguments = arguments(out);
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let mut command = amontons(&arguments);
-        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped()).spawn().expect("the program starts")
+        command
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .expect("the program starts")
     };
     let child = start(&broken);
     let begin = Instant::now();
@@ -269,7 +282,10 @@ fn ctrl_c_leaves_a_checkpoint() {
     assert_code(&ended, 130);
     assert!(stderr(&ended).contains("amontons resume"), "{}", stderr(&ended));
     let said = stderr(&ended);
-    assert!(said.contains("Ctrl-C: step ") && said.contains("a checkpoint is written; a second Ctrl-C stops at once"), "{said}");
+    assert!(
+        said.contains("Ctrl-C: step ") && said.contains("a checkpoint is written; a second Ctrl-C stops at once"),
+        "{said}"
+    );
     let steps = summary(&broken)["steps"].as_u64().expect("steps") as usize;
     assert!(steps > 0 && steps < LONG);
 
@@ -278,7 +294,8 @@ fn ctrl_c_leaves_a_checkpoint() {
     assert_same_results(&whole, &broken);
 }
 
-/// A body that slides into a corner: a ball that moves, wear, foundations that warm up, two contacts with laws of their own.
+/// A body that slides into a corner: a ball that moves, wear, foundations that warm up, two contacts with laws of their
+/// own.
 const CORNER: &str = r#"
 name = "corner"
 [mesh]

@@ -39,7 +39,11 @@ fn converge_writes_table_and_picture_and_reuses_finished_levels() {
     let kept = fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level");
     assert_eq!(amontons(&arguments).status.code(), Some(0));
     assert_eq!(text(&out.join("convergence.csv")), first);
-    assert_eq!(fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level"), kept, "the level was solved again");
+    assert_eq!(
+        fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level"),
+        kept,
+        "the level was solved again"
+    );
     // A damaged level is solved anew.
     fs::remove_file(out.join("convergence.csv")).expect("the table");
     fs::write(out.join("levels/8.bin"), b"spoiled").expect("a file");
@@ -112,13 +116,32 @@ fn verify_exits_with_1_where_a_value_does_not_hold() {
     assert_eq!(said["holds"], true);
     let refused = amontons(&["verify", "no-such-benchmark"]);
     assert_eq!(refused.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&refused.stderr).starts_with("Error: no-such-benchmark is no case file, no results folder and no benchmark"));
+    assert!(
+        String::from_utf8_lossy(&refused.stderr)
+            .starts_with("Error: no-such-benchmark is no case file, no results folder and no benchmark")
+    );
 
     // A results folder whose figures were changed.
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("run");
     let out_text = out.display().to_string();
-    assert_eq!(amontons(&["run", &paper(), "--set", "mesh.n=8", "--set", "time.steps=4", "--out", &out_text, "--quiet", "--plot"]).status.code(), Some(0));
+    assert_eq!(
+        amontons(&[
+            "run",
+            &paper(),
+            "--set",
+            "mesh.n=8",
+            "--set",
+            "time.steps=4",
+            "--out",
+            &out_text,
+            "--quiet",
+            "--plot"
+        ])
+        .status
+        .code(),
+        Some(0)
+    );
     assert!(out.join("plots/temperature.svg").exists());
     assert_eq!(amontons(&["verify", &out_text, "--quiet"]).status.code(), Some(0));
     let summary = text(&out.join("summary.json"));
@@ -129,7 +152,8 @@ fn verify_exits_with_1_where_a_value_does_not_hold() {
     assert_eq!(amontons(&["plot", &folder.path().join("nothing").display().to_string()]).status.code(), Some(4));
 }
 
-/// u_x = x²/2 of a rod of uniaxial strain with E = 1, ν = 0 under the body force −1, fixed at 0 and with the traction 1 at its other end.
+/// u_x = x²/2 of a rod of uniaxial strain with E = 1, ν = 0 under the body force −1, fixed at 0 and with the traction 1
+/// at its other end.
 const ROD: &str = r#"
 name = "rod"
 mesh = { kind = "interval", size = 1, n = 4, elements = "P2" }
@@ -182,20 +206,27 @@ fn verify_evaluates_the_blocks_of_a_case_file() {
     };
     for (blocks, values) in [(EXPECTED.to_owned(), 2), (VERIFY.to_owned(), 2), (format!("{EXPECTED}{VERIFY}"), 4)] {
         let done = verify(&format!("{ROD}{blocks}"), &[]);
-        let (said, told) = (String::from_utf8_lossy(&done.stdout).into_owned(), String::from_utf8_lossy(&done.stderr).into_owned());
+        let (said, told) =
+            (String::from_utf8_lossy(&done.stdout).into_owned(), String::from_utf8_lossy(&done.stderr).into_owned());
         assert_eq!(done.status.code(), Some(0), "{said}{told}");
         assert!(said.ends_with(&format!("{values} of {values} values hold\n")), "{said}");
     }
     // With twice the stiffness half the displacement, and half the energy: three of four values do not hold.
-    let done = verify(&format!("{ROD}{EXPECTED}{VERIFY}"), &["--set", "material.elasticity.young=2", "--format", "json"]);
+    let done =
+        verify(&format!("{ROD}{EXPECTED}{VERIFY}"), &["--set", "material.elasticity.young=2", "--format", "json"]);
     assert_eq!(done.status.code(), Some(1));
     let said: serde_json::Value = serde_json::from_slice(&done.stdout).expect("one document of JSON");
-    let computed: Vec<f64> = said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["computed"].as_f64()).collect();
+    let computed: Vec<f64> =
+        said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["computed"].as_f64()).collect();
     for (computed, expected) in computed.iter().zip([0.25, 0.0, 0.0625, 1.0 / 12.0]) {
         assert!((computed - expected).abs() < 1e-12, "{computed}, expected {expected}");
     }
-    let holds: Vec<bool> = said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["holds"].as_bool()).collect();
-    assert_eq!((holds, &said["holds"], &said["error"]["exit_code"]), (vec![false, true, false, false], &serde_json::json!(false), &serde_json::json!(1)));
+    let holds: Vec<bool> =
+        said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["holds"].as_bool()).collect();
+    assert_eq!(
+        (holds, &said["holds"], &said["error"]["exit_code"]),
+        (vec![false, true, false, false], &serde_json::json!(false), &serde_json::json!(1))
+    );
 }
 
 #[test]
@@ -206,11 +237,17 @@ fn verify_refuses_what_it_cannot_compare() {
     let wrong = |from: &str, to: &str| format!("{ROD}{EXPECTED}{VERIFY}").replace(from, to);
     let cases = [
         (ROD.to_owned(), "has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]"),
-        (wrong("final.temperature_max", "final.temperature"), "summary.json has no such value there, expected 1 number"),
+        (
+            wrong("final.temperature_max", "final.temperature"),
+            "summary.json has no such value there, expected 1 number",
+        ),
         (wrong("[0.5]\n\"", "[0.5, 0]\n\""), "summary.json has 1 number there, expected 2 numbers"),
         (wrong("\"elastic\"", "\"elastik\""), "did you mean \"elastic\"?"),
         (wrong("time = 1\n", "time = 1.5\n"), "a time from 0 to time.end = 1"),
-        (wrong("kind = \"history\"\ncolumn = \"elastic\"", "kind = \"error\"\nerror = \"error_u\""), "no [exact] to compare with"),
+        (
+            wrong("kind = \"history\"\ncolumn = \"elastic\"", "kind = \"error\"\nerror = \"error_u\""),
+            "no [exact] to compare with",
+        ),
     ];
     for (text, part) in cases {
         fs::write(&file, text).expect("a file");
@@ -226,7 +263,20 @@ fn reproduce_makes_the_figures_and_a_report() {
     let folder = tempfile::tempdir().expect("a folder");
     let out = folder.path().join("figures");
     let out_text = out.display().to_string();
-    let done = amontons(&["reproduce", "--levels", "4,8", "--reference", "16", "--set", "mesh.n=16", "--set", "time.steps=16", "--out", &out_text, "--quiet"]);
+    let done = amontons(&[
+        "reproduce",
+        "--levels",
+        "4,8",
+        "--reference",
+        "16",
+        "--set",
+        "mesh.n=16",
+        "--set",
+        "time.steps=16",
+        "--out",
+        &out_text,
+        "--quiet",
+    ]);
     assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
     for reading in ["default", "identity", "literal"] {
         for figure in ["figure-2-deformed", "figure-3-temperature", "figure-4-von-mises", "figure-5-errors"] {
@@ -269,10 +319,28 @@ fn reproduce_makes_the_figures_and_a_report() {
     assert_eq!(names.map(made), before, "a finished part was computed again");
     assert_eq!(text(&out.join("report.md")), report);
     let said = String::from_utf8_lossy(&done.stderr).into_owned();
-    assert!(said.contains("study 3 of 6 (identity, θ_F = 0)") && !said.contains("study 1 of 6") && !said.contains("run 1 of 6"), "{said}");
+    assert!(
+        said.contains("study 3 of 6 (identity, θ_F = 0)")
+            && !said.contains("study 1 of 6")
+            && !said.contains("run 1 of 6"),
+        "{said}"
+    );
     // A study with other levels is another one.
     fs::remove_file(out.join("report.md")).expect("the report");
-    let other = amontons(&["reproduce", "--levels", "2,4", "--reference", "8", "--set", "mesh.n=16", "--set", "time.steps=16", "--out", &out_text, "--quiet"]);
+    let other = amontons(&[
+        "reproduce",
+        "--levels",
+        "2,4",
+        "--reference",
+        "8",
+        "--set",
+        "mesh.n=16",
+        "--set",
+        "time.steps=16",
+        "--out",
+        &out_text,
+        "--quiet",
+    ]);
     assert_eq!(other.status.code(), Some(0));
     assert!(names[..2].iter().zip(before).all(|(name, before)| made(name) == before) && made(names[2]) != before[2]);
 }

@@ -33,7 +33,12 @@ fn a_standard_case_ends_without_the_word_fails() {
     let text = stdout(&printed);
     assert!(!text.contains("fails") && !text.contains("Warning"), "{text}");
     let line = text.lines().last().expect("a line");
-    assert!(line.starts_with("Not covered by the theory: H1") && line.contains(", H8") && line.ends_with("; see `amontons check`"), "{line}");
+    assert!(
+        line.starts_with("Not covered by the theory: H1")
+            && line.contains(", H8")
+            && line.ends_with("; see `amontons check`"),
+        "{line}"
+    );
 
     // The certificate says all of it, and so does the summary.
     let printed = output(&mut amontons(&[&["check", case.as_str()], &STANDARD[..]].concat()));
@@ -52,11 +57,21 @@ fn a_warning_has_place_and_repair() {
     let printed = run_paper(&out, 8, &[]);
     assert_code(&printed, 0);
     let text = stdout(&printed);
-    assert!(text.contains("Warning (strain): the largest principal strain is") && text.contains("(material.elasticity)\n  to repair it: "), "{text}");
+    assert!(
+        text.contains("Warning (strain): the largest principal strain is")
+            && text.contains("(material.elasticity)\n  to repair it: "),
+        "{text}"
+    );
     let kept = summary(&out);
     let warning = &kept["warnings"][0];
-    assert_eq!((&warning["id"], &warning["kind"], &warning["value"]), (&"strain".into(), &"warning".into(), &kept["final"]["strain_max"]));
-    assert!(kept["final"]["undershoot"].is_number() && kept["final"]["penetration_per_cell"].as_f64().is_some_and(|ratio| ratio < 0.1));
+    assert_eq!(
+        (&warning["id"], &warning["kind"], &warning["value"]),
+        (&"strain".into(), &"warning".into(), &kept["final"]["strain_max"])
+    );
+    assert!(
+        kept["final"]["undershoot"].is_number()
+            && kept["final"]["penetration_per_cell"].as_f64().is_some_and(|ratio| ratio < 0.1)
+    );
 }
 
 #[test]
@@ -79,7 +94,12 @@ fn check_gives_the_size_of_the_model() {
     }
     // The same numbers in SI units, per metre of thickness.
     let printed = output(&mut amontons(&[&arguments[..], &["--set", "units=\"SI\""]].concat()));
-    for part in ["… 1.00000e0 m\n", "volume 1.00000e0 m³/m, mass 3.00000e0 kg/m\n", "area 1.00000e0 m²/m, 17", "√(k K/c) = 125 mm in a step, 1 m in"] {
+    for part in [
+        "… 1.00000e0 m\n",
+        "volume 1.00000e0 m³/m, mass 3.00000e0 kg/m\n",
+        "area 1.00000e0 m²/m, 17",
+        "√(k K/c) = 125 mm in a step, 1 m in",
+    ] {
         assert!(stdout(&printed).contains(part), "{part} is not in\n{}", stdout(&printed));
     }
     let printed = output(&mut amontons(&[&arguments[..], &["--format", "json"]].concat()));
@@ -91,7 +111,11 @@ fn check_gives_the_size_of_the_model() {
     for key in ["first_period", "heat"] {
         assert!(model["times"][key].as_f64().is_some_and(|time| time > 0.0), "{key}");
     }
-    assert!(model["cost"]["memory_bytes"].as_f64().is_some_and(|bytes| bytes > 0.0) && told["findings"].is_array() && told["constants"].is_object());
+    assert!(
+        model["cost"]["memory_bytes"].as_f64().is_some_and(|bytes| bytes > 0.0)
+            && told["findings"].is_array()
+            && told["constants"].is_object()
+    );
 }
 
 #[test]
@@ -100,5 +124,9 @@ fn a_datum_that_is_not_finite_ends_the_run_with_its_key() {
     let printed = run_paper(&folder.path().join("datum"), 4, &["--set", "load.heat_source=\"1/(t - 0.5)\""]);
     assert_code(&printed, 3);
     let text = stderr(&printed);
-    assert!(text.contains("step 2 (t = 5.000000e-1): load.heat_source is inf at (0, 0, 0), t = 0.5:") && text.contains("correct load.heat_source"), "{text}");
+    assert!(
+        text.contains("step 2 (t = 5.000000e-1): load.heat_source is inf at (0, 0, 0), t = 0.5:")
+            && text.contains("correct load.heat_source"),
+        "{text}"
+    );
 }

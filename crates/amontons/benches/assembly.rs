@@ -21,7 +21,10 @@ fn main() {
         Mesh::box_([1.0; 3], [40; 3], Elements::Q1),
         Mesh::box_([1.0; 3], [16; 3], Elements::Q2),
     ];
-    println!("{:<20} {:>9} {:>12} {:>12} {:>12} {:>12}   cells a second (median of 5)", "element", "cells", "graph", "a", "inner_h", "m");
+    println!(
+        "{:<20} {:>9} {:>12} {:>12} {:>12} {:>12}   cells a second (median of 5)",
+        "element", "cells", "graph", "a", "inner_h", "m"
+    );
     for mesh in meshes {
         let mesh = mesh.expect("a mesh");
         let law = Isotropic::elastic(mesh.dim, 2.0, 0.3, StressState::PlaneStrain);
@@ -43,6 +46,10 @@ fn main() {
             rate(&|| drop(forms::m(&mesh, &graph, &[&Sym::identity(mesh.dim)]))),
             rate(&|| drop(Graph::of_mesh(&mesh))),
         ];
-        println!("{:<20} {:>9} {g:>12.3e} {a:>12.3e} {h:>12.3e} {m:>12.3e}", mesh.blocks[0].element.name, mesh.cell_count());
+        println!(
+            "{:<20} {:>9} {g:>12.3e} {a:>12.3e} {h:>12.3e} {m:>12.3e}",
+            mesh.blocks[0].element.name,
+            mesh.cell_count()
+        );
     }
 }

@@ -22,10 +22,13 @@ fn main() {
     let steps = numbers.next().unwrap_or_else(|| n.clone());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
     println!("paper, n = {n}, {steps} steps");
-    let problem = timed("the case", || case::read(&path, &[format!("mesh.n={n}"), format!("time.steps={steps}")]).expect("the paper's case").problem);
+    let problem = timed("the case", || {
+        case::read(&path, &[format!("mesh.n={n}"), format!("time.steps={steps}")]).expect("the paper's case").problem
+    });
     timed("findings without eigenvalues", || hypotheses::findings(&problem));
     timed("constants of the domain", || hypotheses::domain_constants(&problem).expect("constants"));
-    let certificate = timed("the certificate, the two above included", || hypotheses::certificate(&problem).expect("a certificate"));
+    let certificate =
+        timed("the certificate, the two above included", || hypotheses::certificate(&problem).expect("a certificate"));
     let advice = timed("advice: search for a number of steps", || hypotheses::advice(&problem, &certificate.constants));
     for finding in certificate.findings.iter().chain(&advice) {
         println!("  ({}) {}", finding.id, finding.status);

@@ -1,7 +1,7 @@
 //! The paper's finest run, n = 256 with 256 steps, against the bound that reading the factors sets.
 //!
-//! `cargo bench -p amontons-core --bench paper` prints setup, factor, time per step and total beside the read bandwidth of
-//! the machine, measured in the same run. Arguments after `--`: n, steps, θ_F.
+//! `cargo bench -p amontons-core --bench paper` prints setup, factor, time per step and total beside the read bandwidth
+//! of the machine, measured in the same run. Arguments after `--`: n, steps, θ_F.
 #![allow(clippy::expect_used, clippy::print_stdout, reason = "a program for developers")]
 
 use std::hint::black_box;
@@ -40,11 +40,16 @@ fn main() {
     let steps = numbers.next().unwrap_or_else(|| n.clone());
     let foundation = numbers.next().unwrap_or_else(|| "0".to_owned());
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml");
-    let overrides = [format!("mesh.n={n}"), format!("time.steps={steps}"), format!("contact.heat.foundation_temperature={foundation}")];
+    let overrides = [
+        format!("mesh.n={n}"),
+        format!("time.steps={steps}"),
+        format!("contact.heat.foundation_temperature={foundation}"),
+    ];
     let problem = case::read(&path, &overrides).expect("the paper's case").problem;
     let stored = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system").stored();
     let before = bandwidth(stored);
-    let summary = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut Memory::default()]).expect("a run that ends");
+    let summary = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut Memory::default()])
+        .expect("a run that ends");
     let after = bandwidth(stored);
     let (best, median) = (before.0.max(after.0), f64::midpoint(before.1, after.1));
     let seconds = &summary.seconds;
@@ -55,7 +60,11 @@ fn main() {
         summary.steps, summary.unknowns.displacement, summary.unknowns.temperature
     );
     println!("  factors           {:.1} MB, read twice per step", 8e-6 * stored as f64);
-    println!("  read bandwidth    {:.1} GB/s at best, {:.1} GB/s in the median, one thread", 1e-9 * best, 1e-9 * median);
+    println!(
+        "  read bandwidth    {:.1} GB/s at best, {:.1} GB/s in the median, one thread",
+        1e-9 * best,
+        1e-9 * median
+    );
     println!("  setup             {:.3} s", seconds.setup);
     println!("  factor            {:.3} s", seconds.factor);
     println!(
@@ -65,8 +74,15 @@ fn main() {
         per_step * median / read
     );
     println!("  total             {:.2} s", seconds.setup + seconds.factor + seconds.steps);
-    println!("  Newton            {} iterations in mechanics, at most {} a step", summary.solver.newton_mechanics_total, summary.solver.newton_mechanics_max);
+    println!(
+        "  Newton            {} iterations in mechanics, at most {} a step",
+        summary.solver.newton_mechanics_total, summary.solver.newton_mechanics_max
+    );
     if let Some(bytes) = summary.peak_memory_bytes {
-        println!("  peak memory       {:.0} MB, the array of the bandwidth test ({:.0} MB) included", 1e-6 * bytes as f64, 8e-6 * stored as f64);
+        println!(
+            "  peak memory       {:.0} MB, the array of the bandwidth test ({:.0} MB) included",
+            1e-6 * bytes as f64,
+            8e-6 * stored as f64
+        );
     }
 }

@@ -9,13 +9,18 @@ use amontons::problem::{BoundaryCondition, ProblemData};
 use amontons::run::{Settings, run};
 use amontons::tensor::Sym;
 
-/// Pressure in Pa and heat flux in W/m² at the foundation. The rod has E = 70 GPa, 150 W/(m K) and a length of 0.1 m; its clamp at 400 K is moved by 0.1 mm
-/// towards a foundation at 300 K with 1e12 Pa/m and 5e3 W/(m² K).
+/// Pressure in Pa and heat flux in W/m² at the foundation. The rod has E = 70 GPa, 150 W/(m K) and a length of 0.1 m;
+/// its clamp at 400 K is moved by 0.1 mm towards a foundation at 300 K with 1e12 Pa/m and 5e3 W/(m² K).
 ///
 /// # Errors
 /// When the data have faults or the run fails.
 pub fn pressed_rod() -> Result<[f64; 2], Box<dyn std::error::Error>> {
-    let mut aluminium = Material::new(1, Isotropic::elastic(1, 7e10, 0.3, PlaneStress)).viscosity(Isotropic::lame(1, 0.0, 1e6, PlaneStress));
+    let mut aluminium = Material::new(1, Isotropic::elastic(1, 7e10, 0.3, PlaneStress)).viscosity(Isotropic::lame(
+        1,
+        0.0,
+        1e6,
+        PlaneStress,
+    ));
     aluminium.conductivity = Sym([150.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
 
     let mut rod = ProblemData::new("rod", Mesh::interval(0.1, 10, Elements::P1)?, aluminium, 1.0, 100);

@@ -1,4 +1,5 @@
-//! A friction law of one's own in a run: Coulomb's law for small pressures, bounded by the shear strength of the softer body.
+//! A friction law of one's own in a run: Coulomb's law for small pressures, bounded by the shear strength of the softer
+//! body.
 //!
 //! A layer is pressed on a foundation and sheared at its top until all of its lower side slips.
 
@@ -42,8 +43,10 @@ pub fn friction_force(law: Saturating) -> Result<f64, Box<dyn std::error::Error>
     layer.physics = Physics::Mechanics;
     // Uniform compression to the pressure p = 1e6 Pa: u_y = −p/c − (p/E) y. The top is sheared by 0.1 mm.
     let (pressed, shear) = (Field::from(Expression::parse("-1e-4 - 2e-4*y")?), Expression::parse("1e-4*t")?);
-    let side = |on| BoundaryCondition { displacement: Some(vec![None, Some(pressed.clone())]), ..BoundaryCondition::on(on) };
-    layer.boundary = vec![BoundaryCondition::on("top").displacement([shear.into(), pressed.clone()]), side("left"), side("right")];
+    let side =
+        |on| BoundaryCondition { displacement: Some(vec![None, Some(pressed.clone())]), ..BoundaryCondition::on(on) };
+    layer.boundary =
+        vec![BoundaryCondition::on("top").displacement([shear.into(), pressed.clone()]), side("left"), side("right")];
     layer.initial.displacement = vec![0.0.into(), pressed.clone()];
     layer.contacts = vec![Contact::new("bottom", Compliance { stiffness: 1e10 }).friction(law)];
     let summary = run(&layer.check()?, &Settings::default(), &mut [&mut Memory::new()])?;

@@ -29,7 +29,11 @@ impl Sink for Forces {
     }
 
     fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {
-        println!("{} steps, largest force {:.6e} N", summary.steps, self.0.iter().fold(0.0, |most: f64, [_, force]| most.max(*force)));
+        println!(
+            "{} steps, largest force {:.6e} N",
+            summary.steps,
+            self.0.iter().fold(0.0, |most: f64, [_, force]| most.max(*force))
+        );
         Ok(())
     }
 }
@@ -39,7 +43,13 @@ impl Sink for Forces {
 /// # Errors
 /// When the data have faults or the run fails.
 pub fn forces() -> Result<Forces, Box<dyn std::error::Error>> {
-    let mut rod = ProblemData::new("rod", Mesh::interval(1.0, 4, Elements::P1)?, Material::new(1, Isotropic::elastic(1, 1e6, 0.0, PlaneStress)), 1.0, 5);
+    let mut rod = ProblemData::new(
+        "rod",
+        Mesh::interval(1.0, 4, Elements::P1)?,
+        Material::new(1, Isotropic::elastic(1, 1e6, 0.0, PlaneStress)),
+        1.0,
+        5,
+    );
     rod.physics = Physics::Mechanics;
     rod.boundary = vec![BoundaryCondition::on("left").displacement([Expression::parse("1e-3*t")?])];
     rod.contacts = vec![Contact::new("right", Compliance { stiffness: 4e6 })];

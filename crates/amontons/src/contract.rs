@@ -32,7 +32,10 @@ fn samples() -> Samples {
 
 #[track_caller]
 fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
-    assert!((found - expected).abs() <= tolerance, "{what}: found {found:e}, expected {expected:e} within {tolerance:e}");
+    assert!(
+        (found - expected).abs() <= tolerance,
+        "{what}: found {found:e}, expected {expected:e} within {tolerance:e}"
+    );
 }
 
 /// Shape functions are one at their node, zero at the others, sum to one and have the gradients they
@@ -72,7 +75,12 @@ pub fn assert_element(element: &'static Element) {
     assert_facets(element);
     let mut listed = element.gmsh_nodes.to_vec();
     listed.sort_unstable();
-    assert!(listed.into_iter().eq(0..n), "{}: the nodes of Gmsh are no permutation: {:?}", element.name, element.gmsh_nodes);
+    assert!(
+        listed.into_iter().eq(0..n),
+        "{}: the nodes of Gmsh are no permutation: {:?}",
+        element.name,
+        element.gmsh_nodes
+    );
 }
 
 /// Facets have the nodes of their element in its order, and close the cell: with the outward normal,
@@ -89,15 +97,26 @@ fn assert_facets(element: &'static Element) {
     let (mut total, mut flux, centre) = ([0.0; 3], 0.0, element.centre());
     for facet in element.facets {
         assert_eq!(facet.nodes.len(), facet.element.nodes.len(), "{}: nodes of a facet", element.name);
-        assert!(facet.nodes.iter().all(|&i| i < element.nodes.len()), "{}: a facet names a node that is not there: {:?}", element.name, facet.nodes);
+        assert!(
+            facet.nodes.iter().all(|&i| i < element.nodes.len()),
+            "{}: a facet names a node that is not there: {:?}",
+            element.name,
+            facet.nodes
+        );
         let nodes: Vec<u32> = facet.nodes.iter().map(|&i| i as u32).collect();
         // The corners of a facet determine the places of its other nodes.
         let flat = Element::find(facet.element.shape, 1).unwrap_or(facet.element);
         let linear = Table::at(flat, facet.element.nodes);
         for (q, &node) in facet.nodes.iter().enumerate().filter(|_| facet.element.dim() > 0) {
             for d in 0..3 {
-                let expected: f64 = linear.values(q).iter().zip(facet.nodes).map(|(value, &i)| value * element.nodes[i][d]).sum();
-                near(element.nodes[node][d], expected, 1e-15, &format!("{}: node {node} of the facet {:?}", element.name, facet.nodes));
+                let expected: f64 =
+                    linear.values(q).iter().zip(facet.nodes).map(|(value, &i)| value * element.nodes[i][d]).sum();
+                near(
+                    element.nodes[node][d],
+                    expected,
+                    1e-15,
+                    &format!("{}: node {node} of the facet {:?}", element.name, facet.nodes),
+                );
             }
         }
         let table = Table::new(facet.element, 3);
@@ -120,7 +139,8 @@ fn assert_facets(element: &'static Element) {
 }
 
 /// (H1), (H2): zero at zero, the tangent is the derivative, the value that of the potential (and the tangent symmetric)
-/// where there is one, and the declared constants m, M and bounds hold, on samples from a thousandth to a thousand times `size`.
+/// where there is one, and the declared constants m, M and bounds hold, on samples from a thousandth to a thousand
+/// times `size`.
 ///
 /// # Panics
 /// When the law breaks the contract.
@@ -142,17 +162,30 @@ pub fn assert_tensor_law(law: &dyn TensorLaw, dim: usize, size: f64) {
             let slope = (0.5 / h) * (law.value(&x, &plus) - law.value(&x, &minus));
             let declared = tangent.apply(&direction);
             for m in 0..6 {
-                near(declared.0[m], slope.0[m], 1e-7 * stiffness, &format!("{law:?}: component {m} of the tangent at {a:?}"));
+                near(
+                    declared.0[m],
+                    slope.0[m],
+                    1e-7 * stiffness,
+                    &format!("{law:?}: component {m} of the tangent at {a:?}"),
+                );
             }
             let form = declared.dot(&direction);
             let [low, high] = law.bounds().map(|map| map.apply(&direction).dot(&direction));
             let slack = 1e-12 * stiffness;
-            assert!(low - slack <= form && form <= high + slack, "{law:?}: declared bounds {low:e} and {high:e}, but the tangent gives {form:e} at {a:?}");
+            assert!(
+                low - slack <= form && form <= high + slack,
+                "{law:?}: declared bounds {low:e} and {high:e}, but the tangent gives {form:e} at {a:?}"
+            );
             if let (Some(w), Some(v)) = (law.potential(&x, &plus), law.potential(&x, &minus)) {
                 let work = law.value(&x, &a).dot(&direction);
                 near((w - v) / (2.0 * h), work, 1e-8 * scale, &format!("{law:?}: slope of the potential at {a:?}"));
                 for (i, j) in (0..mandel_len(dim)).flat_map(|i| (0..i).map(move |j| (i, j))) {
-                    near(tangent.0[i][j], tangent.0[j][i], 1e-13 * stiffness, &format!("{law:?}: symmetry of the tangent in {i}, {j}"));
+                    near(
+                        tangent.0[i][j],
+                        tangent.0[j][i],
+                        1e-13 * stiffness,
+                        &format!("{law:?}: symmetry of the tangent in {i}, {j}"),
+                    );
                 }
             }
         }
@@ -203,7 +236,12 @@ pub fn assert_isotropic(law: &dyn TensorLaw, dim: usize, size: f64) {
             let turned = rotation.tensor(&xi);
             let (found, expected) = (law.value(&x, &turned), rotation.tensor(&law.value(&x, &xi)));
             let slack = 1e-13 * law.constants().lipschitz * size;
-            near((found - expected).norm(), 0.0, slack, &format!("{law:?}: value at a turned argument, {found:?} for {expected:?}"));
+            near(
+                (found - expected).norm(),
+                0.0,
+                slack,
+                &format!("{law:?}: value at a turned argument, {found:?} for {expected:?}"),
+            );
             if let (Some(w), Some(v)) = (law.potential(&x, &turned), law.potential(&x, &xi)) {
                 near(w, v, slack * size, &format!("{law:?}: potential at a turned argument"));
             }
@@ -211,22 +249,32 @@ pub fn assert_isotropic(law: &dyn TensorLaw, dim: usize, size: f64) {
     }
 }
 
-/// A slope lies between the two one-sided differences: at a kink either side is as good as the other. At a jump there is none.
+/// A slope lies between the two one-sided differences: at a kink either side is as good as the other. At a jump there
+/// is none.
 fn slope_between(slope: f64, f: impl Fn(f64) -> f64, h: f64, slack: f64, what: &str) {
     let (left, right) = ((f(0.0) - f(-h)) / h, (f(h) - f(0.0)) / h);
-    // A jump of f of 1e-3 of the size of f within h would be a slope of a thousand times the scale that slack is made of.
+    // A jump of f of 1e-3 of the size of f within h would be a slope of a thousand times the scale that slack is made
+    // of.
     let (low, high) = (left.min(right), left.max(right));
-    assert!(slope >= low - slack && slope <= high + slack, "{what}: slope {slope:e}, expected one between {low:e} and {high:e}");
+    assert!(
+        slope >= low - slack && slope <= high + slack,
+        "{what}: slope {slope:e}, expected one between {low:e} and {high:e}"
+    );
 }
 
-/// The coefficient is a number that is not negative, whatever the point, and has the slope in the temperature that it claims.
+/// The coefficient is a number that is not negative, whatever the point, and has the slope in the temperature that it
+/// claims.
 ///
 /// # Panics
 /// When the law breaks the contract.
 pub fn assert_wear_law(law: &dyn WearLaw) {
     let mut random = samples();
     for _ in 0..256 {
-        let at = ContactPoint { temperature: 1e3 * random.number(), pressure: random.number().abs(), ..ContactPoint::default() };
+        let at = ContactPoint {
+            temperature: 1e3 * random.number(),
+            pressure: random.number().abs(),
+            ..ContactPoint::default()
+        };
         let coefficient = law.coefficient(&at);
         assert!(coefficient.is_finite() && coefficient >= 0.0, "{law:?}: coefficient {coefficient:e} at {at:?}");
         let warmer = |h: f64| law.coefficient(&ContactPoint { temperature: at.temperature + h, ..at });
@@ -234,9 +282,9 @@ pub fn assert_wear_law(law: &dyn WearLaw) {
     }
 }
 
-/// The surface of an obstacle in `dim` dimensions: at points of a box of side 2 `size` around `about` the normal is of unit length and the gradient of
-/// the distance, and the point that it leads to, by the distance, lies on the surface. Points where two parts of the surface are nearly equally near have no gradient; one in ten may be
-/// such.
+/// The surface of an obstacle in `dim` dimensions: at points of a box of side 2 `size` around `about` the normal is of
+/// unit length and the gradient of the distance, and the point that it leads to, by the distance, lies on the surface.
+/// Points where two parts of the surface are nearly equally near have no gradient; one in ten may be such.
 ///
 /// # Panics
 /// When the shape breaks the contract.
@@ -248,16 +296,28 @@ pub fn assert_shape(shape: &dyn Shape, about: &Point, size: f64, dim: usize) {
         let found = shape.nearest(&x, 0.0);
         near(length(&found.normal), 1.0, 1e-14, &format!("{shape:?}: length of the normal at {x:?}"));
         let foot: Point = std::array::from_fn(|c| x[c] - found.distance * found.normal[c]);
-        near(shape.nearest(&foot, 0.0).distance, 0.0, 1e-12 * (size + found.distance.abs()), &format!("{shape:?}: distance of the nearest point to {x:?}"));
+        near(
+            shape.nearest(&foot, 0.0).distance,
+            0.0,
+            1e-12 * (size + found.distance.abs()),
+            &format!("{shape:?}: distance of the nearest point to {x:?}"),
+        );
         let h = 1e-5 * size;
         let gradient: Point = std::array::from_fn(|c| {
-            let moved = |h: f64| shape.nearest(&std::array::from_fn(|d| if c == d { x[d] + h } else { x[d] }), 0.0).distance;
+            let moved =
+                |h: f64| shape.nearest(&std::array::from_fn(|d| if c == d { x[d] + h } else { x[d] }), 0.0).distance;
             if c < dim { (moved(h) - moved(-h)) / (2.0 * h) } else { 0.0 }
         });
         kinks += usize::from((0..3).any(|c| (gradient[c] - found.normal[c]).abs() > 1e-4));
     }
-    assert!(10 * kinks <= points, "{shape:?}: the normal is not the gradient of the distance at {kinks} of {points} points");
-    assert!(shape.fields().iter().all(|(_, field)| !field.depends_on_time()) || shape.depends_on_time(), "{shape:?}: data that move, a shape that does not");
+    assert!(
+        10 * kinks <= points,
+        "{shape:?}: the normal is not the gradient of the distance at {kinks} of {points} points"
+    );
+    assert!(
+        shape.fields().iter().all(|(_, field)| !field.depends_on_time()) || shape.depends_on_time(),
+        "{shape:?}: data that move, a shape that does not"
+    );
 }
 
 /// The sweeps around a contact problem without forces solve the system, the condensed operator is the
@@ -278,7 +338,9 @@ pub fn assert_backend(backend: &dyn Backend) {
     let contact = mesh.facets["bottom"].node_list();
     let unknowns = Unknowns::new(&matrix, &mesh.points, 2, &free, &contact);
     assert_eq!(unknowns.contact().len(), 2 * contact.len(), "{backend:?}: contact unknowns");
-    let Ok(factor) = backend.factorize(&matrix, &unknowns) else { panic!("{backend:?}: a positive definite matrix was refused") };
+    let Ok(factor) = backend.factorize(&matrix, &unknowns) else {
+        panic!("{backend:?}: a positive definite matrix was refused")
+    };
     let mut random = samples();
     let solution: Vec<f64> = free.iter().map(|&f| if f { random.number() } else { 0.0 }).collect();
     let right = matrix.apply(&solution);

@@ -56,8 +56,8 @@ pub struct Discretization {
     pub boundary: ContactBoundary,
 }
 
-/// All branches of the body with one relaxation time τ. Where the springs have the strain ε(z), their stress is 𝓖ε(z), and
-/// ż + z/τ = u̇ is the equation of every one of them: one field z serves the body.
+/// All branches of the body with one relaxation time τ. Where the springs have the strain ε(z), their stress is 𝓖ε(z),
+/// and ż + z/τ = u̇ is the equation of every one of them: one field z serves the body.
 #[derive(Debug)]
 pub struct Relaxation {
     /// τ in s.
@@ -116,14 +116,18 @@ impl Discretization {
         let each = |f: fn(&Material) -> f64| materials.iter().map(f).collect::<Vec<f64>>();
         let tensors = |f: fn(&Material) -> &Sym| materials.iter().map(f).collect::<Vec<&Sym>>();
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
-            let linear: Vec<&dyn TensorLaw> = materials.iter().map(|m| if law(m).is_linear() { law(m).as_ref() } else { &ZERO }).collect();
+            let linear: Vec<&dyn TensorLaw> =
+                materials.iter().map(|m| if law(m).is_linear() { law(m).as_ref() } else { &ZERO }).collect();
             forms::tensor_form(&mesh, &graph, &linear, problem.dilatation)
         };
         let others = |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
             if materials.iter().all(|m| law(m).is_linear()) {
                 return Vec::new();
             }
-            materials.iter().map(|m| if law(m).is_linear() { Arc::new(ZERO) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) }).collect()
+            materials
+                .iter()
+                .map(|m| if law(m).is_linear() { Arc::new(ZERO) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) })
+                .collect()
         };
         let boundary = problem.contact_boundary();
         Discretization {
@@ -157,7 +161,8 @@ impl Discretization {
         self.elasticity.is_empty() && self.viscosity.is_empty()
     }
 
-    /// The number ρ and the form of which inertia is the product: (ρ·, ·) = ρ (·, ·) where the density is the same everywhere.
+    /// The number ρ and the form of which inertia is the product: (ρ·, ·) = ρ (·, ·) where the density is the same
+    /// everywhere.
     #[must_use]
     pub fn inertia(&self) -> (f64, &BlockMatrix) {
         (self.density.factor(), self.density.form(&self.mass))
@@ -190,7 +195,10 @@ impl Discretization {
         let mut matrix = self.mechanical_matrix(k);
         for (laws, factor, at) in [(&self.elasticity, k, u), (&self.viscosity, 1.0, w)] {
             if !laws.is_empty() {
-                matrix.add_scaled(factor, &forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at));
+                matrix.add_scaled(
+                    factor,
+                    &forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at),
+                );
             }
         }
         matrix
@@ -232,7 +240,8 @@ impl Discretization {
         with(self.d.apply(theta), self.convection.as_ref(), theta)
     }
 
-    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·), the latter three with springs and dashpots; a(w, ·) is empty where a law is not linear.
+    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·), the latter three with springs and dashpots; a(w, ·) is empty where a law
+    /// is not linear.
     #[must_use]
     pub fn mechanical_products(&self, u: &[f64], w: &[f64]) -> [Vec<f64>; 4] {
         let (_, inertia) = self.inertia();
@@ -249,10 +258,15 @@ impl Discretization {
     #[must_use]
     pub fn mechanical_round_off(&self, u: &[f64], w: &[f64]) -> f64 {
         let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[Arc<dyn TensorLaw>], at: &[f64]| {
-            let tangent = if laws.is_empty() { 0.0 } else { forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at).round_off(at) };
+            let tangent = if laws.is_empty() {
+                0.0
+            } else {
+                forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at).round_off(at)
+            };
             form.round_off(at) + boundary.map_or(0.0, |boundary| boundary.round_off(at)) + tangent
         };
-        of(&self.a, self.springs.as_ref(), &self.elasticity, u) + of(&self.b, self.dashpots.as_ref(), &self.viscosity, w)
+        of(&self.a, self.springs.as_ref(), &self.elasticity, u)
+            + of(&self.b, self.dashpots.as_ref(), &self.viscosity, w)
     }
 
     /// What the last bits of θ make of d(θ, ·) with the convection.
@@ -261,16 +275,22 @@ impl Discretization {
         self.d.round_off(theta) + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
     }
 
-    /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none if one of these has no potential.
+    /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none if one of these
+    /// has no potential.
     #[must_use]
     pub fn stored_energy(&self, u: &[f64]) -> Option<f64> {
         let linear = 0.5 * dot(u, &self.apply_linear_a(u));
-        if self.elasticity.is_empty() { Some(linear) } else { Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), self.dilatation, u)?) }
+        if self.elasticity.is_empty() {
+            Some(linear)
+        } else {
+            Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), self.dilatation, u)?)
+        }
     }
 
     fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64]) -> Vec<f64> {
         if !laws.is_empty() {
-            for (sum, term) in product.iter_mut().zip(forms::residual(&self.mesh, &borrowed(laws), self.dilatation, at)) {
+            for (sum, term) in product.iter_mut().zip(forms::residual(&self.mesh, &borrowed(laws), self.dilatation, at))
+            {
                 *sum += term;
             }
         }

@@ -1,8 +1,8 @@
 //! Quadrature on the reference cells, of any degree and with all symmetries of the cell.
 //!
-//! Gauss–Legendre points come from Newton's method on the Legendre recurrence. A rule on a simplex is the orbits of a few points
-//! under the permutations of its vertices: known ones up to degree 6; beyond, those of a cube that is collapsed onto the
-//! simplex (Duffy), where each collapse raises the degree to be met by one.
+//! Gauss–Legendre points come from Newton's method on the Legendre recurrence. A rule on a simplex is the orbits of a
+//! few points under the permutations of its vertices: known ones up to degree 6; beyond, those of a cube that is
+//! collapsed onto the simplex (Duffy), where each collapse raises the degree to be met by one.
 
 use crate::tensor::Point;
 
@@ -45,8 +45,16 @@ pub enum Shape {
 
 impl Shape {
     /// Every shape.
-    pub const ALL: [Shape; 8] =
-        [Shape::Point, Shape::Segment, Shape::Triangle, Shape::Quadrilateral, Shape::Tetrahedron, Shape::Hexahedron, Shape::Prism, Shape::Pyramid];
+    pub const ALL: [Shape; 8] = [
+        Shape::Point,
+        Shape::Segment,
+        Shape::Triangle,
+        Shape::Quadrilateral,
+        Shape::Tetrahedron,
+        Shape::Hexahedron,
+        Shape::Prism,
+        Shape::Pyramid,
+    ];
 
     /// Dimension of the reference cell.
     #[must_use]
@@ -142,9 +150,9 @@ pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     rule
 }
 
-/// A rule on `shape` with positive weights at inner points that integrates exactly the polynomials of degree `degree`: of
-/// that total degree on simplices and pyramids, of that degree in each coordinate on quadrilaterals and hexahedra, of that
-/// degree in the plane and in the height on prisms.
+/// A rule on `shape` with positive weights at inner points that integrates exactly the polynomials of degree `degree`:
+/// of that total degree on simplices and pyramids, of that degree in each coordinate on quadrilaterals and hexahedra,
+/// of that degree in the plane and in the height on prisms.
 ///
 /// Every rule has the symmetries of its shape, so that an integral over a cell does not depend on the vertex that its
 /// numbering starts with.
@@ -168,14 +176,16 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
                 images(&triangle_orbits(degree), 0.5, |[x, y, _], w| push([x, y, z], w * wz));
             }
         }
-        Shape::Pyramid => products(&line(0), &line(0), &line(2), |[s, t, z], w| push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z))),
+        Shape::Pyramid => products(&line(0), &line(0), &line(2), |[s, t, z], w| {
+            push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z))
+        }),
         Shape::Tetrahedron => images(&tetrahedron_orbits(degree), 1.0 / 6.0, push),
     }
     rule
 }
 
-/// Points of a simplex that its symmetries carry into each other: their share in the measure, and the barycentric coordinates
-/// of one of them.
+/// Points of a simplex that its symmetries carry into each other: their share in the measure, and the barycentric
+/// coordinates of one of them.
 type Orbit<const N: usize> = (f64, [f64; N]);
 
 /// Orbits of a rule on the triangle: of degree 2 (Strang, Fix, 1973), of 4 and 6 (Cowper, 1973), of 5 (Radon, 1948).
@@ -184,7 +194,10 @@ fn triangle_orbits(degree: usize) -> Vec<Orbit<3>> {
     match degree {
         0 | 1 => vec![(1.0, [1.0 / 3.0; 3])],
         2 => vec![median(1.0, 1.0 / 6.0)],
-        3 | 4 => vec![median(0.670_144_769_034_034_4, 0.445_948_490_915_964_9), median(0.329_855_230_965_965_6, 0.091_576_213_509_770_74)],
+        3 | 4 => vec![
+            median(0.670_144_769_034_034_4, 0.445_948_490_915_964_9),
+            median(0.329_855_230_965_965_6, 0.091_576_213_509_770_74),
+        ],
         5 => {
             let root = 15f64.sqrt();
             let pair = [-root, root].map(|root| median((155.0 + root) / 400.0, (6.0 + root) / 21.0));
@@ -246,7 +259,11 @@ fn tetrahedron_orbits(degree: usize) -> Vec<Orbit<4>> {
 
 /// The points of an n-point Gauss–Legendre rule in [0, ½], with the weights of those that mirror them added.
 fn half(n: usize) -> Vec<(f64, f64)> {
-    gauss_legendre(n).into_iter().filter(|&(x, _)| x <= 0.5).map(|(x, w)| (x, if x < 0.5 { 2.0 * w } else { w })).collect()
+    gauss_legendre(n)
+        .into_iter()
+        .filter(|&(x, _)| x <= 0.5)
+        .map(|(x, w)| (x, if x < 0.5 { 2.0 * w } else { w }))
+        .collect()
 }
 
 /// The points of orbits with their weights, on a simplex of some measure.
@@ -255,7 +272,10 @@ fn images<const N: usize>(orbits: &[Orbit<N>], measure: f64, mut push: impl FnMu
         let (mut at, mut points) = (*at, Vec::new());
         permutations(&mut at, 0, &mut points);
         for point in &points {
-            push(std::array::from_fn(|d| if d + 1 < N { point[d] } else { 0.0 }), measure * share / points.len() as f64);
+            push(
+                std::array::from_fn(|d| if d + 1 < N { point[d] } else { 0.0 }),
+                measure * share / points.len() as f64,
+            );
         }
     }
 }
@@ -329,7 +349,10 @@ mod tests {
                                 _ => true,
                             };
                             let (found, expected) = (computed(&rule, [a, b, c]), exact(shape, [a, b, c]));
-                            assert!(!met || (found - expected).abs() < 1e-14, "{shape:?} degree {degree}, x^{a} y^{b} z^{c}: {found} instead of {expected}");
+                            assert!(
+                                !met || (found - expected).abs() < 1e-14,
+                                "{shape:?} degree {degree}, x^{a} y^{b} z^{c}: {found} instead of {expected}"
+                            );
                         }
                     }
                 }
@@ -337,7 +360,8 @@ mod tests {
         }
     }
 
-    /// Degrees at which a rule gains points, each with their number: n Gauss points in each direction, and the orbits of the books.
+    /// Degrees at which a rule gains points, each with their number: n Gauss points in each direction, and the orbits
+    /// of the books.
     #[test]
     fn the_next_degree_is_not_met() {
         let known: [(Shape, &[(usize, usize)]); 7] = [
@@ -353,9 +377,17 @@ mod tests {
             for &(degree, points) in degrees {
                 let rule = rule(shape, degree);
                 assert_eq!(rule.points.len(), points, "{shape:?} degree {degree}");
-                let monomials = if shape.dim() > 1 { vec![[degree + 1, 0, 0], [0, degree + 1, 0]] } else { vec![[degree + 1, 0, 0]] };
-                let error = monomials.into_iter().map(|m| (computed(&rule, m) - exact(shape, m)).abs()).fold(0.0, f64::max);
-                assert!(error > 1e-7, "{shape:?} degree {degree} meets the next degree: it has more points than it needs");
+                let monomials = if shape.dim() > 1 {
+                    vec![[degree + 1, 0, 0], [0, degree + 1, 0]]
+                } else {
+                    vec![[degree + 1, 0, 0]]
+                };
+                let error =
+                    monomials.into_iter().map(|m| (computed(&rule, m) - exact(shape, m)).abs()).fold(0.0, f64::max);
+                assert!(
+                    error > 1e-7,
+                    "{shape:?} degree {degree} meets the next degree: it has more points than it needs"
+                );
             }
         }
     }
@@ -367,7 +399,9 @@ mod tests {
             Shape::Segment => vec![|[x, y, z]| [1.0 - x, y, z]],
             Shape::Triangle => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - x - y, y, z]],
             Shape::Quadrilateral => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - x, y, z]],
-            Shape::Tetrahedron => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [x, z, y], |[x, y, z]| [1.0 - x - y - z, y, z]],
+            Shape::Tetrahedron => {
+                vec![|[x, y, z]| [y, x, z], |[x, y, z]| [x, z, y], |[x, y, z]| [1.0 - x - y - z, y, z]]
+            }
             Shape::Hexahedron => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [x, z, y], |[x, y, z]| [1.0 - x, y, z]],
             Shape::Prism => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - x - y, y, z], |[x, y, z]| [x, y, 1.0 - z]],
             Shape::Pyramid => vec![|[x, y, z]| [y, x, z], |[x, y, z]| [1.0 - z - x, y, z]],
@@ -386,7 +420,10 @@ mod tests {
                         let near = |y: &Point| (0..3).all(|d| (y[d] - image[d]).abs() < 4e-16);
                         let matches: Vec<f64> = rule.iter().filter(|(y, _)| near(y)).map(|(_, w)| w).collect();
                         let of = format!("{shape:?} degree {degree}, symmetry {index}: {x:?} goes to {image:?}");
-                        assert!(matches.len() == 1 && (matches[0] - w).abs() < 1e-15 * w, "{of}, weights {w} and {matches:?}");
+                        assert!(
+                            matches.len() == 1 && (matches[0] - w).abs() < 1e-15 * w,
+                            "{of}, weights {w} and {matches:?}"
+                        );
                     }
                 }
             }

@@ -12,7 +12,9 @@ use rayon::ThreadPool;
 
 use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Factor, FactorError, Supernodal, Unknowns};
-use crate::output::{Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work};
+use crate::output::{
+    Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
+};
 use crate::problem::Problem;
 use crate::scheme::{BackwardEuler, Scheme, SetupError, StepError};
 
@@ -25,7 +27,8 @@ pub struct Settings {
     pub interrupt: Option<Arc<AtomicBool>>,
     /// Judges all hypotheses for the summary, which takes some factorizations; without it, those that cost nothing.
     pub certificate: bool,
-    /// The certificate of an earlier run of the same inputs, [`crate::output::known_certificate`]: it is not computed again.
+    /// The certificate of an earlier run of the same inputs, [`crate::output::known_certificate`]: it is not computed
+    /// again.
     pub known: Option<Vec<Finding>>,
     /// Called when a phase of the run begins.
     pub watch: Option<Watch>,
@@ -110,11 +113,21 @@ pub fn run(problem: &Problem, settings: &Settings, sinks: &mut [&mut dyn Sink]) 
 ///
 /// # Errors
 /// When the checkpoint is not one of this problem or the run does not reach its end: see [`RunError`].
-pub fn resume(problem: &Problem, from: Checkpoint, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
+pub fn resume(
+    problem: &Problem,
+    from: Checkpoint,
+    settings: &Settings,
+    sinks: &mut [&mut dyn Sink],
+) -> Result<Summary, RunError> {
     drive(problem, Some(from), settings, sinks)
 }
 
-fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks: &mut [&mut dyn Sink]) -> Result<Summary, RunError> {
+fn drive(
+    problem: &Problem,
+    from: Option<Checkpoint>,
+    settings: &Settings,
+    sinks: &mut [&mut dyn Sink],
+) -> Result<Summary, RunError> {
     let begin = Instant::now();
     let pool = pool(settings.threads)?;
     // Before the factors of the run, so that they are not in memory at once.
@@ -135,7 +148,13 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
     clock.seconds.setup += begin.elapsed().as_secs_f64() - factor - certificate;
 
     let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
-    let from = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work: clock.work(before, &scheme) };
+    let from = Snapshot {
+        problem,
+        discretization: scheme.discretization(),
+        state: &state,
+        report: report.as_ref(),
+        work: clock.work(before, &scheme),
+    };
     let start = RunStart { from, threads, resumed, certificate: settings.certificate.then_some(&findings[..]) };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.start(&start)))?;
 
@@ -152,13 +171,15 @@ fn drive(problem: &Problem, from: Option<Checkpoint>, settings: &Settings, sinks
             Err(error) => break Some(error),
         }
         let work = clock.work(before, &scheme);
-        let now = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+        let now =
+            Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
         clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.step(&now)))?;
     };
 
     begins(Phase::Results);
     let work = clock.work(before, &scheme);
-    let last = Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+    let last =
+        Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
     let outcome = match failed {
         Some(_) => Outcome::NotConverged,
@@ -188,7 +209,9 @@ fn judged(problem: &Problem, settings: &Settings) -> Vec<Finding> {
 
 /// The state that a run begins with.
 fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &BackwardEuler) -> Result<Checkpoint, RunError> {
-    let Some(checkpoint) = from else { return Ok(Checkpoint { state: scheme.initial()?, report: None, work: Work::default() }) };
+    let Some(checkpoint) = from else {
+        return Ok(Checkpoint { state: scheme.initial()?, report: None, work: Work::default() });
+    };
     checkpoint.check(scheme.discretization(), problem)?;
     Ok(checkpoint)
 }

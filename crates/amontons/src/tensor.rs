@@ -100,7 +100,9 @@ impl Sym {
     #[must_use]
     pub fn von_mises(&self) -> f64 {
         let s = self.deviator();
-        let scale = safe_scale(s.0.iter().fold(0.0, |max, c| if c.is_nan() || max.is_nan() { f64::NAN } else { c.abs().max(max) }));
+        let scale = safe_scale(
+            s.0.iter().fold(0.0, |max, c| if c.is_nan() || max.is_nan() { f64::NAN } else { c.abs().max(max) }),
+        );
         let s = scale * s;
         (1.5 * s.dot(&s)).sqrt() / scale
     }
@@ -210,7 +212,9 @@ pub struct Rotation([[f64; 3]; 3]);
 
 /// A matrix that is not a rotation.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("not a rotation: the largest entry of RRᵀ − I is {deviation:e} and the determinant {determinant}, expected 0 and 1")]
+#[error(
+    "not a rotation: the largest entry of RRᵀ − I is {deviation:e} and the determinant {determinant}, expected 0 and 1"
+)]
 pub struct NotARotation {
     /// Largest entry of RRᵀ − I.
     pub deviation: f64,
@@ -247,7 +251,11 @@ impl Rotation {
         let determinant = dot(&a, &[b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]]);
         let product = |i: usize, j: usize| dot(&rows[i], &rows[j]) - if i == j { 1.0 } else { 0.0 };
         let deviation = MANDEL.iter().map(|&(i, j)| product(i, j).abs()).fold(0.0, |m, v| if v <= m { m } else { v });
-        if deviation <= 1e-9 && determinant > 0.0 { Ok(Rotation(rows)) } else { Err(NotARotation { deviation, determinant }) }
+        if deviation <= 1e-9 && determinant > 0.0 {
+            Ok(Rotation(rows))
+        } else {
+            Err(NotARotation { deviation, determinant })
+        }
     }
 
     /// The rotation that first does `first`, then this one.
@@ -271,7 +279,9 @@ impl Rotation {
             unit.0[m] = 1.0;
             self.tensor(&unit)
         });
-        let entry = |i: usize, j: usize| (0..6).flat_map(|k| (0..6).map(move |l| (k, l))).map(|(k, l)| q[k].0[i] * a.0[k][l] * q[l].0[j]).sum();
+        let entry = |i: usize, j: usize| {
+            (0..6).flat_map(|k| (0..6).map(move |l| (k, l))).map(|(k, l)| q[k].0[i] * a.0[k][l] * q[l].0[j]).sum()
+        };
         SymMap(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))))
     }
 }
@@ -332,10 +342,15 @@ pub fn dot(a: &Point, b: &Point) -> f64 {
     a.iter().zip(b).map(|(x, y)| x * y).sum()
 }
 
-/// A power of two by which numbers up to `largest` can be multiplied so that their squares neither under- nor overflow; 1 where they do not.
+/// A power of two by which numbers up to `largest` can be multiplied so that their squares neither under- nor overflow;
+/// 1 where they do not.
 #[must_use]
 pub(crate) fn safe_scale(largest: f64) -> f64 {
-    if largest == 0.0 || !largest.is_finite() || (1e-140..=1e140).contains(&largest) { 1.0 } else { (-largest.log2().floor()).clamp(-1000.0, 1000.0).exp2() }
+    if largest == 0.0 || !largest.is_finite() || (1e-140..=1e140).contains(&largest) {
+        1.0
+    } else {
+        (-largest.log2().floor()).clamp(-1000.0, 1000.0).exp2()
+    }
 }
 
 /// Euclidean length of a vector, of any size: squares that under- or overflow are scaled first.
@@ -373,11 +388,14 @@ mod tests {
         }
     }
 
-    /// A quarter turn exchanges axes; powers of tensors and eigenvalues of maps do not turn; the angles are Bunge's (1982, *Texture Analysis in Materials Science*).
+    /// A quarter turn exchanges axes; powers of tensors and eigenvalues of maps do not turn; the angles are Bunge's
+    /// (1982, *Texture Analysis in Materials Science*).
     #[test]
     fn rotations_turn_tensors_and_maps() -> Result<(), NotARotation> {
         let k = Sym::principal(&[5.0, 2.0, 1.0], &Rotation::in_plane(0.5 * std::f64::consts::PI));
-        assert!((k.get(0, 0) - 2.0).abs() < 1e-15 && (k.get(1, 1) - 5.0).abs() < 1e-15 && (k.get(2, 2) - 1.0).abs() < 1e-15);
+        assert!(
+            (k.get(0, 0) - 2.0).abs() < 1e-15 && (k.get(1, 1) - 5.0).abs() < 1e-15 && (k.get(2, 2) - 1.0).abs() < 1e-15
+        );
         // k₁₂ = (k₁ − k₂) sin α cos α.
         let k = Sym::principal(&[5.0, 2.0], &Rotation::in_plane(0.3));
         assert!((k.get(0, 1) - 3.0 * 0.3f64.sin() * 0.3f64.cos()).abs() < 1e-15);
@@ -394,7 +412,10 @@ mod tests {
         assert!((inside - outside).norm() < 1e-14);
         let mirror = Rotation::new([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]);
         assert_eq!(mirror, Err(NotARotation { deviation: 0.0, determinant: -1.0 }));
-        assert!(Rotation::new([[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]).is_err_and(|e| (e.deviation - 0.1).abs() < 1e-15));
+        assert!(
+            Rotation::new([[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+                .is_err_and(|e| (e.deviation - 0.1).abs() < 1e-15)
+        );
         assert!(Rotation::new([[f64::NAN; 3]; 3]).is_err());
         Ok(())
     }
@@ -408,7 +429,8 @@ mod tests {
         assert!(e[0].abs() < 1e-15 && e[1].abs() < 1e-15 && (e[2] - 3.0).abs() < 1e-14);
     }
 
-    /// σ v = λ v with right-handed or left-handed orthonormal v, in descending order; those of uniaxial stress along a known axis.
+    /// σ v = λ v with right-handed or left-handed orthonormal v, in descending order; those of uniaxial stress along a
+    /// known axis.
     #[test]
     fn principal_axes_are_eigenvectors() {
         let s = Sym::from_fn(3, |i, j| [[3.0, -1.0, 0.5], [-1.0, 2.0, 4.0], [0.5, 4.0, -6.0]][i][j]);

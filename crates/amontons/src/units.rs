@@ -1,9 +1,9 @@
 //! What a number is: its unit by the dimension of the body, and how it is written for reading.
 //!
-//! Units are defined in this module only. A plane body is taken per metre of thickness, a body on a line per square metre of cross-section;
-//! integrals over a body of revolution are those over the full turn, 2πr dr dz, and so are in the units of a body in space. Summary, pictures,
-//! the units of columns in `manifest.json` and the tables of the book ask here. Files for programs keep all digits: only [`Units::write`],
-//! [`Units::range`] and [`Units::vector`] round.
+//! Units are defined in this module only. A plane body is taken per metre of thickness, a body on a line per square
+//! metre of cross-section; integrals over a body of revolution are those over the full turn, 2πr dr dz, and so are in
+//! the units of a body in space. Summary, pictures, the units of columns in `manifest.json` and the tables of the book
+//! ask here. Files for programs keep all digits: only [`Units::write`], [`Units::range`] and [`Units::vector`] round.
 
 use serde::{Deserialize, Serialize};
 
@@ -77,7 +77,8 @@ pub enum Measure {
 }
 
 /// Prefixes of units with their powers of ten.
-const PREFIXES: [(i32, &str); 9] = [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
+const PREFIXES: [(i32, &str); 9] =
+    [(-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"), (9, "G"), (12, "T")];
 
 /// 3 − log₁₀ 999.5.
 const ROUNDED_UP: f64 = 2.172_02e-4;
@@ -85,7 +86,8 @@ const ROUNDED_UP: f64 = 2.172_02e-4;
 /// The powers of ten between which a unit takes prefixes.
 fn prefixes(symbol: &str) -> [i32; 2] {
     match symbol {
-        // Seconds and kelvins are not counted in thousands, and a prefix of an area or volume would count twice or thrice.
+        // Seconds and kelvins are not counted in thousands, and a prefix of an area or volume would count twice or
+        // thrice.
         "s" | "K" => [-12, 0],
         "m" | "m/s" => [-12, 3],
         "" | "m²" | "m³" | "m²/m" | "m³/m" | "m²/m²" | "m³/m²" => [0, 0],
@@ -134,7 +136,8 @@ impl Units {
         }
     }
 
-    /// The power of ten, a multiple of three, of the prefix with which a number of this size is written; zero where its unit takes none.
+    /// The power of ten, a multiple of three, of the prefix with which a number of this size is written; zero where its
+    /// unit takes none.
     #[must_use]
     pub fn power(self, value: f64, measure: Measure) -> i32 {
         let [least, most] = prefixes(self.of(measure));
@@ -172,7 +175,9 @@ impl Units {
         let unit = self.prefixed(power, measure).unwrap_or_default();
         let scaled = |value: f64| value / 10f64.powi(power);
         // As many decimals as the larger end has with its digits.
-        let decimals = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32 - 1 - scaled(largest).log10().floor() as i32;
+        let decimals = Units::DIGITS[usize::from(measure == Measure::Temperature)] as i32
+            - 1
+            - scaled(largest).log10().floor() as i32;
         let number = |value: f64| match usize::try_from(decimals) {
             Ok(decimals) if largest > 0.0 && decimals < 8 => rounded(scaled(value), decimals),
             _ => Units::digits(value, power, measure),
@@ -281,7 +286,10 @@ mod tests {
             let power = PREFIXES.iter().find(|(_, p)| *p == prefix).map_or(i32::MAX, |p| p.0);
             let read = -number.parse::<f64>().unwrap_or(f64::NAN) * 10f64.powi(power);
             assert!((read - value).abs() <= 5.001e-3 * value, "{value:e} is written {text}");
-            assert!(number.parse::<f64>().is_ok_and(|n| (0.999..1000.0).contains(&n.abs())), "{value:e} is written {text}");
+            assert!(
+                number.parse::<f64>().is_ok_and(|n| (0.999..1000.0).contains(&n.abs())),
+                "{value:e} is written {text}"
+            );
         }
     }
 
@@ -302,8 +310,8 @@ mod tests {
         assert_eq!(Units::SPACE.without().vector(&[0.5, -2.0, 1e-3], Measure::Force), "(0.5, -2, 0.001)");
     }
 
-    /// Per metre of thickness in the plane, per square metre of cross-section on a line, for the full turn and in space as a whole; nothing
-    /// without units.
+    /// Per metre of thickness in the plane, per square metre of cross-section on a line, for the full turn and in space
+    /// as a whole; nothing without units.
     #[test]
     fn integrals_have_the_units_of_their_extent() {
         let of = |extent, measure| Units { system: System::Si, extent }.of(measure);
@@ -314,7 +322,10 @@ mod tests {
             (Measure::Area, "m²/m²", "m²/m", "m²"),
             (Measure::Volume, "m³/m²", "m³/m", "m³"),
         ] {
-            assert_eq!([Extent::Line, Extent::Plane, Extent::Revolution, Extent::Space].map(|e| of(e, measure)), [line, plane, whole, whole]);
+            assert_eq!(
+                [Extent::Line, Extent::Plane, Extent::Revolution, Extent::Space].map(|e| of(e, measure)),
+                [line, plane, whole, whole]
+            );
             assert_eq!(Units::PLANE.without().of(measure), "");
         }
         assert_eq!(Units::PLANE.without().write(-0.0, Measure::Energy), "0");

@@ -3,9 +3,13 @@
 //! A benchmark is one file in the crate's `benchmarks/`: a case, its source, and reference values that are not this
 //! program's own.
 
-use crate::case::{self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take};
+use crate::case::{
+    self, Case, CaseError, Check, Comparison, ErrorName, Expected, Files, Source, StudyRequest, StudyRequestError, Take,
+};
 use crate::convergence::{Level, Reference, Row, Study, StudyError, StudySettings, Vary, slope};
-use crate::output::{OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values};
+use crate::output::{
+    OutputError, Probe, ProbeError, ProbeSet, RunStart, Sink, Snapshot, Summary, history_columns, history_values,
+};
 use crate::run::{RunError, Settings, run};
 
 #[cfg(feature = "plot")]
@@ -84,8 +88,8 @@ pub fn benchmark(name: &str, text: &str) -> Source {
 /// Runs a case with overrides and compares what its `[expected]` and `[verify]` ask for.
 ///
 /// # Errors
-/// When the case has faults, nothing to compare, or a path of the summary that does not exist, and when the run or a study fails.
-/// Values that do not agree are no error: their verdict says so.
+/// When the case has faults, nothing to compare, or a path of the summary that does not exist, and when the run or a
+/// study fails. Values that do not agree are no error: their verdict says so.
 pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
     let case = case::parse(source, overrides)?;
     let checks = case.verify.as_ref().map_or(&[][..], |block| &block.checks);
@@ -107,12 +111,19 @@ pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -
     for (index, check) in checks.iter().enumerate() {
         let (what, computed, is) = match check {
             Check::Probe { probe, time, is } => {
-                let value = recorder.probe(index, *time).ok_or_else(|| VerifyError::Check(format!("{name}: no {}, t = {time}", probe.name)))?;
+                let value = recorder
+                    .probe(index, *time)
+                    .ok_or_else(|| VerifyError::Check(format!("{name}: no {}, t = {time}", probe.name)))?;
                 (format!("{}, t = {time}", probe.name), value, is)
             }
             Check::History { column, time, take, is } => {
                 let value = recorder.column(column, *time, *take);
-                let value = value.ok_or_else(|| VerifyError::Check(format!("{name}: history.csv has no {column} at t = {}", time.unwrap_or_default())))?;
+                let value = value.ok_or_else(|| {
+                    VerifyError::Check(format!(
+                        "{name}: history.csv has no {column} at t = {}",
+                        time.unwrap_or_default()
+                    ))
+                })?;
                 let when = match (time, take) {
                     (Some(t), _) => format!("{column} at t = {t}"),
                     (None, Take::Last) => format!("{column} at the end"),
@@ -130,7 +141,9 @@ pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -
                 };
                 (format!("order of {} in {vary}", error.name()), studies.order(study, *error)?, is)
             }
-            Check::Error { error, is } => (format!("{} on the mesh of the case", error.name()), studies.own_error(*error)?, is),
+            Check::Error { error, is } => {
+                (format!("{} on the mesh of the case", error.name()), studies.own_error(*error)?, is)
+            }
         };
         verdicts.push(verdict(name, what, computed, is));
     }
@@ -164,7 +177,12 @@ fn of_summary(name: &str, summary: &Summary, expected: &Expected) -> Result<Vec<
         let scale = values.iter().fold(0.0f64, |scale, value| scale.max(value.abs()));
         for (c, (&computed, &reference)) in components.iter().zip(values).enumerate() {
             let what = if is_array { format!("{path}.{c}") } else { path.clone() };
-            verdicts.push(verdict(name, what, computed, &Comparison { reference, tolerance: expected.tolerance, scale }));
+            verdicts.push(verdict(
+                name,
+                what,
+                computed,
+                &Comparison { reference, tolerance: expected.tolerance, scale },
+            ));
         }
     }
     Ok(verdicts)
@@ -206,13 +224,25 @@ fn verdict(name: &str, what: String, computed: f64, is: &Comparison) -> Verdict 
     let error = if difference == 0.0 { 0.0 } else { difference / is.scale };
     // Not `error > tolerance`: a value that is no number does not hold.
     let holds = error <= is.tolerance;
-    Verdict { benchmark: name.to_owned(), what, computed, reference: is.reference, error, tolerance: is.tolerance, holds }
+    Verdict {
+        benchmark: name.to_owned(),
+        what,
+        computed,
+        reference: is.reference,
+        error,
+        tolerance: is.tolerance,
+        holds,
+    }
 }
 
 /// Errors against the exact solution with the mesh and the steps of the case.
 fn own_errors(name: &str, case: &Case) -> Result<Row, VerifyError> {
     let Some(exact) = &case.exact else { return Err(VerifyError::Check(format!("{name} has no [exact] block"))) };
-    let level = Level { level: case.cells.first().copied().unwrap_or_default(), problem: case.problem.clone(), text: case.fingerprint() };
+    let level = Level {
+        level: case.cells.first().copied().unwrap_or_default(),
+        problem: case.problem.clone(),
+        text: case.fingerprint(),
+    };
     let study = Study { vary: Vary::Both, levels: vec![level], reference: Reference::Exact(exact.clone()) };
     let mut table = study.run(&StudySettings::default())?;
     table.rows.pop().ok_or_else(|| VerifyError::Check(format!("{name}: an empty study")))
@@ -232,9 +262,14 @@ struct Recorder {
 impl Recorder {
     fn new(name: &str, case: &Case) -> Result<Recorder, VerifyError> {
         let checks = case.verify.iter().flat_map(|v| v.checks.iter().enumerate());
-        let (probes, indices): (Vec<Probe>, Vec<usize>) =
-            checks.filter_map(|(i, check)| if let Check::Probe { probe, .. } = check { Some((probe.clone(), i)) } else { None }).unzip();
-        let failed = |(i, error): (usize, ProbeError)| VerifyError::Check(format!("{name}: {}: {error}", probes.get(i).map_or("", |probe| &probe.name)));
+        let (probes, indices): (Vec<Probe>, Vec<usize>) = checks
+            .filter_map(
+                |(i, check)| if let Check::Probe { probe, .. } = check { Some((probe.clone(), i)) } else { None },
+            )
+            .unzip();
+        let failed = |(i, error): (usize, ProbeError)| {
+            VerifyError::Check(format!("{name}: {}: {error}", probes.get(i).map_or("", |probe| &probe.name)))
+        };
         Ok(Recorder {
             columns: history_columns(&case.problem),
             times: Vec::new(),

@@ -5,7 +5,9 @@ mod common;
 
 use std::sync::Arc;
 
-use amontons::material::{Carreau, Hencky, Isotropic, Prony, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
+use amontons::material::{
+    Carreau, Hencky, Isotropic, Prony, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced,
+};
 use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Problem, ProblemData};
 use amontons::run::{self, Settings};
@@ -19,8 +21,8 @@ fn solve(problem: &Problem) -> Memory {
     memory
 }
 
-/// A rod of length 1 and height 1/4 in plane stress, on rollers at its left and lower side, pulled at its right end by the traction
-/// `pull`; without inertia and contact.
+/// A rod of length 1 and height 1/4 in plane stress, on rollers at its left and lower side, pulled at its right end by
+/// the traction `pull`; without inertia and contact.
 fn rod(steps: usize, pull: f64) -> ProblemData {
     let overrides = [format!("time.steps={steps}"), "time.end=1".to_owned()];
     let mut problem = case("crates/amontons/benchmarks/kelvin-voigt-rod.toml", &overrides).problem.into_data();
@@ -39,15 +41,18 @@ fn hencky(bulk: f64, shear: impl ShearLaw + 'static, state: StressState) -> Arc<
 }
 
 fn distance(a: &State, b: &State) -> f64 {
-    let relative = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b);
+    let relative =
+        |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b);
     relative(&a.u, &b.u).max(relative(&a.w, &b.w)).max(relative(&a.theta, &b.theta))
 }
 
-/// A law of the nonlinear kind that happens to be linear gives what the linear law gives, contact, friction and heat included.
+/// A law of the nonlinear kind that happens to be linear gives what the linear law gives, contact, friction and heat
+/// included.
 #[test]
 fn newton_over_the_body_agrees_with_the_linear_path() {
     let linear = paper(&["mesh.n=8", "time.steps=16", "contact.heat.foundation_temperature=10"]).problem;
-    // 𝓔 of E = 2, ν = 0.1 in plane stress; 𝓥τ = 10 tr(τ) I + 10 τ in the plane is the plane strain of κ = 10 + 10/3, 2η = 10.
+    // 𝓔 of E = 2, ν = 0.1 in plane stress; 𝓥τ = 10 tr(τ) I + 10 τ in the plane is the plane strain of κ = 10 + 10/3,
+    // 2η = 10.
     let (young, nu) = (2.0, 0.1);
     let (bulk, shear) = (young / (3.0 * (1.0 - 2.0 * nu)), young / (2.0 * (1.0 + nu)));
     let newtonian = |c: f64| Carreau::new(c, c, 1.0, 1.0).expect("constants");
@@ -59,12 +64,15 @@ fn newton_over_the_body_agrees_with_the_linear_path() {
     let (a, b) = (solve(&linear), solve(&nonlinear));
     for (a, b) in a.states.iter().zip(&b.states).skip(1) {
         assert!(distance(b, a) < 1e-9, "step {}: {:e}", a.step, distance(b, a));
-        assert!((a.ledger.elastic / b.ledger.elastic - 1.0).abs() < 1e-8 && b.ledger.relative_closing_error().abs() < 1e-11);
+        assert!(
+            (a.ledger.elastic / b.ledger.elastic - 1.0).abs() < 1e-8 && b.ledger.relative_closing_error().abs() < 1e-11
+        );
     }
 }
 
-/// A rod of the elastic law with a projection on the von Mises convex set, pulled beyond it: uniaxial tension by its scalar
-/// equation, with s the norm of the deviator, σ = √(3/2) τ(s), ξ₁₁ = σ/(9κ) + √(2/3) s. One step without viscosity finds it.
+/// A rod of the elastic law with a projection on the von Mises convex set, pulled beyond it: uniaxial tension by its
+/// scalar equation, with s the norm of the deviator, σ = √(3/2) τ(s), ξ₁₁ = σ/(9κ) + √(2/3) s. One step without
+/// viscosity finds it.
 #[test]
 fn a_rod_beyond_the_von_mises_convex_obeys_the_scalar_equation() {
     for excess in [3.0, -0.9] {
@@ -78,7 +86,13 @@ fn a_rod_beyond_the_von_mises_convex_obeys_the_scalar_equation() {
         let problem = checked(problem);
         let memory = solve(&problem);
         let last = memory.states.last().expect("a state");
-        let end = problem.mesh.points.iter().zip(last.u.chunks_exact(2)).filter(|(x, _)| x[0] > 1.0 - 1e-12).map(|(_, u)| u[0]);
+        let end = problem
+            .mesh
+            .points
+            .iter()
+            .zip(last.u.chunks_exact(2))
+            .filter(|(x, _)| x[0] > 1.0 - 1e-12)
+            .map(|(_, u)| u[0]);
         for u in end {
             assert!((u / strain - 1.0).abs() < 1e-10, "β = {excess}: {u:e}, expected {strain:e}");
         }
@@ -91,7 +105,8 @@ fn a_rod_beyond_the_von_mises_convex_obeys_the_scalar_equation() {
     }
 }
 
-/// A rod of Carreau viscosity without elasticity creeps under a constant pull at the constant rate of the scalar equation.
+/// A rod of Carreau viscosity without elasticity creeps under a constant pull at the constant rate of the scalar
+/// equation.
 #[test]
 fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
     let (bulk, law) = (2.3, Carreau::new(4.0, 0.3, 8.0, 0.4).expect("constants"));
@@ -109,13 +124,16 @@ fn a_rod_of_carreau_viscosity_creeps_at_its_rate() {
     }
 }
 
-/// Both nonlinear laws at once in the paper's problem: every step converges with contact inside, the energy identity closes, and what
-/// the scheme dissipates is not negative.
+/// Both nonlinear laws at once in the paper's problem: every step converges with contact inside, the energy identity
+/// closes, and what the scheme dissipates is not negative.
 #[test]
 fn contact_is_solved_inside_newton_over_the_body() {
-    let mut problem = paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem.into_data();
-    problem.materials[0].elasticity = hencky(0.9, VonMisesProjection::new(0.9, 6.0, 0.01).expect("constants"), StressState::PlaneStress);
-    problem.materials[0].viscosity = hencky(12.0, Carreau::new(5.0, 1.0, 20.0, 0.3).expect("constants"), StressState::PlaneStrain);
+    let mut problem =
+        paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem.into_data();
+    problem.materials[0].elasticity =
+        hencky(0.9, VonMisesProjection::new(0.9, 6.0, 0.01).expect("constants"), StressState::PlaneStress);
+    problem.materials[0].viscosity =
+        hencky(12.0, Carreau::new(5.0, 1.0, 20.0, 0.3).expect("constants"), StressState::PlaneStrain);
     let memory = solve(&checked(problem));
     let linear = solve(&paper(&["mesh.n=8", "time.steps=32", "contact.heat.foundation_temperature=10"]).problem);
     assert!(distance(memory.states.last().unwrap(), linear.states.last().unwrap()) > 1e-2, "the laws are active");
@@ -131,8 +149,8 @@ fn contact_is_solved_inside_newton_over_the_body() {
     }
 }
 
-/// A rod with Maxwell branches held at a strain ε from t = 0⁺: the branch strains are ε (1 + k/τ)^(−n), so the reaction is known to
-/// round-off; as the steps are refined it comes to E ε (1 + Σ g exp(−t/τ)) at first order.
+/// A rod with Maxwell branches held at a strain ε from t = 0⁺: the branch strains are ε (1 + k/τ)^(−n), so the reaction
+/// is known to round-off; as the steps are refined it comes to E ε (1 + Σ g exp(−t/τ)) at first order.
 #[test]
 fn stress_relaxes_by_the_prony_series() {
     let pairs = [(0.5, 0.2), (2.0, 1.5)];
@@ -142,7 +160,8 @@ fn stress_relaxes_by_the_prony_series() {
         problem.boundary[2].traction = None;
         problem.boundary[2].displacement = Some(vec![Some(strain.into()), None]);
         problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
-        problem.materials[0].prony = Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
+        problem.materials[0].prony =
+            Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
         let problem = checked(problem);
         let memory = solve(&problem);
         let k = problem.k();
@@ -160,10 +179,12 @@ fn stress_relaxes_by_the_prony_series() {
             assert!(new.ledger.relative_closing_error().abs() < 1e-12);
         }
         let last = memory.states.last().expect("a state");
-        // The dissipated energy of the limit: Σ g E ε²/2 (1 − exp(−2t/τ)) of the volume, without that of the sudden load.
+        // The dissipated energy of the limit: Σ g E ε²/2 (1 − exp(−2t/τ)) of the volume, without that of the sudden
+        // load.
         last.ledger.viscous_dissipation
     };
-    let exact: f64 = pairs.iter().map(|(g, time)| 0.25 * 0.5 * g * young * strain * strain * (1.0 - f64::exp(-2.0 / time))).sum();
+    let exact: f64 =
+        pairs.iter().map(|(g, time)| 0.25 * 0.5 * g * young * strain * strain * (1.0 - f64::exp(-2.0 / time))).sum();
     let errors = [64, 128, 256].map(|steps| (end(steps) - exact).abs());
     for pair in errors.windows(2) {
         assert!(((pair[0] / pair[1]).log2() - 1.0).abs() < 0.1, "{errors:?}");
@@ -174,10 +195,14 @@ fn stress_relaxes_by_the_prony_series() {
 #[test]
 fn branches_and_contact_keep_the_identities() {
     let mut problem = paper(&["mesh.n=8", "time.steps=32"]).problem.into_data();
-    problem.materials[0].prony = Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
+    problem.materials[0].prony =
+        Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
     let memory = solve(&checked(problem));
     for state in &memory.states {
-        assert!(state.ledger.relative_closing_error().abs() < 1e-12 && state.ledger.relative_heat_closing_error().abs() < 1e-12);
+        assert!(
+            state.ledger.relative_closing_error().abs() < 1e-12
+                && state.ledger.relative_heat_closing_error().abs() < 1e-12
+        );
     }
     assert!(memory.reports.iter().all(|report| report.residual < 1e-10));
 }

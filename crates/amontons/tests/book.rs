@@ -67,14 +67,18 @@ fn every_block_of_the_guides_is_a_case() {
     assert_eq!(read("contact.md"), (1, 8), "blocks that include a case, and parts of cases");
 }
 
-/// The chapter on extending shows every example, and each in its own file: the tests of the examples compile and run those.
+/// The chapter on extending shows every example, and each in its own file: the tests of the examples compile and run
+/// those.
 #[test]
 fn the_examples_are_in_the_guide() {
     let text = std::fs::read_to_string(file("book/src/extending.md")).expect("the chapter");
     let examples = std::fs::read_dir(file("crates/amontons/examples")).expect("the examples").flatten();
     let mut shown = 0;
     for example in examples.map(|entry| entry.file_name().into_string().expect("a name")) {
-        assert!(text.contains(&format!("{{{{#include ../../crates/amontons/examples/{example}}}}}")), "{example} is not shown");
+        assert!(
+            text.contains(&format!("{{{{#include ../../crates/amontons/examples/{example}}}}}")),
+            "{example} is not shown"
+        );
         shown += 1;
     }
     assert_eq!(text.matches("{{#include ").count(), shown);
@@ -97,7 +101,8 @@ fn the_table_of_columns_has_their_units() {
         }
     }
     for (column, measure) in &all {
-        let has_unit = measure.is_some_and(|measure| measure != Measure::Number) && !["x", "y", "z"].contains(&column.as_str());
+        let has_unit =
+            measure.is_some_and(|measure| measure != Measure::Number) && !["x", "y", "z"].contains(&column.as_str());
         assert!(!has_unit || told.contains(column), "the chapter says nothing of {column}");
     }
 }
@@ -109,9 +114,14 @@ fn the_tables_of_contact_name_every_law() {
     let schema = case::schema();
     for (heading, definition) in [("## Pressure", "Normal"), ("## Friction", "Friction"), ("## Heat", "Heat")] {
         let section = text.split(heading).nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section");
-        let mut told: Vec<&str> = section.lines().filter_map(|line| line.strip_prefix("| `")?.split('`').next()).filter(|name| *name != "law").collect();
+        let mut told: Vec<&str> = section
+            .lines()
+            .filter_map(|line| line.strip_prefix("| `")?.split('`').next())
+            .filter(|name| *name != "law")
+            .collect();
         let variants = schema["$defs"][definition]["oneOf"].as_array().expect("the laws");
-        let mut laws: Vec<&str> = variants.iter().filter_map(|variant| variant["properties"]["law"]["const"].as_str()).collect();
+        let mut laws: Vec<&str> =
+            variants.iter().filter_map(|variant| variant["properties"]["law"]["const"].as_str()).collect();
         told.sort_unstable();
         laws.sort_unstable();
         assert_eq!(told, laws, "{heading}");

@@ -52,7 +52,8 @@ fn assert_near(found: &[f64], expected: &[f64], tolerance: f64) {
 #[test]
 fn pressure_has_its_resultant_and_moment() {
     let mesh = rectangle(2);
-    let load = forms::f(&mesh, &[], &[BoundaryCondition { pressure: Some(expression("1 + y^2")), ..on("right") }]).at(0.0);
+    let load =
+        forms::f(&mesh, &[], &[BoundaryCondition { pressure: Some(expression("1 + y^2")), ..on("right") }]).at(0.0);
     assert_near(&resultant(&mesh, &load), &[-12.0, 0.0, 24.75], 1e-14);
     // On y = 3 with p = x² the traction is (0, −x²): ∫ = 8/3, ∫ x · x² = 4.
     let load = forms::f(&mesh, &[], &[BoundaryCondition { pressure: Some(expression("x^2")), ..on("top") }]).at(0.0);
@@ -63,7 +64,8 @@ fn pressure_has_its_resultant_and_moment() {
 #[test]
 fn pressure_all_around_is_in_equilibrium() {
     let mesh = rectangle(3);
-    let sides = ["left", "right", "top", "bottom"].map(|side| BoundaryCondition { pressure: Some(Field::Constant(7.0)), ..on(side) });
+    let sides = ["left", "right", "top", "bottom"]
+        .map(|side| BoundaryCondition { pressure: Some(Field::Constant(7.0)), ..on(side) });
     let load = forms::f(&mesh, &[], &sides).at(0.0);
     assert!(largest(&load) > 1.0 && largest(&resultant(&mesh, &load)) < 1e-12);
 }
@@ -72,16 +74,22 @@ fn pressure_all_around_is_in_equilibrium() {
 #[test]
 fn a_table_is_a_load_that_varies_in_time() {
     let mesh = rectangle(2);
-    let table = TimeTable::new(vec![0.0, 1.0, 2.0], vec![0.0, 4.0, 6.0]).unwrap().scaled(Expression::parse("y").unwrap());
-    let load = forms::f(&mesh, &[], &[BoundaryCondition { traction: Some(vec![Field::Table(table), Field::ZERO]), ..on("left") }]);
+    let table =
+        TimeTable::new(vec![0.0, 1.0, 2.0], vec![0.0, 4.0, 6.0]).unwrap().scaled(Expression::parse("y").unwrap());
+    let load = forms::f(
+        &mesh,
+        &[],
+        &[BoundaryCondition { traction: Some(vec![Field::Table(table), Field::ZERO]), ..on("left") }],
+    );
     for (t, value) in [(0.0, 0.0), (0.25, 1.0), (1.0, 4.0), (1.5, 5.0), (2.0, 6.0)] {
         assert_near(&resultant(&mesh, &load.at(t)), &[4.5 * value, 0.0, -9.0 * value], 1e-14);
     }
     assert!(load.at(2.5).iter().any(|f| f.is_nan()), "beyond its times a table has no value");
 }
 
-/// Three Gauss points per facet are exact for degree 5, those of a triangle for degree 4, and what degree 5 leaves cancels between
-/// the two triangles of a rectangle, since the rule is symmetric: the errors of integrals of smooth data fall with h⁶.
+/// Three Gauss points per facet are exact for degree 5, those of a triangle for degree 4, and what degree 5 leaves
+/// cancels between the two triangles of a rectangle, since the rule is symmetric: the errors of integrals of smooth
+/// data fall with h⁶.
 #[test]
 fn loads_are_integrated_to_their_order() {
     let error = |n: usize, body: bool| {
@@ -89,7 +97,12 @@ fn loads_are_integrated_to_their_order() {
         let load = if body {
             forms::q(&mesh, &expression("exp(x)*cos(2*y)"), &[]).at(0.0)
         } else {
-            forms::q(&mesh, &Field::ZERO, &[BoundaryCondition { heat_inflow: Some(expression("exp(2*y)")), ..on("right") }]).at(0.0)
+            forms::q(
+                &mesh,
+                &Field::ZERO,
+                &[BoundaryCondition { heat_inflow: Some(expression("exp(2*y)")), ..on("right") }],
+            )
+            .at(0.0)
         };
         let exact = if body { (2f64.exp() - 1.0) * 6f64.sin() / 2.0 } else { (6f64.exp() - 1.0) / 2.0 };
         (load.iter().sum::<f64>() - exact).abs() / exact.abs()
@@ -105,7 +118,9 @@ fn loads_are_integrated_to_their_order() {
 fn springs_are_their_formula() {
     let mesh = rectangle(2);
     let graph = Arc::new(Graph::of_mesh(&mesh));
-    let form = |side: &str, support: Support| forms::springs(&mesh, &graph, &[BoundaryCondition { spring: Some(support), ..on(side) }]).unwrap();
+    let form = |side: &str, support: Support| {
+        forms::springs(&mesh, &graph, &[BoundaryCondition { spring: Some(support), ..on(side) }]).unwrap()
+    };
     let field = |f: fn(&[f64; 3]) -> [f64; 2]| mesh.points.iter().flat_map(f).collect::<Vec<f64>>();
     let energy = |matrix: &amontons::linalg::BlockMatrix, u: &[f64]| dot(u, &matrix.apply(u));
     let normal = form("right", Support::Normal(expression("1 + y")));
@@ -169,11 +184,16 @@ viscosity = { law = "lame", first = 0.0, second = 0.0 }
 /// Mesh and last state of a run.
 fn solved(sides: &str, overrides: &[&str]) -> (Arc<Mesh>, State) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    let case = case::parse(&Source::new("sides.toml", format!("{BODY}{sides}")), &overrides).unwrap_or_else(|error| panic!("{error}"));
+    let case = case::parse(&Source::new("sides.toml", format!("{BODY}{sides}")), &overrides)
+        .unwrap_or_else(|error| panic!("{error}"));
     let mut memory = Memory::default();
     run(&case.problem, &Settings::default(), &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
     let state = memory.states.pop().expect("states");
-    assert!(state.ledger.relative_closing_error().abs() < 1e-12 && state.ledger.relative_heat_closing_error().abs() < 1e-12, "{:?}", state.ledger);
+    assert!(
+        state.ledger.relative_closing_error().abs() < 1e-12 && state.ledger.relative_heat_closing_error().abs() < 1e-12,
+        "{:?}",
+        state.ledger
+    );
     (Arc::clone(&case.problem.mesh), state)
 }
 
@@ -196,7 +216,8 @@ fn planes_of_symmetry_let_the_rest_free() {
         1,
     );
     assert_near(&solved(&by_components, &[]).1.u, &state.u, 1e-13);
-    let pulled = sides.replacen("normal_displacement = 0", "normal_displacement = { times = [0, 2], values = [0, 0.3] }", 1);
+    let pulled =
+        sides.replacen("normal_displacement = 0", "normal_displacement = { times = [0, 2], values = [0, 0.3] }", 1);
     let (mesh, state) = solved(&pulled, &[]);
     assert_near(&state.u, &expected(&mesh, |x, y| [0.1 * x - 0.3, -0.025 * y]), 1e-12);
 }
@@ -212,7 +233,9 @@ fn pressure_all_around_shrinks_the_body() {
 /// A bar on springs k = 20 pulled by T = 5: u = T/k + Tx/E, and the springs store T²/2k on their side of length 1.
 #[test]
 fn springs_hold_a_body() {
-    let sides = format!("[[boundary]]\non = \"left\"\nspring = [20, 20]\n[[boundary]]\non = \"right\"\ntraction = [5, 0]\n{WARM}");
+    let sides = format!(
+        "[[boundary]]\non = \"left\"\nspring = [20, 20]\n[[boundary]]\non = \"right\"\ntraction = [5, 0]\n{WARM}"
+    );
     let (mesh, state) = solved(&sides, &["material.elasticity.poisson=0"]);
     assert_near(&state.u, &expected(&mesh, |x, _| [0.25 + 0.1 * x, 0.0]), 1e-12);
     assert_near(&[state.ledger.elastic], &[0.5 * 5.0 * 0.1 * 2.0 + 0.5 * 5.0 * 0.25], 1e-12);
@@ -221,7 +244,9 @@ fn springs_hold_a_body() {
 /// A bar on dashpots c = 2 pulled by T = 5 moves with T/c and is stretched by Tx/E; they dissipate T²/c a second.
 #[test]
 fn dashpots_let_a_body_move() {
-    let sides = format!("[[boundary]]\non = \"left\"\ndashpot = [2, 2]\nspring = [0, 1]\n[[boundary]]\non = \"right\"\ntraction = [5, 0]\n{WARM}");
+    let sides = format!(
+        "[[boundary]]\non = \"left\"\ndashpot = [2, 2]\nspring = [0, 1]\n[[boundary]]\non = \"right\"\ntraction = [5, 0]\n{WARM}"
+    );
     let (mesh, state) = solved(&sides, &["material.elasticity.poisson=0"]);
     assert_near(&state.u, &expected(&mesh, |x, _| [2.5 * 2.0 + 0.1 * x, 0.0]), 1e-12);
     assert_near(&[state.ledger.viscous_dissipation], &[5.0 * 2.5 * 2.0], 1e-12);
@@ -230,8 +255,7 @@ fn dashpots_let_a_body_move() {
 /// Steady heat through a wall, θ(0) = 0, into surroundings at 8 with h = 6: θ = θ_a h x/(K + hL) = 3.2 x.
 #[test]
 fn convection_warms_a_wall() {
-    let sides =
-        "[[boundary]]\non = \"left\"\ntemperature = 0\ndisplacement = [0, 0]\n[[boundary]]\non = \"right\"\nconvection = { coefficient = 6, ambient = 8 }\n";
+    let sides = "[[boundary]]\non = \"left\"\ntemperature = 0\ndisplacement = [0, 0]\n[[boundary]]\non = \"right\"\nconvection = { coefficient = 6, ambient = 8 }\n";
     let (mesh, state) = solved(sides, &[]);
     let theta: Vec<f64> = mesh.points.iter().map(|p| 3.2 * p[0]).collect();
     assert_near(&state.theta, &theta, 1e-12);

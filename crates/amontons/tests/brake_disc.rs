@@ -1,4 +1,5 @@
-//! The worked case `cases/brake-disc`: a pad on a disc that turns, warms up and wears, with sums of our own over what each step reports.
+//! The worked case `cases/brake-disc`: a pad on a disc that turns, warms up and wears, with sums of our own over what
+//! each step reports.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
@@ -23,21 +24,34 @@ fn solved(problem: &Problem) -> Memory {
     memory
 }
 
-/// Ten steps of the shipped case on a coarse mesh, with changes: that of `pad.geo` with `-setnumber radial 2 -setnumber around 2`.
+/// Ten steps of the shipped case on a coarse mesh, with changes: that of `pad.geo` with
+/// `-setnumber radial 2 -setnumber around 2`.
 fn stop(changes: &[&str]) -> (Problem, Memory) {
-    let changes: Vec<String> =
-        ["time.steps=10", "mesh.file=\"../../crates/amontons/tests/meshes/brake-disc.msh\""].iter().chain(changes).map(|&change| change.to_owned()).collect();
+    let changes: Vec<String> = ["time.steps=10", "mesh.file=\"../../crates/amontons/tests/meshes/brake-disc.msh\""]
+        .iter()
+        .chain(changes)
+        .map(|&change| change.to_owned())
+        .collect();
     let problem = case("cases/brake-disc/disc.toml", &changes).problem;
     let memory = solved(&problem);
     (problem, memory)
 }
 
 fn points(problem: &Problem) -> Vec<PointOnBoundary> {
-    ContactBoundary::new(&problem.mesh, problem.mesh.facets.get(&problem.contacts[0].on).expect("the side"), Quadrature::Nodal).points
+    ContactBoundary::new(
+        &problem.mesh,
+        problem.mesh.facets.get(&problem.contacts[0].on).expect("the side"),
+        Quadrature::Nodal,
+    )
+    .points
 }
 
 /// Σ ω f over the contact points.
-fn integral(points: &[PointOnBoundary], states: &[PointState], f: impl Fn(&PointOnBoundary, &PointState) -> f64) -> f64 {
+fn integral(
+    points: &[PointOnBoundary],
+    states: &[PointState],
+    f: impl Fn(&PointOnBoundary, &PointState) -> f64,
+) -> f64 {
     assert_eq!(points.len(), states.len());
     points.iter().zip(states).map(|(point, state)| point.weight * f(point, state)).sum()
 }
@@ -55,7 +69,8 @@ fn heat_content(problem: &Problem, state: &State) -> f64 {
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {
                 map.at(cell, q);
-                let theta: f64 = cell.iter().zip(table.values(q)).map(|(&node, value)| value * state.theta[node as usize]).sum();
+                let theta: f64 =
+                    cell.iter().zip(table.values(q)).map(|(&node, value)| value * state.theta[node as usize]).sum();
                 sum += problem.materials[block.region].heat_capacity * weight * map.measure * theta;
             }
         }
@@ -63,22 +78,37 @@ fn heat_content(problem: &Problem, state: &State) -> f64 {
     sum
 }
 
-/// With an insulated back all that friction works is found again as heat: in the pad, in the disc C θ_F, and in the air Σ k H θ_F.
+/// With an insulated back all that friction works is found again as heat: in the pad, in the disc C θ_F, and in the
+/// air Σ k H θ_F.
 #[test]
 fn the_work_of_friction_is_the_heat_of_pad_disc_and_air() {
     let (problem, memory) = stop(&["boundary.2.convection.coefficient=0"]);
     let (k, points) = (problem.k(), points(&problem));
-    let work: f64 = memory.reports.iter().map(|report| k * integral(&points, &report.contact.states, |_, s| dot(&s.q, &s.slip))).sum();
-    let temperatures: Vec<f64> = memory.states[1..].iter().map(|state| state.surface.foundation[0].expect("a temperature")).collect();
+    let work: f64 = memory
+        .reports
+        .iter()
+        .map(|report| k * integral(&points, &report.contact.states, |_, s| dot(&s.q, &s.slip)))
+        .sum();
+    let temperatures: Vec<f64> =
+        memory.states[1..].iter().map(|state| state.surface.foundation[0].expect("a temperature")).collect();
     let last = memory.states.last().expect("a state");
-    let [pad, disc, air] = [heat_content(&problem, last), 1760.0 * temperatures.last().expect("a step"), temperatures.iter().map(|t| k * 4.0 * t).sum()];
-    println!("work {work:.6e}, pad {pad:.6e}, disc {disc:.6e}, air {air:.6e}, error {:e}", (pad + disc + air) / work - 1.0);
+    let [pad, disc, air] = [
+        heat_content(&problem, last),
+        1760.0 * temperatures.last().expect("a step"),
+        temperatures.iter().map(|t| k * 4.0 * t).sum(),
+    ];
+    println!(
+        "work {work:.6e}, pad {pad:.6e}, disc {disc:.6e}, air {air:.6e}, error {:e}",
+        (pad + disc + air) / work - 1.0
+    );
     // Each step satisfies its equations to 1e-10 of their largest term, by the guarantee of the solver.
     assert!(((pad + disc + air) / work - 1.0).abs() < 1e-10, "{pad} + {disc} + {air}, expected {work}");
     assert!(pad > 0.02 * work && air > 1e-3 * work, "each takes a part: {pad}, {air} of {work}");
 
     let ledger = &last.ledger;
-    for (name, value) in [("friction_dissipation", ledger.friction_dissipation), ("heat_friction", ledger.heat_friction)] {
+    for (name, value) in
+        [("friction_dissipation", ledger.friction_dissipation), ("heat_friction", ledger.heat_friction)]
+    {
         assert!((value / work - 1.0).abs() < 1e-12, "{name} {value}, expected {work}");
     }
     assert!((ledger.heat_surroundings / air - 1.0).abs() < 1e-12);
@@ -86,37 +116,46 @@ fn the_work_of_friction_is_the_heat_of_pad_disc_and_air() {
     assert!(ledger.relative_heat_closing_error().abs() < 1e-12, "{:e}", ledger.relative_heat_closing_error());
 
     // While the disc turns all that touches slips; at rest there are points of every state.
-    let count = |n: usize, status| memory.reports[n].contact.states.iter().filter(|state| state.status == status).count();
+    let count =
+        |n: usize, status| memory.reports[n].contact.states.iter().filter(|state| state.status == status).count();
     assert_eq!(count(4, Status::Stick), 0, "a point sticks to a disc that turns");
     let at_rest = [Status::Open, Status::Stick, Status::Slip].map(|status| count(9, status));
     assert!(at_rest.iter().all(|&n| n > 0), "open, stick, slip at rest: {at_rest:?}");
 }
 
-/// Archard: V = κ ∫∫ p ‖w_τ‖ dA dt, whatever the field of pressures; and the hottest points wear fastest where κ grows with the temperature.
+/// Archard: V = κ ∫∫ p ‖w_τ‖ dA dt, whatever the field of pressures; and the hottest points wear fastest where κ grows
+/// with the temperature.
 #[test]
 fn the_worn_volume_is_that_of_archard() {
     let coefficient = 5e-13;
     let (problem, memory) = stop(&[&format!("contact.wear={{ law = \"archard\", coefficient = {coefficient:e} }}")]);
     let (k, points) = (problem.k(), points(&problem));
     let rubbing = |s: &PointState| s.pressure.max(0.0) * dot(&s.slip, &s.slip).sqrt();
-    let expected: f64 = memory.reports.iter().map(|report| coefficient * k * integral(&points, &report.contact.states, |_, s| rubbing(s))).sum();
+    let expected: f64 = memory
+        .reports
+        .iter()
+        .map(|report| coefficient * k * integral(&points, &report.contact.states, |_, s| rubbing(s)))
+        .sum();
     let last = memory.states.last().expect("a state");
     let volume: f64 = points.iter().zip(&last.surface.wear).map(|(point, wear)| point.weight * wear).sum();
     println!("volume {volume:.6e}, error {:e}", volume / expected - 1.0);
     assert!((volume / expected - 1.0).abs() < 1e-10, "{volume:e}, expected {expected:e}");
     // The gap grows by it: what is worn off presses less than it would.
     let (_, fresh) = stop(&["contact.wear={ law = \"archard\", coefficient = 0 }"]);
-    let most = |memory: &Memory| memory.reports.last().expect("a report").contact.states.iter().map(|s| s.pressure).fold(0.0, f64::max);
+    let most = |memory: &Memory| {
+        memory.reports.last().expect("a report").contact.states.iter().map(|s| s.pressure).fold(0.0, f64::max)
+    };
     assert!(most(&memory) < most(&fresh), "{} against {} without wear", most(&memory), most(&fresh));
 }
 
-/// An annular pad under a uniform pressure: M = (2π/3) μ p (R³ − r³), and the power M ω (J. E. Shigley, "Mechanical Engineering Design", disc
-/// clutches with uniform pressure). With ν = 0 the pressure is uniform in every step; what is left is the quadrature of r on curved quadratic
-/// facets, of order 4.
+/// An annular pad under a uniform pressure: M = (2π/3) μ p (R³ − r³), and the power M ω (J. E. Shigley, "Mechanical
+/// Engineering Design", disc clutches with uniform pressure). With ν = 0 the pressure is uniform in every step; what is
+/// left is the quadrature of r on curved quadratic facets, of order 4.
 #[test]
 fn the_torque_of_an_annular_pad() {
     let (inner, outer, mu, pressure, omega, spring) = (0.095f64, 0.145f64, 0.4, 1.2e6, 30.0, 1e3);
-    // A spring that keeps the pad where it would be free before it touches takes its share of the pressure: p (1/c + H/E) of depth.
+    // A spring that keeps the pad where it would be free before it touches takes its share of the pressure: p
+    // (1/c + H/E) of depth.
     let held = spring * (1e-11 + 0.01 / 5e8);
     let exact = 2.0 * PI / 3.0 * mu * pressure * (outer.powi(3) - inner.powi(3));
     let torque = |around: usize| {

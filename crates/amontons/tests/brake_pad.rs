@@ -44,8 +44,8 @@ fn volumes(mesh: &Mesh) -> Vec<f64> {
     volumes
 }
 
-/// A ring sector with rounded corners has the area of the sector less that of its corners, each the gap between a circle of radius f
-/// and the two sides that it touches.
+/// A ring sector with rounded corners has the area of the sector less that of its corners, each the gap between a
+/// circle of radius f and the two sides that it touches.
 fn plate_area() -> f64 {
     let (inner, outer, half, f) = (0.095f64, 0.145f64, PI / 6.0, 0.006f64);
     // A corner between an end and the circle of radius R, the centre of the small circle on the radius c from the axis.
@@ -72,7 +72,8 @@ fn the_mesh_is_that_of_the_drawing() {
     let case = case("cases/brake-pad/pad.toml", &[]);
     let mesh = &case.problem.mesh;
     assert_eq!(mesh.dim, 3);
-    // A parabola through three points of an arc of angle φ encloses φ⁴/480 less than the sector: 2.8e-5 with edges of 7.5 mm on the piston of 22 mm.
+    // A parabola through three points of an arc of angle φ encloses φ⁴/480 less than the sector: 2.8e-5 with edges of
+    // 7.5 mm on the piston of 22 mm.
     let piston = area(mesh, "piston");
     let short = |angle: f64| angle.powi(4) / 480.0;
     assert!((piston / (PI * 0.022 * 0.022) - 1.0).abs() < short(7.5 / 22.0), "{piston}");
@@ -85,8 +86,8 @@ fn the_mesh_is_that_of_the_drawing() {
     assert!((volumes(mesh)[index] / (0.005 * plate) - 1.0).abs() < 2.0 * allowed);
 }
 
-/// While it is pressed, warmed and moved: the contact force is the force of the piston but for the inertia of the pad, both identities
-/// close, and friction keeps to Coulomb's law.
+/// While it is pressed, warmed and moved: the contact force is the force of the piston but for the inertia of the pad,
+/// both identities close, and friction keeps to Coulomb's law.
 #[test]
 fn the_pad_is_in_balance() {
     let case = case("cases/brake-pad/pad.toml", &["time.end=9".to_owned(), "time.steps=3".to_owned()]);
@@ -102,17 +103,30 @@ fn the_pad_is_in_balance() {
         let [w, last] = [n + 1, n].map(|i| &memory.states[i].w);
         let jump = w.iter().zip(last).skip(2).step_by(3).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let [x, y, z] = report.contact.force;
-        // A step satisfies its equations to 1e-10 of the largest term; the sum over the nodes of Γ_C is that of the equations of all nodes.
+        // A step satisfies its equations to 1e-10 of the largest term; the sum over the nodes of Γ_C is that of the
+        // equations of all nodes.
         let allowed = mass * jump / k + 1e-9 * pressure * area;
-        assert!((z - pressure * area).abs() <= allowed, "t = {t}: {z}, expected {}, allowed {allowed:e}", pressure * area);
+        assert!(
+            (z - pressure * area).abs() <= allowed,
+            "t = {t}: {z}, expected {}, allowed {allowed:e}",
+            pressure * area
+        );
         assert!(x.hypot(y) <= 0.4 * z * (1.0 + 1e-12), "t = {t}: more friction than Coulomb's law allows");
         for state in &report.contact.states {
             let friction = state.q.iter().map(|q| q * q).sum::<f64>().sqrt();
-            assert!(friction <= 0.4 * state.pressure + 1e-10 * 0.4 * pressure, "{friction} at the pressure {}", state.pressure);
+            assert!(
+                friction <= 0.4 * state.pressure + 1e-10 * 0.4 * pressure,
+                "{friction} at the pressure {}",
+                state.pressure
+            );
         }
     }
-    let count = |status| memory.reports.last().expect("a report").contact.states.iter().filter(|s| s.status == status).count();
-    assert!(count(Status::Stick) > 0 && count(Status::Slip) > 0 && count(Status::Open) > 0, "all three states occur while the pad starts to slide");
+    let count =
+        |status| memory.reports.last().expect("a report").contact.states.iter().filter(|s| s.status == status).count();
+    assert!(
+        count(Status::Stick) > 0 && count(Status::Slip) > 0 && count(Status::Open) > 0,
+        "all three states occur while the pad starts to slide"
+    );
     let ledger = &memory.states.last().expect("a state").ledger;
     assert!(ledger.relative_closing_error().abs() < 1e-12, "{:e}", ledger.relative_closing_error());
     assert!(ledger.relative_heat_closing_error().abs() < 1e-12, "{:e}", ledger.relative_heat_closing_error());

@@ -1,5 +1,12 @@
-//! Steps with several solutions: which one is followed, when it is left, and what is said about it, against closed forms.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+//! Steps with several solutions: which one is followed, when it is left, and what is said about it, against closed
+//! forms.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 #[path = "common/column.rs"]
 mod column;
@@ -84,7 +91,8 @@ fn finding(findings: &[Finding], id: &str) -> Option<Finding> {
     findings.iter().find(|f| f.id.as_str() == id).cloned()
 }
 
-/// With E/L < s the branch on which the pressure rises ends at its peak, at U = P/c + P L/E, where the end of the rod jumps to U − R L/E.
+/// With E/L < s the branch on which the pressure rises ends at its peak, at U = P/c + P L/E, where the end of the rod
+/// jumps to U − R L/E.
 #[test]
 fn a_soft_rod_follows_the_branch_to_its_limit_and_snaps() {
     let young = 1.0;
@@ -104,9 +112,14 @@ fn a_soft_rod_follows_the_branch_to_its_limit_and_snaps() {
             // Steps are refined down to a residual of 1e-11.
             near(report.contact.states[0].penetration, r, 1e-11, &format!("{steps} steps, t = {t}"));
             between += usize::from(t > first && follows);
-            // The step over the limit is told, and no other; of its shortest parts one is ambiguous, beside it the halves of 5 halvings.
+            // The step over the limit is told, and no other; of its shortest parts one is ambiguous, beside it the
+            // halves of 5 halvings.
             let snaps = !follows && problem.time(n) <= limit;
-            assert_eq!((report.is_ambiguous, report.parts), if snaps { (true, 6) } else { (false, 1) }, "{steps} steps, t = {t}");
+            assert_eq!(
+                (report.is_ambiguous, report.parts),
+                if snaps { (true, 6) } else { (false, 1) },
+                "{steps} steps, t = {t}"
+            );
         }
         println!("{steps} steps: {between} on the upper of two branches");
         let counts = &states.last().unwrap().counts;
@@ -126,7 +139,8 @@ fn a_stiff_rod_has_one_path() {
     let mut falling = 0;
     for (n, report) in reports.iter().enumerate() {
         let u = problem.time(n + 1);
-        let [rises, falls, stays] = [young * u / (young + c), (young * u - peak - s * top) / (young - s), u - residual / young];
+        let [rises, falls, stays] =
+            [young * u / (young + c), (young * u - peak - s * top) / (young - s), u - residual / young];
         let r = if rises <= top {
             rises
         } else if falls <= end {
@@ -150,23 +164,33 @@ fn a_stiff_rod_has_one_path() {
     near(unique.needed.unwrap(), s * k, 1e-12, "s k");
 }
 
-/// With the viscosity η the step is unique if (η + kE)/L > k s, that is for k below k* = η/(L s − E), and a part 2^−j of it from there on.
+/// With the viscosity η the step is unique if (η + kE)/L > k s, that is for k below k* = η/(L s − E), and a part 2^−j
+/// of it from there on.
 #[test]
 fn viscosity_resolves_the_snap_in_steps_below_the_threshold() {
     let (young, eta) = (1.0, 0.05);
     let [_, _, s, _] = LAYER;
     let threshold = eta / (s - young);
     // The steps that pass the falling branch, in parts of k/2^j < k*.
-    for (ratio, parts, ambiguous) in [(0.99, 1, 0), (1.01, 2, 0), (1.99, 2, 0), (2.01, 3, 0), (31.0, 6, 0), (31.9, 6, 0), (32.1, 6, 1)] {
+    for (ratio, parts, ambiguous) in
+        [(0.99, 1, 0), (1.01, 2, 0), (1.99, 2, 0), (2.01, 3, 0), (31.0, 6, 0), (31.9, 6, 0), (32.1, 6, 1)]
+    {
         let k = ratio * threshold;
         let end = 4.0;
         // A whole number of steps of length k.
         let steps = f64::ceil(end / k);
-        let problem = rod(&[&format!("time.end={:?}", steps * k), &format!("time.steps={steps}"), &format!("material.viscosity.second={eta:?}")]);
+        let problem = rod(&[
+            &format!("time.end={:?}", steps * k),
+            &format!("time.steps={steps}"),
+            &format!("material.viscosity.second={eta:?}"),
+        ]);
         let (states, reports) = run(&problem);
         let counts = &states.last().unwrap().counts;
         let most = reports.iter().map(|r| r.parts).max().unwrap();
-        println!("k = {ratio} k*: {} halved, {} ambiguous, {most} parts at the most", counts.halved_steps, counts.ambiguous_steps);
+        println!(
+            "k = {ratio} k*: {} halved, {} ambiguous, {most} parts at the most",
+            counts.halved_steps, counts.ambiguous_steps
+        );
         assert_eq!(counts.ambiguous_steps > 0, ambiguous > 0, "k = {ratio} k*");
         assert!(if parts == 1 { most == 1 } else { most >= parts }, "k = {ratio} k*: {most} parts");
         // The certificate has the same threshold.
@@ -182,7 +206,8 @@ fn parts_to_halvings(ratio: f64) -> u32 {
     (0..32).find(|&j| ratio / f64::from(1u32 << j) < 1.0).unwrap()
 }
 
-/// A bond without a release length holds up to its strength σ, at U = −(σ/c + σ L/E), and is gone at once: no step is short enough.
+/// A bond without a release length holds up to its strength σ, at U = −(σ/c + σ L/E), and is gone at once: no step is
+/// short enough.
 #[test]
 fn a_bond_lets_go_at_its_strength() {
     let (young, c, strength) = (1.0, 4.0, 0.5);
@@ -206,7 +231,12 @@ fn a_bond_lets_go_at_its_strength() {
             }
             if viscosity == 0.0 {
                 assert_eq!(n >= let_go[0], problem.time(n + 1) > limit, "t = {}", problem.time(n + 1));
-                near(r, if n < let_go[0] { -young * problem.time(n + 1) / (young + c) } else { -problem.time(n + 1) }, 1e-13, "r");
+                near(
+                    r,
+                    if n < let_go[0] { -young * problem.time(n + 1) / (young + c) } else { -problem.time(n + 1) },
+                    1e-13,
+                    "r",
+                );
             }
         }
         assert_eq!(states.last().unwrap().counts.ambiguous_steps, 1);
@@ -214,8 +244,8 @@ fn a_bond_lets_go_at_its_strength() {
     }
 }
 
-/// Friction that falls by f = 0.3 per unit of slip speed up to 1: with S = ρ/(3k) + kG < f p a step at the load 0.21 … 0.4 has the solutions w = 0, w = (r̂ − 0.1)/S
-/// and one in between. The point stays on the one that it was on.
+/// Friction that falls by f = 0.3 per unit of slip speed up to 1: with S = ρ/(3k) + kG < f p a step at the load 0.21 …
+/// 0.4 has the solutions w = 0, w = (r̂ − 0.1)/S and one in between. The point stays on the one that it was on.
 #[test]
 fn a_point_stays_stuck_or_fast_where_both_are_solutions() {
     let (k, shear) = (10.0, 1e-3);
@@ -250,8 +280,9 @@ fn a_point_stays_stuck_or_fast_where_both_are_solutions() {
     }
 }
 
-/// A point that slip starts at passes the falling part of the table. Both nodes have one solution for λ_min(S, W) > f p = 0.3, where the least eigenvalue, that of
-/// nodes that move against each other, is a third of m/k: ∫N_iN_j has the eigenvalues 1/2 and 1/6, the weights are 1/2. Shorter steps by halving.
+/// A point that slip starts at passes the falling part of the table. Both nodes have one solution for λ_min(S, W) > f
+/// p = 0.3, where the least eigenvalue, that of nodes that move against each other, is a third of m/k: ∫N_iN_j has the
+/// eigenvalues 1/2 and 1/6, the weights are 1/2. Shorter steps by halving.
 #[test]
 fn slip_starts_without_ambiguity_in_parts_below_the_threshold() {
     let threshold = 1.0 / (3.0 * 0.3);
@@ -269,8 +300,13 @@ fn slip_starts_without_ambiguity_in_parts_below_the_threshold() {
         println!("k = {ratio} m/(3 p f): {} parts, ambiguous {}", reports[0].parts, reports[0].is_ambiguous);
         assert!(states[1].w[0] > 0.0, "the load 0.45 is above 0.4");
         assert_eq!(reports[0].is_ambiguous, ambiguous, "k = {ratio} m/(p f)");
-        assert!(if parts == 1 { reports[0].parts == 1 } else { reports[0].parts >= parts }, "k = {ratio} m/(p f): {}", reports[0].parts);
-        // The certificate names the pressure up to which such a step has one solution, λ_min/f: of a contact without a stiffness, which has c* = 0.
+        assert!(
+            if parts == 1 { reports[0].parts == 1 } else { reports[0].parts >= parts },
+            "k = {ratio} m/(p f): {}",
+            reports[0].parts
+        );
+        // The certificate names the pressure up to which such a step has one solution, λ_min/f: of a contact without a
+        // stiffness, which has c* = 0.
         let tied = changed(&problem, |data| data.contacts[0].normal = Arc::new(Compliance { stiffness: 0.0 }));
         let unique = finding(&hypotheses::full(&tied).findings, "step-unique").unwrap();
         near(unique.value.unwrap() * ratio, 0.3, 1e-6, "λ_min(S, W)");
@@ -280,7 +316,8 @@ fn slip_starts_without_ambiguity_in_parts_below_the_threshold() {
     }
 }
 
-/// Slip that turns round within a step passes the falling part of the table twice, though it is beyond it before and after.
+/// Slip that turns round within a step passes the falling part of the table twice, though it is beyond it before and
+/// after.
 #[test]
 fn slip_that_turns_round_is_followed_through_rest() {
     let problem = column(&[
@@ -327,8 +364,9 @@ fn a_stuck_point_slips_at_static_friction_and_not_before() {
     assert!(unique.status.as_str() == "not-covered" && unique.message.contains("two solutions"), "{}", unique.message);
 }
 
-/// A belt with v_F = 0.05 t² carries a body of mass 1 along up to the static friction: (v_F(t_n) − v_F(t_{n−1}))/k = 0.1 t_n − 0.05 k ≤ μ_s holds up to
-/// t = 2. From there the body has the acceleration μ_k.
+/// A belt with v_F = 0.05 t² carries a body of mass 1 along up to the static friction:
+/// (v_F(t_n) − v_F(t_{n−1}))/k = 0.1 t_n − 0.05 k ≤ μ_s holds up to t = 2. From there the body has the acceleration
+/// μ_k.
 #[test]
 fn a_belt_that_speeds_up_carries_a_body_along_up_to_static_friction() {
     for friction in ["static=0.2, kinetic=0.1", "static=0.2, kinetic=0.1, cap=100"] {
@@ -369,7 +407,8 @@ impl NormalLaw for Stair {
     }
 }
 
-/// The same stair as a law that falls, if only by nothing: its pressure is taken as the function that it is, which has no value on the riser.
+/// The same stair as a law that falls, if only by nothing: its pressure is taken as the function that it is, which has
+/// no value on the riser.
 #[derive(Debug)]
 struct Broken(Stair);
 
@@ -393,8 +432,9 @@ fn stair(overrides: &[&str], at: f64, height: f64) -> Problem {
     changed(&problem, |data| data.contacts[0].normal = Arc::new(Broken(Stair { at, height })))
 }
 
-/// With k = 1, E = 1, η = 1 and the force 1: (η + kE) w = 1 − p − E u′. In one step r = 0.5 without the pressure and 0.4 with it, beyond and before the stair
-/// at 0.45: no solution. In two halves r = 1/3, and then (1/3 + (1 − 0.2)/2)·2/3 = 22/45 = 0.489 with the pressure.
+/// With k = 1, E = 1, η = 1 and the force 1: (η + kE) w = 1 − p − E u′. In one step r = 0.5 without the pressure and
+/// 0.4 with it, beyond and before the stair at 0.45: no solution. In two halves r = 1/3, and then
+/// (1/3 + (1 − 0.2)/2)·2/3 = 22/45 = 0.489 with the pressure.
 #[test]
 fn a_step_without_a_solution_is_made_in_halves() {
     let problem = stair(&["time.steps=1", "material.viscosity.second=1", "load.body_force=[2]"], 0.45, 0.2);
@@ -445,7 +485,12 @@ fn a_step_that_fails_in_halves_too_names_its_first_failure() {
 #[test]
 fn halved_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
     let rod = rod(&["time.end=2"]);
-    let body = paper(&["mesh.n=8", "time.steps=16", "contact.normal={law='softening', stiffness=1e4, peak=1, softening=5e3, residual=0.5}"]).problem;
+    let body = paper(&[
+        "mesh.n=8",
+        "time.steps=16",
+        "contact.normal={law='softening', stiffness=1e4, peak=1, softening=5e3, residual=0.5}",
+    ])
+    .problem;
     for problem in [rod, body] {
         let (states, reports) = run(&problem);
         let halved = reports.iter().position(|r| r.parts > 1).expect("a halved step");
@@ -466,7 +511,8 @@ fn halved_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
         }
         for threads in [1, 2] {
             let mut memory = Memory::new().states_every(1);
-            driver::run(&problem, &Settings { threads: Some(threads), ..Settings::default() }, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
+            driver::run(&problem, &Settings { threads: Some(threads), ..Settings::default() }, &mut [&mut memory])
+                .unwrap_or_else(|error| panic!("{error}"));
             assert!(memory.states.last() == states.last(), "{}: another result on {threads} threads", problem.name);
         }
     }
@@ -485,7 +531,11 @@ fn laws_that_fall_are_told() {
         "contact.friction={law='slip-rate', speed=[0, 0.1, 1], coefficient=[0.3, 0.2, 0.3]}",
     ] {
         let finding = told(law).unwrap_or_else(|| panic!("{law}"));
-        assert!(finding.status.as_str() == "not-covered" && finding.message.contains("several solutions"), "{law}: {}", finding.message);
+        assert!(
+            finding.status.as_str() == "not-covered" && finding.message.contains("several solutions"),
+            "{law}: {}",
+            finding.message
+        );
         let numbers = [5e3, 1e4, 0.1, 1.0];
         if let Some(value) = finding.value {
             assert!(numbers.iter().any(|n| (value / n - 1.0).abs() < 1e-9), "{law}: {value}");

@@ -1,6 +1,13 @@
-//! Bodies of a case file: meshes of every kind and from files, materials by region and by law; and each fault with its place.
+//! Bodies of a case file: meshes of every kind and from files, materials by region and by law; and each fault with its
+//! place.
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp, reason = "a test fails by panicking, and some values are exact")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and some values are exact"
+)]
 
 mod common;
 
@@ -55,7 +62,11 @@ fn source(text: String) -> Source {
         ("turned.msh", BAR.replace("5 1 1 0\n", "5 1 -1 0\n")),
         ("bar.stl", String::new()),
         // Two squares that do not touch.
-        ("parts.msh", BAR.replace("$Nodes\n6\n", "$Nodes\n8\n7 5 0 0\n8 5 1 0\n").replace("2 3 2 2 2 2 3 6 5", "2 3 2 2 2 3 7 8 6")),
+        (
+            "parts.msh",
+            BAR.replace("$Nodes\n6\n", "$Nodes\n8\n7 5 0 0\n8 5 1 0\n")
+                .replace("2 3 2 2 2 2 3 6 5", "2 3 2 2 2 3 7 8 6"),
+        ),
     ]
     .map(|(name, text)| (name.to_owned(), Arc::from(text.as_bytes())))
     .into();
@@ -81,7 +92,11 @@ fn solved(case: &Case) -> State {
     run(&case.problem, &Settings::default(), &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
     let state = memory.states.pop().unwrap();
     assert!(state.ledger.relative_closing_error().abs() < 1e-12, "{:?}", state.ledger);
-    assert!(state.ledger.heat_closing_error.abs() <= 1e-12 * state.ledger.heat_turned_over.max(largest(&state.theta)), "{:?}", state.ledger);
+    assert!(
+        state.ledger.heat_closing_error.abs() <= 1e-12 * state.ledger.heat_turned_over.max(largest(&state.theta)),
+        "{:?}",
+        state.ledger
+    );
     state
 }
 
@@ -99,20 +114,66 @@ fn meshes_of_every_kind() {
     for (mesh, on, dim, nodes, sides, cells) in [
         ("kind = \"interval\"\nsize = 3.0\nn = 4", "left", 1, 5, "left right", vec![4]),
         ("kind = \"interval\"\nsize = 3.0\nn = 4\nelements = \"P2\"", "left", 1, 9, "left right", vec![4]),
-        ("kind = \"rectangle\"\nsize = [2, 1]\nn = [4, 2]\nelements = \"Q2\"", "left", 2, 45, "bottom left right top", vec![4, 2]),
-        ("kind = \"rectangle\"\nsize = [2, 1]\nn = 2\nelements = \"P2\"\ndiagonal = \"crossed\"", "left", 2, 41, "bottom left right top", vec![2, 2]),
-        ("kind = \"box\"\nsize = [3, 2, 1]\nn = [3, 2, 1]", "back", 3, 24, "back bottom front left right top", vec![3, 2, 1]),
-        ("kind = \"box\"\nsize = [3, 2, 1]\nn = 2\nelements = \"Q2\"", "back", 3, 125, "back bottom front left right top", vec![2, 2, 2]),
+        (
+            "kind = \"rectangle\"\nsize = [2, 1]\nn = [4, 2]\nelements = \"Q2\"",
+            "left",
+            2,
+            45,
+            "bottom left right top",
+            vec![4, 2],
+        ),
+        (
+            "kind = \"rectangle\"\nsize = [2, 1]\nn = 2\nelements = \"P2\"\ndiagonal = \"crossed\"",
+            "left",
+            2,
+            41,
+            "bottom left right top",
+            vec![2, 2],
+        ),
+        (
+            "kind = \"box\"\nsize = [3, 2, 1]\nn = [3, 2, 1]",
+            "back",
+            3,
+            24,
+            "back bottom front left right top",
+            vec![3, 2, 1],
+        ),
+        (
+            "kind = \"box\"\nsize = [3, 2, 1]\nn = 2\nelements = \"Q2\"",
+            "back",
+            3,
+            125,
+            "back bottom front left right top",
+            vec![2, 2, 2],
+        ),
         ("kind = \"disc\"\nradius = 2\nn = [1, 8]", "outer", 2, 9 + 8, "outer", vec![1, 8]),
-        (&format!("kind = \"ring\"\n{quarter}\nn = [2, 3]\nelements = \"Q1\""), "start", 2, 12, "end inner outer start", vec![2, 3]),
-        ("kind = \"cylinder\"\nradii = [1, 2]\nheight = 3\nn = [1, 6, 2]\nelements = \"Q1\"", "outer", 3, 36, "bottom inner outer top", vec![1, 6, 2]),
+        (
+            &format!("kind = \"ring\"\n{quarter}\nn = [2, 3]\nelements = \"Q1\""),
+            "start",
+            2,
+            12,
+            "end inner outer start",
+            vec![2, 3],
+        ),
+        (
+            "kind = \"cylinder\"\nradii = [1, 2]\nheight = 3\nn = [1, 6, 2]\nelements = \"Q1\"",
+            "outer",
+            3,
+            36,
+            "bottom inner outer top",
+            vec![1, 6, 2],
+        ),
         ("file = \"bar.msh\"", "left", 2, 6, "left right", vec![]),
         ("kind = \"file\"\nfile = \"bar.msh\"\nscale = 1e-3", "left", 2, 6, "left right", vec![]),
     ] {
         let case = read(body(mesh, dim).replace("on = \"left\"", &format!("on = \"{on}\"")));
         let found = &case.problem.mesh;
         let names: Vec<&str> = found.facets.keys().map(String::as_str).collect();
-        assert_eq!((found.dim, found.points.len(), names.join(" ").as_str(), &case.cells), (dim, nodes, sides, &cells), "{mesh}");
+        assert_eq!(
+            (found.dim, found.points.len(), names.join(" ").as_str(), &case.cells),
+            (dim, nodes, sides, &cells),
+            "{mesh}"
+        );
         assert_eq!(found.points.iter().map(|p| p[0]).fold(0.0, f64::max) < 0.01, mesh.contains("scale"), "{mesh}");
     }
 }
@@ -132,14 +193,19 @@ fn a_body_of_revolution_has_a_hoop_strain() {
 fn regions_have_their_materials() {
     let stiff = "[[region]]\non = \"stiff\"\n[region.material]\ndensity = 7.0\nheat_capacity = 3.0\nexpansion = 0.0\ncoupling = 0.0\nconductivity = 3.0\n\
                  elasticity = { law = \"isotropic\", young = 40.0, poisson = 0.0 }\nviscosity = { law = \"lame\", first = 0.0, second = 0.0 }\n";
-    let pulled = format!("{}[[boundary]]\non = \"right\"\ntraction = [5, 0]\ntemperature = 8\n", body("file = \"bar.msh\"", 2));
-    let steady = format!("{pulled}{}", stiff.replace("density = 7.0\nheat_capacity = 3.0", "density = 0.0\nheat_capacity = 0.0"));
+    let pulled =
+        format!("{}[[boundary]]\non = \"right\"\ntraction = [5, 0]\ntemperature = 8\n", body("file = \"bar.msh\"", 2));
+    let steady = format!(
+        "{pulled}{}",
+        stiff.replace("density = 7.0\nheat_capacity = 3.0", "density = 0.0\nheat_capacity = 0.0")
+    );
     let state = solved(&read(steady));
     let along = |values: [f64; 3]| [values, values].concat();
     assert_near(&state.u.chunks_exact(2).map(|u| u[0]).collect::<Vec<_>>(), &along([0.0, 0.5, 0.625]), 1e-12);
     assert_near(&state.theta, &along([0.0, 6.0, 8.0]), 1e-12);
     // Of the 7 + 2 of mass in motion with 0.5 the kinetic energy is 9/8; the heat content at θ = 2 is 2 (3 + 1).
-    let moving = ["material.density=2", "material.heat_capacity=1", "initial.velocity=[0.5, 0]", "initial.temperature=2"];
+    let moving =
+        ["material.density=2", "material.heat_capacity=1", "initial.velocity=[0.5, 0]", "initial.temperature=2"];
     let case = parse(format!("{pulled}{stiff}"), &moving).unwrap_or_else(|error| panic!("{error}"));
     let mut memory = Memory::default().states_every(1);
     run(&case.problem, &Settings::default(), &mut [&mut memory]).unwrap();
@@ -160,14 +226,17 @@ fn laws_have_their_numbers() {
     let square = "kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = 2";
     let cube = "kind = \"box\"\nsize = [1, 1, 1]\nn = 1";
     let along = |axis: usize| Sym::from_fn(3, |i, j| if i == j && i == axis { 1.0 } else { 0.0 });
-    // Plane stress of an orthotropic sheet: Q₁₁ = E₁/(1 − ν₁₂ν₂₁), and Q₂₂ along x where its axes are turned by a right angle.
+    // Plane stress of an orthotropic sheet: Q₁₁ = E₁/(1 − ν₁₂ν₂₁), and Q₂₂ along x where its axes are turned by a right
+    // angle.
     let law = "{ law = \"orthotropic\", young = [8, 2, 2], poisson = [0.3, 0.3, 0.3], shear = [1, 1, 1] }";
     let q = 1.0 - 0.3 * 0.3 * 2.0 / 8.0;
     assert!((value(square, 2, law, &along(0)).get(0, 0) - 8.0 / q).abs() < 1e-13);
     let turned = law.replace(" }", ", orientation = 1.5707963267948966 }");
     assert!((value(square, 2, &turned, &along(0)).get(0, 0) - 2.0 / q).abs() < 1e-13);
     // The stiffness C₃₃ of a matrix along z.
-    let rows: Vec<String> = (0..6).map(|i| format!("{:?}", (0..6).map(|j| if i == j { f64::from(i + 1) } else { 0.0 }).collect::<Vec<_>>())).collect();
+    let rows: Vec<String> = (0..6)
+        .map(|i| format!("{:?}", (0..6).map(|j| if i == j { f64::from(i + 1) } else { 0.0 }).collect::<Vec<_>>()))
+        .collect();
     let law = format!("{{ law = \"anisotropic\", voigt = [{}] }}", rows.join(", "));
     assert!((value(cube, 3, &law, &along(2)).get(2, 2) - 3.0).abs() < 1e-14);
     // Simple shear ε₁₂ = 1, ‖ξ^D‖ = √2: 2μ + β (1 − κ/√2) times 1, μ = 4; and Hencky's with n = 1, which is linear.
@@ -181,19 +250,30 @@ fn laws_have_their_numbers() {
 #[test]
 fn viscosities_branches_and_the_mean_dilatation() {
     let text = |viscosity: &str| {
-        body("kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = 2\nelements = \"Q1\"", 2).replace("{ law = \"lame\", first = 0.0, second = 0.0 }", viscosity)
+        body("kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = 2\nelements = \"Q1\"", 2)
+            .replace("{ law = \"lame\", first = 0.0, second = 0.0 }", viscosity)
     };
     let shear = Sym::from_fn(2, |i, j| if i == j { 0.0 } else { 1.0 });
     for (law, factor) in [
         // 2η at the rate √2: η = 1 + 2 (1 + 9·2)^(−1/4) and η = 0.5 + 3 (0.01 + 2)^(−1/4).
-        ("{ law = \"carreau\", bulk = 1, zero = 3, infinite = 1, time = 3, exponent = 0.5 }", 2.0 + 4.0 * 19f64.powf(-0.25)),
-        ("{ law = \"power-law\", bulk = 1, consistency = 3, exponent = 0.5, threshold = 0.1, floor = 0.5 }", 1.0 + 6.0 * 2.01f64.powf(-0.25)),
+        (
+            "{ law = \"carreau\", bulk = 1, zero = 3, infinite = 1, time = 3, exponent = 0.5 }",
+            2.0 + 4.0 * 19f64.powf(-0.25),
+        ),
+        (
+            "{ law = \"power-law\", bulk = 1, consistency = 3, exponent = 0.5, threshold = 0.1, floor = 0.5 }",
+            1.0 + 6.0 * 2.01f64.powf(-0.25),
+        ),
     ] {
         let found = read(text(law)).problem.materials[0].viscosity.value(&[0.0; 3], &shear).get(0, 1);
         assert!((found - factor).abs() < 1e-13, "{law}: {found}");
     }
     let lame = text("{ law = \"lame\", first = 0.0, second = 0.0 }");
-    let case = parse(lame, &["material.prony=[{ ratio = 0.5, time = 2.0 }, { ratio = 1, time = 20 }]", "material.dilatation=mean"]).unwrap();
+    let case = parse(
+        lame,
+        &["material.prony=[{ ratio = 0.5, time = 2.0 }, { ratio = 1, time = 20 }]", "material.dilatation=mean"],
+    )
+    .unwrap();
     assert_eq!(case.problem.dilatation, Dilatation::Mean);
     let prony = case.problem.materials[0].prony.clone().unwrap();
     assert_eq!(prony.branches().iter().map(|b| b.time).collect::<Vec<_>>(), [2.0, 20.0]);
@@ -210,8 +290,13 @@ fn a_bar_is_pulled_in_one_two_and_three_dimensions() {
         ("kind = \"box\"\nsize = [2, 1, 1]\nn = 2\nelements = \"Q1\"", 3),
     ] {
         let traction = [5, 0, 0];
-        let case = read(format!("{}[[boundary]]\non = \"right\"\ntraction = {:?}\n", body(mesh, components), &traction[..components]));
-        let expected: Vec<f64> = case.problem.mesh.points.iter().flat_map(|p| [0.5 * p[0], 0.0, 0.0].into_iter().take(components)).collect();
+        let case = read(format!(
+            "{}[[boundary]]\non = \"right\"\ntraction = {:?}\n",
+            body(mesh, components),
+            &traction[..components]
+        ));
+        let expected: Vec<f64> =
+            case.problem.mesh.points.iter().flat_map(|p| [0.5 * p[0], 0.0, 0.0].into_iter().take(components)).collect();
         assert_near(&solved(&case).u, &expected, 1e-11);
     }
 }
@@ -315,18 +400,27 @@ regions! {
 #[test]
 fn a_huge_box_is_refused_before_it_is_built() {
     let message = message(body("kind = \"box\"\nsize = [1, 1, 1]\nn = 100_000", 3), &[]);
-    assert!(message.starts_with("body.toml:5:5: mesh.n: found 100000 × 100000 × 100000 cells: 4.000e15 unknowns"), "{message}");
+    assert!(
+        message.starts_with("body.toml:5:5: mesh.n: found 100000 × 100000 × 100000 cells: 4.000e15 unknowns"),
+        "{message}"
+    );
     assert!(message.ends_with("; take fewer cells") && message.lines().count() == 1, "{message}");
 }
 
 /// A mesh from a file has no levels to refine.
 #[test]
 fn a_mesh_from_a_file_is_not_refined() {
-    let request = case::StudyRequest { vary: amontons::convergence::Vary::Space, levels: vec![2, 4], reference: case::ReferenceRequest::Finest, power: 1 };
+    let request = case::StudyRequest {
+        vary: amontons::convergence::Vary::Space,
+        levels: vec![2, 4],
+        reference: case::ReferenceRequest::Finest,
+        power: 1,
+    };
     let error = case::study(&source(body("file = \"bar.msh\"", 2)), &[], &request).unwrap_err().to_string();
     assert_eq!(error, "a mesh from a file, expected a mesh by its kind, which can be refined");
     let steps = case::StudyRequest { vary: amontons::convergence::Vary::Time, ..request.clone() };
     assert!(case::study(&source(body("file = \"bar.msh\"", 2)), &[], &steps).is_ok());
-    let boxes = case::study(&source(body("kind = \"box\"\nsize = [1, 1, 1]\nn = [2, 4, 6]", 3)), &[], &request).unwrap();
+    let boxes =
+        case::study(&source(body("kind = \"box\"\nsize = [1, 1, 1]\nn = [2, 4, 6]", 3)), &[], &request).unwrap();
     assert_eq!(boxes.levels[0].problem.mesh.points.len(), 3 * 5 * 7);
 }

@@ -1,4 +1,5 @@
-//! Data in space and time and conditions on sides, as the case file has them: what holds, and each fault with its place.
+//! Data in space and time and conditions on sides, as the case file has them: what holds, and each fault with its
+//! place.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
@@ -64,7 +65,8 @@ fn source(text: String) -> Source {
         ("header.csv", "t,f\n"),
         ("infinite.csv", "0,1\n1,inf\n"),
     ];
-    let memory: BTreeMap<String, Arc<[u8]>> = files.map(|(name, text)| (name.to_owned(), Arc::from(text.as_bytes()))).into();
+    let memory: BTreeMap<String, Arc<[u8]>> =
+        files.map(|(name, text)| (name.to_owned(), Arc::from(text.as_bytes()))).into();
     Source { files: Files::Memory(memory), ..Source::new("sides.toml", text) }
 }
 
@@ -110,8 +112,13 @@ fn columns_are_found_by_header_or_number() {
 #[test]
 fn copies_of_files_make_the_same_case() {
     let text = spoil(CASE, "heat_source = 1.0", "heat_source = { table = \"load.csv\", column = 3 } # from the oven");
-    let first = case::parse(&source(text.clone()), &["load.body_force=[0, { table = \"load.csv\" }]".to_owned()]).unwrap();
-    assert!(first.text.contains("heat_source = { table = \"inputs/load.csv\", column = 3 } # from the oven\n"), "{}", first.text);
+    let first =
+        case::parse(&source(text.clone()), &["load.body_force=[0, { table = \"load.csv\" }]".to_owned()]).unwrap();
+    assert!(
+        first.text.contains("heat_source = { table = \"inputs/load.csv\", column = 3 } # from the oven\n"),
+        "{}",
+        first.text
+    );
     assert!(first.text.contains("body_force = [0, { table = \"inputs/load.csv\" }]"), "{}", first.text);
     let [copy] = first.inputs.as_slice() else { panic!() };
     assert_eq!((copy.path.as_str(), &*copy.bytes), ("inputs/load.csv", FORCE.as_bytes()));
@@ -238,7 +245,8 @@ spoiled! {
 /// Springs hold a body without density, dashpots and pressures do not.
 #[test]
 fn a_body_that_springs_hold_is_held() {
-    let text = |side: &str| format!("{}\n[[boundary]]\non = \"left\"\n{side}\n", CASE.split("[[boundary]]").next().unwrap());
+    let text =
+        |side: &str| format!("{}\n[[boundary]]\non = \"left\"\n{side}\n", CASE.split("[[boundary]]").next().unwrap());
     let quasistatic = ["material.density=0", "material.heat_capacity=0"];
     let unheld = "boundary: found no displacement prescribed and density 0, expected a part Γ_D that holds the body; give `displacement` on a side, or a positive material.density";
     let uncooled = "boundary: found no temperature prescribed and heat_capacity 0, expected a side whose temperature is known; give `temperature` on a side, or a positive material.heat_capacity";
@@ -250,7 +258,8 @@ fn a_body_that_springs_hold_is_held() {
         ("normal_displacement = 0\ntemperature = 0", vec![]),
     ] {
         let message = message(text(side), &quasistatic);
-        let lines: Vec<&str> = message.lines().map(|line| line.strip_prefix("sides.toml:20:1: ").unwrap_or(line)).collect();
+        let lines: Vec<&str> =
+            message.lines().map(|line| line.strip_prefix("sides.toml:20:1: ").unwrap_or(line)).collect();
         assert_eq!(lines, if faults.is_empty() { vec!["no fault"] } else { faults }, "{side}");
     }
 }
@@ -269,7 +278,10 @@ fn files_are_found_beside_the_case_file() {
     std::fs::create_dir_all(folder.join("data")).unwrap();
     std::fs::write(folder.join("data/load.csv"), FORCE).unwrap();
     let path = folder.join("sides.toml");
-    let write = |name: &str| std::fs::write(&path, spoil(CASE, "heat_source = 1.0", &format!("heat_source = {{ table = \"{name}\" }}"))).unwrap();
+    let write = |name: &str| {
+        std::fs::write(&path, spoil(CASE, "heat_source = 1.0", &format!("heat_source = {{ table = \"{name}\" }}")))
+            .unwrap()
+    };
     write("data/load.csv");
     let case = case::read(&path, &[]).unwrap();
     assert!((case.problem.heat_source.value(&[0.0; 3], 0.5) - 1.0).abs() < 1e-15);

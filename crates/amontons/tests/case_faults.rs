@@ -384,8 +384,10 @@ spoiled! {
 
 #[test]
 fn the_huge_mesh_is_refused_before_it_is_built() {
-    for (n, found) in [("1_000_000_000", "1000000000 × 1000000000 cells: 3.000e18 unknowns"), ("[70_000, 70_000]", "70000 × 70000 cells: 14700420003 unknowns")]
-    {
+    for (n, found) in [
+        ("1_000_000_000", "1000000000 × 1000000000 cells: 3.000e18 unknowns"),
+        ("[70_000, 70_000]", "70000 × 70000 cells: 14700420003 unknowns"),
+    ] {
         let message = message(spoil(PAPER, "n = 64", &format!("n = {n}")), &[]);
         assert!(message.starts_with(&format!("paper.toml:16:5: mesh.n: found {found}")), "{message}");
         assert!(message.ends_with("; take fewer cells") && message.lines().count() == 1, "{message}");

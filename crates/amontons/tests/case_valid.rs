@@ -53,7 +53,10 @@ fn the_readings_of_the_paper_need_overrides_only() -> Outcome {
     assert_eq!(parse(PAPER, &["material.conductivity=[[1,1],[1,1]]"])?.problem.materials[0].conductivity, ones());
     let hot = parse(PAPER, &["contact.heat.foundation_temperature=10"])?.problem.into_data().contacts.swap_remove(0);
     assert_eq!(hot.foundation_temperature, Field::Constant(10.0));
-    assert_eq!(parse(PAPER, &["contact.quadrature=gauss"])?.problem.into_data().contacts.swap_remove(0).quadrature, Quadrature::Gauss);
+    assert_eq!(
+        parse(PAPER, &["contact.quadrature=gauss"])?.problem.into_data().contacts.swap_remove(0).quadrature,
+        Quadrature::Gauss
+    );
     Ok(())
 }
 
@@ -137,7 +140,8 @@ fn limits_that_make_sense_are_taken() -> Outcome {
 #[test]
 fn overrides_keep_comments_and_order() -> Outcome {
     let case = parse(PAPER, &["mesh.n=8", "material.elasticity.young=3e0", "boundary[1].traction[1]=0.5"])?;
-    let expected = PAPER.replace("n = 64\n", "n = 8\n").replace("young = 2.0", "young = 3e0").replace("[1.4, 0.4]", "[1.4, 0.5]");
+    let expected =
+        PAPER.replace("n = 64\n", "n = 8\n").replace("young = 2.0", "young = 3e0").replace("[1.4, 0.4]", "[1.4, 0.5]");
     assert_eq!(case.text, expected);
     assert_eq!(parse(PAPER, &[])?.text, PAPER);
     Ok(())
@@ -146,7 +150,13 @@ fn overrides_keep_comments_and_order() -> Outcome {
 #[test]
 fn overrides_make_what_is_missing_and_their_text_is_a_case() -> Outcome {
     let law = "contact.normal={ law = \"compliance\", stiffness = 7 }";
-    let overrides = ["initial.temperature=5", "contact.on=bottom", law, "contact.friction.law=coulomb", "contact.friction.coefficient=0.1"];
+    let overrides = [
+        "initial.temperature=5",
+        "contact.on=bottom",
+        law,
+        "contact.friction.law=coulomb",
+        "contact.friction.coefficient=0.1",
+    ];
     let case = parse(without_contact(), &overrides)?;
     let again = parse(&case.text, &[])?;
     for case in [case, again] {
@@ -173,7 +183,8 @@ fn files_of_other_systems_are_read() -> Outcome {
 #[test]
 fn expected_values_are_numbers_or_arrays() -> Outcome {
     let plain = PAPER.split("[expected]").next().unwrap_or_default();
-    let block = "[expected]\ntolerance = 1e-6\nvalues = { \"final.temperature_max\" = 0.5, \"final.velocity_max\" = [1, 2] }\n";
+    let block =
+        "[expected]\ntolerance = 1e-6\nvalues = { \"final.temperature_max\" = 0.5, \"final.velocity_max\" = [1, 2] }\n";
     let expected = parse(&format!("{plain}\n{block}"), &[])?.expected.expect("expected values");
     assert_eq!(expected.tolerance, 1e-6);
     assert_eq!(expected.values["final.temperature_max"], [0.5]);
@@ -193,7 +204,10 @@ fn the_schema_is_complete() {
             tables += 1;
             assert_eq!(node["additionalProperties"], false, "{node}");
             for (key, property) in node["properties"].as_object().into_iter().flatten() {
-                assert!(property["description"].as_str().is_some_and(|text| !text.trim().is_empty()), "{key} has no description");
+                assert!(
+                    property["description"].as_str().is_some_and(|text| !text.trim().is_empty()),
+                    "{key} has no description"
+                );
             }
         }
     });
@@ -215,14 +229,35 @@ fn obstacles_are_read_with_their_keys() -> Outcome {
     let x = [0.5, 0.0, 0.0];
     for (keys, updated, distance, place) in [
         ("shape = 'plane', point = [0, '-0.1 - t'], normal = [0, 2]", false, 0.6, [0.0, -0.6, 0.0]),
-        ("shape = 'sphere', center = [0.5, { times = [0, 1], values = [-2, -3] }], radius = 1, geometry = 'updated'", true, 1.5, [0.5, -2.5, 0.0]),
-        ("shape = 'sphere', center = [0.5, 0.5], radius = 2, inside = true, geometry = 'reference'", false, 1.5, [0.5, 0.5, 0.0]),
-        ("shape = 'cylinder', center = ['0.5 + t', 1], radius = 5, inside = true", false, 5.0 - 1.25f64.sqrt(), [1.0, 1.0, 0.0]),
+        (
+            "shape = 'sphere', center = [0.5, { times = [0, 1], values = [-2, -3] }], radius = 1, geometry = 'updated'",
+            true,
+            1.5,
+            [0.5, -2.5, 0.0],
+        ),
+        (
+            "shape = 'sphere', center = [0.5, 0.5], radius = 2, inside = true, geometry = 'reference'",
+            false,
+            1.5,
+            [0.5, 0.5, 0.0],
+        ),
+        (
+            "shape = 'cylinder', center = ['0.5 + t', 1], radius = 5, inside = true",
+            false,
+            5.0 - 1.25f64.sqrt(),
+            [1.0, 1.0, 0.0],
+        ),
         // A trough is below the point.
-        ("shape = 'wave', point = [0, -1], normal = [0, 1], direction = [1, 0], amplitude = 0.01, wavelength = 1", false, 1.01, [0.0, -1.0, 0.0]),
+        (
+            "shape = 'wave', point = [0, -1], normal = [0, 1], direction = [1, 0], amplitude = 0.01, wavelength = 1",
+            false,
+            1.01,
+            [0.0, -1.0, 0.0],
+        ),
         ("shape = 'surface', level = '4*(y + 0.25 + t)'", false, 0.75, [0.0; 3]),
     ] {
-        let contact = parse(PAPER, &[&format!("contact.obstacle={{ {keys} }}")])?.problem.into_data().contacts.swap_remove(0);
+        let contact =
+            parse(PAPER, &[&format!("contact.obstacle={{ {keys} }}")])?.problem.into_data().contacts.swap_remove(0);
         let obstacle = contact.obstacle.expect("an obstacle");
         let nearest = obstacle.nearest(&x, 0.5);
         assert!((nearest.distance - distance).abs() < 1e-14, "{keys}: {nearest:?}");

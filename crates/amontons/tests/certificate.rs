@@ -30,7 +30,10 @@ fn cheap(problem: &Problem, id: &str, status: &str) -> Finding {
     let found = findings(problem);
     let finding = find(&found, id).clone();
     assert_eq!(finding.status.as_str(), status, "{id}: {}", finding.message);
-    assert!(finding.holds() || finding.status.as_str() == "not-covered" || finding.repair.is_some(), "{id} does not say what would repair it");
+    assert!(
+        finding.holds() || finding.status.as_str() == "not-covered" || finding.repair.is_some(),
+        "{id} does not say what would repair it"
+    );
     finding
 }
 
@@ -46,7 +49,8 @@ fn near(found: Option<f64>, expected: f64, tolerance: f64) {
 #[test]
 fn the_paper_s_default_and_identity_readings_hold() {
     for reading in ["MR", "identity"] {
-        let overrides: Vec<String> = common::reading(reading).into_iter().chain(["mesh.n=16".to_owned(), "time.steps=32".to_owned()]).collect();
+        let overrides: Vec<String> =
+            common::reading(reading).into_iter().chain(["mesh.n=16".to_owned(), "time.steps=32".to_owned()]).collect();
         let problem = common::case("cases/paper.toml", &overrides).problem;
         let certificate = judged(&problem);
         for finding in certificate.findings.iter().filter(|f| f.id.as_str() != "phi-L") {
@@ -94,7 +98,8 @@ fn a_body_without_viscosity_is_not_covered() {
     assert!(cheap(&problem, "2.23-needed", "fails").message.contains("(H1)"));
 }
 
-/// σ = c ξ / √(1 + ‖ξ‖²/s²): its tangent lies between 0 and c, so it is not strongly monotone with any constant for all ξ, whatever it declares.
+/// σ = c ξ / √(1 + ‖ξ‖²/s²): its tangent lies between 0 and c, so it is not strongly monotone with any constant for all
+/// ξ, whatever it declares.
 #[derive(Debug)]
 struct Softening;
 impl TensorLaw for Softening {
@@ -151,7 +156,8 @@ fn h6_looks_at_gap_initial_and_prescribed_data() {
     near(warm.value, 5.0, 1e-15);
 
     let lifted = small(&["initial.displacement=[0, \"1e-3*y\"]"]);
-    let lifted = changed(&lifted, |data| data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some(1e-3.into())]));
+    let lifted =
+        changed(&lifted, |data| data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some(1e-3.into())]));
     assert!(cheap(&lifted, "H6", "not-covered").message.contains("top"));
 
     let infinite = small(&[]).with(|data| data.heat_source = f64::INFINITY.into()).expect_err("a fault");
@@ -269,7 +275,11 @@ fn a_step_is_unique_with_32_steps_and_not_ensured_with_16() {
         let certificate = full(&problem);
         let unique = find(&certificate.findings, "step-unique");
         assert_eq!(unique.status.as_str(), status);
-        assert!((unique.value.expect("a value") - found).abs() < 5e-4 && (unique.needed.expect("a value") - needed).abs() < 5e-4, "{unique:?}");
+        assert!(
+            (unique.value.expect("a value") - found).abs() < 5e-4
+                && (unique.needed.expect("a value") - needed).abs() < 5e-4,
+            "{unique:?}"
+        );
         let step = find(&certificate.findings, "time-step");
         assert_eq!((step.needed, step.value), (Some(32.0), Some(f64::from(steps))));
         assert_eq!(step.holds(), steps == 32);
@@ -335,7 +345,8 @@ fn friction_takes_no_more_monotonicity_than_the_step_condition_allows() {
             for sample in 0..200_000 {
                 let near = 10f64.powf(3.0 * random.number() - 3.0);
                 let stuck = sample % 7 == 0;
-                let w1: [f64; 3] = std::array::from_fn(|i| if i >= dim || (stuck && i > 0) { 0.0 } else { random.number() });
+                let w1: [f64; 3] =
+                    std::array::from_fn(|i| if i >= dim || (stuck && i > 0) { 0.0 } else { random.number() });
                 let w2: [f64; 3] = std::array::from_fn(|i| if i >= dim { 0.0 } else { w1[i] + near * random.number() });
                 let r0 = 0.05 * random.number();
                 let (f1, f2) = (force(k, c, mu, r0, &w1, dim, &mut random), force(k, c, mu, r0, &w2, dim, &mut random));
@@ -345,7 +356,12 @@ fn friction_takes_no_more_monotonicity_than_the_step_condition_allows() {
                     squared += (w1[i] - w2[i]).powi(2);
                 }
                 // Round-off of the difference of forces of size c k.
-                assert!(work >= -constant * k * squared - 1e-13 * c * squared.sqrt(), "μ = {mu}, d = {dim}: {:e} below {:e}", work / squared / k, -constant);
+                assert!(
+                    work >= -constant * k * squared - 1e-13 * c * squared.sqrt(),
+                    "μ = {mu}, d = {dim}: {:e} below {:e}",
+                    work / squared / k,
+                    -constant
+                );
                 if near > 1e-3 {
                     least = least.min(work / squared / k);
                 }
@@ -363,7 +379,8 @@ fn friction_takes_no_more_monotonicity_than_the_step_condition_allows() {
     }
 }
 
-/// The same for a bound s = μ p(r) + ℓ r₊ and p(r) that is flat for large r: p is a nondecreasing function with slopes up to L_ν.
+/// The same for a bound s = μ p(r) + ℓ r₊ and p(r) that is flat for large r: p is a nondecreasing function with slopes
+/// up to L_ν.
 #[test]
 fn a_bound_that_grows_by_itself_costs_half_its_constant() {
     let mut random = Random(11);
@@ -373,7 +390,8 @@ fn a_bound_that_grows_by_itself_costs_half_its_constant() {
         let p = |r: f64| l_nu * r.clamp(0.0, 0.4);
         let mut least = f64::INFINITY;
         for _ in 0..200_000 {
-            let (r0, w1, w2) = (random.number(), [random.number(), random.number()], [random.number(), random.number()]);
+            let (r0, w1, w2) =
+                (random.number(), [random.number(), random.number()], [random.number(), random.number()]);
             let force = |w: &[f64; 2]| {
                 let r = r0 + k * w[0];
                 (p(r), (mu * p(r) + l_r * r.max(0.0)) * w[1].signum())
@@ -411,7 +429,8 @@ fn farthest(problem: &Problem) -> f64 {
     largest
 }
 
-/// The bound is one: no contact-free motion exceeds it, with damping or without, with loads that vary, with heat. It turns the verdict.
+/// The bound is one: no contact-free motion exceeds it, with damping or without, with loads that vary, with heat. It
+/// turns the verdict.
 #[test]
 fn contact_is_excluded_only_where_the_body_stays_away() {
     let undamped = "material.viscosity={ law = \"lame\", first = 0, second = 0 }";
@@ -432,15 +451,24 @@ fn contact_is_excluded_only_where_the_body_stays_away() {
         let (bound, reached) = (verdict.value.expect("a bound"), farthest(&far));
         assert!(reached <= bound, "{overrides:?}: u_ν reaches {reached:e}, the bound is {bound:e}");
         // Without heat the bound is of the size of the motion.
-        assert!(overrides[0] != cold || (reached > 0.0 && bound < 100.0 * reached), "{overrides:?}: {reached:e}, {bound:e}");
+        assert!(
+            overrides[0] != cold || (reached > 0.0 && bound < 100.0 * reached),
+            "{overrides:?}: {reached:e}, {bound:e}"
+        );
         let just = |factor: f64| {
-            find(&full(&small(&[overrides, &[&format!("contact.gap={:?}", bound * factor)]].concat())).findings, "contact-possible").status
+            find(
+                &full(&small(&[overrides, &[&format!("contact.gap={:?}", bound * factor)]].concat())).findings,
+                "contact-possible",
+            )
+            .status
         };
         assert_eq!((just(0.99).as_str(), just(1.01).as_str()), ("holds", "fails"), "{overrides:?}");
     }
     let nothing = ["contact.normal.stiffness=0", "contact.gap=1", "contact.heat={law='none'}"];
     assert!(find(&judged(&small(&nothing)).findings, "contact-possible").fails());
-    let moved = changed(&small(&["contact.gap=1"]), |data| data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some((-0.1).into())]));
+    let moved = changed(&small(&["contact.gap=1"]), |data| {
+        data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some((-0.1).into())])
+    });
     assert_eq!(find(&judged(&moved).findings, "contact-possible").status.as_str(), "not-covered");
 }
 
@@ -471,8 +499,8 @@ fn a_nonlinear_law_is_judged_by_its_least_stiffness() {
 /// Lengths in another unit: all verdicts and all pure numbers are the same.
 #[test]
 fn verdicts_do_not_depend_on_the_unit_of_length() {
-    // x in mm: lengths × 10³; with stresses kept, forces per volume × 10⁻³, stiffnesses of layers × 10⁻³, densities × 10⁻⁶, conductances × 10³,
-    // conductivities × 10⁶.
+    // x in mm: lengths × 10³; with stresses kept, forces per volume × 10⁻³, stiffnesses of layers × 10⁻³,
+    // densities × 10⁻⁶, conductances × 10³, conductivities × 10⁶.
     let metre = judged(&small(&["contact.gap=0.2", "material.expansion=0"]));
     let millimetre = judged(&small(&[
         "mesh.size=[1e3, 1e3]",
@@ -488,7 +516,9 @@ fn verdicts_do_not_depend_on_the_unit_of_length() {
     for (a, b) in metre.findings.iter().zip(&millimetre.findings) {
         assert_eq!((&a.id, &a.status), (&b.id, &b.status));
     }
-    let unique = |c: &Certificate| find(&c.findings, "step-unique").value.zip(find(&c.findings, "step-unique").needed).map(|(a, b)| a / b);
+    let unique = |c: &Certificate| {
+        find(&c.findings, "step-unique").value.zip(find(&c.findings, "step-unique").needed).map(|(a, b)| a / b)
+    };
     near(unique(&millimetre), unique(&metre).expect("a ratio"), 1e-10);
     let bound = |c: &Certificate| find(&c.findings, "contact-possible").value;
     near(bound(&millimetre), 1e3 * bound(&metre).expect("a bound"), 1e-10);
@@ -517,7 +547,11 @@ fn a_conductance_of_the_penetration_on_a_rigid_foundation() {
     ] {
         let found = findings(&small(&[&format!("contact.normal={normal}"), &format!("contact.heat={heat}")]));
         let told = found.iter().find(|f| f.id.as_str() == "contact-heat");
-        assert_eq!(told.is_some_and(|f| f.fails() && f.place == "contact.heat"), expected, "{normal}, {heat}: {told:?}");
+        assert_eq!(
+            told.is_some_and(|f| f.fails() && f.place == "contact.heat"),
+            expected,
+            "{normal}, {heat}: {told:?}"
+        );
         assert_eq!(told.is_some(), expected);
     }
 }

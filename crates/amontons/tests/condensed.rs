@@ -1,6 +1,12 @@
 //! The condensed solution against a plain one: full sparse Newton, factorized anew in every iteration,
 //! written for the flat bottom of the paper's square and sharing nothing with the engine but the matrices.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 mod common;
 
@@ -40,7 +46,14 @@ fn solve(size: usize, entries: &[Triplet<usize, usize, f64>], right: &[f64]) -> 
 /// One step of Problem 4.1 in the paper's data: c_ν = 1e4, μ = 0.2, ramp 1 over 1e-5, ν = (0, −1).
 ///
 /// The plain iteration has no globalisation: it cycles for some ρ, so several are tried.
-fn plain_step(scheme: &BackwardEuler, old: &State, multiplier: &mut Vec<f64>, k: f64, n: usize, foundation: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+fn plain_step(
+    scheme: &BackwardEuler,
+    old: &State,
+    multiplier: &mut Vec<f64>,
+    k: f64,
+    n: usize,
+    foundation: f64,
+) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let (w, found) = [1.0, 10.0, 100.0, 1e3, 1e4, 1e5]
         .into_iter()
         .find_map(|rho| plain_mechanics(scheme, old, multiplier, k, n, rho))
@@ -49,14 +62,22 @@ fn plain_step(scheme: &BackwardEuler, old: &State, multiplier: &mut Vec<f64>, k:
     plain_heat(scheme, old, w, k, n, foundation)
 }
 
-fn plain_mechanics(scheme: &BackwardEuler, old: &State, multiplier: &[f64], k: f64, n: usize, rho: f64) -> Option<(Vec<f64>, Vec<f64>)> {
+fn plain_mechanics(
+    scheme: &BackwardEuler,
+    old: &State,
+    multiplier: &[f64],
+    k: f64,
+    n: usize,
+    rho: f64,
+) -> Option<(Vec<f64>, Vec<f64>)> {
     let discrete = scheme.discretization();
     let (c_nu, mu) = (1e4, 0.2);
     let t = old.t + k;
     let size = old.w.len();
     let weight = |i: usize| if i == 0 || i == n { 0.5 / n as f64 } else { 1.0 / n as f64 };
     let base = triplets(&discrete.mechanical_matrix(k), &discrete.v.free);
-    let (load, mass_w, a_u, thermal) = (discrete.f.at(t), discrete.mass.apply(&old.w), discrete.a.apply(&old.u), discrete.m.apply(&old.theta));
+    let (load, mass_w, a_u, thermal) =
+        (discrete.f.at(t), discrete.mass.apply(&old.w), discrete.a.apply(&old.u), discrete.m.apply(&old.theta));
     let mut right: Vec<f64> = (0..size).map(|i| load[i] + mass_w[i] / k - a_u[i] + thermal[i]).collect();
     discrete.v.mask(&mut right);
     let mut w = old.w.clone();
@@ -105,13 +126,21 @@ fn plain_mechanics(scheme: &BackwardEuler, old: &State, multiplier: &[f64], k: f
     None
 }
 
-fn plain_heat(scheme: &BackwardEuler, old: &State, w: Vec<f64>, k: f64, n: usize, foundation: f64) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+fn plain_heat(
+    scheme: &BackwardEuler,
+    old: &State,
+    w: Vec<f64>,
+    k: f64,
+    n: usize,
+    foundation: f64,
+) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let discrete = scheme.discretization();
     let (t, size) = (old.t + k, old.w.len());
     let weight = |i: usize| if i == 0 || i == n { 0.5 / n as f64 } else { 1.0 / n as f64 };
     let u: Vec<f64> = (0..size).map(|i| old.u[i] + k * w[i]).collect();
     let mut entries = triplets(&discrete.thermal_matrix(k), &discrete.q.free);
-    let (supply, mass_theta, coupling) = (discrete.q_h.at(t), discrete.mass.apply(&old.theta), discrete.e.apply(&old.u));
+    let (supply, mass_theta, coupling) =
+        (discrete.q_h.at(t), discrete.mass.apply(&old.theta), discrete.e.apply(&old.u));
     let mut right: Vec<f64> = (0..supply.len()).map(|i| supply[i] + mass_theta[i] / k + coupling[i]).collect();
     discrete.q.mask(&mut right);
     for i in (0..=n).filter(|&i| discrete.q.free[i]) {
@@ -125,7 +154,11 @@ fn plain_heat(scheme: &BackwardEuler, old: &State, w: Vec<f64>, k: f64, n: usize
 #[test]
 fn condensed_and_plain_solutions_agree_to_1e_9() {
     for (n, foundation) in [(16, 0.0), (16, 10.0), (24, 10.0)] {
-        let case = paper(&[&format!("mesh.n={n}"), &format!("time.steps={n}"), &format!("contact.heat.foundation_temperature={foundation:?}")]);
+        let case = paper(&[
+            &format!("mesh.n={n}"),
+            &format!("time.steps={n}"),
+            &format!("contact.heat.foundation_temperature={foundation:?}"),
+        ]);
         let problem = case.problem;
         let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
@@ -135,10 +168,16 @@ fn condensed_and_plain_solutions_agree_to_1e_9() {
             let (u, w, theta) = plain_step(&scheme, &plain, &mut multiplier, problem.k(), n, foundation);
             plain = State { step, t: problem.time(step), u, w, theta, ..plain };
             state = scheme.step(&state).expect("a step").0;
-            for (name, a, b) in [("u", &state.u, &plain.u), ("w", &state.w, &plain.w), ("theta", &state.theta, &plain.theta)] {
+            for (name, a, b) in
+                [("u", &state.u, &plain.u), ("w", &state.w, &plain.w), ("theta", &state.theta, &plain.theta)]
+            {
                 let scale = b.iter().fold(0.0f64, |m, v| m.max(v.abs()));
                 let difference = a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
-                assert!(difference <= 1e-9 * scale, "n = {n}, θ_F = {foundation}, step {step}: {name} differs by {:.2e} relative", difference / scale);
+                assert!(
+                    difference <= 1e-9 * scale,
+                    "n = {n}, θ_F = {foundation}, step {step}: {name} differs by {:.2e} relative",
+                    difference / scale
+                );
             }
         }
     }

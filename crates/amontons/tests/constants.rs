@@ -1,5 +1,11 @@
 //! Constants of (2.12)–(2.15) against numbers of another program and closed forms.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 mod common;
 
@@ -60,7 +66,8 @@ fn other_columns(mesh: &Mesh) -> BTreeMap<&'static str, f64> {
     let (strain, gradient) = (strains(mesh, &graph), gradients(mesh, &graph, 2));
     let mut h1 = gradient.clone();
     h1.add_scaled(1.0, &mass);
-    let (laplace, ones) = (forms::d(mesh, &graph, &[&identity(2)]), forms::d(mesh, &graph, &[&Sym::from_fn(2, |_, _| 1.0)]));
+    let (laplace, ones) =
+        (forms::d(mesh, &graph, &[&identity(2)]), forms::d(mesh, &graph, &[&Sym::from_fn(2, |_, _| 1.0)]));
     [
         ("lam_eps_over_L2", supremum(mesh, &mass, &strain, &v)),
         ("lam_eps_over_grad", supremum(mesh, &gradient, &strain, &v)),
@@ -100,13 +107,18 @@ fn problem(n: usize, diagonal: &str) -> Problem {
 
 /// Rows of `constants.csv` with the name of the diagonal in front.
 fn reference() -> Vec<(String, BTreeMap<String, f64>)> {
-    let text = std::fs::read_to_string(common::file("crates/amontons/tests/reference/constants.csv")).expect("the reference numbers");
+    let text = std::fs::read_to_string(common::file("crates/amontons/tests/reference/constants.csv"))
+        .expect("the reference numbers");
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().expect("a header").split(',').skip(1).collect();
     lines
         .map(|line| {
             let (diagonal, rest) = line.split_once(',').expect("a diagonal");
-            let row = header.iter().zip(rest.split(',')).map(|(name, value)| ((*name).to_owned(), value.parse().expect("a number"))).collect();
+            let row = header
+                .iter()
+                .zip(rest.split(','))
+                .map(|(name, value)| ((*name).to_owned(), value.parse().expect("a number")))
+                .collect();
             (if diagonal == "/" { "right" } else { "left" }.to_owned(), row)
         })
         .collect()
@@ -122,7 +134,12 @@ fn every_number_of_the_reference() {
         computed.extend(values(&domain_constants(&problem).expect("regular forms")));
         assert_eq!(computed.len() + 1, row.len(), "every column is compared");
         for (name, value) in computed {
-            assert!((value / row[name] - 1.0).abs() < 1e-6, "{name}, {diagonal}, n = {}: {value:e}, expected {:e}", row["n"], row[name]);
+            assert!(
+                (value / row[name] - 1.0).abs() < 1e-6,
+                "{name}, {diagonal}, n = {}: {value:e}, expected {:e}",
+                row["n"],
+                row[name]
+            );
         }
     }
 }
@@ -141,7 +158,8 @@ fn constants_of_the_temperature_tend_to_closed_forms_at_second_order() {
         })
         .collect();
     for pair in levels.windows(2) {
-        let error = |constants: &DomainConstants| [constants.c_f.unwrap().value - c_f, s2 - constants.s2.unwrap().value];
+        let error =
+            |constants: &DomainConstants| [constants.c_f.unwrap().value - c_f, s2 - constants.s2.unwrap().value];
         for (coarse, fine) in error(&pair[0].2).into_iter().zip(error(&pair[1].2)) {
             assert!(fine > 0.0, "the bound comes from the wrong side");
             let order = (coarse / fine).log2();
@@ -154,7 +172,10 @@ fn constants_of_the_temperature_tend_to_closed_forms_at_second_order() {
         if let Some(exact) = exact {
             // The limit is much nearer than the finest mesh, and the estimate of its error is no less than the error.
             let (off, finest) = ((found.value - exact).abs(), (levels[3].2.named()[i].1.unwrap().value - exact).abs());
-            assert!(off <= found.error && (i == 3 || (off < 0.1 * finest && found.error < finest)), "{found:?}, expected {exact}");
+            assert!(
+                off <= found.error && (i == 3 || (off < 0.1 * finest && found.error < finest)),
+                "{found:?}, expected {exact}"
+            );
         }
         assert!(i == 3 || (found.order.expect("an order") - table.rows[3].orders[i].expect("an order")).abs() == 0.0);
     }
@@ -236,7 +257,8 @@ fn every_constant_agrees_with_dense_algebra_on_a_curved_body() {
     let mesh = &problem.mesh;
     let graph = Arc::new(Graph::of_mesh(mesh));
     let (v, q) = (held(mesh, 2, &["top"]), held(mesh, 1, &["top", "left", "right"]));
-    let (mass, strain, laplace) = (forms::inner_h(mesh, &graph), strains(mesh, &graph), forms::d(mesh, &graph, &[&identity(2)]));
+    let (mass, strain, laplace) =
+        (forms::inner_h(mesh, &graph), strains(mesh, &graph), forms::d(mesh, &graph, &[&identity(2)]));
     let vector = |i: usize, j: usize| if i % 2 == j % 2 { mass.get(i / 2, 0, j / 2, 0) } else { 0.0 };
     let energy = |i: usize, j: usize| strain.get(i / 2, i % 2, j / 2, j % 2);
     let heat = |i: usize, j: usize| laplace.get(i, 0, j, 0);
@@ -257,7 +279,10 @@ fn every_constant_agrees_with_dense_algebra_on_a_curved_body() {
     let computed = domain_constants(&problem).expect("regular forms");
     for ((name, constant), expected) in computed.named().into_iter().zip(expected) {
         let Constant { value, error } = constant.expect("a constant");
-        assert!((value - expected).abs() < 1e-11 * expected && error < 1e-11 * expected, "{name}: {value:e} ± {error:e}, expected {expected:e}");
+        assert!(
+            (value - expected).abs() < 1e-11 * expected && error < 1e-11 * expected,
+            "{name}: {value:e} ± {error:e}, expected {expected:e}"
+        );
     }
     assert!(expected[3] < expected[2] && expected[4] < expected[2], "the parts are less than the whole");
 }
@@ -290,13 +315,17 @@ fn constants_follow_the_unit_of_length() {
 #[test]
 fn bits_do_not_depend_on_the_number_of_threads() {
     let problem = problem(48, "crossed");
-    let [one, two] = [1, 2].map(|threads| with_threads(Some(threads), || domain_constants(&problem)).expect("threads").expect("regular forms"));
+    let [one, two] = [1, 2].map(|threads| {
+        with_threads(Some(threads), || domain_constants(&problem)).expect("threads").expect("regular forms")
+    });
     assert_eq!(one, two);
 }
 
 #[test]
 fn constants_are_there_where_their_inequalities_are() {
-    let all = |problem: &Problem| domain_constants(problem).expect("regular forms").named().map(|(_, constant)| constant.is_some());
+    let all = |problem: &Problem| {
+        domain_constants(problem).expect("regular forms").named().map(|(_, constant)| constant.is_some())
+    };
     let full = problem(4, "right");
     assert_eq!(all(&full), [true; 6]);
     let without = changed(&full, |data| data.contacts.clear());
@@ -313,7 +342,8 @@ fn constants_are_there_where_their_inequalities_are() {
     mesh.blocks.push(Block { element: mesh.blocks[0].element, region: 0, nodes: vec![first, first + 1, first + 2] });
     assert_eq!(all(&changed(&full, |data| data.mesh = Arc::new(mesh))), [false; 6]);
 
-    // One cell: every temperature is prescribed, and 0 is the only function of Q^h. Quadrature of the laws is no matter.
+    // One cell: every temperature is prescribed, and 0 is the only function of Q^h. Quadrature of the laws is no
+    // matter.
     let least = domain_constants(&problem(1, "right")).expect("regular forms");
     assert_eq!((least.c_f.unwrap().value, least.s2.unwrap().value, least.s2.unwrap().error), (1.0, 0.0, 0.0));
     let gauss = paper(&["mesh.n=4", "contact.quadrature=\"gauss\""]).problem;
@@ -330,9 +360,13 @@ fn prescribed_contact_nodes_bear_no_trace() {
     };
     let held = changed(&problem(1, "right"), hold);
     let constants = domain_constants(&held).expect("nothing to factorize");
-    assert_eq!((constants.c_k.unwrap().value, constants.s1.unwrap().value, constants.s1_tangential.unwrap().value), (1.0, 0.0, 0.0));
+    assert_eq!(
+        (constants.c_k.unwrap().value, constants.s1.unwrap().value, constants.s1_tangential.unwrap().value),
+        (1.0, 0.0, 0.0)
+    );
     // With more cells the corners of Γ_C alone are prescribed: smaller spaces, larger c and smaller s.
-    let (held, free) = (changed(&problem(6, "right"), hold), domain_constants(&problem(6, "right")).expect("regular forms"));
+    let (held, free) =
+        (changed(&problem(6, "right"), hold), domain_constants(&problem(6, "right")).expect("regular forms"));
     let less = domain_constants(&held).expect("regular forms");
     assert!(less.c_k.unwrap().value > free.c_k.unwrap().value);
     assert!(less.s1.unwrap().value < free.s1.unwrap().value && less.s1.unwrap().value > 0.0);

@@ -1,4 +1,5 @@
-//! The laws of contact in steps of the scheme: exactness of multivalued laws, limits, other programs, and convergence without tuning.
+//! The laws of contact in steps of the scheme: exactness of multivalued laws, limits, other programs, and convergence
+//! without tuning.
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -52,11 +53,19 @@ fn assert_unilateral(report: &StepReport, mu: f64, displacement: f64) {
     for s in states {
         assert!(s.pressure >= 0.0);
         let touching = s.penetration.abs() <= 1e-14 * displacement;
-        assert!(touching || (s.penetration < 0.0 && s.pressure == 0.0), "penetration {:e} at the pressure {:e} of {highest:e}", s.penetration, s.pressure);
+        assert!(
+            touching || (s.penetration < 0.0 && s.pressure == 0.0),
+            "penetration {:e} at the pressure {:e} of {highest:e}",
+            s.penetration,
+            s.pressure
+        );
         assert!(length(&s.q) <= mu * s.pressure + 1e-10 * highest, "outside the cone");
         let speed = length(&s.slip);
         if speed > 1e-9 * fastest {
-            assert!((dot(&s.q, &s.slip) - mu * s.pressure * speed).abs() <= 1e-8 * highest * speed, "not against the slip");
+            assert!(
+                (dot(&s.q, &s.slip) - mu * s.pressure * speed).abs() <= 1e-8 * highest * speed,
+                "not against the slip"
+            );
         }
         if s.status == Status::Stick {
             assert!(speed <= 1e-9 * fastest, "a stuck point moves at {speed:e} of {fastest:e}");
@@ -68,7 +77,8 @@ fn assert_unilateral(report: &StepReport, mu: f64, displacement: f64) {
 fn signorini_is_exact_in_every_step() {
     for foundation in ["0", "10"] {
         let foundation = format!("contact.heat.foundation_temperature={foundation}");
-        let (state, reports) = run(&paper(&["mesh.n=16", "time.steps=32", "contact.normal={law='signorini'}", &foundation]).problem);
+        let (state, reports) =
+            run(&paper(&["mesh.n=16", "time.steps=32", "contact.normal={law='signorini'}", &foundation]).problem);
         for report in &reports {
             assert_unilateral(report, 0.2, largest(&state.u));
         }
@@ -132,7 +142,10 @@ fn steps_with_every_law_converge_from_any_state() {
                     disturb(&mut state, &problem, &scheme, &mut random, trial % 2 == 0);
                     for _ in 0..2 {
                         made += 1;
-                        let Ok((next, report)) = scheme.step(&state).inspect_err(|e| println!("{law}, {quadrature}, N = {steps}, trial {trial}: {e}")) else {
+                        let Ok((next, report)) = scheme
+                            .step(&state)
+                            .inspect_err(|e| println!("{law}, {quadrature}, N = {steps}, trial {trial}: {e}"))
+                        else {
                             failed += 1;
                             break;
                         };
@@ -151,34 +164,49 @@ fn steps_with_every_law_converge_from_any_state() {
     }
 }
 
-/// Laws of which the iterations are counted: the name, the normal law and the friction law, for a stiffness and the units of stress, length and time.
+/// Laws of which the iterations are counted: the name, the normal law and the friction law, for a stiffness and the
+/// units of stress, length and time.
 type Counted = (&'static str, fn(f64, [f64; 3]) -> String);
 const COUNTED: [Counted; 5] = [
-    ("coulomb", |c, _| format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='coulomb', coefficient=0.2}}")),
-    ("static-kinetic", |c, _| format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='static-kinetic', static=0.3, kinetic=0.2}}")),
+    ("coulomb", |c, _| {
+        format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='coulomb', coefficient=0.2}}")
+    }),
+    ("static-kinetic", |c, _| {
+        format!(
+            "normal={{law='compliance', stiffness={c:?}}}, friction={{law='static-kinetic', static=0.3, kinetic=0.2}}"
+        )
+    }),
     ("decaying", |c, [_, length, time]| {
         let decay = 0.02 * length / time;
-        format!("normal={{law='compliance', stiffness={c:?}}}, friction={{law='static-kinetic', static=0.3, kinetic=0.2, decay_speed={decay:?}}}")
+        format!(
+            "normal={{law='compliance', stiffness={c:?}}}, friction={{law='static-kinetic', static=0.3, kinetic=0.2, decay_speed={decay:?}}}"
+        )
     }),
-    ("stop", |c, [_, length, _]| format!("normal={{law='stop', stiffness={c:?}, depth={:?}}}, friction={{law='coulomb', coefficient=0.2}}", 1e-4 * length)),
+    ("stop", |c, [_, length, _]| {
+        format!(
+            "normal={{law='stop', stiffness={c:?}, depth={:?}}}, friction={{law='coulomb', coefficient=0.2}}",
+            1e-4 * length
+        )
+    }),
     ("signorini", |_, _| "normal={law='signorini'}, friction={law='coulomb', coefficient=0.2}".to_owned()),
 ];
 const STEPS: usize = 16;
 
-/// The same problem with compliances over twelve decades around E/L, and with five pairs of laws: no more iterations. Without heat
-/// through the contact, which depends on the penetration, the stiffness is all that changes.
+/// The same problem with compliances over twelve decades around E/L, and with five pairs of laws: no more iterations.
+/// Without heat through the contact, which depends on the penetration, the stiffness is all that changes.
 ///
-/// The bounds: an iteration that is not the last changes the state of a point or bends with a law that is not piecewise linear. The first step decides on
-/// nine
-/// points: two decisions each (open or closed, slip or not) and two more are 20. Later steps start from the pattern of the one before: one iteration finds
-/// the
-/// new pattern, one confirms it, and a curved law takes two more, 4 per step. From 1e6 E/L on the foundation is rigid to five digits, and nothing changes but
-/// for one
-/// iteration per step; what is found is Signorini's contact, at its price up to the same.
+/// The bounds: an iteration that is not the last changes the state of a point or bends with a law that is not piecewise
+/// linear. The first step decides on nine points: two decisions each (open or closed, slip or not) and two more are 20.
+/// Later steps start from the pattern of the one before: one iteration finds the new pattern, one confirms it, and a
+/// curved law takes two more, 4 per step. From 1e6 E/L on the foundation is rigid to five digits, and nothing changes
+/// but for one iteration per step; what is found is Signorini's contact, at its price up to the same.
 #[test]
 fn table_of_iterations_over_stiffness() {
     let stress = 2.0; // E of the paper; L = 1.
-    println!("\niterations in {STEPS} steps (most in one)\n\nc_ν L/E  {}", COUNTED.map(|(name, _)| format!("{name:>16}")).concat());
+    println!(
+        "\niterations in {STEPS} steps (most in one)\n\nc_ν L/E  {}",
+        COUNTED.map(|(name, _)| format!("{name:>16}")).concat()
+    );
     let mut rows = Vec::new();
     for decade in -3..=9 {
         let c = stress * 10f64.powi(decade);
@@ -187,7 +215,10 @@ fn table_of_iterations_over_stiffness() {
             assert_identities(&state, &format!("{name}, c_ν = {c:e}"));
             (state.counts.newton_mechanics_total, state.counts.newton_mechanics_max)
         });
-        println!("1e{decade:<+5}   {}", counts.map(|(total, most)| format!("{:>16}", format!("{total} ({most})"))).concat());
+        println!(
+            "1e{decade:<+5}   {}",
+            counts.map(|(total, most)| format!("{:>16}", format!("{total} ({most})"))).concat()
+        );
         rows.push((decade, counts));
     }
     let rigid = rows[9].1;
@@ -197,12 +228,15 @@ fn table_of_iterations_over_stiffness() {
             assert!(*decade < 6 || total.abs_diff(at_1e6) <= STEPS, "{name} at 1e{decade}: {total}, {at_1e6} at 1e6");
         }
         let [compliance, .., signorini] = counts.map(|(total, _)| total);
-        assert!(*decade < 6 || compliance.abs_diff(signorini) <= STEPS, "1e{decade}: {compliance}, Signorini {signorini}");
+        assert!(
+            *decade < 6 || compliance.abs_diff(signorini) <= STEPS,
+            "1e{decade}: {compliance}, Signorini {signorini}"
+        );
     }
 }
 
-/// The same problem in five systems of units and in five that nobody uses, over twelve decades of lengths, times and masses: the same result to
-/// 1e-9, and the same iterations but for decisions within round-off, one in four steps.
+/// The same problem in five systems of units and in five that nobody uses, over twelve decades of lengths, times and
+/// masses: the same result to 1e-9, and the same iterations but for decisions within round-off, one in four steps.
 #[test]
 fn table_of_iterations_over_units() {
     let systems = [
@@ -227,8 +261,14 @@ fn table_of_iterations_over_units() {
         for ((what, law), one) in COUNTED.iter().zip(&plain) {
             let stress = mass / (length * time * time);
             let (scaled, _) = run(&in_units(&law(1e4 * stress / length, [stress, length, time]), length, time, mass));
-            let error = |a: &[f64], b: &[f64], unit: f64| largest(&a.iter().zip(b).map(|(a, b)| a / unit - b).collect::<Vec<_>>()) / largest(b);
-            let difference = largest(&[error(&scaled.u, &one.u, length), error(&scaled.w, &one.w, length / time), error(&scaled.theta, &one.theta, 1.0)]);
+            let error = |a: &[f64], b: &[f64], unit: f64| {
+                largest(&a.iter().zip(b).map(|(a, b)| a / unit - b).collect::<Vec<_>>()) / largest(b)
+            };
+            let difference = largest(&[
+                error(&scaled.u, &one.u, length),
+                error(&scaled.w, &one.w, length / time),
+                error(&scaled.theta, &one.theta, 1.0),
+            ]);
             let (total, most) = (scaled.counts.newton_mechanics_total, scaled.counts.newton_mechanics_max);
             line += &format!("{:>24}", format!("{total} ({most}), {difference:.0e}"));
             assert!(difference < 1e-9, "{what} in {name}: {difference:e}");
@@ -253,7 +293,8 @@ fn with_law(size: &str, law: &str, more: &[String]) -> Problem {
     paper(&all.iter().map(String::as_str).collect::<Vec<_>>()).problem
 }
 
-/// The problem with lengths, times and masses in other units, so many of which are the old one. Per unit of thickness a stress is M/(L T²).
+/// The problem with lengths, times and masses in other units, so many of which are the old one. Per unit of thickness a
+/// stress is M/(L T²).
 fn in_units(law: &str, length: f64, time: f64, mass: f64) -> Problem {
     let stress = mass / (length * time * time);
     let heat = stress; // ρ c θ is energy by volume; c = 1 has the unit of stress over temperature.
@@ -310,8 +351,8 @@ fn turned_back(state: &State, angle: f64) -> [Vec<f64>; 3] {
     [back(&state.u), back(&state.w), state.theta.clone()]
 }
 
-/// No direction is preferred: turned by large and by tiny angles, the problem with every pair of laws and a foundation of any stiffness takes the same
-/// iterations, but for decisions within round-off, and finds the same, turned.
+/// No direction is preferred: turned by large and by tiny angles, the problem with every pair of laws and a foundation
+/// of any stiffness takes the same iterations, but for decisions within round-off, and finds the same, turned.
 #[test]
 fn table_of_iterations_over_angles() {
     println!(
@@ -327,13 +368,19 @@ fn table_of_iterations_over_angles() {
                 let angle = f64::to_radians(degrees);
                 let (state, _) = run(&turned(with_law("[1.0, 1.0]", &law(c, [1.0; 3]), &[]), angle));
                 assert_identities(&state, &format!("{what}, c_ν = {c:e}, {degrees} degrees"));
-                let error = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b);
+                let error = |a: &[f64], b: &[f64]| {
+                    largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b)
+                };
                 let [u, w, theta] = turned_back(&state, angle);
                 let difference = largest(&[error(&u, &one.u), error(&w, &one.w), error(&theta, &one.theta)]);
                 let (total, expected) = (state.counts.newton_mechanics_total, one.counts.newton_mechanics_total);
-                line += &format!("{:>24}", format!("{total} ({}), {difference:.0e}", state.counts.newton_mechanics_max));
+                line +=
+                    &format!("{:>24}", format!("{total} ({}), {difference:.0e}", state.counts.newton_mechanics_max));
                 assert!(difference < 1e-10, "{what}, c_ν = {c:e}, turned by {degrees} degrees: {difference:e}");
-                assert!(10 * total.abs_diff(expected) <= expected, "{what}, c_ν = {c:e}, turned by {degrees} degrees: {total} iterations for {expected}");
+                assert!(
+                    10 * total.abs_diff(expected) <= expected,
+                    "{what}, c_ν = {c:e}, turned by {degrees} degrees: {total} iterations for {expected}"
+                );
             }
             println!("{line}");
         }
@@ -369,7 +416,8 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
         material.conductivity = Sym([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
         let held = BoundaryCondition::on("top").displacement([0.0; 3]).temperature(0.0);
         problem.boundary = vec![held, BoundaryCondition::on("left").traction([1.4, 0.4, -0.7])];
-        problem.initial = Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
+        problem.initial =
+            Initial { displacement: vec![0.0.into(); 3], velocity: vec![0.0.into(); 3], temperature: 0.0.into() };
     }
     let contact = &mut problem.contacts[0];
     (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
@@ -383,33 +431,47 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
     (problem, scheme, state)
 }
 
-/// A step with given friction is the minimum of ½ w·K w − r·w + Σ ω s ‖D w_τ‖ under r ≤ 0, which an interior-point method for cone
-/// programs finds over all degrees of freedom: its minimum is not below that of the step by 1e-12 of it. On a cone that is not round D is
-/// that of the law.
+/// A step with given friction is the minimum of ½ w·K w − r·w + Σ ω s ‖D w_τ‖ under r ≤ 0, which an interior-point
+/// method for cone programs finds over all degrees of freedom: its minimum is not below that of the step by 1e-12 of
+/// it. On a cone that is not round D is that of the law.
 #[test]
 fn given_friction_agrees_with_a_cone_program() {
     let mut seen = [0; 3];
     for (dim, elliptic, bound) in [(2, false, 0.1), (2, false, 1.0), (3, false, 0.1), (3, false, 1.0), (3, true, 0.3)] {
-        let friction: Arc<dyn FrictionLaw> = if elliptic { Arc::new(Elliptic(bound)) } else { Arc::new(Tresca { bound }) };
+        let friction: Arc<dyn FrictionLaw> =
+            if elliptic { Arc::new(Elliptic(bound)) } else { Arc::new(Tresca { bound }) };
         let (problem, mut scheme, state) = block(dim, Arc::clone(&friction));
         let (next, report) = scheme.step(&state).unwrap();
         let expected = minimum(&problem, &scheme, &state, &friction, bound, (&next.w, &report));
         let states = &report.contact.states;
         let count = |status| states.iter().filter(|s| s.status == status).count();
-        let (stick, slip, open) = (count(Status::Stick), count(Status::Slip), states.iter().filter(|s| s.pressure == 0.0).count());
+        let (stick, slip, open) =
+            (count(Status::Stick), count(Status::Slip), states.iter().filter(|s| s.pressure == 0.0).count());
         let error = largest(&next.w.iter().zip(&expected).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(&expected);
-        println!("d = {dim}, elliptic: {elliptic}, s = {bound}: {stick} stick, {slip} slip, {open} open; difference {error:e}");
+        println!(
+            "d = {dim}, elliptic: {elliptic}, s = {bound}: {stick} stick, {slip} slip, {open} open; difference {error:e}"
+        );
         assert!(error < 1e-8, "d = {dim}: {error:e}");
         seen = [seen[0] + stick, seen[1] + slip, seen[2] + open];
     }
     assert!(seen.iter().all(|&n| n > 0), "the steps have to show sticking, slipping and open points: {seen:?}");
 }
 
-fn minimum(problem: &Problem, scheme: &BackwardEuler, state: &State, friction: &Arc<dyn FrictionLaw>, bound: f64, made: (&[f64], &StepReport)) -> Vec<f64> {
+fn minimum(
+    problem: &Problem,
+    scheme: &BackwardEuler,
+    state: &State,
+    friction: &Arc<dyn FrictionLaw>,
+    bound: f64,
+    made: (&[f64], &StepReport),
+) -> Vec<f64> {
     let (discrete, k, dim) = (scheme.discretization(), problem.k(), scheme.discretization().mesh.dim);
     let w_of_step = made.0;
-    let scaled = |slip: &Point, p: &amontons::contact::PointOnBoundary| friction.cone(&p.x, &p.normal).map_or(*slip, |_| by_ellipse(slip));
-    let slips: Vec<f64> = made.1.contact.states.iter().zip(&discrete.boundary.points).map(|(s, p)| length(&scaled(&s.slip, p))).collect();
+    let scaled = |slip: &Point, p: &amontons::contact::PointOnBoundary| {
+        friction.cone(&p.x, &p.normal).map_or(*slip, |_| by_ellipse(slip))
+    };
+    let slips: Vec<f64> =
+        made.1.contact.states.iter().zip(&discrete.boundary.points).map(|(s, p)| length(&scaled(&s.slip, p))).collect();
     let rho = problem.materials[0].density;
     let matrix = discrete.mechanical_matrix(k);
     let unknowns: Vec<usize> = (0..state.w.len()).filter(|&i| discrete.v.free[i]).collect();
@@ -466,16 +528,26 @@ fn minimum(problem: &Problem, scheme: &BackwardEuler, state: &State, friction: &
         }
         b.extend(vec![0.0; dim + 1]);
     }
-    // Steps of 0.99 of the way to the boundary leave the central path of cones that are not polyhedra: scalings get bad, and the feasibility stalls at 1e-10
-    // while the gap
-    // is 1e-15. Steps of 0.9 stay near it. Tolerances out of reach let the iteration go on as far as round-off does.
+    // Steps of 0.99 of the way to the boundary leave the central path of cones that are not polyhedra: scalings get
+    // bad, and the feasibility stalls at 1e-10 while the gap is 1e-15. Steps of 0.9 stay near it. Tolerances out of
+    // reach let the iteration go on as far as round-off does.
     let (gap, feasible) = (1e-20, 1e-16);
-    let settings =
-        DefaultSettingsBuilder::default().verbose(false).max_step_fraction(0.9).tol_gap_abs(gap).tol_gap_rel(gap).tol_feas(feasible).build().unwrap();
-    let mut solver = DefaultSolver::new(&CscMatrix::from(&dense), &q, &CscMatrix::from(&rows), &b, &cones, settings).unwrap();
+    let settings = DefaultSettingsBuilder::default()
+        .verbose(false)
+        .max_step_fraction(0.9)
+        .tol_gap_abs(gap)
+        .tol_gap_rel(gap)
+        .tol_feas(feasible)
+        .build()
+        .unwrap();
+    let mut solver =
+        DefaultSolver::new(&CscMatrix::from(&dense), &q, &CscMatrix::from(&rows), &b, &cones, settings).unwrap();
     solver.solve();
     let status = solver.solution.status;
-    assert!(matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress), "{status:?}");
+    assert!(
+        matches!(status, SolverStatus::Solved | SolverStatus::AlmostSolved | SolverStatus::InsufficientProgress),
+        "{status:?}"
+    );
     let (primal, dual) = (solver.solution.r_prim, solver.solution.r_dual);
     assert!(primal.max(dual) < 1e-10, "residuals of the cone program: {primal:e}, {dual:e}");
     let x = solver.solution.x;
@@ -500,8 +572,8 @@ fn by_ellipse(v: &Point) -> Point {
     [a + b, 0.0, a - b]
 }
 
-/// Over a foundation that moves both ways, with damping, tension and heat of friction: every term is in the audit, and the share of the friction
-/// power that enters the body is the heat that does.
+/// Over a foundation that moves both ways, with damping, tension and heat of friction: every term is in the audit, and
+/// the share of the friction power that enters the body is the heat that does.
 #[test]
 fn the_audit_closes_over_a_moving_foundation() {
     for normal in [
@@ -527,15 +599,20 @@ fn the_audit_closes_over_a_moving_foundation() {
         let ledger = &state.ledger;
         let slipped = reports.iter().flat_map(|r| &r.contact.states).filter(|s| s.status == Status::Slip).count();
         assert!(ledger.friction_dissipation > 0.0 && slipped > 0, "{normal}");
-        assert!((ledger.heat_contact + 0.4 * ledger.friction_dissipation).abs() <= 1e-12 * ledger.friction_dissipation, "{normal}");
+        assert!(
+            (ledger.heat_contact + 0.4 * ledger.friction_dissipation).abs() <= 1e-12 * ledger.friction_dissipation,
+            "{normal}"
+        );
     }
 }
 
-/// A point that sticks holds up to the static bound, one that slips has the kinetic one: in every step of a block on a belt.
+/// A point that sticks holds up to the static bound, one that slips has the kinetic one: in every step of a block on a
+/// belt.
 #[test]
 fn static_and_kinetic_bounds() {
     let law = "contact.friction={law='static-kinetic', static=0.3, kinetic=0.1}";
-    let (_, reports) = run(&paper(&["mesh.n=16", "time.steps=64", law, "contact.foundation_velocity=['0.02', 0]"]).problem);
+    let (_, reports) =
+        run(&paper(&["mesh.n=16", "time.steps=64", law, "contact.foundation_velocity=['0.02', 0]"]).problem);
     let mut held = 0;
     for s in reports.iter().flat_map(|r| &r.contact.states).filter(|s| s.pressure > 0.0) {
         let q = length(&s.q);

@@ -1,4 +1,5 @@
-//! Probes of contact: at points of Γ_C they are interpolated from the contact points, over sides they are sums over them.
+//! Probes of contact: at points of Γ_C they are interpolated from the contact points, over sides they are sums over
+//! them.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use amontons::case::{self, Case, Source};
@@ -33,12 +34,19 @@ const BODY: &str = r#"
 "#;
 
 fn body(mesh: &str, dim: usize, quadrature: &str, probes: &str) -> Case {
-    let (top, belt) = if dim == 2 { ("[0, \"-0.1*t*(1 + x)\"]", "[1, 0]") } else { ("[0, \"-0.1*t*(1 + x)\", 0]", "[0.6, 0, 0.8]") };
-    let text = BODY.replace("MESH", mesh).replace("TOP", top).replace("BELT", belt).replace("QUADRATURE", quadrature).replace("\"STIFFNESS\"", "100");
+    let (top, belt) =
+        if dim == 2 { ("[0, \"-0.1*t*(1 + x)\"]", "[1, 0]") } else { ("[0, \"-0.1*t*(1 + x)\", 0]", "[0.6, 0, 0.8]") };
+    let text = BODY
+        .replace("MESH", mesh)
+        .replace("TOP", top)
+        .replace("BELT", belt)
+        .replace("QUADRATURE", quadrature)
+        .replace("\"STIFFNESS\"", "100");
     case::parse(&Source::new("body.toml", text + probes), &[]).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The values of the probes at the end, by the names of their columns, and the contact points: position, weight, pressure, traction, slip and wear.
+/// The values of the probes at the end, by the names of their columns, and the contact points: position, weight,
+/// pressure, traction, slip and wear.
 #[derive(Default)]
 struct End {
     probes: Option<ProbeSet>,
@@ -54,7 +62,11 @@ impl End {
     }
 
     fn value(&self, name: &str) -> f64 {
-        self.values.iter().find(|(known, _)| known == name).unwrap_or_else(|| panic!("no {name} in {:?}", self.values)).1
+        self.values
+            .iter()
+            .find(|(known, _)| known == name)
+            .unwrap_or_else(|| panic!("no {name} in {:?}", self.values))
+            .1
     }
 }
 
@@ -67,7 +79,11 @@ impl Sink for End {
         self.values = probes.columns().iter().cloned().zip(probes.values(now)).collect();
         let (states, surface) = (&now.report.unwrap().contact.states, &now.state.surface);
         let points = now.discretization.boundary.points.iter().zip(states).zip(&surface.wear);
-        self.points = points.map(|((point, state), wear)| (point.x, point.weight, state.pressure, state.q.map(|q| -q), state.slip, *wear)).collect();
+        self.points = points
+            .map(|((point, state), wear)| {
+                (point.x, point.weight, state.pressure, state.q.map(|q| -q), state.slip, *wear)
+            })
+            .collect();
         Ok(())
     }
     fn last(&mut self, _now: &Snapshot) -> Result<(), OutputError> {
@@ -118,16 +134,35 @@ const PROBES: &str = r#"
 fn values_at_points_are_interpolated() {
     let meshes = [
         (2, "kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]\nelements = 'P1'", "[0.25, 0]", vec![(0.25, 0.0, 1.0)]),
-        (2, "kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]\nelements = 'Q1'", "[0.3, 0]", vec![(0.25, 0.0, 0.8), (0.5, 0.0, 0.2)]),
+        (
+            2,
+            "kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]\nelements = 'Q1'",
+            "[0.3, 0]",
+            vec![(0.25, 0.0, 0.8), (0.5, 0.0, 0.2)],
+        ),
         // N at 1/4 of a quadratic segment: 3/8, 3/4, −1/8.
-        (2, "kind = 'rectangle'\nsize = [1, 1]\nn = [2, 2]\nelements = 'Q2'", "[0.125, 0]", vec![(0.0, 0.0, 0.375), (0.25, 0.0, 0.75), (0.5, 0.0, -0.125)]),
-        (3, "kind = 'box'\nsize = [1, 1, 1]\nn = [2, 2, 2]\nelements = 'Q1'", "[0.25, 0, 0.5]", vec![(0.0, 0.5, 0.5), (0.5, 0.5, 0.5)]),
+        (
+            2,
+            "kind = 'rectangle'\nsize = [1, 1]\nn = [2, 2]\nelements = 'Q2'",
+            "[0.125, 0]",
+            vec![(0.0, 0.0, 0.375), (0.25, 0.0, 0.75), (0.5, 0.0, -0.125)],
+        ),
+        (
+            3,
+            "kind = 'box'\nsize = [1, 1, 1]\nn = [2, 2, 2]\nelements = 'Q1'",
+            "[0.25, 0, 0.5]",
+            vec![(0.0, 0.5, 0.5), (0.5, 0.5, 0.5)],
+        ),
     ];
     for (dim, mesh, at, terms) in meshes {
         let end = End::of(&body(mesh, dim, "nodal", &PROBES.replace("AT", at)));
-        let of = |x: f64, z: f64| end.points.iter().find(|p| (p.0[0] - x).abs() < 1e-12 && (p.0[2] - z).abs() < 1e-12).unwrap();
+        let of = |x: f64, z: f64| {
+            end.points.iter().find(|p| (p.0[0] - x).abs() < 1e-12 && (p.0[2] - z).abs() < 1e-12).unwrap()
+        };
         let sum = |f: &dyn Fn(f64, f64) -> f64| terms.iter().map(|&(x, z, n)| n * f(x, z)).sum::<f64>();
-        let near = |name: &str, expected: f64| assert!((end.value(name) - expected).abs() < 1e-13, "{mesh}, {name}: {} for {expected}", end.value(name));
+        let near = |name: &str, expected: f64| {
+            assert!((end.value(name) - expected).abs() < 1e-13, "{mesh}, {name}: {} for {expected}", end.value(name))
+        };
         near("p", sum(&|x, z| of(x, z).2));
         near("q_x", sum(&|x, z| of(x, z).3[0]));
         near("load", end.points.iter().map(|p| p.1 * p.2).sum());
@@ -144,7 +179,8 @@ fn values_at_points_are_interpolated() {
 /// With Gauss quadrature a value at a point is that of the contact point next to it.
 #[test]
 fn values_next_to_gauss_points() {
-    let end = End::of(&body("kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]", 2, "gauss", &PROBES.replace("AT", "[0.3, 0]")));
+    let end =
+        End::of(&body("kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]", 2, "gauss", &PROBES.replace("AT", "[0.3, 0]")));
     // Those of [1/4, 1/2] are at 3/8 ∓ 1/(8√3).
     let nearest = end.points.iter().find(|p| (p.0[0] - (0.375 - 0.125 / 3f64.sqrt())).abs() < 1e-12).unwrap();
     assert_eq!(end.value("p").to_bits(), nearest.2.to_bits());
@@ -155,7 +191,10 @@ fn values_next_to_gauss_points() {
 fn elsewhere_there_is_no_contact() {
     for (at, whole) in [("at = [0.3, 0.1]", "at"), ("at = [0.0, 0.25]", "at"), ("on = 'top'\ntake = 'max'", "on")] {
         let probe = format!("[[probe]]\nname = 'p'\nquantity = 'slip_velocity_x'\n{at}\n");
-        let text = BODY.replace("MESH", "kind = 'rectangle'\nsize = [1, 1]\nn = 4").replace("TOP", "[0, 0]").replace("BELT", "[1, 0]");
+        let text = BODY
+            .replace("MESH", "kind = 'rectangle'\nsize = [1, 1]\nn = 4")
+            .replace("TOP", "[0, 0]")
+            .replace("BELT", "[1, 0]");
         let text = text.replace("QUADRATURE", "nodal").replace("\"STIFFNESS\"", "100") + &probe;
         let error = case::parse(&Source::new("body.toml", text), &[]).unwrap_err().to_string();
         assert!(error.contains("slip_velocity_x elsewhere than on a side that bears contact"), "{whole}: {error}");

@@ -1,5 +1,11 @@
 //! The study of (5.2) against an independent program: `reference/convergence.csv`.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 mod common;
 
@@ -8,7 +14,11 @@ use common::{case, reading};
 
 fn level(name: &str, foundation: &str, n: usize) -> Level {
     let mut overrides = reading(name);
-    overrides.extend([format!("mesh.n={n}"), format!("time.steps={n}"), format!("contact.heat.foundation_temperature={foundation}")]);
+    overrides.extend([
+        format!("mesh.n={n}"),
+        format!("time.steps={n}"),
+        format!("contact.heat.foundation_temperature={foundation}"),
+    ]);
     let case = case("cases/paper.toml", &overrides);
     Level { level: n, problem: case.problem, text: case.text }
 }
@@ -33,9 +43,12 @@ fn assert_table(name: &str, foundation: &str) {
         }
         let row = table.rows.iter().find(|r| r.level == number(2) as usize).expect("the level");
         assert!((row.h - number(3)).abs() < 1e-12 && (row.k - number(4)).abs() < 1e-12);
-        for (what, found, expected) in
-            [("w", row.error_w, number(5)), ("u", row.error_u, number(6)), ("θ", row.error_theta, number(7)), ("E", row.error, number(8))]
-        {
+        for (what, found, expected) in [
+            ("w", row.error_w, number(5)),
+            ("u", row.error_u, number(6)),
+            ("θ", row.error_theta, number(7)),
+            ("E", row.error, number(8)),
+        ] {
             assert!(
                 (found - expected).abs() <= 1e-6 * expected,
                 "{name}, θ_F = {foundation}, level {}: {what} = {found:.10e}, expected {expected:.10e}",

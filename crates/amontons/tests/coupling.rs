@@ -29,7 +29,8 @@ fn coupled(coupling: &str, steps: usize, foundation: f64) -> (State, Memory) {
 
 /// Largest relative difference of the fields of two states.
 fn distance(a: &State, b: &State) -> f64 {
-    let relative = |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b);
+    let relative =
+        |a: &[f64], b: &[f64]| largest(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>()) / largest(b);
     relative(&a.u, &b.u).max(relative(&a.w, &b.w)).max(relative(&a.theta, &b.theta))
 }
 
@@ -49,13 +50,16 @@ fn the_limit_of_the_fixed_point_is_the_monolithic_step() {
         assert!(passes(&newton) < passes(&memory), "{} and {}", passes(&newton), passes(&memory));
         // Both keep the identities.
         for state in [&fixed, &monolithic] {
-            assert!(state.ledger.relative_closing_error().abs() < 1e-12 && state.ledger.relative_heat_closing_error().abs() < 1e-12);
+            assert!(
+                state.ledger.relative_closing_error().abs() < 1e-12
+                    && state.ledger.relative_heat_closing_error().abs() < 1e-12
+            );
         }
     }
 }
 
-/// Where all of (4.1) and (4.2) is linear, the coupled step is one linear system, which can be written down: the forms of the
-/// monolithic step are applied to its solution.
+/// Where all of (4.1) and (4.2) is linear, the coupled step is one linear system, which can be written down: the forms
+/// of the monolithic step are applied to its solution.
 #[test]
 fn the_coupled_step_satisfies_both_equations_with_their_own_arguments() {
     let (_, memory) = coupled("monolithic", 8, 10.0);
@@ -68,7 +72,8 @@ fn the_coupled_step_satisfies_both_equations_with_their_own_arguments() {
             let (old, new) = (&memory.states[n - 1], &memory.states[n]);
             let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
             let rate: Vec<f64> = discrete.mass.apply(&minus(&new.theta, &old.theta)).iter().map(|v| v / k).collect();
-            let (conduction, coupling, supply) = (discrete.d.apply(&new.theta), discrete.e.apply(&new.u), discrete.q_h.at(new.t));
+            let (conduction, coupling, supply) =
+                (discrete.d.apply(&new.theta), discrete.e.apply(&new.u), discrete.q_h.at(new.t));
             let on_contact: Vec<usize> = discrete.boundary.nodes.iter().map(|&n| n as usize).collect();
             // At free nodes off Γ_C nothing else acts.
             for i in (0..rate.len()).filter(|&i| discrete.q.free[i] && !on_contact.contains(&i)) {
@@ -91,12 +96,14 @@ fn staggered_steps_converge_to_the_coupled_ones_at_first_order() {
     assert!(orders.iter().all(|order| (order - 1.0).abs() < 0.15), "{gaps:?}: {orders:?}");
 }
 
-/// Without heat capacity the rod that touches its cold foundation in the transition of the ramp has a map of slope −3.5 at its
-/// root: the fixed point runs away from it, Newton's method finds it.
+/// Without heat capacity the rod that touches its cold foundation in the transition of the ramp has a map of slope −3.5
+/// at its root: the fixed point runs away from it, Newton's method finds it.
 #[test]
 fn a_map_that_does_not_contract_is_named_and_newton_finds_its_root() {
     let rod = |coupling: &str| {
-        let overrides = ["material.heat_capacity=0", "time.steps=1", "time.end=1", &format!("scheme.coupling=\"{coupling}\"")].map(str::to_owned);
+        let overrides =
+            ["material.heat_capacity=0", "time.steps=1", "time.end=1", &format!("scheme.coupling=\"{coupling}\"")]
+                .map(str::to_owned);
         case("crates/amontons/benchmarks/thermoelastic-rod-gap-45.toml", &overrides).problem
     };
     let (_, memory) = solve(&rod("monolithic"));
@@ -104,7 +111,11 @@ fn a_map_that_does_not_contract_is_named_and_newton_finds_its_root() {
     // Closed form of the benchmark: s = 1.925739e-6 and θ_L = 0.838522 − 0.9.
     let penetration = contact.states.iter().map(|s| s.penetration).fold(0.0, f64::max);
     assert!((penetration / 1.925_738_742_485_3e-6 - 1.0).abs() < 1e-9, "{penetration:e}");
-    assert!(contact.temperature.iter().all(|t| (t + 0.061_477_522_195_323_7).abs() < 1e-9), "{:?}", contact.temperature);
+    assert!(
+        contact.temperature.iter().all(|t| (t + 0.061_477_522_195_323_7).abs() < 1e-9),
+        "{:?}",
+        contact.temperature
+    );
 
     let failed = run::run(&rod("fixed-point"), &Settings::default(), &mut [&mut Memory::default()]);
     let Err(RunError::Step { source, .. }) = failed else { panic!("the fixed point does not settle") };

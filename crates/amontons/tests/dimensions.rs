@@ -1,4 +1,5 @@
-//! One problem in one, two and three dimensions: between planes of symmetry the larger body does what the smaller one does.
+//! One problem in one, two and three dimensions: between planes of symmetry the larger body does what the smaller one
+//! does.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
@@ -66,7 +67,8 @@ fn swept(plane: &ProblemData, height: f64, layers: usize) -> ProblemData {
 fn difference(small: &State, large: &State, [d, e]: [usize; 2], nodes: &[usize]) -> f64 {
     let vector = |small: &[f64], large: &[f64]| {
         let of = |node: usize, c: usize| large[nodes[node] * e + c] - if c < d { small[node * d + c] } else { 0.0 };
-        let all: Vec<f64> = (0..nodes.len()).flat_map(|node| (0..e).map(move |c| (node, c))).map(|(node, c)| of(node, c)).collect();
+        let all: Vec<f64> =
+            (0..nodes.len()).flat_map(|node| (0..e).map(move |c| (node, c))).map(|(node, c)| of(node, c)).collect();
         largest(&all) / largest(small)
     };
     let heat: Vec<f64> = nodes.iter().zip(&small.theta).map(|(&node, theta)| large.theta[node] - theta).collect();
@@ -91,8 +93,13 @@ fn the_paper_s_problem_between_planes_of_symmetry() {
                 assert!(found < 1e-10, "{elements:?}, step {}, layer {layer}: {found:e}", a.step);
             }
             assert!((b.ledger.kinetic / (height * a.ledger.kinetic) - 1.0).abs() < 1e-10);
-            assert!((b.ledger.friction_dissipation - height * a.ledger.friction_dissipation).abs() < 1e-10 * b.ledger.turned_over);
-            assert!(b.ledger.relative_closing_error().abs() < 1e-12 && b.ledger.relative_heat_closing_error().abs() < 1e-12);
+            assert!(
+                (b.ledger.friction_dissipation - height * a.ledger.friction_dissipation).abs()
+                    < 1e-10 * b.ledger.turned_over
+            );
+            assert!(
+                b.ledger.relative_closing_error().abs() < 1e-12 && b.ledger.relative_heat_closing_error().abs() < 1e-12
+            );
         }
         let (a, b) = (small.reports.last().unwrap(), large.reports.last().unwrap());
         for c in 0..2 {
@@ -102,7 +109,8 @@ fn the_paper_s_problem_between_planes_of_symmetry() {
     }
 }
 
-/// A strip between planes of symmetry is a rod of uniaxial strain: pressed against a warm foundation, at any angle of the friction.
+/// A strip between planes of symmetry is a rod of uniaxial strain: pressed against a warm foundation, at any angle of
+/// the friction.
 #[test]
 fn a_rod_is_a_strip_between_planes_of_symmetry() {
     let height = 0.5;
@@ -128,7 +136,9 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     rod.boundary = vec![BoundaryCondition::on("left").displacement([0.0]).temperature(0.0)];
 
     let (small, large) = (solve(&rod), solve(&strip));
-    let at = |x: f64, y: f64| strip.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node");
+    let at = |x: f64, y: f64| {
+        strip.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node")
+    };
     for (a, b) in small.states.iter().zip(&large.states).skip(1) {
         for y in [0.0, height] {
             let nodes: Vec<usize> = rod.mesh.points.iter().map(|p| at(p[0], y)).collect();
@@ -141,8 +151,9 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     assert!(small.reports.last().unwrap().contact.states[0].pressure > 0.1, "the rod is pressed on the foundation");
 }
 
-/// A block on its foundation in space, pushed along both tangents while it is pressed and turned: at every point the laws hold, the friction
-/// traction is against the slip in the tangent plane, and the directions of slip differ from point to point. From random velocities, too.
+/// A block on its foundation in space, pushed along both tangents while it is pressed and turned: at every point the
+/// laws hold, the friction traction is against the slip in the tangent plane, and the directions of slip differ from
+/// point to point. From random velocities, too.
 #[test]
 fn friction_in_the_tangent_plane() {
     let mu = 0.4;
@@ -168,19 +179,33 @@ fn friction_in_the_tangent_plane() {
             for state in &report.contact.states {
                 let (q, slip) = (length(&state.q), length(&state.slip));
                 assert!((state.pressure - 1e4 * state.penetration.max(0.0)).abs() <= 1e-9 * (1.0 + state.pressure));
-                assert!((state.bound - mu * state.pressure).abs() <= 1e-12 * (1.0 + state.bound) && q <= state.bound * (1.0 + 1e-9) + 1e-12);
-                assert!(state.q[1].abs() <= 1e-12 * (1.0 + q) && state.slip[1].abs() <= 1e-12 * (1.0 + slip), "both lie in the tangent plane");
+                assert!(
+                    (state.bound - mu * state.pressure).abs() <= 1e-12 * (1.0 + state.bound)
+                        && q <= state.bound * (1.0 + 1e-9) + 1e-12
+                );
+                assert!(
+                    state.q[1].abs() <= 1e-12 * (1.0 + q) && state.slip[1].abs() <= 1e-12 * (1.0 + slip),
+                    "both lie in the tangent plane"
+                );
                 if state.bound > 1e-6 && slip > 1e-6 {
                     // q = s w_τ/‖w_τ‖.
-                    assert!((0..3).all(|c| (state.q[c] - state.bound * state.slip[c] / slip).abs() <= 1e-7 * state.bound), "{elements}: {state:?}");
+                    assert!(
+                        (0..3).all(|c| (state.q[c] - state.bound * state.slip[c] / slip).abs() <= 1e-7 * state.bound),
+                        "{elements}: {state:?}"
+                    );
                     slipping.push(state.slip[2].atan2(state.slip[0]));
                 } else if state.bound > 1e-6 {
                     sticking += 1;
                 }
             }
         }
-        let spread = slipping.iter().fold(f64::NEG_INFINITY, |m, a| m.max(*a)) - slipping.iter().fold(f64::INFINITY, |m, a| m.min(*a));
-        assert!(spread > 2.0 && sticking > 0, "{elements}: {} slipping with directions {spread} apart, {sticking} sticking", slipping.len());
+        let spread = slipping.iter().fold(f64::NEG_INFINITY, |m, a| m.max(*a))
+            - slipping.iter().fold(f64::INFINITY, |m, a| m.min(*a));
+        assert!(
+            spread > 2.0 && sticking > 0,
+            "{elements}: {} slipping with directions {spread} apart, {sticking} sticking",
+            slipping.len()
+        );
         assert!(memory.states.last().unwrap().ledger.relative_closing_error().abs() < 1e-12);
 
         let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
@@ -203,5 +228,8 @@ fn a_mesh_with_an_unknown_node_is_a_fault() {
     mesh.blocks[0].nodes[0] = 1000;
     problem.mesh = Arc::new(mesh);
     let faults = problem.check().expect_err("a fault").to_string();
-    assert_eq!(faults, "mesh: found a cell names node 1000, expected one below 9, the number of nodes, expected cells and facets whose nodes exist");
+    assert_eq!(
+        faults,
+        "mesh: found a cell names node 1000, expected one below 9, the number of nodes, expected cells and facets whose nodes exist"
+    );
 }

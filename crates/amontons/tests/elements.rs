@@ -1,5 +1,12 @@
-//! Every element on distorted meshes: patch tests, interpolation, and orders of problems solved with the library's factor.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+//! Every element on distorted meshes: patch tests, interpolation, and orders of problems solved with the library's
+//! factor.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 #[path = "common/bodies.rs"]
 mod bodies;
@@ -20,7 +27,8 @@ use bodies::{cells, component, distorted, errors, on_boundary, unit};
 fn solve(mesh: &Mesh, matrix: &BlockMatrix, load: &[f64], prescribed: &[f64], free: &[bool]) -> Vec<f64> {
     let components = matrix.block_shape().0;
     let mut x: Vec<f64> = prescribed.iter().zip(free).map(|(v, &free)| if free { 0.0 } else { *v }).collect();
-    let mut system = System::new(matrix, Unknowns::new(matrix, &mesh.points, components, free, &[])).expect("a positive definite matrix");
+    let mut system = System::new(matrix, Unknowns::new(matrix, &mesh.points, components, free, &[]))
+        .expect("a positive definite matrix");
     // Once more for the rest: the solution is then that of the matrix to round-off.
     for _ in 0..2 {
         let applied = matrix.apply(&x);
@@ -36,14 +44,16 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(0.0, |m, v| m.max(v.abs()))
 }
 
-/// A linear displacement on the boundary gives that displacement inside, its constant stress, and no force at inner nodes.
+/// A linear displacement on the boundary gives that displacement inside, its constant stress, and no force at inner
+/// nodes.
 #[test]
 fn patch_tests() {
     let gradient = [[0.3, -0.2, 0.15], [0.1, 0.5, -0.05], [-0.25, 0.2, -0.4]];
     for element in cells() {
         let mesh = distorted(element, 3, 0.2);
         let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
-        let u: Vec<f64> = mesh.points.iter().flat_map(|p| (0..dim).map(|c| 0.7 + dot(&gradient[c], p)).collect::<Vec<_>>()).collect();
+        let u: Vec<f64> =
+            mesh.points.iter().flat_map(|p| (0..dim).map(|c| 0.7 + dot(&gradient[c], p)).collect::<Vec<_>>()).collect();
         let law = Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain);
         let a = forms::a(&mesh, &graph, &[&law]);
         let (boundary, force) = (on_boundary(&mesh), a.apply(&u));
@@ -56,14 +66,22 @@ fn patch_tests() {
 
         let free: Vec<bool> = (0..u.len()).map(|i| !boundary[i / dim]).collect();
         let found = solve(&mesh, &a, &vec![0.0; u.len()], &u, &free);
-        assert!(largest((0..u.len()).map(|i| found[i] - u[i])) < 1e-13, "{}: the displacement is not reproduced", element.name);
+        assert!(
+            largest((0..u.len()).map(|i| found[i] - u[i])) < 1e-13,
+            "{}: the displacement is not reproduced",
+            element.name
+        );
 
         // Heat: the same with a constant flux.
         let theta: Vec<f64> = mesh.points.iter().map(|p| 1.0 + 2.0 * p[0] - 3.0 * p[1] + 0.5 * p[2]).collect();
         let d = forms::d(&mesh, &graph, &[&Sym::identity(dim)]);
         let free: Vec<bool> = boundary.iter().map(|b| !b).collect();
         let found = solve(&mesh, &d, &vec![0.0; theta.len()], &theta, &free);
-        assert!(largest((0..theta.len()).map(|i| found[i] - theta[i])) < 1e-13, "{}: the temperature is not reproduced", element.name);
+        assert!(
+            largest((0..theta.len()).map(|i| found[i] - theta[i])) < 1e-13,
+            "{}: the temperature is not reproduced",
+            element.name
+        );
     }
 }
 
@@ -102,7 +120,11 @@ fn slopes(coarse: [f64; 2], fine: [f64; 2]) -> [f64; 2] {
 fn assert_orders(what: &str, degree: usize, coarse: [f64; 2], fine: [f64; 2]) {
     let [l2, h1] = slopes(coarse, fine);
     let p = degree as f64;
-    assert!((l2 - p - 1.0).abs() < 0.15 && (h1 - p).abs() < 0.15, "{what}: orders {l2:.3} in L², {h1:.3} in H¹, expected {} and {p}", p + 1.0);
+    assert!(
+        (l2 - p - 1.0).abs() < 0.15 && (h1 - p).abs() < 0.15,
+        "{what}: orders {l2:.3} in L², {h1:.3} in H¹, expected {} and {p}",
+        p + 1.0
+    );
 }
 
 /// Interpolation has the orders p + 1 in L² and p in H¹.
@@ -122,7 +144,10 @@ fn interpolation_orders() {
 /// The field factor · sin(k·x + 1/2).
 fn field(dim: usize, factor: f64) -> Field {
     let k = wave(dim);
-    Field::Expression(Expression::parse(&format!("{factor:?}*sin({:?}*x + {:?}*y + {:?}*z + 0.5)", k[0], k[1], k[2])).expect("an expression"))
+    Field::Expression(
+        Expression::parse(&format!("{factor:?}*sin({:?}*x + {:?}*y + {:?}*z + 0.5)", k[0], k[1], k[2]))
+            .expect("an expression"),
+    )
 }
 
 /// Lamé's constants of the elastic problems.
@@ -135,10 +160,13 @@ fn elastic_error(mesh: &Mesh) -> [f64; 2] {
     let graph = Arc::new(Graph::of_mesh(mesh));
     let law = Isotropic::lame(dim, lambda, 2.0 * mu, StressState::PlaneStrain);
     let matrix = forms::a(mesh, &graph, &[&law]);
-    let force: Vec<Field> = (0..dim).map(|c| field(dim, (lambda + mu) * dot(&amplitude, &k) * k[c] + mu * dot(&k, &k) * amplitude[c])).collect();
+    let force: Vec<Field> = (0..dim)
+        .map(|c| field(dim, (lambda + mu) * dot(&amplitude, &k) * k[c] + mu * dot(&k, &k) * amplitude[c]))
+        .collect();
     let load = forms::f(mesh, &force, &[]).at(0.0);
     let (exact, boundary) = (sine(dim), on_boundary(mesh));
-    let u: Vec<f64> = mesh.points.iter().flat_map(|p| amplitude[..dim].iter().map(|a| a * exact(p).0).collect::<Vec<_>>()).collect();
+    let u: Vec<f64> =
+        mesh.points.iter().flat_map(|p| amplitude[..dim].iter().map(|a| a * exact(p).0).collect::<Vec<_>>()).collect();
     let free: Vec<bool> = (0..u.len()).map(|i| !boundary[i / dim]).collect();
     let found = solve(mesh, &matrix, &load, &u, &free);
     let mut sums = [0.0; 2];
@@ -196,8 +224,8 @@ fn orders_of_a_heat_problem() {
     }
 }
 
-/// Error in L² of pure bending in plane strain, u = (x y, −(x² + ν/(1−ν) y²)/2), of a cantilever (0, 4) × (−½, ½): exact at
-/// its left end, the traction σ_xx = E/(1−ν²) y at its right. In three dimensions it is held between planes.
+/// Error in L² of pure bending in plane strain, u = (x y, −(x² + ν/(1−ν) y²)/2), of a cantilever (0, 4) × (−½, ½):
+/// exact at its left end, the traction σ_xx = E/(1−ν²) y at its right. In three dimensions it is held between planes.
 fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilatation) -> f64 {
     let mesh = if element.dim() == 2 {
         Mesh::rectangle_of(Elements::Q1, [4.0, 1.0], [4 * n, n], Diagonal::Right)
@@ -206,7 +234,8 @@ fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilat
     };
     let (mesh, transverse) = (mesh.expect("a beam"), nu / (1.0 - nu));
     let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
-    let matrix = forms::tensor_form(&mesh, &graph, &[&Isotropic::elastic(dim, 1.0, nu, StressState::PlaneStrain)], dilatation);
+    let matrix =
+        forms::tensor_form(&mesh, &graph, &[&Isotropic::elastic(dim, 1.0, nu, StressState::PlaneStrain)], dilatation);
     // The load by hand: the traction at the nodes of the right end is linear on the height, as its functions are.
     let mut load = vec![0.0; dim * mesh.points.len()];
     let set = &mesh.facets["right"];
@@ -217,7 +246,10 @@ fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilat
             for (q, weight) in table.weights.iter().enumerate() {
                 map.at(facet, q);
                 let traction = (map.position[1] - 0.5) / (1.0 - nu * nu);
-                facet.iter().zip(map.values()).for_each(|(&node, v)| load[dim * node as usize] += weight * map.area * v * traction);
+                facet
+                    .iter()
+                    .zip(map.values())
+                    .for_each(|(&node, v)| load[dim * node as usize] += weight * map.area * v * traction);
             }
         }
     }
@@ -225,14 +257,15 @@ fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilat
         let (x, y) = (x[0], x[1] - 0.5);
         [(x * y, [y, x, 0.0]), (-0.5 * (x * x + transverse * y * y), [-x, -transverse * y, 0.0]), (0.0, [0.0; 3])]
     };
-    let u: Vec<f64> = mesh.points.iter().flat_map(|p| exact(p)[..dim].iter().map(|u| u.0).collect::<Vec<_>>()).collect();
+    let u: Vec<f64> =
+        mesh.points.iter().flat_map(|p| exact(p)[..dim].iter().map(|u| u.0).collect::<Vec<_>>()).collect();
     let free: Vec<bool> = mesh.points.iter().flat_map(|p| (0..dim).map(move |c| p[0] > 0.0 && c != 2)).collect();
     let found = solve(&mesh, &matrix, &load, &u, &free);
     (0..dim).map(|c| errors(&mesh, &component(&found, dim, c), |x| exact(x)[c])[0].powi(2)).sum::<f64>().sqrt()
 }
 
-/// A nearly incompressible cantilever, ν = 0.4999: bilinear and trilinear elements lock, and their error stays near that
-/// of no deflection at all; with the mean dilatation it falls at second order.
+/// A nearly incompressible cantilever, ν = 0.4999: bilinear and trilinear elements lock, and their error stays near
+/// that of no deflection at all; with the mean dilatation it falls at second order.
 #[test]
 fn the_mean_dilatation_does_not_lock() {
     for element in [&element::Q1_QUADRILATERAL, &element::Q1_HEXAHEDRON] {
@@ -240,7 +273,13 @@ fn the_mean_dilatation_does_not_lock() {
         let (full, mean) = ([8, 16].map(|n| at(n, Dilatation::Full)), [8, 16].map(|n| at(n, Dilatation::Mean)));
         let order = (mean[0] / mean[1]).log2();
         assert!((order - 2.0).abs() < 0.15, "{}: order {order} with the mean dilatation", element.name);
-        assert!(full[1] > 10.0 * mean[1], "{}: error {:e} with the full dilatation, {:e} with its mean", element.name, full[1], mean[1]);
+        assert!(
+            full[1] > 10.0 * mean[1],
+            "{}: error {:e} with the full dilatation, {:e} with its mean",
+            element.name,
+            full[1],
+            mean[1]
+        );
     }
 }
 
@@ -251,8 +290,13 @@ fn patch_test_with_the_mean_dilatation() {
         let mesh = distorted(element, 3, 0.2);
         let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
         let law = Isotropic::lame(dim, 5.0, 2.0, StressState::PlaneStrain);
-        let [full, mean] = [Dilatation::Full, Dilatation::Mean].map(|dilatation| forms::tensor_form(&mesh, &graph, &[&law], dilatation));
-        let u: Vec<f64> = mesh.points.iter().flat_map(|p| (0..dim).map(|c| 0.3 * p[c] - 0.2 * p[(c + 1) % 3]).collect::<Vec<_>>()).collect();
+        let [full, mean] = [Dilatation::Full, Dilatation::Mean]
+            .map(|dilatation| forms::tensor_form(&mesh, &graph, &[&law], dilatation));
+        let u: Vec<f64> = mesh
+            .points
+            .iter()
+            .flat_map(|p| (0..dim).map(|c| 0.3 * p[c] - 0.2 * p[(c + 1) % 3]).collect::<Vec<_>>())
+            .collect();
         let (a, b, boundary) = (full.apply(&u), mean.apply(&u), on_boundary(&mesh));
         assert!(largest((0..u.len()).filter(|i| !boundary[i / dim]).map(|i| b[i])) < 1e-13, "{}", element.name);
         let work = |force: &[f64]| u.iter().zip(force).map(|(u, f)| u * f).sum::<f64>();

@@ -7,12 +7,15 @@ use amontons::linalg::{Supernodal, dot};
 use amontons::scheme::{BackwardEuler, Scheme};
 use common::paper;
 
-/// Ψ = ½ c_ν Σ ω r₊² and ψₙ = c_ν Σ ω (½(r₊ⁿ − r₊ⁿ⁻¹)² + r₊ⁿ r₋ⁿ⁻¹), the part of the contact that the scheme dissipates.
+/// Ψ = ½ c_ν Σ ω r₊² and ψₙ = c_ν Σ ω (½(r₊ⁿ − r₊ⁿ⁻¹)² + r₊ⁿ r₋ⁿ⁻¹), the part of the contact that the scheme
+/// dissipates.
 #[test]
 fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
     let c_nu = 1e4;
     for foundation in ["0", "10"] {
-        let problem = paper(&["mesh.n=16", "time.steps=32", &format!("contact.heat.foundation_temperature={foundation}")]).problem;
+        let problem =
+            paper(&["mesh.n=16", "time.steps=32", &format!("contact.heat.foundation_temperature={foundation}")])
+                .problem;
         let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         let weights: Vec<f64> = scheme.discretization().boundary.points.iter().map(|p| p.weight).collect();
@@ -33,7 +36,11 @@ fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
             let discrete = scheme.discretization();
             let expected = 0.5 * dot(&dw, &discrete.mass.apply(&dw)) + 0.5 * dot(&du, &discrete.a.apply(&du)) + psi;
             let found = next.ledger.scheme_dissipation - state.ledger.scheme_dissipation;
-            assert!((found - expected).abs() <= 1e-12 * next.ledger.turned_over, "step {}: {found:e}, expected {expected:e}", next.step);
+            assert!(
+                (found - expected).abs() <= 1e-12 * next.ledger.turned_over,
+                "step {}: {found:e}, expected {expected:e}",
+                next.step
+            );
             assert!((next.ledger.contact_energy - potential).abs() <= 1e-13 * next.ledger.turned_over);
             largest = largest.max(psi / expected);
             (before, state) = (r, next);

@@ -20,7 +20,11 @@ fn shipped_cases_give_their_expected_values() {
         let settings = Settings { certificate: false, ..Settings::default() };
         let verdicts = verify_case(&source, &[], &settings).unwrap_or_else(|error| panic!("{}: {error}", source.name));
         for verdict in &verdicts {
-            assert!(verdict.holds, "{}: {} is {:e}, expected {:e}", verdict.benchmark, verdict.what, verdict.computed, verdict.reference);
+            assert!(
+                verdict.holds,
+                "{}: {} is {:e}, expected {:e}",
+                verdict.benchmark, verdict.what, verdict.computed, verdict.reference
+            );
         }
         compared += verdicts.len();
     }

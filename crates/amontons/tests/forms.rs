@@ -1,5 +1,11 @@
 //! Patch tests, rigid motion and symmetry of the forms, against formulas.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 use std::sync::Arc;
 
@@ -45,11 +51,20 @@ fn constant_strain() {
     let strain = Sym::from_fn(2, |i, j| [[0.3, -0.2], [-0.2, 0.5]][i][j]);
     for diagonal in DIAGONALS {
         let (mesh, graph) = distorted(diagonal);
-        for law in [Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress), Isotropic::elastic(2, 3.0, 0.4, StressState::PlaneStrain)] {
+        for law in [
+            Isotropic::elastic(2, 2.0, 0.1, StressState::PlaneStress),
+            Isotropic::elastic(2, 3.0, 0.4, StressState::PlaneStrain),
+        ] {
             let a = forms::a(&mesh, &graph, &[&law]);
             let u = vector(&mesh, |x, y| [0.3 * x - 0.2 * y + 1.0, -0.2 * x + 0.5 * y - 2.0]);
             let force = a.apply(&u);
-            assert!(largest((0..mesh.points.len()).filter(|&n| !on_boundary(&mesh, n)).flat_map(|n| [force[2 * n], force[2 * n + 1]])) < 1e-13);
+            assert!(
+                largest(
+                    (0..mesh.points.len())
+                        .filter(|&n| !on_boundary(&mesh, n))
+                        .flat_map(|n| [force[2 * n], force[2 * n + 1]])
+                ) < 1e-13
+            );
             let energy: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
             let mut stress = law.value(&[0.0; 3], &strain);
             stress.0[3] = 0.0;
@@ -119,7 +134,8 @@ fn inner_product_integrates() {
     for diagonal in DIAGONALS {
         let (mesh, graph) = distorted(diagonal);
         let mass = forms::inner_h(&mesh, &graph);
-        let [one, x, y]: [Vec<f64>; 3] = [|_: f64, _: f64| 1.0, |x, _| x, |_, y| y].map(|f| mesh.points.iter().map(|p| f(p[0], p[1])).collect());
+        let [one, x, y]: [Vec<f64>; 3] =
+            [|_: f64, _: f64| 1.0, |x, _| x, |_, y| y].map(|f| mesh.points.iter().map(|p| f(p[0], p[1])).collect());
         let form = |a: &[f64], b: &[f64]| -> f64 { a.iter().zip(mass.apply(b)).map(|(a, b)| a * b).sum() };
         assert!((form(&one, &one) - 2.0).abs() < 1e-14);
         assert!((form(&x, &y) - 1.0).abs() < 1e-14);
@@ -129,7 +145,10 @@ fn inner_product_integrates() {
 
 /// A wavy displacement of a body in three dimensions, small against the strain at which the law softens and beyond it.
 fn wavy(mesh: &Mesh, size: f64, phase: f64) -> Vec<f64> {
-    mesh.points.iter().flat_map(|p| [0.0, 1.0, 2.0].map(|c| size * (2.0 * p[0] - p[1] + 0.7 * p[2] * (c + 1.0) + phase + c).sin())).collect()
+    mesh.points
+        .iter()
+        .flat_map(|p| [0.0, 1.0, 2.0].map(|c| size * (2.0 * p[0] - p[1] + 0.7 * p[2] * (c + 1.0) + phase + c).sin()))
+        .collect()
 }
 
 /// Of a linear law the residual is the form, and the tangent too, in every choice of the strain.
@@ -147,7 +166,8 @@ fn the_tangent_of_a_linear_law_is_its_form() {
     }
 }
 
-/// The tangent is the derivative of the residual: the error of its central difference falls with the square of the step.
+/// The tangent is the derivative of the residual: the error of its central difference falls with the square of the
+/// step.
 #[test]
 fn the_tangent_is_the_derivative_of_the_residual() {
     let law = Hencky::new(3.0, Carreau::new(1.0, 0.2, 5.0, 0.3).expect("a law")).expect("a law");
@@ -158,12 +178,22 @@ fn the_tangent_is_the_derivative_of_the_residual() {
         for dilatation in [Dilatation::Full, Dilatation::Mean] {
             let exact = forms::tangent(&mesh, &graph, &[&law], dilatation, &u).apply(&w);
             let error = |h: f64| {
-                let at = |s: f64| forms::residual(&mesh, &[&law], dilatation, &u.iter().zip(&w).map(|(u, w)| u + s * w).collect::<Vec<_>>());
+                let at = |s: f64| {
+                    forms::residual(
+                        &mesh,
+                        &[&law],
+                        dilatation,
+                        &u.iter().zip(&w).map(|(u, w)| u + s * w).collect::<Vec<_>>(),
+                    )
+                };
                 let (plus, minus) = (at(h), at(-h));
                 largest(exact.iter().enumerate().map(|(i, e)| (plus[i] - minus[i]) / (2.0 * h) - e))
             };
             let (coarse, fine) = (error(4e-2), error(2e-2));
-            assert!(((coarse / fine).log2() - 2.0).abs() < 0.1, "{elements:?} {dilatation:?}: errors {coarse:e}, {fine:e}");
+            assert!(
+                ((coarse / fine).log2() - 2.0).abs() < 0.1,
+                "{elements:?} {dilatation:?}: errors {coarse:e}, {fine:e}"
+            );
         }
     }
 }
@@ -176,12 +206,15 @@ fn regions_have_their_own_laws() {
     let right = |cell: &[u32]| cell.iter().map(|&n| mesh.points[n as usize][0]).sum::<f64>() > 3.0;
     let part = |side: bool| cells.iter().filter(|c| right(c) == side).flatten().copied().collect::<Vec<u32>>();
     let (left, right) = (part(false), part(true));
-    mesh.blocks = [(0, left), (1, right)].map(|(region, nodes)| Block { element: &P1_TRIANGLE, region, nodes }).to_vec();
+    mesh.blocks =
+        [(0, left), (1, right)].map(|(region, nodes)| Block { element: &P1_TRIANGLE, region, nodes }).to_vec();
     mesh.regions = vec!["soft".into(), "hard".into()];
     let graph = Arc::new(Graph::of_mesh(&mesh));
     let [soft, hard] = [1.0, 10.0].map(|e| Isotropic::elastic(2, e, 0.25, StressState::PlaneStress));
     let u = vector(&mesh, |x, y| [0.1 * x, -0.025 * y]);
-    let work = |laws: &[&dyn TensorLaw]| -> f64 { u.iter().zip(forms::a(&mesh, &graph, laws).apply(&u)).map(|(u, f)| u * f).sum() };
+    let work = |laws: &[&dyn TensorLaw]| -> f64 {
+        u.iter().zip(forms::a(&mesh, &graph, laws).apply(&u)).map(|(u, f)| u * f).sum()
+    };
     // Uniaxial stress E ε on unit areas: E ε² a region.
     assert!((work(&[&soft, &hard]) - 0.01 * 11.0).abs() < 1e-14 && (work(&[&soft]) - 0.01 * 2.0).abs() < 1e-14);
     let ones = vec![1.0; mesh.points.len()];

@@ -1,4 +1,5 @@
-//! Foundations that move, warm up and wear, and several contact sides: what holds exactly in a step, and orders in the step.
+//! Foundations that move, warm up and wear, and several contact sides: what holds exactly in a step, and orders in the
+//! step.
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -21,9 +22,10 @@ use common::{checked, largest};
 type Units = [f64; 4];
 const SI: Units = [1.0; 4];
 
-/// A body that slides into a corner: below, Signorini's conditions on a ball that moves, with friction, wear by a constant, and a foundation
-/// that friction heats; on the right, compliance on a plane that leans and moves, with another friction, wear by the temperature, and another
-/// foundation. Nothing else holds it. The laws hold at the nodes below and at Gauss points on the right.
+/// A body that slides into a corner: below, Signorini's conditions on a ball that moves, with friction, wear by a
+/// constant, and a foundation that friction heats; on the right, compliance on a plane that leans and moves, with
+/// another friction, wear by the temperature, and another foundation. Nothing else holds it. The laws hold at the nodes
+/// below and at Gauss points on the right.
 fn everything(dim: usize, [l, s, m, kelvin]: Units, steps: usize) -> String {
     let vector = |components: [String; 3]| format!("[{}]", components[..dim].join(", "));
     let number = |unit: f64, values: [f64; 3]| vector(values.map(|v| format!("{:e}", v * unit)));
@@ -32,7 +34,9 @@ fn everything(dim: usize, [l, s, m, kelvin]: Units, steps: usize) -> String {
         2 => (format!("kind = \"rectangle\"\nsize = {}\nn = [5, 4]", number(l, [1.0, 0.8, 0.0])), 1.0),
         _ => (format!("kind = \"box\"\nsize = {}\nn = [3, 3, 2]\nelements = \"Q1\"", number(l, [1.0, 0.8, 0.6])), l),
     };
-    let moving = |unit: f64, start: [f64; 3], rate: [f64; 3]| vector([0, 1, 2].map(|c| format!("\"{:e} + {:e}*t\"", start[c] * unit, rate[c] * unit / s)));
+    let moving = |unit: f64, start: [f64; 3], rate: [f64; 3]| {
+        vector([0, 1, 2].map(|c| format!("\"{:e} + {:e}*t\"", start[c] * unit, rate[c] * unit / s)))
+    };
     let capacity = stress * l * l * thickness / kelvin;
     format!(
         r#"
@@ -127,11 +131,13 @@ fn end(memory: &Memory) -> &State {
     memory.states.last().expect("a state")
 }
 
-/// In each step of everything at once: the energy and the heat, the forces and their moments, the laws at each contact point, and the balance of
-/// each foundation, written down here anew from the states and the reports.
+/// In each step of everything at once: the energy and the heat, the forces and their moments, the laws at each contact
+/// point, and the balance of each foundation, written down here anew from the states and the reports.
 #[test]
 fn what_a_step_satisfies_with_everything_at_once() {
-    for (dim, coupling) in [(2, "staggered"), (2, "fixed-point"), (2, "monolithic"), (3, "staggered"), (3, "monolithic")] {
+    for (dim, coupling) in
+        [(2, "staggered"), (2, "fixed-point"), (2, "monolithic"), (3, "staggered"), (3, "monolithic")]
+    {
         let problem = problem(&everything(dim, SI, 24), &[format!("scheme.coupling=\"{coupling}\"")]);
         let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
         let discrete = scheme.discretization();
@@ -141,7 +147,9 @@ fn what_a_step_satisfies_with_everything_at_once() {
             assert_eq!(report.parts, 1, "the step was made as a whole");
             let k = new.t - old.t;
             let contact = &report.contact;
-            worst[0] = worst[0].max(new.ledger.relative_closing_error().abs()).max(new.ledger.relative_heat_closing_error().abs());
+            worst[0] = worst[0]
+                .max(new.ledger.relative_closing_error().abs())
+                .max(new.ledger.relative_heat_closing_error().abs());
             // A motion that strains nothing is resisted by inertia, the weight and the contact alone.
             let change: Vec<f64> = new.w.iter().zip(&old.w).map(|(new, old)| (new - old) / k).collect();
             let inertia = discrete.mass.apply(&change);
@@ -167,7 +175,9 @@ fn what_a_step_satisfies_with_everything_at_once() {
                 let law = &problem.contacts[side];
                 let at = |values: &[f64]| -> Point {
                     std::array::from_fn(|c| {
-                        let of = |node: usize| if c < dim { values[discrete.boundary.nodes[node] as usize * dim + c] } else { 0.0 };
+                        let of = |node: usize| {
+                            if c < dim { values[discrete.boundary.nodes[node] as usize * dim + c] } else { 0.0 }
+                        };
                         point.nodes.iter().map(|&(node, share)| share * of(node)).sum()
                     })
                 };
@@ -180,9 +190,15 @@ fn what_a_step_satisfies_with_everything_at_once() {
                 let across = tensor::dot(&moves, &nearest.normal);
                 let slip: Point = std::array::from_fn(|c| moves[c] - across * nearest.normal[c]);
                 let further: Point = std::array::from_fn(|c| u[c] - seen[c]);
-                let gap = law.gap.value(&point.x, new.t) + new.surface.wear[i] + nearest.distance + tensor::dot(&further, &nearest.normal);
-                worst[2] = worst[2].max((state.penetration + gap).abs()).max((0..3).map(|c| (state.slip[c] - slip[c]).abs()).fold(0.0, f64::max));
-                // Archard, with the pressure and the slip of the step itself, and the temperature that the half-step knew.
+                let gap = law.gap.value(&point.x, new.t)
+                    + new.surface.wear[i]
+                    + nearest.distance
+                    + tensor::dot(&further, &nearest.normal);
+                worst[2] = worst[2]
+                    .max((state.penetration + gap).abs())
+                    .max((0..3).map(|c| (state.slip[c] - slip[c]).abs()).fold(0.0, f64::max));
+                // Archard, with the pressure and the slip of the step itself, and the temperature that the half-step
+                // knew.
                 let speed = tensor::length(&state.slip);
                 let kappa = match side {
                     0 => 0.02,
@@ -195,7 +211,11 @@ fn what_a_step_satisfies_with_everything_at_once() {
                 assert!(depth >= 0.0 && state.pressure >= 0.0);
                 // The normal laws, and Coulomb's.
                 let (p, r) = (state.pressure, state.penetration);
-                let law_error = if side == 0 { if p > 0.0 { r.abs() } else { r.max(0.0) } } else { (p - 500.0 * r.max(0.0)).abs() / 500.0 };
+                let law_error = if side == 0 {
+                    if p > 0.0 { r.abs() } else { r.max(0.0) }
+                } else {
+                    (p - 500.0 * r.max(0.0)).abs() / 500.0
+                };
                 worst[4] = worst[4].max(law_error);
                 let bound = [0.3, 0.1][side] * p;
                 assert!(tensor::length(&state.q) <= bound * (1.0 + 1e-9) + 1e-12);
@@ -207,7 +227,11 @@ fn what_a_step_satisfies_with_everything_at_once() {
             }
             for side in 0..2 {
                 let [now, before] = [new, old].map(|state| state.surface.foundation[side].expect("a temperature"));
-                let (stores, gives) = if side == 0 { (0.3 * (now - before) / k, 0.2 * (now - 3.0 * new.t)) } else { (0.5 * (now - before) / k, 0.0) };
+                let (stores, gives) = if side == 0 {
+                    (0.3 * (now - before) / k, 0.2 * (now - 3.0 * new.t))
+                } else {
+                    (0.5 * (now - before) / k, 0.0)
+                };
                 worst[5] = worst[5].max((stores + gives - received[side]).abs());
             }
         }
@@ -226,7 +250,8 @@ fn what_a_step_satisfies_with_everything_at_once() {
 
 /// Translations and rotations.
 fn rigid(dim: usize) -> Vec<Box<dyn Fn(&Point) -> Point>> {
-    let mut all: Vec<Box<dyn Fn(&Point) -> Point>> = (0..dim).map(|e| -> Box<dyn Fn(&Point) -> Point> { Box::new(move |_| unit(e)) }).collect();
+    let mut all: Vec<Box<dyn Fn(&Point) -> Point>> =
+        (0..dim).map(|e| -> Box<dyn Fn(&Point) -> Point> { Box::new(move |_| unit(e)) }).collect();
     for (a, b) in [(0, 1), (1, 2), (2, 0)] {
         if a.max(b) < dim {
             all.push(Box::new(move |x| std::array::from_fn(|c| x[a] * unit(b)[c] - x[b] * unit(a)[c])));
@@ -239,24 +264,35 @@ fn unit(e: usize) -> Point {
     std::array::from_fn(|c| f64::from(u8::from(c == e)))
 }
 
-fn temperature(theta: &[f64], discrete: &amontons::scheme::Discretization, point: &amontons::contact::PointOnBoundary) -> f64 {
+fn temperature(
+    theta: &[f64],
+    discrete: &amontons::scheme::Discretization,
+    point: &amontons::contact::PointOnBoundary,
+) -> f64 {
     point.nodes.iter().map(|&(node, share)| share * theta[discrete.boundary.nodes[node] as usize]).sum()
 }
 
 /// A closed form is met to the first order in the step.
 #[test]
 fn first_order_in_the_step() {
-    // h = δ (1 − exp(−t/τ)) of the rod on a compliance; θ_F of two capacities; a slide down a bowl, where the place of the step before gives the normal.
+    // h = δ (1 − exp(−t/τ)) of the rod on a compliance; θ_F of two capacities; a slide down a bowl, where the place of
+    // the step before gives the normal.
     let rod = 0.1 * (1.0 - (-0.9f64).exp());
     let capacities = 2.0 / 3.0 * (1.0 - (-1.5f64).exp());
     let slide = (2.0 * ((0.5f64).tan() * (-2.0f64).exp()).atan()).sin() - 1f64.sin();
     let wear = |state: &State| largest(&state.surface.wear);
     let foundation = |state: &State| state.surface.foundation[0].expect("a temperature");
     let place = |state: &State| 0.5 * (state.u[0] + state.u[2]);
-    let all: [(&str, f64, &dyn Fn(&State) -> f64); 3] =
-        [("wear-relaxation-compliance", rod, &wear), ("foundation-two-capacities", capacities, &foundation), ("bowl-overdamped", slide, &place)];
+    let all: [(&str, f64, &dyn Fn(&State) -> f64); 3] = [
+        ("wear-relaxation-compliance", rod, &wear),
+        ("foundation-two-capacities", capacities, &foundation),
+        ("bowl-overdamped", slide, &place),
+    ];
     for (name, exact, of) in all {
-        let errors: Vec<f64> = [50, 100, 200].iter().map(|n| (of(end(&solve(&benchmark(name, &[format!("time.steps={n}")])))) - exact).abs()).collect();
+        let errors: Vec<f64> = [50, 100, 200]
+            .iter()
+            .map(|n| (of(end(&solve(&benchmark(name, &[format!("time.steps={n}")])))) - exact).abs())
+            .collect();
         let orders: Vec<f64> = errors.windows(2).map(|e| (e[0] / e[1]).log2()).collect();
         println!("{name}: errors {errors:?}, orders {orders:?}");
         assert!(orders.iter().all(|order| (order - 1.0).abs() < 0.1), "{name}: {orders:?}");
@@ -384,29 +420,39 @@ fn difference(a: &Memory, b: &Memory, motion: impl Fn(f64) -> [f64; 2]) -> f64 {
         for (i, (a, b)) in a.u.iter().zip(&b.u).enumerate() {
             (most, size) = (most.max((a - b - moved[i % 2]).abs()), size.max(a.abs()));
         }
-        let worn = a.surface.wear.iter().zip(&b.surface.wear).chain(a.surface.friction_work.iter().zip(&b.surface.friction_work));
+        let worn = a
+            .surface
+            .wear
+            .iter()
+            .zip(&b.surface.wear)
+            .chain(a.surface.friction_work.iter().zip(&b.surface.friction_work));
         most = worn.fold(most, |most, (a, b)| most.max((a - b).abs()));
     }
     most / size
 }
 
-/// A flat obstacle is a gap along the normal, and its motion along itself a velocity of the foundation, in either geometry.
+/// A flat obstacle is a gap along the normal, and its motion along itself a velocity of the foundation, in either
+/// geometry.
 #[test]
 fn a_plane_is_a_gap() {
     let by_gap = pressed("[0, 0]", "gap = \"0.01 - 0.05*t\"\nfoundation_velocity = [0.5, 0]");
     assert!(largest(&end(&by_gap).surface.wear) > 1e-5);
     for geometry in ["reference", "updated"] {
-        let shape = format!("obstacle = {{ shape = \"plane\", point = [\"0.5*t\", \"-0.01 + 0.05*t\"], normal = [0, 1], geometry = \"{geometry}\" }}");
+        let shape = format!(
+            "obstacle = {{ shape = \"plane\", point = [\"0.5*t\", \"-0.01 + 0.05*t\"], normal = [0, 1], geometry = \"{geometry}\" }}"
+        );
         let found = difference(&by_gap, &pressed("[0, 0]", &shape), |_| [0.0; 2]);
         assert!(found < 1e-12, "{geometry}: {found:e}");
     }
 }
 
-/// A body pressed on an obstacle, and the obstacle pressed on the body. On a round one distances are linear in what the body moves, and not in what the
-/// obstacle does: by δ = 0.05 on the radius 2, where the contact is half as wide, that is (δ/R) (x/R)² of δ at most.
+/// A body pressed on an obstacle, and the obstacle pressed on the body. On a round one distances are linear in what the
+/// body moves, and not in what the obstacle does: by δ = 0.05 on the radius 2, where the contact is half as wide, that
+/// is (δ/R) (x/R)² of δ at most.
 #[test]
 fn the_obstacle_comes_or_the_body() {
-    let plane = |y: &str| format!("obstacle = {{ shape = \"plane\", point = [\"0.5*t\", \"-0.01 + {y}\"], normal = [0, 1] }}");
+    let plane =
+        |y: &str| format!("obstacle = {{ shape = \"plane\", point = [\"0.5*t\", \"-0.01 + {y}\"], normal = [0, 1] }}");
     let (comes, goes) = (pressed("[0, 0]", &plane("0.05*t")), pressed("[0, \"-0.05*t\"]", &plane("0*t")));
     let found = difference(&comes, &goes, |t| [0.0, 0.05 * t]);
     assert!(found < 1e-12, "{found:e}");
@@ -417,11 +463,15 @@ fn the_obstacle_comes_or_the_body() {
     assert!(found < 0.025 * 0.0625 && found > 1e-9, "{found:e}");
 }
 
-/// A side in two pieces with one law bears the contact of the whole side: the node between has a point on each, with a share of its weight.
+/// A side in two pieces with one law bears the contact of the whole side: the node between has a point on each, with a
+/// share of its weight.
 #[test]
 fn a_side_in_two_pieces_is_one_side() {
     for law in ["signorini\"", "compliance\", stiffness = 1e3"] {
-        let text = PRESSED.replace("TOP", "[0, \"-0.05*t\"]").replace("WHERE", "gap = \"0.02*x\"\nfoundation_velocity = [0.5, 0]").replace("signorini\"", law);
+        let text = PRESSED
+            .replace("TOP", "[0, \"-0.05*t\"]")
+            .replace("WHERE", "gap = \"0.02*x\"\nfoundation_velocity = [0.5, 0]")
+            .replace("signorini\"", law);
         let whole = problem(&text, &[]);
         let mut pieces = whole.clone().into_data();
         let mut mesh = (*whole.mesh).clone();
@@ -463,7 +513,11 @@ fn a_side_in_two_pieces_is_one_side() {
 /// However fast it wears, the depth is what the body comes closer, and no pressure is left.
 #[test]
 fn wear_without_bounds_takes_the_pressure_away() {
-    for (law, stiffness) in [("signorini\"", f64::INFINITY), ("compliance\", stiffness = 1e3", 1e3), ("power\", stiffness = 1e3, exponent = 1.5", 1e3)] {
+    for (law, stiffness) in [
+        ("signorini\"", f64::INFINITY),
+        ("compliance\", stiffness = 1e3", 1e3),
+        ("power\", stiffness = 1e3, exponent = 1.5", 1e3),
+    ] {
         let text = PRESSED
             .replace("TOP", "[0, \"-0.05*t\"]")
             .replace("WHERE", "foundation_velocity = [0.5, 0]")
@@ -476,7 +530,11 @@ fn wear_without_bounds_takes_the_pressure_away() {
             // κ p V k = Δh with Δh = 0.005 per step and V k = 0.05.
             let expected = 0.005 / (1e6 * 0.05);
             for (state, depth) in report.contact.states.iter().zip(&new.surface.wear) {
-                assert!((state.pressure / expected - 1.0).abs() < 1e-3, "{law} {stiffness}: {:e}, expected {expected:e}", state.pressure);
+                assert!(
+                    (state.pressure / expected - 1.0).abs() < 1e-3,
+                    "{law} {stiffness}: {:e}, expected {expected:e}",
+                    state.pressure
+                );
                 assert!((depth / (0.05 * new.t) - 1.0).abs() < 1e-3);
             }
         }
@@ -486,7 +544,9 @@ fn wear_without_bounds_takes_the_pressure_away() {
 /// An obstacle that is nowhere from some time on ends the run with an error that says so.
 #[test]
 fn an_obstacle_that_is_not_defined_is_told() {
-    let text = PRESSED.replace("TOP", "[0, 0]").replace("WHERE", "obstacle = { shape = \"surface\", level = \"y + 0.1*sqrt(0.5 - t)\" }");
+    let text = PRESSED
+        .replace("TOP", "[0, 0]")
+        .replace("WHERE", "obstacle = { shape = \"surface\", level = \"y + 0.1*sqrt(0.5 - t)\" }");
     let problem = problem(&text, &[]);
     let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).unwrap();
     let mut state = scheme.initial().unwrap();
@@ -497,5 +557,8 @@ fn an_obstacle_that_is_not_defined_is_told() {
         }
     };
     assert_eq!(state.step, 5);
-    assert!(matches!(&error, StepError::Data { step: 6, key, value, .. } if key == "contact.obstacle" && value.is_nan()), "{error}");
+    assert!(
+        matches!(&error, StepError::Data { step: 6, key, value, .. } if key == "contact.obstacle" && value.is_nan()),
+        "{error}"
+    );
 }

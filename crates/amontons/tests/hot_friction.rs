@@ -1,4 +1,5 @@
-//! The monolithic step where friction and wear follow the temperature that friction makes, against the two scalar equations of a column.
+//! The monolithic step where friction and wear follow the temperature that friction makes, against the two scalar
+//! equations of a column.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 #[path = "common/column.rs"]
@@ -45,7 +46,10 @@ fn step(problem: &Problem, coupling: Coupling) -> (State, StepReport) {
 fn hot(slope: bool, coupling: Coupling) -> (State, StepReport) {
     // Narrow: in a wide column a difference between both contact points grows from pass to pass, by 7/6.
     let problem = column(&["contact.foundation_velocity=[1, 0]", "mesh.size=[0.5, 1]"]);
-    step(&problem.with(|data| data.contacts[0].friction = Arc::new(Exponential { slope })).expect("valid data"), coupling)
+    step(
+        &problem.with(|data| data.contacts[0].friction = Arc::new(Exponential { slope })).expect("valid data"),
+        coupling,
+    )
 }
 
 /// The root of a function that changes its sign between two numbers.
@@ -63,8 +67,8 @@ fn ends(state: &State) -> [f64; 2] {
     [state.theta[0], state.w[0]]
 }
 
-/// S w = s(θ), H θ = s(θ) (1 − w): Newton's method for θ ↦ s(1 − s/S)/H, of slope 0.8 at its root, has the passes of the scalar one; without ∂s/∂θ it has those
-/// of the fixed point.
+/// S w = s(θ), H θ = s(θ) (1 − w): Newton's method for θ ↦ s(1 − s/S)/H, of slope 0.8 at its root, has the passes of
+/// the scalar one; without ∂s/∂θ it has those of the fixed point.
 #[test]
 fn newton_sees_the_slope_of_friction_in_the_temperature() {
     let s = |theta: f64| MU_0 * (theta / THETA_0).exp();
@@ -87,9 +91,11 @@ fn newton_sees_the_slope_of_friction_in_the_temperature() {
     }
     println!("by hand: {passes} passes, defects {defects:?}");
     let mut found = Vec::new();
-    for (slope, coupling) in [(true, Coupling::Monolithic), (false, Coupling::Monolithic), (true, Coupling::FixedPoint)] {
+    for (slope, coupling) in [(true, Coupling::Monolithic), (false, Coupling::Monolithic), (true, Coupling::FixedPoint)]
+    {
         let (state, report) = hot(slope, coupling);
-        // A defect of 1e-10 of s, the largest that is accepted, is one of θ₀ 1e-10 in θ, and an error of 1/(1 − 0.82) times that: 5e-10 θ.
+        // A defect of 1e-10 of s, the largest that is accepted, is one of θ₀ 1e-10 in θ, and an error of 1/(1 − 0.82)
+        // times that: 5e-10 θ.
         for (found, expected) in ends(&state).iter().zip(expected) {
             assert!((found / expected - 1.0).abs() < 1e-9, "{coupling:?}: {found}, expected {expected}");
         }
@@ -100,7 +106,8 @@ fn newton_sees_the_slope_of_friction_in_the_temperature() {
     assert!(found[1] > 3 * found[0] && found[2] > 3 * found[0], "{found:?}");
 }
 
-/// Wear by the temperature: p = p₀/(1 + c_ν k κ(θ) (1 − w)), S w = μ p, H θ = μ p (1 − w), κ(θ) = κ₀ + κ₁ θ on its table.
+/// Wear by the temperature: p = p₀/(1 + c_ν k κ(θ) (1 − w)), S w = μ p, H θ = μ p (1 − w), κ(θ) = κ₀ + κ₁ θ on its
+/// table.
 #[test]
 fn newton_sees_the_slope_of_wear_in_the_temperature() {
     let [kappa, more] = [1e-4, 5e-3];
@@ -108,7 +115,10 @@ fn newton_sees_the_slope_of_wear_in_the_temperature() {
         let problem = column(&[
             "contact.foundation_velocity=[1, 0]",
             "contact.friction.coefficient=0.8",
-            &format!("contact.wear={{law='archard-temperature', temperature=[0, 1], coefficient=[{kappa:?}, {:?}]}}", kappa + more),
+            &format!(
+                "contact.wear={{law='archard-temperature', temperature=[0, 1], coefficient=[{kappa:?}, {:?}]}}",
+                kappa + more
+            ),
         ]);
         step(&problem, coupling)
     };

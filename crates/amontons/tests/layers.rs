@@ -1,5 +1,11 @@
 //! The modules in the order of their dependence: each uses only those before it.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -47,7 +53,14 @@ fn a_module_uses_only_those_before_it() {
     let mut broken = Vec::new();
     for file in files {
         let inside = file.strip_prefix(&root).expect("a file below src");
-        let module = inside.components().next().expect("a name").as_os_str().to_string_lossy().trim_end_matches(".rs").to_owned();
+        let module = inside
+            .components()
+            .next()
+            .expect("a name")
+            .as_os_str()
+            .to_string_lossy()
+            .trim_end_matches(".rs")
+            .to_owned();
         if module == "lib" {
             continue;
         }
@@ -100,8 +113,10 @@ fn names_after(line: &str, path: &str) -> Vec<String> {
 /// The modules of a folder and those that each uses of the same folder; a folder inside is one module.
 fn uses(folder: &Path, root: &str) -> BTreeMap<String, BTreeSet<String>> {
     let name = |path: &Path| path.file_stem().expect("a name").to_string_lossy().into_owned();
-    let entries: Vec<PathBuf> = fs::read_dir(folder).expect("a source folder").flatten().map(|entry| entry.path()).collect();
-    let modules: BTreeSet<String> = entries.iter().map(|path| name(path)).filter(|name| name != "mod" && name != "main").collect();
+    let entries: Vec<PathBuf> =
+        fs::read_dir(folder).expect("a source folder").flatten().map(|entry| entry.path()).collect();
+    let modules: BTreeSet<String> =
+        entries.iter().map(|path| name(path)).filter(|name| name != "mod" && name != "main").collect();
     let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
     for entry in entries.iter().filter(|entry| modules.contains(&name(entry))) {
         let mut files = Vec::new();
@@ -118,16 +133,21 @@ fn uses(folder: &Path, root: &str) -> BTreeMap<String, BTreeSet<String>> {
             let code = code.join(" ");
             let outer = if entry.is_dir() { "super::super::" } else { "super::" };
             let used = names_after(&code, outer).into_iter().chain(names_after(&code, root));
-            graph.entry(name(entry)).or_default().extend(used.filter(|used| modules.contains(used) && *used != name(entry)));
+            graph
+                .entry(name(entry))
+                .or_default()
+                .extend(used.filter(|used| modules.contains(used) && *used != name(entry)));
         }
     }
     graph
 }
 
-/// A circle of modules, if there is one: what is left when modules that use none of the rest are taken away again and again.
+/// A circle of modules, if there is one: what is left when modules that use none of the rest are taken away again and
+/// again.
 fn circle(mut graph: BTreeMap<String, BTreeSet<String>>) -> Option<String> {
     loop {
-        let free: Vec<String> = graph.iter().filter(|(_, uses)| uses.is_empty()).map(|(name, _)| name.clone()).collect();
+        let free: Vec<String> =
+            graph.iter().filter(|(_, uses)| uses.is_empty()).map(|(name, _)| name.clone()).collect();
         if free.is_empty() {
             break;
         }
@@ -136,14 +156,17 @@ fn circle(mut graph: BTreeMap<String, BTreeSet<String>>) -> Option<String> {
             uses.retain(|used| !free.contains(used));
         }
     }
-    (!graph.is_empty()).then(|| graph.iter().map(|(name, uses)| format!("{name} uses {uses:?}")).collect::<Vec<_>>().join("; "))
+    (!graph.is_empty())
+        .then(|| graph.iter().map(|(name, uses)| format!("{name} uses {uses:?}")).collect::<Vec<_>>().join("; "))
 }
 
 #[test]
 fn the_modules_of_a_folder_do_not_use_each_other_in_a_circle() {
     let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../amontons-cli/src");
-    for (folder, root) in [(library.join("case"), "crate::case::"), (library.join("linalg"), "crate::linalg::"), (program, "crate::")] {
+    for (folder, root) in
+        [(library.join("case"), "crate::case::"), (library.join("linalg"), "crate::linalg::"), (program, "crate::")]
+    {
         let graph = uses(&folder, root);
         assert!(graph.values().map(BTreeSet::len).sum::<usize>() > 5, "{}: the imports are not read", folder.display());
         if let Some(circle) = circle(graph) {
@@ -156,7 +179,9 @@ fn the_modules_of_a_folder_do_not_use_each_other_in_a_circle() {
 fn a_circle_is_found() {
     assert_eq!(names_after("use super::{a::{b, c}, d};", "super::"), ["a", "d"]);
     assert_eq!(names_after("x = super::e::f(super::super::g);", "super::"), ["e", "super"]);
-    let graph = |edges: &[(&str, &[&str])]| edges.iter().map(|(from, to)| ((*from).to_owned(), to.iter().map(|to| (*to).to_owned()).collect())).collect();
+    let graph = |edges: &[(&str, &[&str])]| {
+        edges.iter().map(|(from, to)| ((*from).to_owned(), to.iter().map(|to| (*to).to_owned()).collect())).collect()
+    };
     assert!(circle(graph(&[("a", &["b"]), ("b", &["c"]), ("c", &[])])).is_none());
     assert!(circle(graph(&[("a", &["b"]), ("b", &["c"]), ("c", &["b"])])).is_some());
 }
@@ -171,7 +196,9 @@ fn comments_keep_to_120_columns() {
     let mut wide = Vec::new();
     let mut files = Vec::new();
     for folder in [".", "../amontons-cli", "../../xtask"] {
-        for inside in ["src", "tests", "benches", "examples"].map(|inside| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(inside)) {
+        for inside in ["src", "tests", "benches", "examples"]
+            .map(|inside| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(inside))
+        {
             if inside.is_dir() {
                 sources(&inside, &mut files);
             }

@@ -1,5 +1,5 @@
-//! Manufactured solutions: the body force and the heat source of a given field, derived by hand, and the orders of the errors.
-//! Linear isotropic bodies are in `elements.rs`, tubes in `revolution.rs`; here is what is beyond them.
+//! Manufactured solutions: the body force and the heat source of a given field, derived by hand, and the orders of the
+//! errors. Linear isotropic bodies are in `elements.rs`, tubes in `revolution.rs`; here is what is beyond them.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod common;
@@ -9,14 +9,17 @@ use std::sync::Arc;
 use amontons::convergence::{Exact, Level, Reference, Row, Study, StudySettings, Vary, slope};
 use amontons::expression::Expression;
 use amontons::field::Field;
-use amontons::material::{Carreau, Hencky, Isotropic, Linear, Material, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
+use amontons::material::{
+    Carreau, Hencky, Isotropic, Linear, Material, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced,
+};
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
 use amontons::problem::{BoundaryCondition, Initial, Problem};
 use amontons::tensor::{Rotation, Sym};
 use common::{changed, paper};
 
 type Matrix = [[f64; 3]; 3];
-const PLANE: [(Elements, [usize; 2]); 4] = [(Elements::P1, [16, 32]), (Elements::P2, [8, 16]), (Elements::Q1, [16, 32]), (Elements::Q2, [8, 16])];
+const PLANE: [(Elements, [usize; 2]); 4] =
+    [(Elements::P1, [16, 32]), (Elements::P2, [8, 16]), (Elements::Q1, [16, 32]), (Elements::Q2, [8, 16])];
 const SPACE: [(Elements, [usize; 2]); 2] = [(Elements::P1, [6, 12]), (Elements::Q1, [4, 8])];
 const NAMES: [&str; 3] = ["x", "y", "z"];
 
@@ -116,7 +119,8 @@ struct Wave {
 impl Wave {
     /// A wave whose strain has a deviator of norm 0.055 to 0.12 everywhere.
     fn new(dim: usize) -> Wave {
-        let (linear, amplitude, k) = ([[0.06, 0.02, 0.01], [0.02, -0.03, -0.01], [0.01, -0.01, 0.02]], [0.01, -0.006, 0.005], [2.0, 1.5, -1.0]);
+        let (linear, amplitude, k) =
+            ([[0.06, 0.02, 0.01], [0.02, -0.03, -0.01], [0.01, -0.01, 0.02]], [0.01, -0.006, 0.005], [2.0, 1.5, -1.0]);
         let inside = |i: usize, j: usize| if i.max(j) < dim { 1.0 } else { 0.0 };
         Wave {
             dim,
@@ -131,12 +135,18 @@ impl Wave {
     }
 
     fn displacement(&self) -> Vec<Field> {
-        let linear = |i: usize| (0..self.dim).map(|j| format!("({:?})*{}", self.linear[i][j], NAMES[j])).collect::<Vec<_>>().join(" + ");
-        (0..self.dim).map(|i| field(&format!("{} + ({:?})*sin({})", linear(i), self.amplitude[i], self.phase()))).collect()
+        let linear = |i: usize| {
+            (0..self.dim).map(|j| format!("({:?})*{}", self.linear[i][j], NAMES[j])).collect::<Vec<_>>().join(" + ")
+        };
+        (0..self.dim)
+            .map(|i| field(&format!("{} + ({:?})*sin({})", linear(i), self.amplitude[i], self.phase())))
+            .collect()
     }
 
     fn shape(&self) -> Matrix {
-        std::array::from_fn(|i| std::array::from_fn(|j| 0.5 * (self.amplitude[i] * self.k[j] + self.amplitude[j] * self.k[i])))
+        std::array::from_fn(|i| {
+            std::array::from_fn(|j| 0.5 * (self.amplitude[i] * self.k[j] + self.amplitude[j] * self.k[i]))
+        })
     }
 
     /// f₀ = −Div σ of σ = κ tr(ε) I + c(s) e, e = ε^D, s = ‖e‖, for c and dc/d(s²) given in terms of `q` = s².
@@ -144,7 +154,9 @@ impl Wave {
     /// With e = e₀ + e₁ cos φ: −dσ/dφ = sin φ (κ tr(S) I + c e₁ + dc/dq (2 e₀:e₁ + 2 ‖e₁‖² cos φ)(e₀ + e₁ cos φ)).
     fn body_force(&self, bulk: f64, c: &str, dc: &str) -> Vec<Field> {
         let trace = |a: &Matrix| a[0][0] + a[1][1] + a[2][2];
-        let deviator = |a: &Matrix| -> Matrix { std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - if i == j { trace(a) / 3.0 } else { 0.0 })) };
+        let deviator = |a: &Matrix| -> Matrix {
+            std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] - if i == j { trace(a) / 3.0 } else { 0.0 }))
+        };
         let (s, phase) = (self.shape(), self.phase());
         let (e0, e1) = (deviator(&self.linear), deviator(&s));
         let (mixed, square) = (2.0 * dot(&e0, &e1), dot(&e1, &e1));
@@ -153,14 +165,23 @@ impl Wave {
         let (along0, along1) = (apply(&e0, &self.k), apply(&e1, &self.k));
         let component = |i: usize| {
             let secant = format!("{:?} + ({c})*({:?})", bulk * trace(&s) * self.k[i], along1[i]);
-            let change = format!("({dc})*({mixed:?} + {:?}*cos({phase}))*({:?} + ({:?})*cos({phase}))", 2.0 * square, along0[i], along1[i]);
+            let change = format!(
+                "({dc})*({mixed:?} + {:?}*cos({phase}))*({:?} + ({:?})*cos({phase}))",
+                2.0 * square,
+                along0[i],
+                along1[i]
+            );
             field(&format!("sin({phase})*({secant} + {change})"))
         };
         (0..self.dim).map(component).collect()
     }
 
     fn data(&self, body_force: Vec<Field>) -> Data {
-        Data { body_force, heat_source: Field::ZERO, exact: Exact { displacement: self.displacement(), temperature: Field::ZERO } }
+        Data {
+            body_force,
+            heat_source: Field::ZERO,
+            exact: Exact { displacement: self.displacement(), temperature: Field::ZERO },
+        }
     }
 
     fn norms(&self) -> [f64; 2] {
@@ -185,7 +206,8 @@ struct Sheared {
 }
 
 fn sheared(name: &'static str, bulk: f64, shear: impl ShearLaw + Clone + 'static, c: String, dc: String) -> Sheared {
-    let of_dim = move |dim| reduced(Hencky::new(bulk, shear.clone()).expect("constants"), dim, StressState::PlaneStrain);
+    let of_dim =
+        move |dim| reduced(Hencky::new(bulk, shear.clone()).expect("constants"), dim, StressState::PlaneStrain);
     Sheared { name, bulk, shear: Arc::new(of_dim), c, dc }
 }
 
@@ -219,9 +241,11 @@ fn assert_nonlinear(dim: usize, elements: Elements, meshes: [usize; 2], mesh: fn
     for Sheared { name, bulk, shear: law, c, dc } in shear_laws() {
         let data = wave.data(wave.body_force(bulk, &c, &dc));
         // As 𝓔; and as 𝓥, w = u after a step of length 1.
-        let elastic = |n: usize| problem(mesh(elements, n), vec![material(law(dim), none(dim), Sym::identity(dim))], &data);
+        let elastic =
+            |n: usize| problem(mesh(elements, n), vec![material(law(dim), none(dim), Sym::identity(dim))], &data);
         assert_orders(&format!("{elements:?}, {name}"), meshes, elastic, &data, &of_displacement(elements));
-        let viscous = |n: usize| problem(mesh(elements, n), vec![material(none(dim), law(dim), Sym::identity(dim))], &data);
+        let viscous =
+            |n: usize| problem(mesh(elements, n), vec![material(none(dim), law(dim), Sym::identity(dim))], &data);
         assert_orders(&format!("{elements:?}, {name} of the rate"), meshes, viscous, &data, &of_displacement(elements));
     }
 }
@@ -258,7 +282,8 @@ fn assert_anisotropic(dim: usize, elements: Elements, meshes: [usize; 2], mesh: 
     let s = wave.shape();
     let mut stress: Matrix = [[0.0; 3]; 3];
     for (row, &(i, j)) in VOIGT.iter().zip(&PAIRS) {
-        let value: f64 = row.iter().zip(&PAIRS).map(|(c, &(k, l))| c * if k == l { s[k][l] } else { 2.0 * s[k][l] }).sum();
+        let value: f64 =
+            row.iter().zip(&PAIRS).map(|(c, &(k, l))| c * if k == l { s[k][l] } else { 2.0 * s[k][l] }).sum();
         (stress[i][j], stress[j][i]) = (value, value);
     }
     let (force, phase) = (apply(&stress, &wave.k), wave.phase());
@@ -270,7 +295,11 @@ fn assert_anisotropic(dim: usize, elements: Elements, meshes: [usize; 2], mesh: 
     };
     let at = |n: usize| {
         let law = Linear::new(&VOIGT, &Rotation::in_plane(0.0), dim, StressState::PlaneStrain).expect("a stiffness");
-        problem(mesh(elements, n), vec![material(Arc::new(law), none(dim), Sym::from_fn(dim, |i, j| CONDUCTIVITY[i][j]))], &data)
+        problem(
+            mesh(elements, n),
+            vec![material(Arc::new(law), none(dim), Sym::from_fn(dim, |i, j| CONDUCTIVITY[i][j]))],
+            &data,
+        )
     };
     let what = format!("{elements:?} in {dim} dimensions, an anisotropic body");
     assert_orders(&what, meshes, at, &data, &of_both(elements));
@@ -286,13 +315,13 @@ fn anisotropic_bodies() {
     }
 }
 
-/// A solid body of revolution with its axis: u_r = a r² sin z, u_z = b r² cos z and θ = r² sin z, with λ, μ and a 𝓚 that has K_rz.
+/// A solid body of revolution with its axis: u_r = a r² sin z, u_z = b r² cos z and θ = r² sin z, with λ, μ and a 𝓚
+/// that has K_rz.
 ///
-/// σ_rr = λ tr + 4μ a r sin z, σ_θθ = λ tr + 2μ a r sin z, σ_zz = λ tr − 2μ b r² sin z, σ_rz = μ (a r² + 2 b r) cos z with
-/// tr = (3 a r − b r²) sin z, and
-///   f_r = −(σ_rr,r + σ_rz,z + (σ_rr − σ_θθ)/r) = −sin z (λ(3a − 2 b r) + 6μ a − μ(a r² + 2 b r))
-///   f_z = −(σ_rz,r + σ_rz/r + σ_zz,z) = −cos z (μ(3 a r + 4 b) + λ(3 a r − b r²) − 2μ b r²)
-///   q₀ = −((r K_rr θ_r + r K_rz θ_z),r/r + (K_rz θ_r + K_zz θ_z),z) = −(4 K_rr sin z + 5 K_rz r cos z − K_zz r² sin z)
+/// σ_rr = λ tr + 4μ a r sin z, σ_θθ = λ tr + 2μ a r sin z, σ_zz = λ tr − 2μ b r² sin z, σ_rz = μ (a r² + 2 b r) cos z
+/// with tr = (3 a r − b r²) sin z, and f_r = −(σ_rr,r + σ_rz,z + (σ_rr − σ_θθ)/r) = −sin z (λ(3a − 2 b r) + 6μ a − μ(a
+/// r² + 2 b r)) f_z = −(σ_rz,r + σ_rz/r + σ_zz,z) = −cos z (μ(3 a r + 4 b) + λ(3 a r − b r²) − 2μ b r²) q₀ = −((r K_rr
+/// θ_r + r K_rz θ_z),r/r + (K_rz θ_r + K_zz θ_z),z) = −(4 K_rr sin z + 5 K_rz r cos z − K_zz r² sin z)
 #[test]
 fn bodies_of_revolution() {
     let (a, b, young, nu) = (0.3, -0.4, 2.0, 0.3);
@@ -301,12 +330,23 @@ fn bodies_of_revolution() {
     let text = |pattern: &str| {
         let constants = [("A", a), ("B", b), ("L", lambda), ("M", mu), ("KRR", krr), ("KRZ", krz), ("KZZ", kzz)];
         // The longer names first: none of them is part of a shorter one.
-        field(&constants.iter().rev().fold(pattern.to_owned(), |text, (name, value)| text.replace(name, &format!("({value:?})"))))
+        field(
+            &constants
+                .iter()
+                .rev()
+                .fold(pattern.to_owned(), |text, (name, value)| text.replace(name, &format!("({value:?})"))),
+        )
     };
     let data = Data {
-        body_force: vec![text("-sin(y)*(L*(3*A - 2*B*x) + 6*M*A - M*(A*x^2 + 2*B*x))"), text("-cos(y)*(M*(3*A*x + 4*B) + L*(3*A*x - B*x^2) - 2*M*B*x^2)")],
+        body_force: vec![
+            text("-sin(y)*(L*(3*A - 2*B*x) + 6*M*A - M*(A*x^2 + 2*B*x))"),
+            text("-cos(y)*(M*(3*A*x + 4*B) + L*(3*A*x - B*x^2) - 2*M*B*x^2)"),
+        ],
         heat_source: text("-(4*KRR*sin(y) + 5*KRZ*x*cos(y) - KZZ*x^2*sin(y))"),
-        exact: Exact { displacement: vec![text("A*x^2*sin(y)"), text("B*x^2*cos(y)")], temperature: text("x^2*sin(y)") },
+        exact: Exact {
+            displacement: vec![text("A*x^2*sin(y)"), text("B*x^2*cos(y)")],
+            temperature: text("x^2*sin(y)"),
+        },
     };
     let conductivity = Sym::from_fn(3, |i, j| [[krr, krz, 0.0], [krz, kzz, 0.0], [0.0, 0.0, 1.0]][i][j]);
     for (elements, meshes) in PLANE {
@@ -326,7 +366,9 @@ fn halves(elements: Elements, n: usize) -> Mesh {
     let mesh = square(elements, n);
     let mut blocks = Vec::new();
     for block in &mesh.blocks {
-        let right = |cell: &[u32]| cell.iter().map(|&node| mesh.points[node as usize][0]).sum::<f64>() > 0.5 * cell.len() as f64;
+        let right = |cell: &[u32]| {
+            cell.iter().map(|&node| mesh.points[node as usize][0]).sum::<f64>() > 0.5 * cell.len() as f64
+        };
         for region in 0..2 {
             let nodes = block.cells().filter(|cell| usize::from(right(cell)) == region).flatten().copied().collect();
             blocks.push(Block { element: block.element, region, nodes });
@@ -335,9 +377,10 @@ fn halves(elements: Elements, n: usize) -> Mesh {
     Mesh { blocks, regions: vec!["left half".to_owned(), "right half".to_owned()], ..mesh }
 }
 
-/// Two materials: with α = (x − ½)/c + (x − ½)² the product c α′ is continuous across x = ½, where α = 0. So with c the modulus
-/// λ + 2μ of each side u = (α cos y, 0) has a continuous traction, f₀ = (−2c + μα, (λ + μ) α′) · (cos y, sin y), and with c = K the
-/// temperature θ = α cos y a continuous flux, q₀ = K (α − 2) cos y. Gradients jump by the factors of the data, 10 and more.
+/// Two materials: with α = (x − ½)/c + (x − ½)² the product c α′ is continuous across x = ½, where α = 0. So with c the
+/// modulus λ + 2μ of each side u = (α cos y, 0) has a continuous traction, f₀ = (−2c + μα, (λ + μ) α′) · (cos y, sin
+/// y), and with c = K the temperature θ = α cos y a continuous flux, q₀ = K (α − 2) cos y. Gradients jump by the
+/// factors of the data, 10 and more.
 #[test]
 fn two_materials() {
     let nu = 0.3;
@@ -349,7 +392,9 @@ fn two_materials() {
     let data = Data {
         body_force: vec![
             sides(&|i| format!("({:?} + {:?}*{})*cos(y)", -2.0 * modulus(i), lame(young[i]).1, alpha(modulus(i)))),
-            sides(&|i| format!("{:?}*({:?} + 2*(x - 0.5))*sin(y)", lame(young[i]).0 + lame(young[i]).1, 1.0 / modulus(i))),
+            sides(&|i| {
+                format!("{:?}*({:?} + 2*(x - 0.5))*sin(y)", lame(young[i]).0 + lame(young[i]).1, 1.0 / modulus(i))
+            }),
         ],
         heat_source: sides(&|i| format!("{:?}*({} - 2)*cos(y)", heat[i], alpha(heat[i]))),
         exact: Exact {
@@ -359,7 +404,13 @@ fn two_materials() {
     };
     for (elements, meshes) in PLANE {
         let at = |n: usize| {
-            let of = |i: usize| material(Arc::new(Isotropic::elastic(2, young[i], nu, StressState::PlaneStrain)), none(2), heat[i] * Sym::identity(2));
+            let of = |i: usize| {
+                material(
+                    Arc::new(Isotropic::elastic(2, young[i], nu, StressState::PlaneStrain)),
+                    none(2),
+                    heat[i] * Sym::identity(2),
+                )
+            };
             problem(halves(elements, n), vec![of(0), of(1)], &data)
         };
         assert_orders(&format!("{elements:?}, two materials"), meshes, at, &data, &of_both(elements));

@@ -1,6 +1,12 @@
 //! Newton's method on Γ_C: it ends from any state, its solutions satisfy the contact conditions, and its
 //! work is counted.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 mod common;
 
@@ -28,7 +34,10 @@ fn assert_contact_conditions(report: &StepReport, c_nu: f64, mu: f64) {
         let speed = length(&state.slip);
         // Where a point moves, q·w = s ‖w‖: at the bound and against the slip.
         if speed > 1e-9 * fastest {
-            assert!((dot(&state.q, &state.slip) - bound * speed).abs() <= 1e-8 * largest * speed, "(2.9): not against the slip");
+            assert!(
+                (dot(&state.q, &state.slip) - bound * speed).abs() <= 1e-8 * largest * speed,
+                "(2.9): not against the slip"
+            );
         }
         match state.status {
             Status::Open => assert!(state.penetration <= 0.0 && flux.value == 0.0),
@@ -57,7 +66,9 @@ fn steps_converge_from_any_state() {
                     let mut state = start.clone();
                     disturb(&mut state, &problem, &scheme, &mut random, trial % 2 == 0);
                     for _ in 0..2 {
-                        let (next, report) = scheme.step(&state).unwrap_or_else(|e| panic!("{quadrature}, n = {n}, N = {steps}, trial {trial}: {e}"));
+                        let (next, report) = scheme
+                            .step(&state)
+                            .unwrap_or_else(|e| panic!("{quadrature}, n = {n}, N = {steps}, trial {trial}: {e}"));
                         assert!(report.residual <= 1e-10);
                         assert_contact_conditions(&report, 1e4, 0.2);
                         state = State { step: 0, ..next };
@@ -107,8 +118,9 @@ heat = {{ law = "ramp", conductance = 1.0, width = 1e-3, foundation_temperature 
     (problem, scheme)
 }
 
-/// On quadratic triangles the shape functions of the vertices take either sign and integrate to zero. Newton's method takes no more than half
-/// again as many iterations there as on quadratic quadrilaterals, where all integrals are positive: from rest, and from random velocities.
+/// On quadratic triangles the shape functions of the vertices take either sign and integrate to zero. Newton's method
+/// takes no more than half again as many iterations there as on quadratic quadrilaterals, where all integrals are
+/// positive: from rest, and from random velocities.
 #[test]
 fn gauss_points_of_quadratic_faces() {
     let iterations = |elements: &str| {
@@ -146,7 +158,11 @@ fn contact_conditions_hold_in_every_step_of_every_reading() {
     for name in ["MR", "identity", "literal"] {
         for foundation in ["0", "10"] {
             let mut overrides = reading(name);
-            overrides.extend(["mesh.n=16".to_owned(), "time.steps=32".to_owned(), format!("contact.heat.foundation_temperature={foundation}")]);
+            overrides.extend([
+                "mesh.n=16".to_owned(),
+                "time.steps=32".to_owned(),
+                format!("contact.heat.foundation_temperature={foundation}"),
+            ]);
             let overrides: Vec<&str> = overrides.iter().map(String::as_str).collect();
             let (problem, mut scheme) = scheme(&overrides);
             let mut state = scheme.initial().expect("finite initial data");
@@ -155,8 +171,16 @@ fn contact_conditions_hold_in_every_step_of_every_reading() {
                 assert_contact_conditions(&report, 1e4, 0.2);
                 state = next;
             }
-            assert!(state.ledger.relative_closing_error().abs() < 1e-12, "{name}: energy {:e}", state.ledger.relative_closing_error());
-            assert!(state.ledger.relative_heat_closing_error().abs() < 1e-12, "{name}: heat {:e}", state.ledger.relative_heat_closing_error());
+            assert!(
+                state.ledger.relative_closing_error().abs() < 1e-12,
+                "{name}: energy {:e}",
+                state.ledger.relative_closing_error()
+            );
+            assert!(
+                state.ledger.relative_heat_closing_error().abs() < 1e-12,
+                "{name}: heat {:e}",
+                state.ledger.relative_heat_closing_error()
+            );
         }
     }
 }
@@ -165,18 +189,31 @@ fn contact_conditions_hold_in_every_step_of_every_reading() {
 /// contact has settled.
 #[test]
 fn counted_work() {
-    for (n, foundation, newton, settled) in [(16, "0", 23, 1), (32, "0", 47, 1), (32, "10", 110, 3), (64, "10", 250, 3)] {
-        let (problem, mut scheme) = scheme(&[&format!("mesh.n={n}"), &format!("time.steps={n}"), &format!("contact.heat.foundation_temperature={foundation}")]);
+    for (n, foundation, newton, settled) in [(16, "0", 23, 1), (32, "0", 47, 1), (32, "10", 110, 3), (64, "10", 250, 3)]
+    {
+        let (problem, mut scheme) = scheme(&[
+            &format!("mesh.n={n}"),
+            &format!("time.steps={n}"),
+            &format!("contact.heat.foundation_temperature={foundation}"),
+        ]);
         let mut state = scheme.initial().expect("finite initial data");
         for step in 1..=problem.steps {
             let (next, report) = scheme.step(&state).expect("a step");
-            assert!(step <= problem.steps / 2 || report.newton_mechanics <= settled, "n = {n}, step {step}: {} iterations", report.newton_mechanics);
+            assert!(
+                step <= problem.steps / 2 || report.newton_mechanics <= settled,
+                "n = {n}, step {step}: {} iterations",
+                report.newton_mechanics
+            );
             assert_eq!(report.newton_heat, 1, "without truncation the heat step is linear");
             state = next;
         }
         assert_eq!(scheme.factorizations().0, 2);
         assert_eq!(state.counts.sweeps, 4 * problem.steps);
-        assert!(state.counts.newton_mechanics_total <= newton, "n = {n}, θ_F = {foundation}: {} iterations", state.counts.newton_mechanics_total);
+        assert!(
+            state.counts.newton_mechanics_total <= newton,
+            "n = {n}, θ_F = {foundation}: {} iterations",
+            state.counts.newton_mechanics_total
+        );
         assert!(scheme.factorizations().1 <= state.counts.newton_mechanics_total + problem.steps);
     }
 }
@@ -206,19 +243,25 @@ fn truncation_of_the_temperature_difference() {
     assert!(narrow.abs() < 0.5 * free.abs(), "{narrow} against {free}");
 }
 
-/// Without friction a step with pressures that do not fall is the minimum of a convex energy: few iterations whatever the body is held by,
-/// and however stiff it is beside the layer. (Steps that only make the residual less failed here after 4000 iterations. A dozen find the contact
-/// pattern; what a stiff body leaves of round-off takes some more, pass by pass.)
+/// Without friction a step with pressures that do not fall is the minimum of a convex energy: few iterations whatever
+/// the body is held by, and however stiff it is beside the layer. (Steps that only make the residual less failed here
+/// after 4000 iterations. A dozen find the contact pattern; what a stiff body leaves of round-off takes some more, pass
+/// by pass.)
 #[test]
 fn steps_without_friction_take_few_iterations() {
     for quadrature in ["nodal", "gauss"] {
-        for (name, most) in [("block-eccentric", ["1e4", "1e6", "1e8"].as_slice()), ("beam-tensionless", &["1e3", "1e4", "1e5"])] {
+        for (name, most) in
+            [("block-eccentric", ["1e4", "1e6", "1e8"].as_slice()), ("beam-tensionless", &["1e3", "1e4", "1e5"])]
+        {
             for young in most {
-                let overrides = [format!("material.elasticity.young={young}"), format!("contact.quadrature=\"{quadrature}\"")];
+                let overrides =
+                    [format!("material.elasticity.young={young}"), format!("contact.quadrature=\"{quadrature}\"")];
                 let problem = common::case(&format!("crates/amontons/benchmarks/{name}.toml"), &overrides).problem;
-                let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+                let mut scheme =
+                    BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
                 let start = scheme.initial().expect("finite initial data");
-                let (_, report) = scheme.step(&start).unwrap_or_else(|error| panic!("{name}, {quadrature}, E = {young}: {error}"));
+                let (_, report) =
+                    scheme.step(&start).unwrap_or_else(|error| panic!("{name}, {quadrature}, E = {young}: {error}"));
                 let iterations = report.newton_mechanics;
                 assert!(iterations <= 30, "{name}, {quadrature}, E = {young}: {iterations} iterations");
             }

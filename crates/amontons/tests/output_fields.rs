@@ -1,6 +1,12 @@
 //! What a run gives: stresses at nodes and their order, fields of the snapshots, probes.
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::float_cmp, reason = "a test fails by panicking, and some values are exact")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and some values are exact"
+)]
 
 mod common;
 
@@ -11,7 +17,10 @@ use amontons::case::{self, Case, Source};
 use amontons::element::Table;
 use amontons::material::StressState;
 use amontons::mesh::{Block, CellMap};
-use amontons::output::{Checkpoint, Folder, FolderOptions, Memory, NodalStress, Probe, ProbeSet, Quantity, Sink, Take, cell_values, nodal_stress};
+use amontons::output::{
+    Checkpoint, Folder, FolderOptions, Memory, NodalStress, Probe, ProbeSet, Quantity, Sink, Take, cell_values,
+    nodal_stress,
+};
 use amontons::output::{OutputError, ProbePlace, RunStart, Snapshot, Summary};
 use amontons::run::{Settings, resume, run};
 use amontons::scheme::State;
@@ -53,9 +62,18 @@ fn initial(case: &Case) -> State {
 
 /// A smooth displacement and temperature as the case file says them, in `dim` dimensions.
 fn smooth(dim: usize) -> (String, String) {
-    let phase = |all: [f64; 3]| all.iter().zip(["x", "y", "z"]).take(dim).map(|(c, x)| format!("({c}*{x})")).collect::<Vec<_>>().join("+");
-    let u = [format!("0.1*sin({})", phase([1.0, 2.0, -1.0])), format!("0.1*cos({})", phase([2.0, -1.0, 1.0])), format!("0.1*sin({})", phase([1.0, -1.0, 2.0]))];
-    (format!("[{}]", u[..dim].iter().map(|u| format!("\"{u}\"")).collect::<Vec<_>>().join(", ")), format!("\"cos({})\"", phase([1.0, -1.0, 1.0])))
+    let phase = |all: [f64; 3]| {
+        all.iter().zip(["x", "y", "z"]).take(dim).map(|(c, x)| format!("({c}*{x})")).collect::<Vec<_>>().join("+")
+    };
+    let u = [
+        format!("0.1*sin({})", phase([1.0, 2.0, -1.0])),
+        format!("0.1*cos({})", phase([2.0, -1.0, 1.0])),
+        format!("0.1*sin({})", phase([1.0, -1.0, 2.0])),
+    ];
+    (
+        format!("[{}]", u[..dim].iter().map(|u| format!("\"{u}\"")).collect::<Vec<_>>().join(", ")),
+        format!("\"cos({})\"", phase([1.0, -1.0, 1.0])),
+    )
 }
 
 /// Its stress by Hooke's law with thermal expansion.
@@ -78,7 +96,8 @@ fn hooke(dim: usize, plane: StressState, strain: &Sym, theta: f64) -> Sym {
     (in_plane * strain.trace() - EXPANSION * theta) * Sym::identity(dim) + factor * *strain
 }
 
-/// Errors in L² of the stresses of the cells and of the recovered ones, for the smooth fields, and the largest at a node.
+/// Errors in L² of the stresses of the cells and of the recovered ones, for the smooth fields, and the largest at a
+/// node.
 fn errors(mesh: &str, dim: usize, plane: StressState) -> [f64; 3] {
     let (u, theta) = smooth(dim);
     let state = match plane {
@@ -104,7 +123,8 @@ fn errors(mesh: &str, dim: usize, plane: StressState) -> [f64; 3] {
             }
         }
     }
-    let at_nodes = nodal.regions[0].iter().map(|(node, s)| (*s - smooth_stress(dim, plane, &mesh.points[*node as usize])).norm());
+    let at_nodes =
+        nodal.regions[0].iter().map(|(node, s)| (*s - smooth_stress(dim, plane, &mesh.points[*node as usize])).norm());
     [of_cells.sqrt(), of_nodes.sqrt(), at_nodes.fold(0.0, f64::max)]
 }
 
@@ -136,8 +156,8 @@ fn recovered_stresses_converge_one_order_faster() {
     }
 }
 
-/// A polynomial stress of the degree of the elements is recovered as it is, at the boundary too, and in a layer of one cell, whose
-/// nodes are all on the boundary.
+/// A polynomial stress of the degree of the elements is recovered as it is, at the boundary too, and in a layer of one
+/// cell, whose nodes are all on the boundary.
 #[test]
 fn polynomial_stresses_are_recovered_exactly() {
     let quadratic = ["x^2+3*x*y-y^2", "0.5*x^2-x*y+2*y^2"];
@@ -145,7 +165,9 @@ fn polynomial_stresses_are_recovered_exactly() {
         let [normal_x, normal_y, shear] = [2.0 * x[0] + 3.0 * x[1], 4.0 * x[1] - x[0], 2.0 * x[0] - 1.5 * x[1]];
         Sym::from_fn(2, |i, j| [[normal_x, shear], [shear, normal_y]][i][j])
     };
-    for (elements, n) in [("P2", "[5, 4]"), ("Q2", "[5, 4]"), ("P2", "[6, 1]"), ("Q2", "[6, 1]"), ("Q2", "[1, 1]"), ("P2", "[2, 1]")] {
+    for (elements, n) in
+        [("P2", "[5, 4]"), ("Q2", "[5, 4]"), ("P2", "[6, 1]"), ("Q2", "[6, 1]"), ("Q2", "[1, 1]"), ("P2", "[2, 1]")]
+    {
         let mesh = format!("kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = {n}\nelements = \"{elements}\"");
         let u = format!("[\"{}\", \"{}\"]", quadratic[0], quadratic[1]);
         let case = parse(&text(&mesh, PLANE_STRESS, &u, "0", ""));
@@ -155,7 +177,10 @@ fn polynomial_stresses_are_recovered_exactly() {
         }
     }
     // Linear elements, a constant stress: a layer of squares determines no slope across.
-    for mesh in ["kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = [6, 1]\nelements = \"Q1\"", "kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = [1, 1]"] {
+    for mesh in [
+        "kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = [6, 1]\nelements = \"Q1\"",
+        "kind = \"rectangle\"\nsize = [3.0, 1.0]\nn = [1, 1]",
+    ] {
         let case = parse(&text(mesh, PLANE_STRAIN, "[\"0.1*x-0.2*y\", \"0.3*y\"]", "2", ""));
         let strain = Sym::from_fn(2, |i, j| [[0.1, -0.1], [-0.1, 0.3]][i][j]);
         for &(_, stress) in &nodal_stress(&case.problem, &initial(&case)).regions[0] {
@@ -167,8 +192,12 @@ fn polynomial_stresses_are_recovered_exactly() {
 /// At an interface each material has its own stress; the file of the fields has the mean there.
 #[test]
 fn stresses_jump_where_materials_meet() {
-    let mut case = parse(&text("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 8", PLANE_STRESS, "[\"0.1*x\", 0]", "0", ""));
-    let stiff = parse(&text("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 1", PLANE_STRESS, "[0, 0]", "0", "").replace("young = 2", "young = 6"));
+    let mut case =
+        parse(&text("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 8", PLANE_STRESS, "[\"0.1*x\", 0]", "0", ""));
+    let stiff = parse(
+        &text("kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 1", PLANE_STRESS, "[0, 0]", "0", "")
+            .replace("young = 2", "young = 6"),
+    );
     let mut mesh = (*case.problem.mesh).clone();
     let block = mesh.blocks.remove(0);
     for region in 0..2 {
@@ -200,7 +229,10 @@ fn stresses_jump_where_materials_meet() {
         };
         assert!((stress - factor * soft).norm() < 1e-14);
     }
-    let probes = [probe("stress_xx", ProbePlace::Region("stiff".to_owned(), Take::Min)), probe("stress_xx", ProbePlace::Region("soft".to_owned(), Take::Max))];
+    let probes = [
+        probe("stress_xx", ProbePlace::Region("stiff".to_owned(), Take::Min)),
+        probe("stress_xx", ProbePlace::Region("soft".to_owned(), Take::Max)),
+    ];
     let found = read(&case, &probes);
     assert!((found[0] - 3.0 * soft.get(0, 0)).abs() < 1e-14 && (found[1] - soft.get(0, 0)).abs() < 1e-14, "{found:?}");
 }
@@ -239,7 +271,10 @@ fn assert_read(case: &Case, expected: &[(&str, ProbePlace, &[f64])]) {
     for (quantity, place, values) in expected {
         for value in *values {
             let found = found.next().unwrap();
-            assert!((found - value).abs() < 1e-13 * (1.0 + value.abs()), "{quantity} {place:?}: {found} instead of {value}");
+            assert!(
+                (found - value).abs() < 1e-13 * (1.0 + value.abs()),
+                "{quantity} {place:?}: {found} instead of {value}"
+            );
         }
     }
     assert_eq!(found.next(), None);
@@ -254,7 +289,13 @@ fn on(side: &str, take: Take) -> ProbePlace {
 fn probes_read_linear_fields() {
     use Take::{Integral, Max, Mean, Min};
     let body = |take| ProbePlace::Region("body".to_owned(), take);
-    let plane = parse(&text("kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = [4, 3]", PLANE_STRAIN, "[\"0.1*x-0.2*y\", \"0.3*y\"]", "\"1+2*x+3*y\"", ""));
+    let plane = parse(&text(
+        "kind = \"rectangle\"\nsize = [2.0, 1.0]\nn = [4, 3]",
+        PLANE_STRAIN,
+        "[\"0.1*x-0.2*y\", \"0.3*y\"]",
+        "\"1+2*x+3*y\"",
+        "",
+    ));
     let at = ProbePlace::At([0.7, 0.3, 0.0]);
     let strain = Sym::from_fn(2, |i, j| [[0.1, -0.1], [-0.1, 0.3]][i][j]);
     let stress = |theta: f64| hooke(2, StressState::PlaneStrain, &strain, theta);
@@ -287,13 +328,23 @@ fn probes_read_linear_fields() {
             ("displacement_x", body(Min), &[-0.2]),
         ],
     );
-    let solid = parse(&text("kind = \"box\"\nsize = [1.0, 2.0, 3.0]\nn = [2, 2, 3]", "", "[\"0.1*z\", 0, \"0.2*z\"]", "\"z-x\"", ""));
+    let solid = parse(&text(
+        "kind = \"box\"\nsize = [1.0, 2.0, 3.0]\nn = [2, 2, 3]",
+        "",
+        "[\"0.1*z\", 0, \"0.2*z\"]",
+        "\"z-x\"",
+        "",
+    ));
     let strain = Sym::from_fn(3, |i, j| [[0.0, 0.0, 0.05], [0.0, 0.0, 0.0], [0.05, 0.0, 0.2]][i][j]);
     assert_read(
         &solid,
         &[
             ("displacement", ProbePlace::At([0.3, 0.9, 2.0]), &[0.2, 0.0, 0.4]),
-            ("stress_zx", ProbePlace::At([0.3, 0.9, 2.0]), &[hooke(3, StressState::PlaneStress, &strain, 0.0).get(0, 2)]),
+            (
+                "stress_zx",
+                ProbePlace::At([0.3, 0.9, 2.0]),
+                &[hooke(3, StressState::PlaneStress, &strain, 0.0).get(0, 2)],
+            ),
             ("stress_normal", on("front", Mean), &[hooke(3, StressState::PlaneStress, &strain, 2.5).get(2, 2)]),
             ("heat_flux_normal", on("back", Integral), &[4.0]),
             ("temperature", body(Integral), &[6.0]),
@@ -320,12 +371,19 @@ fn stresses_of_bodies_that_lack_a_direction() {
     let at = ProbePlace::At([0.25, 0.5, 0.0]);
     let square = "kind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 4";
     let plane = |state| parse(&text(square, state, "[\"0.1*x\", 0]", "0", ""));
-    assert_read(&plane(PLANE_STRAIN), &[("stress_zz", at.clone(), &[0.1 * lambda]), ("von_mises", at.clone(), &[0.2 * shear])]);
+    assert_read(
+        &plane(PLANE_STRAIN),
+        &[("stress_zz", at.clone(), &[0.1 * lambda]), ("von_mises", at.clone(), &[0.2 * shear])],
+    );
     let first = 0.1 * YOUNG / (1.0 - POISSON * POISSON);
     let von_mises = first * (1.0 - POISSON + POISSON * POISSON).sqrt();
     assert_read(
         &plane(PLANE_STRESS),
-        &[("stress_zz", at.clone(), &[0.0]), ("von_mises", at.clone(), &[von_mises]), ("principal", at.clone(), &[first, POISSON * first, 0.0])],
+        &[
+            ("stress_zz", at.clone(), &[0.0]),
+            ("von_mises", at.clone(), &[von_mises]),
+            ("principal", at.clone(), &[first, POISSON * first, 0.0]),
+        ],
     );
     let round = parse(&text(&format!("{square}\naxisymmetric = true"), "", "[\"0.1*x\", 0]", "\"x\"", ""));
     let radial = 0.2 * (lambda + shear);
@@ -415,13 +473,17 @@ fn probes_go_on_with_the_run() {
     let flag = std::sync::Arc::default();
     let mut stop = Stop(std::sync::Arc::clone(&flag));
     let interrupted = Settings { interrupt: Some(flag), ..settings() };
-    assert!(run(&case.problem, &interrupted, &mut [&mut Folder::create(&broken, options(&case)).unwrap(), &mut stop]).is_err());
+    assert!(
+        run(&case.problem, &interrupted, &mut [&mut Folder::create(&broken, options(&case)).unwrap(), &mut stop])
+            .is_err()
+    );
     let file = broken.join("probes.csv");
     let kept = fs::read_to_string(&file).unwrap();
     assert_eq!(kept.lines().count(), 4);
     fs::write(&file, kept + "4,0.5,1,1,1,1,1\n5,0.6").unwrap();
     let checkpoint = Checkpoint::read(&broken, &case.fingerprint()).unwrap();
-    resume(&case.problem, checkpoint, &settings(), &mut [&mut Folder::reopen(&broken, options(&case)).unwrap()]).unwrap();
+    resume(&case.problem, checkpoint, &settings(), &mut [&mut Folder::reopen(&broken, options(&case)).unwrap()])
+        .unwrap();
     assert_eq!(fs::read_to_string(&file).unwrap(), fs::read_to_string(whole.join("probes.csv")).unwrap());
 }
 
@@ -432,20 +494,30 @@ fn faults_of_probes_have_their_places() {
     let line = base.lines().count();
     let case = |more: &str, expected: &[(usize, &str)]| {
         let told = told(&Source::new("body.toml", base.clone() + more), &[]);
-        let lines: Vec<String> = expected.iter().map(|(offset, says)| format!("body.toml:{}:{says}", line + offset)).collect();
+        let lines: Vec<String> =
+            expected.iter().map(|(offset, says)| format!("body.toml:{}:{says}", line + offset)).collect();
         assert_eq!(told, lines.join("\n"));
     };
     let probe = |quantity: &str, place: &str| format!("[[probe]]\nname = \"a\"\nquantity = \"{quantity}\"\n{place}\n");
     assert_eq!(told(&Source::new("body.toml", base.clone() + &probe("temperature", "at = [1, 1]")), &[]), "no fault");
     case(
         &probe("temperature", "at = [2.5, 1]"),
-        &[(4, "6: probe[0].at: found (2.5, 1), outside the body, expected a point of the body, which reaches from (0, 0) to (2, 1)")],
+        &[(
+            4,
+            "6: probe[0].at: found (2.5, 1), outside the body, expected a point of the body, which reaches from (0, 0) to (2, 1)",
+        )],
     );
-    case(&probe("temperature", "at = [1, 1, 0]"), &[(4, "6: probe[0].at: found 3 coordinates, expected 2 coordinates")]);
+    case(
+        &probe("temperature", "at = [1, 1, 0]"),
+        &[(4, "6: probe[0].at: found 3 coordinates, expected 2 coordinates")],
+    );
     case(&probe("temperature", ""), &[(1, "1: probe[0]: found no place, expected one of `at`, `on` and `region`")]);
     case(
         &probe("temperature", "on = \"lft\"\ntake = \"max\""),
-        &[(4, "6: probe[0].on: found \"lft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?")],
+        &[(
+            4,
+            "6: probe[0].on: found \"lft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?",
+        )],
     );
     case(
         &probe("temperature", "region = \"boddy\"\ntake = \"max\""),
@@ -453,17 +525,35 @@ fn faults_of_probes_have_their_places() {
     );
     case(
         &probe("temperature", "on = \"left\""),
-        &[(1, "1: probe[0].take: found no such key, expected \"mean\", \"max\", \"min\" or \"integral\" (what is taken of the values)")],
+        &[(
+            1,
+            "1: probe[0].take: found no such key, expected \"mean\", \"max\", \"min\" or \"integral\" (what is taken of the values)",
+        )],
     );
-    case(&probe("displacement_z", "at = [1, 1]"), &[(3, "12: probe[0].quantity: found displacement_z in 2 dimensions, expected a quantity that exists there")]);
-    case(&probe("hoop", "at = [1, 1]"), &[(3, "12: probe[0].quantity: found hoop in a body that is not axisymmetric, expected a quantity that exists there")]);
+    case(
+        &probe("displacement_z", "at = [1, 1]"),
+        &[(3, "12: probe[0].quantity: found displacement_z in 2 dimensions, expected a quantity that exists there")],
+    );
+    case(
+        &probe("hoop", "at = [1, 1]"),
+        &[(
+            3,
+            "12: probe[0].quantity: found hoop in a body that is not axisymmetric, expected a quantity that exists there",
+        )],
+    );
     case(
         &probe("heat_flux_normal", "at = [1, 1]"),
-        &[(3, "12: probe[0].quantity: found heat_flux_normal elsewhere than on a side, expected a quantity that exists there")],
+        &[(
+            3,
+            "12: probe[0].quantity: found heat_flux_normal elsewhere than on a side, expected a quantity that exists there",
+        )],
     );
     case(
         &probe("pressure", "on = \"left\"\ntake = \"max\""),
-        &[(3, "12: probe[0].quantity: found pressure elsewhere than on a side that bears contact, expected a quantity that exists there")],
+        &[(
+            3,
+            "12: probe[0].quantity: found pressure elsewhere than on a side that bears contact, expected a quantity that exists there",
+        )],
     );
     case(
         &probe("von_misses", "at = [1, 1]"),
@@ -476,16 +566,25 @@ fn faults_of_probes_have_their_places() {
     case(
         &twice,
         &[
-            (6, "8: probe[1].name: found \"a\" again, expected a name of its own for each column of probes.csv, which begin with step and t"),
+            (
+                6,
+                "8: probe[1].name: found \"a\" again, expected a name of its own for each column of probes.csv, which begin with step and t",
+            ),
             (9, "1: probe[1].take: found `take` of the value at a point, expected `take` with `on` or `region`"),
         ],
     );
     let check = "[verify]\ntitle = \"t\"\nsource = \"s\"\n[[verify.check]]\nkind = \"probe\"\nfield = \"stress_xx\"\nat = [0, 2]\ntime = 0\nreference = 1\ntolerance = 1\n";
-    case(check, &[(7, "6: verify.check[0].at: found (0, 2), outside the body, expected a point of the body, which reaches from (0, 0) to (2, 1)")]);
+    case(
+        check,
+        &[(
+            7,
+            "6: verify.check[0].at: found (0, 2), outside the body, expected a point of the body, which reaches from (0, 0) to (2, 1)",
+        )],
+    );
 }
 
-/// Lamé's thick-walled cylinder under an inner pressure, radii 1 and 2 (Timoshenko and Goodier, *Theory of Elasticity*, section 28):
-/// in plane strain on a quarter of the ring, and as a body of revolution; checked by the case file alone.
+/// Lamé's thick-walled cylinder under an inner pressure, radii 1 and 2 (Timoshenko and Goodier, *Theory of Elasticity*,
+/// section 28): in plane strain on a quarter of the ring, and as a body of revolution; checked by the case file alone.
 #[test]
 fn a_case_file_checks_the_stresses_of_a_cylinder() {
     let material = "[time]\nend = 1.0\nsteps = 1\n[material]\ndensity = 0\nheat_capacity = 1\nexpansion = 0\ncoupling = 0\nconductivity = 1\n\
@@ -494,9 +593,12 @@ fn a_case_file_checks_the_stresses_of_a_cylinder() {
     let held = |side: &str| format!("[[boundary]]\non = \"{side}\"\nnormal_displacement = 0\n");
     let pressed = |side: &str| format!("[[boundary]]\non = \"{side}\"\npressure = 1\n");
     let check = |field: &str, place: &str, reference: f64| {
-        format!("[[verify.check]]\nkind = \"probe\"\nfield = \"{field}\"\n{place}\ntime = 1\nreference = {reference:?}\ntolerance = 1e-3\n")
+        format!(
+            "[[verify.check]]\nkind = \"probe\"\nfield = \"{field}\"\n{place}\ntime = 1\nreference = {reference:?}\ntolerance = 1e-3\n"
+        )
     };
-    // σ_θ = p (b² + a²)/(b² − a²) and σ_r = −p inside, σ_θ = 2 p a²/(b² − a²) outside, u_r = (1 + ν)/E p a ((1 − 2ν)a² + b²)/(b² − a²).
+    // σ_θ = p (b² + a²)/(b² − a²) and σ_r = −p inside, σ_θ = 2 p a²/(b² − a²) outside, u_r = (1 + ν)/E p a
+    // ((1 − 2ν)a² + b²)/(b² − a²).
     let (hoop, outside, displacement) = (5.0 / 3.0, 2.0 / 3.0, 1.3 / 2.0 * 4.4 / 3.0);
     let verify_block = "[verify]\ntitle = \"Lamé\"\nsource = \"closed form\"\n";
     let ring = |n: usize| {
@@ -508,9 +610,14 @@ fn a_case_file_checks_the_stresses_of_a_cylinder() {
             check("stress_normal", "on = \"inner\"\ntake = \"mean\"", -1.0),
         ];
         let angle = std::f64::consts::FRAC_PI_2;
-        let mesh = format!("kind = \"ring\"\nradii = [1.0, 2.0]\nangle = {angle:?}\nn = [{n}, {n}]\nelements = \"Q2\"\n");
+        let mesh =
+            format!("kind = \"ring\"\nradii = [1.0, 2.0]\nangle = {angle:?}\nn = [{n}, {n}]\nelements = \"Q2\"\n");
         let sides = [held("start"), held("end"), pressed("inner")].concat();
-        format!("name = \"ring\"\n[mesh]\n{mesh}{material}{}{sides}{verify_block}{}", elastic(PLANE_STRAIN), checks.concat())
+        format!(
+            "name = \"ring\"\n[mesh]\n{mesh}{material}{}{sides}{verify_block}{}",
+            elastic(PLANE_STRAIN),
+            checks.concat()
+        )
     };
     let tube = |n: usize| {
         let checks = [
@@ -519,7 +626,9 @@ fn a_case_file_checks_the_stresses_of_a_cylinder() {
             check("displacement_x", "at = [1, 0.25]", displacement),
             check("stress_normal", "on = \"left\"\ntake = \"integral\"", -std::f64::consts::PI),
         ];
-        let mesh = format!("kind = \"rectangle\"\norigin = [1.0, 0.0]\nsize = [1.0, 0.5]\nn = [{n}, 4]\nelements = \"Q2\"\naxisymmetric = true\n");
+        let mesh = format!(
+            "kind = \"rectangle\"\norigin = [1.0, 0.0]\nsize = [1.0, 0.5]\nn = [{n}, 4]\nelements = \"Q2\"\naxisymmetric = true\n"
+        );
         let sides = [held("bottom"), held("top"), pressed("left")].concat();
         format!("name = \"tube\"\n[mesh]\n{mesh}{material}{}{sides}{verify_block}{}", elastic(""), checks.concat())
     };
@@ -527,7 +636,14 @@ fn a_case_file_checks_the_stresses_of_a_cylinder() {
     for (name, text) in [("ring", &ring as &dyn Fn(usize) -> String), ("tube", &tube)] {
         let [coarse, fine] = [16, 32].map(|n| verdicts(name, &text(n)));
         for (c, f) in coarse.iter().zip(&fine) {
-            println!("{name} {}: {} against {}, {:.1e}, order {}", f.what, f.computed, f.reference, f.error, (c.error / f.error).log2());
+            println!(
+                "{name} {}: {} against {}, {:.1e}, order {}",
+                f.what,
+                f.computed,
+                f.reference,
+                f.error,
+                (c.error / f.error).log2()
+            );
             // Quadratic elements: stresses at the boundary of the third order, displacements of the fourth at nodes.
             let order = if f.what.starts_with("displacement") { 3.5 } else { 2.5 };
             assert!((c.error / f.error).log2() > order && f.holds, "{c:?}\n{f:?}");
@@ -535,14 +651,16 @@ fn a_case_file_checks_the_stresses_of_a_cylinder() {
     }
 }
 
-/// A rod held at a strain ε from t = 0 on: the stress of backward Euler is E ε (1 + g (1 + k/τ)^−n), the branch included.
+/// A rod held at a strain ε from t = 0 on: the stress of backward Euler is E ε (1 + g (1 + k/τ)^−n), the branch
+/// included.
 #[test]
 fn stresses_that_relax_are_in_the_stress() {
     let text = "name = \"rod\"\n[mesh]\nkind = \"interval\"\nsize = 2.0\nn = 4\n[time]\nend = 1.0\nsteps = 5\n[material]\ndensity = 0\nheat_capacity = 1\n\
         expansion = 0\ncoupling = 0\nconductivity = 1\nviscosity = { law = \"lame\", first = 0.0, second = 0.0 }\n\
         elasticity = { law = \"isotropic\", young = 3.0, poisson = 0.3, stress_state = \"plane-stress\" }\nprony = [{ ratio = 2.0, time = 0.4 }]\n\
         [[boundary]]\non = \"left\"\ndisplacement = [0]\n[[boundary]]\non = \"right\"\ndisplacement = [0.02]\n";
-    let (case, path) = (parse(&format!("{text}[[probe]]\nname = \"s\"\nquantity = \"stress_xx\"\nat = [1.3]\n")), folder("relaxing"));
+    let (case, path) =
+        (parse(&format!("{text}[[probe]]\nname = \"s\"\nquantity = \"stress_xx\"\nat = [1.3]\n")), folder("relaxing"));
     let summary = run(&case.problem, &settings(), &mut [&mut Folder::create(&path, options(&case)).unwrap()]).unwrap();
     let (_, rows) = table(&path.join("probes.csv"));
     for row in &rows {
@@ -565,7 +683,8 @@ fn files_have_the_fields_asked_for() {
         let path = folder("fields");
         run(&case.problem, &settings(), &mut [&mut Folder::create(&path, options(&case)).unwrap()]).unwrap();
         let text = fs::read_to_string(path.join("fields/step_0000001.vtu")).unwrap();
-        let mut names: Vec<String> = text.split("Name=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect();
+        let mut names: Vec<String> =
+            text.split("Name=\"").skip(1).map(|rest| rest.split('"').next().unwrap().to_owned()).collect();
         names.retain(|name| !matches!(name.as_str(), "Points" | "connectivity" | "offsets" | "types" | ""));
         names.sort();
         names.join(" ")

@@ -36,7 +36,8 @@ const SCALES: [&[&str]; 6] = [
 
 #[test]
 fn summaries_agree_with_two_independent_programs() {
-    let text = std::fs::read_to_string(common::file("crates/amontons/tests/reference/paper.csv")).expect("the reference numbers");
+    let text = std::fs::read_to_string(common::file("crates/amontons/tests/reference/paper.csv"))
+        .expect("the reference numbers");
     let mut lines = text.lines();
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
     let mut compared = 0;
@@ -61,14 +62,16 @@ fn summaries_agree_with_two_independent_programs() {
 /// The columns of a row, by a run.
 fn compute(row: &BTreeMap<&str, &str>) -> BTreeMap<String, f64> {
     let mut overrides = common::reading(row["reading"]);
-    overrides.push(format!("contact.heat.foundation_temperature={}", row["theta_F"].parse::<f64>().expect("a temperature")));
+    overrides
+        .push(format!("contact.heat.foundation_temperature={}", row["theta_F"].parse::<f64>().expect("a temperature")));
     overrides.push(format!("mesh.n={}", row["n"]));
     overrides.push(format!("mesh.diagonal=\"{}\"", row["diagonal"]));
     overrides.push(format!("time.steps={}", row["steps"]));
     overrides.push(format!("contact.quadrature=\"{}\"", row["quadrature"]));
     let problem = common::case("cases/paper.toml", &overrides).problem;
     let mut memory = Memory::new();
-    let summary = run::run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).expect("a run");
+    let summary =
+        run::run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).expect("a run");
     assert_eq!(summary.outcome, Outcome::Done);
 
     let mut computed = BTreeMap::new();
@@ -97,7 +100,9 @@ fn compute(row: &BTreeMap<&str, &str>) -> BTreeMap<String, f64> {
     put("slip", contact.slip as f64);
 
     let state = memory.states.last().expect("the last state");
-    let node = |x: f64, y: f64| problem.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node");
+    let node = |x: f64, y: f64| {
+        problem.mesh.points.iter().position(|p| (p[0] - x).abs() + (p[1] - y).abs() < 1e-12).expect("a node")
+    };
     for (name, at) in [("00", node(0.0, 0.0)), ("h0", node(0.5, 0.0)), ("10", node(1.0, 0.0)), ("hh", node(0.5, 0.5))] {
         put(&format!("ux_{name}"), state.u[2 * at]);
         put(&format!("uy_{name}"), state.u[2 * at + 1]);

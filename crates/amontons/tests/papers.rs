@@ -1,4 +1,5 @@
-//! What documents and messages name exists: paths, links, chapters and keys; every key is described; "per" is written for "each".
+//! What documents and messages name exists: paths, links, chapters and keys; every key is described; "per" is written
+//! for "each".
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
@@ -71,7 +72,12 @@ const EXAMPLES: [&str; 7] = ["my-case.toml", "block.toml", "pad.toml", "pad.msh"
 fn is_path(code: &str) -> bool {
     let named = [".rs", ".md", ".toml", ".geo", ".py", ".json", ".png"].iter().any(|ending| code.ends_with(ending));
     let plain = code.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c)) && !code.starts_with('.');
-    plain && (named || code.contains('/') && code.ends_with('/') || code.starts_with("crates/") || code.starts_with("cases/") || code.starts_with("docs/"))
+    plain
+        && (named
+            || code.contains('/') && code.ends_with('/')
+            || code.starts_with("crates/")
+            || code.starts_with("cases/")
+            || code.starts_with("docs/"))
 }
 
 #[test]
@@ -82,7 +88,12 @@ fn every_path_and_link_of_a_document_exists() {
         let beside = document.parent().expect("a folder").to_owned();
         for (number, line) in text(&document).lines().enumerate() {
             let mut miss = |what: &str| missing.push(format!("{}:{}: {what}", document.display(), number + 1));
-            for link in line.split("](").skip(1).filter_map(|rest| rest.split(')').next()).filter(|link| !link.contains("://") && !link.starts_with('#')) {
+            for link in line
+                .split("](")
+                .skip(1)
+                .filter_map(|rest| rest.split(')').next())
+                .filter(|link| !link.contains("://") && !link.starts_with('#'))
+            {
                 seen += 1;
                 let target = link.split('#').next().unwrap_or(link);
                 if !beside.join(target).exists() {
@@ -107,7 +118,10 @@ fn every_path_and_link_of_a_document_exists() {
 /// Whether a dotted path names a key of the case file; a tag selects none, so that all laws of a table count.
 fn is_key(schema: &Value, path: &[&str]) -> bool {
     fn search(root: &Value, node: &Value, path: &[&str]) -> bool {
-        let node = node.get("$ref").and_then(Value::as_str).map_or(node, |target| root.pointer(target.trim_start_matches('#')).expect("a definition"));
+        let node = node
+            .get("$ref")
+            .and_then(Value::as_str)
+            .map_or(node, |target| root.pointer(target.trim_start_matches('#')).expect("a definition"));
         let inner = ["oneOf", "anyOf"].iter().filter_map(|key| node.get(key)?.as_array()).flatten();
         if inner.chain(node.get("items")).any(|inner| search(root, inner, path)) {
             return true;
@@ -121,12 +135,22 @@ fn is_key(schema: &Value, path: &[&str]) -> bool {
 /// Dotted paths in a text that begin with a table of the case file.
 fn keys<'t>(schema: &Value, text: &'t str) -> Vec<&'t str> {
     // `name` is no table.
-    let tables: Vec<&str> = schema["properties"].as_object().expect("tables").keys().map(String::as_str).filter(|key| *key != "name").collect();
+    let tables: Vec<&str> = schema["properties"]
+        .as_object()
+        .expect("tables")
+        .keys()
+        .map(String::as_str)
+        .filter(|key| *key != "name")
+        .collect();
     let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "._".contains(c)));
     let is_path = |word: &&str| {
         let parts: Vec<&str> = word.split('.').collect();
-        let is_file = ["csv", "toml", "json", "pvd", "vtu", "msh", "md", "rs", "png", "svg", "bin", "sha256"].contains(parts.last().unwrap_or(&""));
-        parts.len() > 1 && tables.contains(&parts[0]) && !is_file && parts.iter().all(|part| part.starts_with(|c: char| c.is_ascii_lowercase()))
+        let is_file = ["csv", "toml", "json", "pvd", "vtu", "msh", "md", "rs", "png", "svg", "bin", "sha256"]
+            .contains(parts.last().unwrap_or(&""));
+        parts.len() > 1
+            && tables.contains(&parts[0])
+            && !is_file
+            && parts.iter().all(|part| part.starts_with(|c: char| c.is_ascii_lowercase()))
     };
     words.map(|word| word.trim_matches('.')).filter(is_path).collect()
 }
@@ -168,7 +192,9 @@ fn every_key_that_a_document_or_a_message_names_exists() {
 /// Chapters have no numbers: a name of a page does not change when one is added. Decisions are found in `docs/adr`.
 #[test]
 fn no_reference_goes_by_a_number_that_changes() {
-    for path in files("crates", &[".rs"]).into_iter().chain(documents()).filter(|path| !path.ends_with("tests/papers.rs")) {
+    for path in
+        files("crates", &[".rs"]).into_iter().chain(documents()).filter(|path| !path.ends_with("tests/papers.rs"))
+    {
         for (number, line) in text(&path).lines().enumerate() {
             for wrong in ["book, chapter", "design, D", "design decision D"] {
                 assert!(!line.contains(wrong), "{}:{}: {wrong}", path.display(), number + 1);
@@ -185,11 +211,16 @@ fn a_for_per(text: &str) -> Option<String> {
     let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
     let is = |list: &str, word: &str| list.split(' ').any(|known| known == word);
     let counted = |word: &str| heads.contains(&word) || word.chars().all(|c| c.is_ascii_digit());
-    let four = words.windows(4).find(|w| counted(w[0]) && is(things, w[1]) && w[2] == "a" && is(units, w[3])).map(|w| w.join(" "));
+    let four = words
+        .windows(4)
+        .find(|w| counted(w[0]) && is(things, w[1]) && w[2] == "a" && is(units, w[3]))
+        .map(|w| w.join(" "));
     // Without the thing: "one a column", "half a micrometre a stop".
     let alone = "one once twice row numbers entries metre millimetre micrometre newton kelvin m³ mm³";
     let more = "column element mesh newton second stop turn";
-    let three = words.windows(3).find(|w| is(alone, &w[0].to_lowercase()) && w[1] == "a" && (is(units, w[2]) || is(more, w[2])));
+    let three = words
+        .windows(3)
+        .find(|w| is(alone, &w[0].to_lowercase()) && w[1] == "a" && (is(units, w[2]) || is(more, w[2])));
     four.or_else(|| three.map(|w| w.join(" ")))
 }
 
@@ -200,10 +231,17 @@ fn per_is_written_for_each() {
     assert_eq!(a_for_per("Displacement, one entry a component.").as_deref(), Some("one entry a component"));
     assert_eq!(a_for_per("one row per step"), None);
     assert_eq!(a_for_per("The values at a time, one a column.").as_deref(), Some("one a column"));
-    assert_eq!(a_for_per("half a micrometre a stop, 10⁻⁵ mm³ a newton and metre").as_deref(), Some("micrometre a stop"));
+    assert_eq!(
+        a_for_per("half a micrometre a stop, 10⁻⁵ mm³ a newton and metre").as_deref(),
+        Some("micrometre a stop")
+    );
     let schema = case::schema().to_string();
     assert_eq!(a_for_per(&schema), None);
-    for path in files("crates", &[".rs", ".toml"]).into_iter().chain(documents()).filter(|path| !path.ends_with("tests/papers.rs")) {
+    for path in files("crates", &[".rs", ".toml"])
+        .into_iter()
+        .chain(documents())
+        .filter(|path| !path.ends_with("tests/papers.rs"))
+    {
         for (number, line) in text(&path).lines().enumerate() {
             if let Some(found) = a_for_per(line) {
                 panic!("{}:{}: {found}", path.display(), number + 1);
@@ -235,7 +273,10 @@ fn every_key_of_the_schema_is_described() {
     fn walk(node: &Value, keys: &mut usize) {
         for (key, property) in node.get("properties").and_then(Value::as_object).into_iter().flatten() {
             *keys += 1;
-            assert!(property["description"].as_str().is_some_and(|text| text.len() > 5), "{key} has no description: {property}");
+            assert!(
+                property["description"].as_str().is_some_and(|text| text.len() > 5),
+                "{key} has no description: {property}"
+            );
         }
         match node {
             Value::Object(entries) => entries.values().for_each(|value| walk(value, keys)),

@@ -1,5 +1,10 @@
 //! Cases of mechanics alone and of heat alone, and the coefficient of thermal expansion.
-#![allow(clippy::expect_used, clippy::panic, clippy::float_cmp, reason = "a test fails by panicking, and zeros are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and zeros are exact"
+)]
 
 mod common;
 
@@ -15,7 +20,8 @@ fn solved(text: &str, overrides: &[&str]) -> (State, Summary) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let case = case::parse(&Source::new("case.toml", text), &overrides).unwrap_or_else(|error| panic!("{error}"));
     let mut memory = Memory::default();
-    let summary = run::run(&case.problem, &Settings::default(), &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
+    let summary =
+        run::run(&case.problem, &Settings::default(), &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
     (memory.states.last().expect("a state").clone(), summary)
 }
 
@@ -129,10 +135,17 @@ fn results_have_only_the_fields_of_the_case() {
         (MECHANICS, vec!["temperature", "heat_flux"], vec!["displacement", "von_mises"]),
         (HEAT, vec!["displacement", "velocity", "stress", "von_mises"], vec!["temperature", "heat_flux"]),
     ] {
-        let case = case::parse(&Source::new("case.toml", text), &["output.fields=[\"stress\", \"heat-flux\", \"nodal-stress\"]".to_owned()]).expect("a case");
+        let case = case::parse(
+            &Source::new("case.toml", text),
+            &["output.fields=[\"stress\", \"heat-flux\", \"nodal-stress\"]".to_owned()],
+        )
+        .expect("a case");
         let folder = tempfile(&case.problem.name);
-        let mut results =
-            Folder::create(&folder, FolderOptions { fields: case.fields.clone(), force: true, ..FolderOptions::new(&case.text) }).expect("a folder");
+        let mut results = Folder::create(
+            &folder,
+            FolderOptions { fields: case.fields.clone(), force: true, ..FolderOptions::new(&case.text) },
+        )
+        .expect("a folder");
         run::run(&case.problem, &Settings::default(), &mut [&mut results]).expect("a run");
         let file = fs::read(folder.join(format!("fields/step_{:07}.vtu", case.problem.steps))).expect("the fields");
         let fields = String::from_utf8_lossy(&file);
@@ -142,19 +155,29 @@ fn results_have_only_the_fields_of_the_case() {
         for name in &present {
             assert!(fields.contains(&format!("Name=\"{name}\"")), "{name}");
         }
-        let summary: serde_json::Value = serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("a summary")).expect("JSON");
+        let summary: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).expect("a summary")).expect("JSON");
         // Names stay: what there is not is null.
         let is_null = |key: &str| summary["final"].as_object().expect("a table")[key].is_null();
         let (mechanics, heat) = (present[0] == "displacement", present[0] == "temperature");
         assert_eq!([is_null("temperature_max"), is_null("von_mises_max")], [mechanics, heat]);
         let norms = &summary["final"]["norms"];
-        assert_eq!([norms["temperature_l2"].is_null(), norms["displacement_v"].is_null(), is_null("contact")], [mechanics, heat, heat]);
+        assert_eq!(
+            [norms["temperature_l2"].is_null(), norms["displacement_v"].is_null(), is_null("contact")],
+            [mechanics, heat, heat]
+        );
         let contact = fs::read_to_string(folder.join("contact.csv")).expect("contact");
         let header: Vec<&str> = contact.lines().next().expect("a header").split(',').collect();
         let column = header.iter().position(|name| *name == "temperature").expect("a column");
-        assert!(contact.lines().skip(1).all(|row| row.split(',').nth(column) == Some("") && row.split(',').count() == header.len()));
+        assert!(
+            contact
+                .lines()
+                .skip(1)
+                .all(|row| row.split(',').nth(column) == Some("") && row.split(',').count() == header.len())
+        );
         // Pictures and the verification from files go by what is there.
-        let pictures = amontons::plot::folder(&folder, &amontons::plot::Options::default()).unwrap_or_else(|error| panic!("{error}"));
+        let pictures = amontons::plot::folder(&folder, &amontons::plot::Options::default())
+            .unwrap_or_else(|error| panic!("{error}"));
         let has = |name: &str| pictures.iter().any(|path| path.ends_with(format!("plots/{name}.svg")));
         assert_eq!([has("temperature"), has("von-mises")], [present[0] == "temperature", present[0] == "displacement"]);
         let history = fs::read_to_string(folder.join("plots/history.svg")).expect("a picture");
@@ -187,11 +210,26 @@ fn keys_of_equations_that_a_case_lacks_are_named() {
         ("contact.wear", "{ law = \"archard-temperature\", temperature = [0, 1], coefficient = [0, 1] }"),
     ] {
         let text = said(MECHANICS, &[&format!("{key}={value}")]);
-        assert!(text.contains(&format!(": {key}: found ")) && text.contains("in a case without heat") && text.lines().count() == 1, "{text}");
+        assert!(
+            text.contains(&format!(": {key}: found "))
+                && text.contains("in a case without heat")
+                && text.lines().count() == 1,
+            "{text}"
+        );
     }
-    for (key, value) in [("load.body_force", "[0, 1]"), ("boundary[0].traction", "[0, 1]"), ("initial.velocity", "[0, 1]"), ("boundary[1].spring", "2")] {
+    for (key, value) in [
+        ("load.body_force", "[0, 1]"),
+        ("boundary[0].traction", "[0, 1]"),
+        ("initial.velocity", "[0, 1]"),
+        ("boundary[1].spring", "2"),
+    ] {
         let text = said(HEAT, &[&format!("{key}={value}")]);
-        assert!(text.contains(&format!(": {key}: found ")) && text.contains("in a case without mechanics") && text.lines().count() == 1, "{text}");
+        assert!(
+            text.contains(&format!(": {key}: found "))
+                && text.contains("in a case without mechanics")
+                && text.lines().count() == 1,
+            "{text}"
+        );
     }
     let needs = |text: &str, set: &str, key: &str| {
         let told = said(text, &[set]);
@@ -282,7 +320,8 @@ fn isotropic_expansion_has_its_closed_forms() {
     assert_near(e, [(1.0 + nu) * strain, (1.0 + nu) * strain, 0.0, 0.0], "free, plane strain");
     assert_near(s, [0.0, 0.0, -young * strain, 0.0], "free, plane strain");
     for (mesh, dim, what) in [(SPACE, 3, "in space"), (REVOLUTION, 1, "revolution")] {
-        let sides = if dim == 3 { free(3) } else { "[[boundary]]\non = \"bottom\"\nnormal_displacement = 0\n".to_owned() };
+        let sides =
+            if dim == 3 { free(3) } else { "[[boundary]]\non = \"bottom\"\nnormal_displacement = 0\n".to_owned() };
         let [e, s] = uniform(&expansion(mesh, &isotropic(""), &sides));
         assert_near(e, [strain, strain, strain, 0.0], what);
         assert_near(s, [0.0; 4], what);
@@ -292,9 +331,11 @@ fn isotropic_expansion_has_its_closed_forms() {
     let (in_plane, in_space) = (-young * strain / (1.0 - nu), -young * strain / (1.0 - 2.0 * nu));
     assert_near(e, [0.0; 4], "clamped, plane stress");
     assert_near(s, [in_plane, in_plane, 0.0, 0.0], "clamped, plane stress");
-    for (mesh, state, dim, what) in
-        [(PLANE, "plane-strain", 2, "clamped, plane strain"), (SPACE, "", 3, "clamped in space"), (REVOLUTION, "", 2, "clamped, revolution")]
-    {
+    for (mesh, state, dim, what) in [
+        (PLANE, "plane-strain", 2, "clamped, plane strain"),
+        (SPACE, "", 3, "clamped in space"),
+        (REVOLUTION, "", 2, "clamped, revolution"),
+    ] {
         let [_, s] = uniform(&expansion(mesh, &isotropic(state), &clamped(dim)));
         assert_near(s, [in_space, in_space, in_space, 0.0], what);
     }
@@ -306,7 +347,8 @@ fn isotropic_expansion_has_its_closed_forms() {
     }
 }
 
-/// An orthotropic body with turned axes expands freely by α turned, without stress; clamped it has the stress of the compliance, solved here.
+/// An orthotropic body with turned axes expands freely by α turned, without stress; clamped it has the stress of the
+/// compliance, solved here.
 #[test]
 fn orthotropic_expansion_follows_the_axes_of_the_material() {
     let (angle, along) = (0.4f64, [1e-3, 3e-3, -5e-4]);
@@ -316,28 +358,58 @@ fn orthotropic_expansion_follows_the_axes_of_the_material() {
         )
     };
     let (c, s) = (angle.cos(), angle.sin());
-    let turned = [c * c * along[0] + s * s * along[1], s * s * along[0] + c * c * along[1], along[2], c * s * (along[0] - along[1])].map(|a| 40.0 * a);
-    // Held at a point and against rotation only: x = 0 at one node would need a node set, so a soft spring holds the body.
+    let turned = [
+        c * c * along[0] + s * s * along[1],
+        s * s * along[0] + c * c * along[1],
+        along[2],
+        c * s * (along[0] - along[1]),
+    ]
+    .map(|a| 40.0 * a);
+    // Held at a point and against rotation only: x = 0 at one node would need a node set, so a soft spring holds the
+    // body.
     let sides = "[[boundary]]\non = \"left\"\nspring = [1e-9, 1e-9]\n";
     let (plane_stress, plane_strain) = (", stress_state = \"plane-stress\"", ", stress_state = \"plane-strain\"");
     let [e, stress] = uniform_loosely(&expansion(PLANE, &material(plane_stress), sides));
-    for (found, expected) in [(e[0], turned[0]), (e[1], turned[1]), (e[3], turned[3]), (stress[0], 0.0), (stress[1], 0.0), (stress[3], 0.0)] {
+    for (found, expected) in
+        [(e[0], turned[0]), (e[1], turned[1]), (e[3], turned[3]), (stress[0], 0.0), (stress[1], 0.0), (stress[3], 0.0)]
+    {
         assert!((found - expected).abs() < 1e-7, "{found} {expected}");
     }
-    // Clamped in plane strain and in space: σ = −𝓔α ΔT, in the axes of the material −C α with C the inverse of the compliance.
-    let compliance = [[1.0 / 300.0, -0.3 / 300.0, -0.2 / 300.0], [-0.3 / 300.0, 1.0 / 100.0, -0.25 / 100.0], [-0.2 / 300.0, -0.25 / 100.0, 1.0 / 50.0]];
+    // Clamped in plane strain and in space: σ = −𝓔α ΔT, in the axes of the material −C α with C the inverse of the
+    // compliance.
+    let compliance = [
+        [1.0 / 300.0, -0.3 / 300.0, -0.2 / 300.0],
+        [-0.3 / 300.0, 1.0 / 100.0, -0.25 / 100.0],
+        [-0.2 / 300.0, -0.25 / 100.0, 1.0 / 50.0],
+    ];
     let sigma = solve3(compliance, along.map(|a| -40.0 * a));
-    let expected = [c * c * sigma[0] + s * s * sigma[1], s * s * sigma[0] + c * c * sigma[1], sigma[2], c * s * (sigma[0] - sigma[1])];
+    let expected = [
+        c * c * sigma[0] + s * s * sigma[1],
+        s * s * sigma[0] + c * c * sigma[1],
+        sigma[2],
+        c * s * (sigma[0] - sigma[1]),
+    ];
     let all = |dim: usize, sides: &[&str]| -> String {
-        sides.iter().map(|on| format!("[[boundary]]\non = \"{on}\"\ndisplacement = {}\n", if dim == 3 { "[0, 0, 0]" } else { "[0, 0]" })).collect()
+        sides
+            .iter()
+            .map(|on| {
+                format!(
+                    "[[boundary]]\non = \"{on}\"\ndisplacement = {}\n",
+                    if dim == 3 { "[0, 0, 0]" } else { "[0, 0]" }
+                )
+            })
+            .collect()
     };
     let [_, found] = uniform(&expansion(PLANE, &material(plane_strain), &all(2, &["left", "right", "bottom", "top"])));
     assert_near(found, expected, "clamped, plane strain");
-    let [_, found] = uniform(&expansion(SPACE, &material(""), &all(3, &["left", "right", "bottom", "top", "back", "front"])));
+    let [_, found] =
+        uniform(&expansion(SPACE, &material(""), &all(3, &["left", "right", "bottom", "top", "back", "front"])));
     assert_near(found, expected, "clamped in space");
     // Clamped in plane stress: the compliance of the plane alone.
-    let plane = solve2([[1.0 / 300.0, -0.3 / 300.0], [-0.3 / 300.0, 1.0 / 100.0]], [-40.0 * along[0], -40.0 * along[1]]);
-    let expected = [c * c * plane[0] + s * s * plane[1], s * s * plane[0] + c * c * plane[1], 0.0, c * s * (plane[0] - plane[1])];
+    let plane =
+        solve2([[1.0 / 300.0, -0.3 / 300.0], [-0.3 / 300.0, 1.0 / 100.0]], [-40.0 * along[0], -40.0 * along[1]]);
+    let expected =
+        [c * c * plane[0] + s * s * plane[1], s * s * plane[0] + c * c * plane[1], 0.0, c * s * (plane[0] - plane[1])];
     let [_, found] = uniform(&expansion(PLANE, &material(plane_stress), &all(2, &["left", "right", "bottom", "top"])));
     assert_near(found, expected, "clamped, plane stress");
 }
@@ -370,7 +442,8 @@ fn solve3(a: [[f64; 3]; 3], b: [f64; 3]) -> [f64; 3] {
     })
 }
 
-/// A law that is not linear is linear in the change of volume, so a single coefficient is exact where no direction is condensed.
+/// A law that is not linear is linear in the change of volume, so a single coefficient is exact where no direction is
+/// condensed.
 #[test]
 fn nonlinear_laws_take_a_single_coefficient_where_it_is_exact() {
     // κ = 4, so 𝓜 = 3κα and a clamped body has the pressure 3κ·0.04.
@@ -382,7 +455,10 @@ fn nonlinear_laws_take_a_single_coefficient_where_it_is_exact() {
     let [_, s] = uniform(&expansion(PLANE, &hencky(", stress_state = \"plane-strain\""), &clamped(2)));
     assert_near(s, [-0.48, -0.48, -0.48, 0.0], "clamped, plane strain");
     let said = |text: &str| told(&Source::new("case.toml", text), &[]);
-    assert!(said(&expansion(PLANE, &hencky(""), &clamped(2))).contains("material.expansion_coefficient: found a law of elasticity that is not linear"));
+    assert!(
+        said(&expansion(PLANE, &hencky(""), &clamped(2)))
+            .contains("material.expansion_coefficient: found a law of elasticity that is not linear")
+    );
 }
 
 #[test]
@@ -396,5 +472,7 @@ fn faults_of_expansion_are_named() {
     let turned = "expansion_coefficient = [1e-3, 2e-3, 3e-3]\nelasticity = { law = \"orthotropic\", young = [3, 2, 1], poisson = [0.1, 0.1, 0.1], shear = [1, 1, 1], orientation = [0.1, 0.2, 0.3] }";
     let text = said(&expansion(REVOLUTION, turned, "[[boundary]]\non = \"bottom\"\nnormal_displacement = 0\n"), &[]);
     assert!(text.contains("material.expansion_coefficient: found a component rθ or zθ"), "{text}");
-    assert!(said(&case, &["material.expansion_coefficient=[1, 2]"]).contains("found an array of 2, expected an array of 3"));
+    assert!(
+        said(&case, &["material.expansion_coefficient=[1, 2]"]).contains("found an array of 2, expected an array of 3")
+    );
 }

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use amontons::case::{self, Source};
 use amontons::mesh::{Diagonal, Mesh};
 use amontons::output::{Folder, FolderOptions};
-use amontons::plot::{self, Body, ColorMap, ConvergencePlot, ErrorSeries, History, Kind, Options, Panel, PlotError, Run, Snapshot};
+use amontons::plot::{
+    self, Body, ColorMap, ConvergencePlot, ErrorSeries, History, Kind, Options, Panel, PlotError, Run, Snapshot,
+};
 use amontons::run;
 use amontons::units::Units;
 use quick_xml::events::Event;
@@ -28,7 +30,8 @@ fn fresh(name: &str) -> PathBuf {
 
 /// The results of the paper's example on a coarse mesh.
 fn paper(name: &str, overrides: &[&str]) -> PathBuf {
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml")).expect("the paper's case");
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml"))
+        .expect("the paper's case");
     solved(name, text, overrides)
 }
 
@@ -36,8 +39,10 @@ fn solved(name: &str, text: String, overrides: &[&str]) -> PathBuf {
     let dir = fresh(name);
     let overrides: Vec<String> = ["mesh.n=8", "time.steps=16"].iter().chain(overrides).map(|&o| o.to_owned()).collect();
     let case = case::parse(&Source::new("case.toml", text), &overrides).expect("a valid case");
-    let mut folder = Folder::create(&dir, FolderOptions { force: true, ..FolderOptions::new(case.text.clone()) }).expect("a results folder");
-    run::run(&case.problem, &run::Settings { certificate: false, ..run::Settings::default() }, &mut [&mut folder]).expect("a run");
+    let mut folder = Folder::create(&dir, FolderOptions { force: true, ..FolderOptions::new(case.text.clone()) })
+        .expect("a results folder");
+    run::run(&case.problem, &run::Settings { certificate: false, ..run::Settings::default() }, &mut [&mut folder])
+        .expect("a run");
     dir
 }
 
@@ -63,8 +68,10 @@ fn elements(svg: &str) -> Vec<(String, Vec<(String, String)>)> {
         match reader.read_event().expect("well-formed XML") {
             Event::Start(tag) | Event::Empty(tag) => {
                 let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).expect("UTF-8");
-                let attributes =
-                    tag.attributes().map(|a| a.expect("an attribute")).map(|a| (text(a.key.as_ref()), a.unescape_value().expect("a value").into_owned()));
+                let attributes = tag
+                    .attributes()
+                    .map(|a| a.expect("an attribute"))
+                    .map(|a| (text(a.key.as_ref()), a.unescape_value().expect("a value").into_owned()));
                 found.push((text(tag.name().as_ref()), attributes.collect()));
             }
             Event::Eof => return found,
@@ -85,7 +92,9 @@ fn texts(svg: &str) -> Vec<String> {
 /// Place of the largest image of an SVG document: x, y, width, height.
 fn largest_image(svg: &str) -> [f64; 4] {
     let places = elements(svg).into_iter().filter(|e| e.0 == "image");
-    let place = |e: (String, Vec<(String, String)>)| ["x", "y", "width", "height"].map(|name| attribute(&e, name).expect("a place").parse().expect("a number"));
+    let place = |e: (String, Vec<(String, String)>)| {
+        ["x", "y", "width", "height"].map(|name| attribute(&e, name).expect("a place").parse().expect("a number"))
+    };
     places.map(place).max_by(|a: &[f64; 4], b: &[f64; 4]| (a[2] * a[3]).total_cmp(&(b[2] * b[3]))).expect("an image")
 }
 
@@ -97,20 +106,31 @@ fn message<T>(result: Result<T, PlotError>) -> String {
 fn a_results_folder_has_all_pictures_twice() {
     let dir = paper("all", &["contact.heat.foundation_temperature=10"]);
     let paths = plot::folder(&dir, &Options::default()).expect("pictures");
-    let names: Vec<String> = paths.iter().map(|p| p.strip_prefix(dir.join("plots")).expect("in plots").display().to_string()).collect();
+    let names: Vec<String> =
+        paths.iter().map(|p| p.strip_prefix(dir.join("plots")).expect("in plots").display().to_string()).collect();
     // Nothing wears: there is no picture of wear.
     let kinds = Kind::ALL.into_iter().filter(|kind| *kind != Kind::Wear);
-    let expected: Vec<String> = kinds.flat_map(|k| [format!("{}.svg", k.file_name()), format!("{}.png", k.file_name())]).collect();
+    let expected: Vec<String> =
+        kinds.flat_map(|k| [format!("{}.svg", k.file_name()), format!("{}.png", k.file_name())]).collect();
     assert_eq!(names, expected);
     for pair in paths.chunks(2) {
         let svg = fs::read_to_string(&pair[0]).expect("an SVG");
         let all = elements(&svg);
         let side = |name: &str| attribute(&all[0], name).expect("a size").parse::<f64>().expect("a number");
         let png = Pixmap::decode_png(&fs::read(&pair[1]).expect("a PNG")).expect("a valid PNG");
-        assert_eq!((f64::from(png.width()), f64::from(png.height())), (2.0 * side("width"), 2.0 * side("height")), "{}", pair[1].display());
+        assert_eq!(
+            (f64::from(png.width()), f64::from(png.height())),
+            (2.0 * side("width"), 2.0 * side("height")),
+            "{}",
+            pair[1].display()
+        );
         assert!(all.iter().all(|e| e.0 != "text"), "no text that needs a font of the system");
         // Images may have any letters.
-        let drawn: String = svg.split("base64,").enumerate().map(|(i, part)| if i == 0 { part } else { part.split_once('"').map_or("", |p| p.1) }).collect();
+        let drawn: String = svg
+            .split("base64,")
+            .enumerate()
+            .map(|(i, part)| if i == 0 { part } else { part.split_once('"').map_or("", |p| p.1) })
+            .collect();
         assert!(!drawn.contains("NaN") && !drawn.contains("inf"), "{}: a coordinate is not finite", pair[0].display());
         assert!(texts(&svg)[0].starts_with("paper: "), "{:?}", texts(&svg)[0]);
     }
@@ -121,8 +141,9 @@ fn labels_have_units_unless_the_case_has_none() {
     let dir = paper("units", &["units=\"SI\""]);
     let run = Run::read(&dir).expect("a run");
     let panels = [Panel { title: "", run: &run }];
-    let labels =
-        |kind: Kind, dimensionless: bool| texts(&plot::picture(kind, &panels, &Options { dimensionless, ..Options::default() }).expect("a picture").svg());
+    let labels = |kind: Kind, dimensionless: bool| {
+        texts(&plot::picture(kind, &panels, &Options { dimensionless, ..Options::default() }).expect("a picture").svg())
+    };
     let expected: [(Kind, &[&str]); 5] = [
         (Kind::Deformed, &["x (m)", "y (m)", "‖u‖ (mm)", "paper: displacement at t = 1 s", "foundation"]),
         (Kind::Temperature, &["θ (mK)"]),
@@ -142,7 +163,18 @@ fn labels_have_units_unless_the_case_has_none() {
                 "slip",
             ],
         ),
-        (Kind::History, &["contact force (N/m)", "time t (s)", "kinetic", "friction", "contact points", "power of friction (mW/m)", "area of contact (m²/m)"]),
+        (
+            Kind::History,
+            &[
+                "contact force (N/m)",
+                "time t (s)",
+                "kinetic",
+                "friction",
+                "contact points",
+                "power of friction (mW/m)",
+                "area of contact (m²/m)",
+            ],
+        ),
     ];
     for (kind, words) in expected {
         let found = labels(kind, false);
@@ -151,7 +183,10 @@ fn labels_have_units_unless_the_case_has_none() {
         }
         let bare = labels(kind, true);
         for unit in ["m)", "K)", "Pa)", "m/s)", "W/m)", "N/m)", "J/m)", "m²)", "²/m)", "(s)", "1 s"] {
-            assert!(!bare.iter().any(|label| label.ends_with(unit)), "{kind:?} has the unit {unit} without dimensions: {bare:?}");
+            assert!(
+                !bare.iter().any(|label| label.ends_with(unit)),
+                "{kind:?} has the unit {unit} without dimensions: {bare:?}"
+            );
         }
     }
 }
@@ -162,7 +197,8 @@ fn a_field_has_the_colours_of_its_values_at_its_places() {
     let mut run = by_hand(16, f);
     // Fields are drawn on the body as it stands.
     run.snapshot.iter_mut().for_each(|snapshot| snapshot.displacement.fill([0.0; 2]));
-    let picture = plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
+    let picture =
+        plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture");
     let [x, y, width, height] = largest_image(&picture.svg());
     assert!((width - height).abs() < 1e-9, "a square body is {width} by {height}");
     let png = Pixmap::decode_png(&picture.png(2.0).expect("a PNG")).expect("a valid PNG");
@@ -179,7 +215,11 @@ fn a_field_has_the_colours_of_its_values_at_its_places() {
 #[test]
 fn the_colour_bar_runs_from_the_least_to_the_greatest() {
     let run = by_hand(4, |x, _| 20.0 + 30.0 * x);
-    let found = texts(&plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture").svg());
+    let found = texts(
+        &plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default())
+            .expect("a picture")
+            .svg(),
+    );
     for label in ["20", "25", "30", "35", "40", "45", "50", "min 20, max 50 K"] {
         assert!(found.iter().any(|l| l == label), "no {label}: {found:?}");
     }
@@ -204,13 +244,21 @@ fn runs_stand_side_by_side_under_their_titles() {
         let stem = out.join("deeper").join(kind.file_name());
         let [svg, png] = plot::side_by_side(kind, &runs, &stem, &Options::default()).expect("a picture");
         let found = texts(&fs::read_to_string(svg).expect("an SVG"));
-        assert!(["θF = 0", "θF = 10"].iter().all(|title| found.iter().any(|label| label == title)), "{kind:?}: {found:?}");
+        assert!(
+            ["θF = 0", "θF = 10"].iter().all(|title| found.iter().any(|label| label == title)),
+            "{kind:?}: {found:?}"
+        );
         Pixmap::decode_png(&fs::read(png).expect("a PNG")).expect("a valid PNG");
     }
     let read: Vec<Run> = dirs.iter().map(|dir| Run::read(dir).expect("a run")).collect();
     let panels = [Panel { title: "a", run: &read[0] }, Panel { title: "b", run: &read[1] }];
-    let numbers =
-        |shared_scale: bool| texts(&plot::picture(Kind::Temperature, &panels, &Options { shared_scale, ..Options::default() }).expect("a picture").svg());
+    let numbers = |shared_scale: bool| {
+        texts(
+            &plot::picture(Kind::Temperature, &panels, &Options { shared_scale, ..Options::default() })
+                .expect("a picture")
+                .svg(),
+        )
+    };
     // The colder run reaches 0.09: only a scale of its own has such marks.
     assert!(numbers(false).iter().any(|l| l == "0.02") && !numbers(true).iter().any(|l| l == "0.02"));
 }
@@ -235,7 +283,12 @@ fn contact_at_gauss_points_and_runs_without_contact() {
 
 #[test]
 fn missing_files_are_named() {
-    for (name, error) in [("case.toml", "cannot read"), ("fields.pvd", "cannot read"), ("contact.csv", "cannot read"), ("history.csv", "cannot read")] {
+    for (name, error) in [
+        ("case.toml", "cannot read"),
+        ("fields.pvd", "cannot read"),
+        ("contact.csv", "cannot read"),
+        ("history.csv", "cannot read"),
+    ] {
         let dir = paper(&format!("missing {name}"), &[]);
         fs::remove_file(dir.join(name)).expect("a file to remove");
         let message = message(plot::folder(&dir, &Options::default()));
@@ -249,7 +302,8 @@ fn damaged_files_are_named_with_what_is_wrong() {
     let dir = paper("damaged", &[]);
     let vtu = fs::read_dir(dir.join("fields")).expect("fields").next().expect("a file").expect("a file").path();
     let vtu = vtu.strip_prefix(&dir).expect("in the folder").display().to_string();
-    let replaced = |old: &'static str, new: &'static str| -> Damage { Box::new(move |text| text.replacen(old, new, 1)) };
+    let replaced =
+        |old: &'static str, new: &'static str| -> Damage { Box::new(move |text| text.replacen(old, new, 1)) };
     let faults: Vec<(&str, Damage, &str)> = vec![
         ("contact.csv", replaced("penetration", "depth"), "no column penetration"),
         ("contact.csv", replaced("open", "ajar"), "`ajar`"),
@@ -261,9 +315,24 @@ fn damaged_files_are_named_with_what_is_wrong() {
         ("fields.pvd", replaced("<DataSet", "<Nothing"), "names no DataSet"),
         ("fields.pvd", replaced("timestep=\"", "timestep=\"x"), "no timestep"),
         (&vtu, replaced("Name=\"von_mises\"", "Name=\"mises\""), "no array von_mises"),
-        (&vtu, replaced("Name=\"displacement\" NumberOfComponents=\"3\"", "Name=\"displacement\" NumberOfComponents=\"2\""), "displacement"),
-        (&vtu, replaced("NumberOfComponents=\"3\" format=\"binary\"", "NumberOfComponents=\"3\" format=\"appended\""), "appended"),
-        (&vtu, replaced("type=\"Float64\" Name=\"temperature\"", "type=\"Float16\" Name=\"temperature\""), "the array temperature"),
+        (
+            &vtu,
+            replaced(
+                "Name=\"displacement\" NumberOfComponents=\"3\"",
+                "Name=\"displacement\" NumberOfComponents=\"2\"",
+            ),
+            "displacement",
+        ),
+        (
+            &vtu,
+            replaced("NumberOfComponents=\"3\" format=\"binary\"", "NumberOfComponents=\"3\" format=\"appended\""),
+            "appended",
+        ),
+        (
+            &vtu,
+            replaced("type=\"Float64\" Name=\"temperature\"", "type=\"Float16\" Name=\"temperature\""),
+            "the array temperature",
+        ),
         (&vtu, replaced("<Points>", "<Dots>"), "well-formed"),
         (&vtu, Box::new(|text| text[..text.len() / 2].to_owned()), ""),
         (&vtu, Box::new(|_| String::new()), "one Piece"),
@@ -377,16 +446,26 @@ fn scale_factors_are_nice_and_keep_the_displacement_below_a_fifth() {
 
 fn study() -> ConvergencePlot {
     let sizes = vec![1.0 / 16.0, 1.0 / 32.0, 1.0 / 64.0];
-    let series = |label: &str, order: i32| ErrorSeries { label: label.to_owned(), errors: sizes.iter().map(|h: &f64| 0.3 * h.powi(order)).collect() };
+    let series = |label: &str, order: i32| ErrorSeries {
+        label: label.to_owned(),
+        errors: sizes.iter().map(|h: &f64| 0.3 * h.powi(order)).collect(),
+    };
     let series = vec![series("E^{hk}", 1), series("u", 2)];
-    ConvergencePlot { title: "θ_{F} = 0".to_owned(), sizes, x_label: "h = k".to_owned(), y_label: "error".to_owned(), series }
+    ConvergencePlot {
+        title: "θ_{F} = 0".to_owned(),
+        sizes,
+        x_label: "h = k".to_owned(),
+        y_label: "error".to_owned(),
+        series,
+    }
 }
 
 #[test]
 fn a_study_shows_levels_orders_and_the_slope() {
     let picture = plot::convergence(&study()).expect("a picture");
     let found = texts(&picture.svg());
-    for label in ["Ehk, order 1.00", "u, order 2.00", "1/16", "1/32", "1/64", "h = k", "error", "θF = 0", "10−2", "1"] {
+    for label in ["Ehk, order 1.00", "u, order 2.00", "1/16", "1/32", "1/64", "h = k", "error", "θF = 0", "10−2", "1"]
+    {
         assert!(found.iter().any(|l| l == label), "no {label}: {found:?}");
     }
     picture.png(1.0).expect("a PNG");
@@ -398,11 +477,16 @@ fn a_study_shows_levels_orders_and_the_slope() {
 fn a_study_is_read_from_its_table() {
     let dir = fresh("study");
     let csv = |k: [&str; 2], h: [&str; 2]| {
-        format!("level,h,k,error_w,error_u,error_theta,error,order\n8,{},{},1e-2,2e-2,0e0,3e-2,\n16,{},{},5e-3,1e-2,0e0,1.5e-2,1.0\n", h[0], k[0], h[1], k[1])
+        format!(
+            "level,h,k,error_w,error_u,error_theta,error,order\n8,{},{},1e-2,2e-2,0e0,3e-2,\n16,{},{},5e-3,1e-2,0e0,1.5e-2,1.0\n",
+            h[0], k[0], h[1], k[1]
+        )
     };
-    for (k, h, label) in
-        [(["0.125", "0.0625"], ["0.125", "0.0625"], "h = k"), (["0.125", "0.0625"], ["0.1", "0.1"], "k (s)"), (["0.1", "0.1"], ["0.2", "0.1"], "h (m)")]
-    {
+    for (k, h, label) in [
+        (["0.125", "0.0625"], ["0.125", "0.0625"], "h = k"),
+        (["0.125", "0.0625"], ["0.1", "0.1"], "k (s)"),
+        (["0.1", "0.1"], ["0.2", "0.1"], "h (m)"),
+    ] {
         fs::write(dir.join("convergence.csv"), csv(k, h)).expect("a file");
         let paths = plot::folder(&dir, &Options::default()).expect("a picture");
         assert_eq!(paths, [dir.join("plots/convergence.svg"), dir.join("plots/convergence.png")]);
@@ -430,26 +514,57 @@ fn studies_that_do_not_fit_are_refused() {
 fn names_with_signs_of_xml_are_escaped() {
     let mut run = by_hand(2, |x, _| x);
     run.name = "a<b> & \"c\" \u{7} 漢".to_owned();
-    let svg = plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture").svg();
+    let svg = plot::picture(Kind::Temperature, &[Panel { title: "", run: &run }], &Options::default())
+        .expect("a picture")
+        .svg();
     assert!(texts(&svg)[0].starts_with("a<b> & \"c\"  漢: temperature"), "{:?}", texts(&svg)[0]);
 }
 
-/// Wear, friction and a warm foundation that a run does not have are not drawn; a power is the slope of the work, a temperature bears its side.
+/// Wear, friction and a warm foundation that a run does not have are not drawn; a power is the slope of the work, a
+/// temperature bears its side.
 #[test]
 fn histories_show_what_there_is() {
     let labels = |history: &[(&str, [f64; 2])]| {
         let history: History = history.iter().map(|(name, column)| ((*name).to_owned(), column.to_vec())).collect();
         let run = Run { history, dimension: 3, snapshot: None, units: Units::SPACE, ..by_hand(1, |x, _| x) };
-        texts(&plot::picture(Kind::History, &[Panel { title: "", run: &run }], &Options::default()).expect("a picture").svg())
+        texts(
+            &plot::picture(Kind::History, &[Panel { title: "", run: &run }], &Options::default())
+                .expect("a picture")
+                .svg(),
+        )
     };
     let rest = [("t", [1.0, 3.0]), ("slip", [4.0, 4.0]), ("wear_max", [0.0; 2]), ("friction_dissipation", [0.0; 2])];
-    let added = ["power of friction", "temperature of the foundation", "largest depth worn off", "area of contact", "volume worn off"];
+    let added = [
+        "power of friction",
+        "temperature of the foundation",
+        "largest depth worn off",
+        "area of contact",
+        "volume worn off",
+    ];
     let plain = labels(&rest);
     assert!(!plain.iter().any(|label| added.iter().any(|word| label.starts_with(word))), "{plain:?}");
     // 20 J within 10 ms are 2 kW, those since the start 26 W.
-    let worn = [("t", [1.0, 1.01]), ("slip", [4.0, 4.0]), ("friction_dissipation", [7.0, 27.0]), ("wear_max", [1.0, 2.0])];
-    let found = labels(&[&worn[..], &[("foundation_temperature@left", [5.0, 6.0]), ("heat_foundation", [1.0, 2.0]), ("heat_contact", [1.0, 2.0])]].concat());
-    for word in ["power of friction (kW)", "2.0", "temperature of the foundation (K)", "left", "largest depth worn off (m)", "content of the foundation"] {
+    let worn =
+        [("t", [1.0, 1.01]), ("slip", [4.0, 4.0]), ("friction_dissipation", [7.0, 27.0]), ("wear_max", [1.0, 2.0])];
+    let found = labels(
+        &[
+            &worn[..],
+            &[
+                ("foundation_temperature@left", [5.0, 6.0]),
+                ("heat_foundation", [1.0, 2.0]),
+                ("heat_contact", [1.0, 2.0]),
+            ],
+        ]
+        .concat(),
+    );
+    for word in [
+        "power of friction (kW)",
+        "2.0",
+        "temperature of the foundation (K)",
+        "left",
+        "largest depth worn off (m)",
+        "content of the foundation",
+    ] {
         assert!(found.iter().any(|label| label == word), "no {word}: {found:?}");
     }
 }

@@ -1,4 +1,5 @@
-//! Pictures of shipped cases are true: the foundation is where the body touches it, scales are equal, and nothing is drawn that a case does not have.
+//! Pictures of shipped cases are true: the foundation is where the body touches it, scales are equal, and nothing is
+//! drawn that a case does not have.
 #![allow(
     clippy::expect_used,
     clippy::err_expect,
@@ -25,7 +26,12 @@ fn solved(name: &str, case: &str, overrides: &[&str]) -> PathBuf {
     }
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let case = common::case(case, &overrides);
-    let options = FolderOptions { force: true, every: case.every, inputs: case.inputs.clone(), ..FolderOptions::new(case.text.clone()) };
+    let options = FolderOptions {
+        force: true,
+        every: case.every,
+        inputs: case.inputs.clone(),
+        ..FolderOptions::new(case.text.clone())
+    };
     let mut folder = Folder::create(&dir, options).expect("a results folder");
     run(&case.problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut folder]).expect("a run");
     dir
@@ -33,16 +39,19 @@ fn solved(name: &str, case: &str, overrides: &[&str]) -> PathBuf {
 
 /// The points of each path of an SVG document that is drawn with a colour and a width.
 fn paths(svg: &str, color: &str, width: &str) -> Vec<Vec<[f64; 2]>> {
-    let with = svg
-        .lines()
-        .filter(|line| line.starts_with("<path") && line.contains(&format!("stroke=\"{color}\"")) && line.contains(&format!("stroke-width=\"{width}\"")));
+    let with = svg.lines().filter(|line| {
+        line.starts_with("<path")
+            && line.contains(&format!("stroke=\"{color}\""))
+            && line.contains(&format!("stroke-width=\"{width}\""))
+    });
     let data = with.filter_map(|line| line.split(" d=\"").nth(1)?.split('"').next());
     data.flat_map(|d| d.split('M').skip(1).map(points)).collect()
 }
 
 /// The numbers of a path, two by two; letters stand between them.
 fn points(d: &str) -> Vec<[f64; 2]> {
-    let numbers: Vec<f64> = d.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-')).filter_map(|n| n.parse().ok()).collect();
+    let numbers: Vec<f64> =
+        d.split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-')).filter_map(|n| n.parse().ok()).collect();
     numbers.chunks_exact(2).map(|p| [p[0], p[1]]).collect()
 }
 
@@ -60,7 +69,8 @@ fn distance(p: [f64; 2], line: &[[f64; 2]]) -> f64 {
     line.windows(2).map(to).fold(f64::INFINITY, f64::min)
 }
 
-/// Places in a picture of points of a body, whose displacements are drawn `factor` times, by the outline of the body in the picture; its scales.
+/// Places in a picture of points of a body, whose displacements are drawn `factor` times, by the outline of the body in
+/// the picture; its scales.
 fn places(svg: &str, run: &Run, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 2]>, [f64; 2]) {
     let outline: Vec<[f64; 2]> = paths(svg, "#222222", "1.2").concat();
     let mesh = &run.problem.as_ref().expect("a problem").mesh;
@@ -69,7 +79,8 @@ fn places(svg: &str, run: &Run, factor: f64, points: &[[f64; 2]]) -> (Vec<[f64; 
     let (drawn, true_) = ([0, 1].map(|d| range(outline.iter().map(|p| p[d]))), [0, 1].map(|d| range(moved(d))));
     let scale = [0, 1].map(|d| (drawn[d][1] - drawn[d][0]) / (true_[d][1] - true_[d][0]));
     // Downwards is positive in the picture.
-    let at = |p: &[f64; 2]| [drawn[0][0] + scale[0] * (p[0] - true_[0][0]), drawn[1][1] - scale[1] * (p[1] - true_[1][0])];
+    let at =
+        |p: &[f64; 2]| [drawn[0][0] + scale[0] * (p[0] - true_[0][0]), drawn[1][1] - scale[1] * (p[1] - true_[1][0])];
     (points.iter().map(at).collect(), scale)
 }
 
@@ -86,7 +97,8 @@ fn picture(kind: Kind, run: &Run) -> String {
     plot::picture(kind, &[Panel { title: "", run }], &Options::default()).expect("a picture").svg()
 }
 
-/// At three times the points of the ring that press lie on a plate, to a pixel, in every picture of the body; both axes have the same scale.
+/// At three times the points of the ring that press lie on a plate, to a pixel, in every picture of the body; both axes
+/// have the same scale.
 #[test]
 fn plates_are_where_the_ring_touches_them() {
     let dir = solved("o-ring", "cases/o-ring.toml", &["time.steps=8", "output.every=2"]);
@@ -114,13 +126,17 @@ fn plates_are_where_the_ring_touches_them() {
     }
 }
 
-/// Beside a flat foundation at a gap that is the same everywhere, displacement and gap are enlarged alike: what presses lies on the foundation.
+/// Beside a flat foundation at a gap that is the same everywhere, displacement and gap are enlarged alike: what presses
+/// lies on the foundation.
 #[test]
 fn an_enlarged_body_still_touches_its_foundation() {
     let dir = solved("paper", "cases/paper.toml", &["mesh.n=16", "time.steps=16", "contact.gap=-0.02"]);
     let run = Run::read(&dir).expect("a run");
     let svg = picture(Kind::Deformed, &run);
-    let factor = (2..=10).map(f64::from).find(|f| svg.contains(&format!("aria-label=\"displacement × {f}\""))).expect("a factor above 1");
+    let factor = (2..=10)
+        .map(f64::from)
+        .find(|f| svg.contains(&format!("aria-label=\"displacement × {f}\"")))
+        .expect("a factor above 1");
     let foundation = paths(&svg, "#d55e00", "1.6");
     assert_eq!(foundation.len(), 1);
     let (drawn, _) = places(&svg, &run, factor, &touching(&run, factor));
@@ -148,17 +164,25 @@ fn a_thin_body_keeps_its_orientation() {
     assert!(svg.contains("aria-label=\"20 mm\"") || svg.contains("aria-label=\"10 mm\""));
 }
 
-/// A ring without heat and wear has no pictures and no charts of them; both sides have their own block with their name and the friction cone.
+/// A ring without heat and wear has no pictures and no charts of them; both sides have their own block with their name
+/// and the friction cone.
 #[test]
 fn only_what_a_case_has_is_drawn() {
     let dir = solved("only", "cases/o-ring.toml", &["time.steps=4"]);
     let paths = plot::folder(&dir, &Options::default()).expect("pictures");
-    let names: Vec<&str> = paths.iter().filter(|p| p.extension().is_some_and(|e| e == "svg")).filter_map(|p| p.file_stem()?.to_str()).collect();
+    let names: Vec<&str> = paths
+        .iter()
+        .filter(|p| p.extension().is_some_and(|e| e == "svg"))
+        .filter_map(|p| p.file_stem()?.to_str())
+        .collect();
     assert_eq!(names, ["deformed", "von-mises", "contact", "history"]);
     let contact = fs::read_to_string(dir.join("plots/contact.svg")).expect("an SVG");
     let history = fs::read_to_string(dir.join("plots/history.svg")).expect("an SVG");
     for word in ["temperature", "heat", "worn"] {
-        assert!(!contact.contains(&format!("aria-label=\"{word}")) && !history.contains(&format!("aria-label=\"{word}")), "{word}");
+        assert!(
+            !contact.contains(&format!("aria-label=\"{word}")) && !history.contains(&format!("aria-label=\"{word}")),
+            "{word}"
+        );
     }
     for side in ["upper", "lower"] {
         assert_eq!(contact.matches(&format!("contact on &quot;{side}&quot; at t = 1 s")).count(), 1, "{side}");
@@ -177,6 +201,7 @@ fn frames_have_their_times() {
             assert!(svg.contains(&format!("aria-label=\"{time}\"")), "{kind:?} has no {time}");
         }
     }
-    let error = plot::folder(&dir, &Options { times: vec![3.0], ..Options::default() }).err().expect("an error").to_string();
+    let error =
+        plot::folder(&dir, &Options { times: vec![3.0], ..Options::default() }).err().expect("an error").to_string();
     assert!(error.contains("t = 3") && error.contains("from t = 0 to t = 2"), "{error}");
 }

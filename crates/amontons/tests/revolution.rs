@@ -1,5 +1,11 @@
 //! Bodies of revolution against closed forms, and against the same body in three dimensions.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 #[path = "common/bodies.rs"]
 mod bodies;
@@ -25,7 +31,8 @@ fn section(elements: Elements, from: f64, n: usize) -> Mesh {
     Mesh { axisymmetric: true, ..mesh }
 }
 
-/// u = (αr, βz) has the constant strain α, β, α: no force at inner nodes, also on the axis along it, and the energy of it.
+/// u = (αr, βz) has the constant strain α, β, α: no force at inner nodes, also on the axis along it, and the energy of
+/// it.
 #[test]
 fn constant_strain() {
     let (alpha, beta) = (0.3, -0.5);
@@ -37,17 +44,26 @@ fn constant_strain() {
             let u: Vec<f64> = mesh.points.iter().flat_map(|p| [alpha * p[0], beta * p[1]]).collect();
             let volume = 0.5 * TAU * ((from + 1.0).powi(2) - from * from);
             // λ = Eν/((1+ν)(1−2ν)), 2μ = E/(1+ν).
-            let energy = volume * (2.0 * 0.3 / (1.3 * 0.4) * (2.0 * alpha + beta).powi(2) + 2.0 / 1.3 * (2.0 * alpha * alpha + beta * beta));
+            let energy = volume
+                * (2.0 * 0.3 / (1.3 * 0.4) * (2.0 * alpha + beta).powi(2)
+                    + 2.0 / 1.3 * (2.0 * alpha * alpha + beta * beta));
             for dilatation in [Dilatation::Full, Dilatation::Mean] {
                 let force = forms::tensor_form(&mesh, &graph, &[&law], dilatation).apply(&u);
                 let boundary = on_boundary(&mesh);
                 for (i, f) in force.iter().enumerate().filter(|(i, _)| {
-                    !boundary[i / 2] || (i % 2 == 1 && mesh.points[i / 2][0] == 0.0 && mesh.points[i / 2][1] > 0.0 && mesh.points[i / 2][1] < 1.0)
+                    !boundary[i / 2]
+                        || (i % 2 == 1
+                            && mesh.points[i / 2][0] == 0.0
+                            && mesh.points[i / 2][1] > 0.0
+                            && mesh.points[i / 2][1] < 1.0)
                 }) {
                     assert!(f.abs() < 1e-13, "{elements:?} from {from}: force {f:e} at {:?}", mesh.points[i / 2]);
                 }
                 let found: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
-                assert!((found - energy).abs() < 1e-12 * energy, "{elements:?} from {from}: {found}, expected {energy}");
+                assert!(
+                    (found - energy).abs() < 1e-12 * energy,
+                    "{elements:?} from {from}: {found}, expected {energy}"
+                );
             }
             assert!((strain_norm(&mesh, &u) - (volume * (2.0 * alpha * alpha + beta * beta)).sqrt()).abs() < 1e-13);
             // The thermal form on a unit temperature: ∫ 𝓜:ε(v) = |Ω| 𝓜:ε.
@@ -65,20 +81,24 @@ fn constant_strain() {
 fn a_tube_has_the_displacement_of_lame() {
     let (a, b) = (0.4, 0.9);
     let exact = |r: f64| (a * r + b / r, a - b / (r * r));
-    for (elements, n) in [(Elements::P1, [16, 32]), (Elements::P2, [4, 8]), (Elements::Q1, [16, 32]), (Elements::Q2, [4, 8])] {
+    for (elements, n) in
+        [(Elements::P1, [16, 32]), (Elements::P2, [4, 8]), (Elements::Q1, [16, 32]), (Elements::Q2, [4, 8])]
+    {
         let [coarse, fine] = n.map(|n| {
             let mesh = section(elements, 1.0, n);
             let graph = Arc::new(Graph::of_mesh(&mesh));
             let matrix = forms::a(&mesh, &graph, &[&Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain)]);
             // u_r is given on the two cylinders, u_z = 0 on the ends; the rest of the tractions is zero.
-            let free: Vec<bool> = mesh.points.iter().flat_map(|p| [p[0] != 1.0 && p[0] != 2.0, p[1] != 0.0 && p[1] != 1.0]).collect();
+            let free: Vec<bool> =
+                mesh.points.iter().flat_map(|p| [p[0] != 1.0 && p[0] != 2.0, p[1] != 0.0 && p[1] != 1.0]).collect();
             let mut u: Vec<f64> = mesh.points.iter().flat_map(|p| [exact(p[0]).0, 0.0]).collect();
             u.iter_mut().zip(&free).for_each(|(u, &free)| {
                 if free {
                     *u = 0.0;
                 }
             });
-            let mut system = System::new(&matrix, Unknowns::new(&matrix, &mesh.points, 2, &free, &[])).expect("a regular system");
+            let mut system =
+                System::new(&matrix, Unknowns::new(&matrix, &mesh.points, 2, &free, &[])).expect("a regular system");
             let rest: Vec<f64> = matrix.apply(&u).into_iter().map(|f| -f).collect();
             let mut x = system.unknowns().gather(&rest);
             system.solve(&mut x);
@@ -94,7 +114,9 @@ fn a_tube_has_the_displacement_of_lame() {
 #[test]
 fn contact_weights() {
     for elements in EVERY {
-        for (from, side, area) in [(0.0, "bottom", 0.5 * TAU), (1.0, "bottom", 1.5 * TAU), (1.0, "left", TAU), (1.0, "right", 2.0 * TAU)] {
+        for (from, side, area) in
+            [(0.0, "bottom", 0.5 * TAU), (1.0, "bottom", 1.5 * TAU), (1.0, "left", TAU), (1.0, "right", 2.0 * TAU)]
+        {
             let mesh = section(elements, from, 3);
             for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
                 let boundary = ContactBoundary::new(&mesh, &mesh.facets[side], quadrature);

@@ -1,4 +1,5 @@
-//! Bodies that move without strain, or far beside it: what is left of the equations is then the round-off of large terms.
+//! Bodies that move without strain, or far beside it: what is left of the equations is then the round-off of large
+//! terms.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::sync::Arc;
@@ -51,7 +52,8 @@ const ROD: &str = r#"
     normal = { law = "signorini" }
 "#;
 
-/// A rod that is drawn away from the foundation, and one that is brought back to where it was: free of stress in every step.
+/// A rod that is drawn away from the foundation, and one that is brought back to where it was: free of stress in every
+/// step.
 #[test]
 fn a_free_rod_moves_without_stress() {
     for (moved, expected) in [("-0.01*t", -0.02), ("-0.01*t*(2 - t)", 0.0), ("-1e6*t*(2 - t)", 0.0)] {
@@ -70,7 +72,8 @@ fn a_uniform_temperature_stays() {
     assert!(state.theta.iter().all(|theta| (theta - 1e5).abs() <= 1e-9), "{:?}", state.theta);
 }
 
-/// The block of `sliding-block-signorini` of steel and of diamond: as stiff as a body is, it slides as far, v₀²/(2μg) but for v₀ k/2.
+/// The block of `sliding-block-signorini` of steel and of diamond: as stiff as a body is, it slides as far, v₀²/(2μg)
+/// but for v₀ k/2.
 #[test]
 fn stiff_blocks_slide_as_far() {
     let (_, text) = BENCHMARKS.iter().find(|(name, _)| *name == "sliding-block-signorini").unwrap();
@@ -112,12 +115,14 @@ fn contact_alone_holds_a_block_upright() {
         on = "bottom"
         normal = { law = "signorini" }
     "#;
-    // σ_yy = −p and σ_xx = 0 but for the side that is held, which is free to slip: ε_yy = −p/E, and a layer c_ν gives way by p/c_ν.
+    // σ_yy = −p and σ_xx = 0 but for the side that is held, which is free to slip: ε_yy = −p/E, and a layer c_ν gives
+    // way by p/c_ν.
     for (normal, sinks) in [("{law='signorini'}", 0.0), ("{law='compliance', stiffness=10}", 0.01)] {
         for n in ["[4, 2]", "[5, 3]", "[16, 8]", "[33, 17]"] {
             let problem = problem(BLOCK, &[&format!("contact.normal={normal}"), &format!("mesh.n={n}")]);
             let state = end(&problem);
-            let top = problem.mesh.points.iter().zip(state.u.chunks_exact(2)).filter(|(x, _)| (x[1] - 1.0).abs() < 1e-12);
+            let top =
+                problem.mesh.points.iter().zip(state.u.chunks_exact(2)).filter(|(x, _)| (x[1] - 1.0).abs() < 1e-12);
             for (x, u) in top {
                 assert!((u[1] + 0.05 + sinks).abs() < 1e-11, "{normal}, n = {n}: u_y = {} at {x:?}", u[1]);
             }

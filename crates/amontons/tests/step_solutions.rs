@@ -1,5 +1,5 @@
-//! The condition of a step against all solutions of small steps, enumerated, and against dense matrices. Every matrix is assembled in this
-//! file, from the vertices of the triangles.
+//! The condition of a step against all solutions of small steps, enumerated, and against dense matrices. Every matrix
+//! is assembled in this file, from the vertices of the triangles.
 #![allow(clippy::expect_used, clippy::panic, clippy::indexing_slicing, reason = "a test fails by panicking")]
 
 mod common;
@@ -117,8 +117,11 @@ fn least_eigenvalue(matrix: &Matrix) -> f64 {
 /// λ_min(S, W) of diagonal weights that may be zero: the inverse of the largest eigenvalue of √W S⁻¹ √W.
 fn least(s: &Matrix, w: &[f64]) -> f64 {
     let unit = |i: usize| (0..w.len()).map(|j| f64::from(u8::from(i == j))).collect::<Vec<f64>>();
-    let inverse: Matrix = (0..w.len()).map(|i| if w[i] > 0.0 { solve(s.clone(), unit(i)).expect("a regular matrix") } else { vec![0.0; w.len()] }).collect();
-    let scaled: Matrix = (0..w.len()).map(|i| (0..w.len()).map(|j| -inverse[i][j] * (w[i] * w[j]).sqrt()).collect()).collect();
+    let inverse: Matrix = (0..w.len())
+        .map(|i| if w[i] > 0.0 { solve(s.clone(), unit(i)).expect("a regular matrix") } else { vec![0.0; w.len()] })
+        .collect();
+    let scaled: Matrix =
+        (0..w.len()).map(|i| (0..w.len()).map(|j| -inverse[i][j] * (w[i] * w[j]).sqrt()).collect()).collect();
     -1.0 / least_eigenvalue(&scaled)
 }
 
@@ -126,7 +129,8 @@ fn c_star(stiffness: f64, mu: f64) -> f64 {
     stiffness * ((1.0 + mu * mu).sqrt() - 1.0) / 2.0
 }
 
-/// Theorem 2 on random S with one and two points, two laws and two weights: a step has a solution, and one only where S − k Σ c*_i W_i > 0.
+/// Theorem 2 on random S with one and two points, two laws and two weights: a step has a solution, and one only where
+/// S − k Σ c*_i W_i > 0.
 #[test]
 fn random_steps_have_one_solution_where_the_condition_holds() {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
@@ -135,7 +139,8 @@ fn random_steps_have_one_solution_where_the_condition_holds() {
         for _ in 0..if points == 1 { 60_000 } else { 12_000 } {
             let n = 2 * points;
             let root: Matrix = (0..n).map(|_| (0..n).map(|_| random.number()).collect()).collect();
-            let s: Matrix = (0..n).map(|i| (0..n).map(|j| (0..n).map(|l| root[i][l] * root[j][l]).sum()).collect()).collect();
+            let s: Matrix =
+                (0..n).map(|i| (0..n).map(|j| (0..n).map(|l| root[i][l] * root[j][l]).sum()).collect()).collect();
             let k = 10f64.powf(random.number());
             let at: Vec<Point> = (0..points)
                 .map(|i| Point {
@@ -162,7 +167,9 @@ fn random_steps_have_one_solution_where_the_condition_holds() {
             let declared = monotonicity_loss(at[0].stiffness, at[0].mu * at[0].stiffness, 0.0);
             assert!((declared - c_star(at[0].stiffness, at[0].mu)).abs() <= 1e-8 * declared);
         }
-        println!("{points} points: {several} steps with several solutions, {held} where the condition holds, nearest at {nearest:.3}");
+        println!(
+            "{points} points: {several} steps with several solutions, {held} where the condition holds, nearest at {nearest:.3}"
+        );
         assert!(several > 20 && held > 20, "{points} points: {several}, {held}");
     }
 }
@@ -179,7 +186,11 @@ fn just_below_the_condition_a_step_has_three_solutions() {
         let across = [-x[1], x[0]];
         let y = [-x[0], -mu * x[0]];
         let (along, beside) = (x[0] * y[0] + x[1] * y[1], across[0] * y[0] + across[1] * y[1]);
-        let entry = |i: usize, j: usize| (along - epsilon) * x[i] * x[j] + beside * (x[i] * across[j] + across[i] * x[j]) + gamma * across[i] * across[j];
+        let entry = |i: usize, j: usize| {
+            (along - epsilon) * x[i] * x[j]
+                + beside * (x[i] * across[j] + across[i] * x[j])
+                + gamma * across[i] * across[j]
+        };
         let s: Matrix = (0..2).map(|i| (0..2).map(|j| entry(i, j)).collect()).collect();
         let lambda = least_eigenvalue(&s);
         assert!(lambda < loss && lambda > (1.0 - 1e-5) * loss, "μ = {mu}: λ_min = {lambda}, c* = {loss}");
@@ -195,7 +206,8 @@ fn just_below_the_condition_a_step_has_three_solutions() {
     }
 }
 
-/// The counterexample to uniqueness on the way between two states: open, slip and stick, in this order of r and of slip.
+/// The counterexample to uniqueness on the way between two states: open, slip and stick, in this order of r and of
+/// slip.
 #[test]
 fn a_step_may_have_a_solution_between_two_others() {
     let point = [Point { normal: (0, 1.0), tangent: 1, weight: 1.0, stiffness: 1.0, mu: 3.0, start: 0.0 }];
@@ -235,12 +247,14 @@ fn assemble(problem: &Problem, law: [[f64; 3]; 3]) -> (Matrix, Matrix) {
                 let (rows, columns) = (strain(a), strain(b));
                 for (r, row) in rows.iter().enumerate() {
                     for (c, column) in columns.iter().enumerate() {
-                        let work: f64 = (0..3).map(|i| (0..3).map(|j| row[i] * law[i][j] * column[j]).sum::<f64>()).sum();
+                        let work: f64 =
+                            (0..3).map(|i| (0..3).map(|j| row[i] * law[i][j] * column[j]).sum::<f64>()).sum();
                         stiffness[2 * cell[a] as usize + r][2 * cell[b] as usize + c] += 0.5 * double * work;
                     }
                 }
                 for c in 0..2 {
-                    mass[2 * cell[a] as usize + c][2 * cell[b] as usize + c] += double / if a == b { 12.0 } else { 24.0 };
+                    mass[2 * cell[a] as usize + c][2 * cell[b] as usize + c] +=
+                        double / if a == b { 12.0 } else { 24.0 };
                 }
             }
         }
@@ -268,7 +282,8 @@ fn support(matrix: &mut Matrix, problem: &Problem, on: &str, factor: f64, kappa:
     for (nodes, length) in edges(problem, on) {
         for (a, b) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
             for c in 0..2 {
-                matrix[2 * nodes[a] + c][2 * nodes[b] + c] += factor * kappa[c] * length / if a == b { 3.0 } else { 6.0 };
+                matrix[2 * nodes[a] + c][2 * nodes[b] + c] +=
+                    factor * kappa[c] * length / if a == b { 3.0 } else { 6.0 };
             }
         }
     }
@@ -311,19 +326,28 @@ impl Data {
     }
 
     fn problem(&self) -> Problem {
-        let top = self.spring.map_or_else(|| "displacement=[0, 0]".to_owned(), |[x, y]| format!("spring=[{x:?}, {y:?}]"));
+        let top =
+            self.spring.map_or_else(|| "displacement=[0, 0]".to_owned(), |[x, y]| format!("spring=[{x:?}, {y:?}]"));
         let contact = |(on, [stiffness, mu]): (&&str, &[f64; 2])| {
-            format!("{{on='{on}', normal={{law='compliance', stiffness={stiffness:?}}}, friction={{law='coulomb', coefficient={mu:?}}}, heat={{law='none'}}}}")
+            format!(
+                "{{on='{on}', normal={{law='compliance', stiffness={stiffness:?}}}, friction={{law='coulomb', coefficient={mu:?}}}, heat={{law='none'}}}}"
+            )
         };
         let contacts: Vec<String> = SIDES.iter().zip(&self.sides).map(contact).collect();
         let overrides = [
             format!("mesh.n={}", self.n),
             format!("time.steps={}", self.steps),
             format!("material.density={:?}", self.density),
-            format!("material.elasticity={{law='isotropic', young={:?}, poisson=0.3, stress_state='plane-strain'}}", self.young),
+            format!(
+                "material.elasticity={{law='isotropic', young={:?}, poisson=0.3, stress_state='plane-strain'}}",
+                self.young
+            ),
             format!("material.viscosity={{law='lame', first={:?}, second={:?}}}", self.viscosity[0], self.viscosity[1]),
             format!("material.prony=[{{ratio={:?}, time={:?}}}]", self.branch[0], self.branch[1]),
-            format!("boundary=[{{on='top', {top}, temperature=0}}, {{on='left', dashpot=[{:?}, {:?}]}}]", self.dashpot[0], self.dashpot[1]),
+            format!(
+                "boundary=[{{on='top', {top}, temperature=0}}, {{on='left', dashpot=[{:?}, {:?}]}}]",
+                self.dashpot[0], self.dashpot[1]
+            ),
             format!("contact=[{}]", contacts.join(", ")),
         ];
         paper(&overrides.iter().map(String::as_str).collect::<Vec<_>>()).problem
@@ -345,11 +369,15 @@ impl Data {
         let mut weights = vec![0.0; matrix.len()];
         for (loss, on) in losses.iter().zip(SIDES) {
             for (nodes, length) in edges(problem, on) {
-                nodes.into_iter().flat_map(|node| [2 * node, 2 * node + 1]).for_each(|dof| weights[dof] += 0.5 * length * loss / most);
+                nodes
+                    .into_iter()
+                    .flat_map(|node| [2 * node, 2 * node + 1])
+                    .for_each(|dof| weights[dof] += 0.5 * length * loss / most);
             }
         }
         let top: Vec<u32> = problem.mesh.facets["top"].node_list();
-        let free: Vec<usize> = (0..matrix.len()).filter(|dof| self.spring.is_some() || !top.contains(&(*dof as u32 / 2))).collect();
+        let free: Vec<usize> =
+            (0..matrix.len()).filter(|dof| self.spring.is_some() || !top.contains(&(*dof as u32 / 2))).collect();
         (select(&matrix, &free), free.iter().map(|&i| weights[i]).collect(), most)
     }
 }
@@ -368,7 +396,12 @@ fn the_eigenvalue_of_a_step_is_that_of_dense_matrices() {
         let value = finding.value.expect("a value");
         assert!((value - expected).abs() < 1e-7 * expected, "sample {sample}: {value:e}, expected {expected:e}");
         assert!((finding.needed.expect("a value") - needed).abs() < 1e-8 * needed);
-        assert_eq!(finding.status.as_str(), if expected > needed { "holds" } else { "fails" }, "sample {sample}: {}", finding.message);
+        assert_eq!(
+            finding.status.as_str(),
+            if expected > needed { "holds" } else { "fails" },
+            "sample {sample}: {}",
+            finding.message
+        );
         held += usize::from(finding.holds());
         failed += usize::from(finding.fails());
     }
@@ -379,7 +412,9 @@ fn the_eigenvalue_of_a_step_is_that_of_dense_matrices() {
 /// Springs of 1e-3 hold a block of 1e6: a translation bounds λ_min by k times the spring, whatever the number of steps.
 #[test]
 fn weak_springs_make_no_step_unique() {
-    for (spring, steps, friction) in [(1e-3, 16, 0.2), (1e-3, 32, 0.2), (1e-3, 33, 0.2), (1e-3, 128, 0.2), (1e-3, 256, 0.2), (1e6, 16, 0.2)] {
+    for (spring, steps, friction) in
+        [(1e-3, 16, 0.2), (1e-3, 32, 0.2), (1e-3, 33, 0.2), (1e-3, 128, 0.2), (1e-3, 256, 0.2), (1e6, 16, 0.2)]
+    {
         let problem = paper(&[
             "mesh.n=8",
             &format!("time.steps={steps}"),
@@ -395,7 +430,10 @@ fn weak_springs_make_no_step_unique() {
         .problem;
         let unique = find(&problem, "step-unique");
         if spring < 1.0 {
-            assert!(!unique.holds() && unique.value.is_none_or(|v| v <= 1.000_001 * spring * problem.k()), "{steps} steps: {unique:?}");
+            assert!(
+                !unique.holds() && unique.value.is_none_or(|v| v <= 1.000_001 * spring * problem.k()),
+                "{steps} steps: {unique:?}"
+            );
         } else {
             // λ_min(S, W) = 2995 by an independent program of P1 elements.
             assert!(unique.holds() && (unique.value.expect("a value") / 2995.0 - 1.0).abs() < 1e-3, "{unique:?}");
@@ -403,7 +441,8 @@ fn weak_springs_make_no_step_unique() {
     }
 }
 
-/// One step of a square of two triangles that is held at its top, and for one contact point at its left, from a random state.
+/// One step of a square of two triangles that is held at its top, and for one contact point at its left, from a random
+/// state.
 struct Small {
     one: bool,
     k: f64,
@@ -424,7 +463,18 @@ impl Small {
         let (stiffness, mu) = (10.0 * size(1.5), 3.0 * size(0.5));
         let mut pair = |factor: f64| [factor * random.number(), factor * random.number()];
         let (force, start) = (pair(10.0), [pair(1.0), pair(1.0)]);
-        Small { one: sample.is_multiple_of(2), k, density, young, eta, stiffness, mu, gap: 0.3 * random.number().abs(), force, start }
+        Small {
+            one: sample.is_multiple_of(2),
+            k,
+            density,
+            young,
+            eta,
+            stiffness,
+            mu,
+            gap: 0.3 * random.number().abs(),
+            force,
+            start,
+        }
     }
 
     fn problem(&self) -> Problem {
@@ -454,7 +504,8 @@ impl Small {
     /// The degrees of freedom that are free, λ_min(S, W), and all solutions of the step.
     fn solved(&self, problem: &Problem) -> (Vec<usize>, f64, Vec<Vec<f64>>) {
         let bottom = problem.mesh.facets["bottom"].node_list();
-        let touching: Vec<usize> = bottom.iter().map(|&n| n as usize).filter(|&n| !self.one || problem.mesh.points[n][0] > 0.5).collect();
+        let touching: Vec<usize> =
+            bottom.iter().map(|&n| n as usize).filter(|&n| !self.one || problem.mesh.points[n][0] > 0.5).collect();
         let free: Vec<usize> = touching.iter().flat_map(|&n| [2 * n, 2 * n + 1]).collect();
         let (elastic, mass) = assemble(problem, plane_strain(self.young));
         let (mut matrix, _) = assemble(problem, plane(0.0, self.eta));
@@ -470,19 +521,28 @@ impl Small {
             .map(|&dof| {
                 let row = |m: &Matrix, v: &[f64]| m[dof].iter().zip(v).map(|(m, v)| m * v).sum::<f64>();
                 // ∫ N is the sum of the row of the mass matrix over one component.
-                let load: f64 = (0..mass.len()).filter(|other| other % 2 == dof % 2).map(|other| mass[dof][other]).sum();
+                let load: f64 =
+                    (0..mass.len()).filter(|other| other % 2 == dof % 2).map(|other| mass[dof][other]).sum();
                 self.density / self.k * row(&mass, &w) - row(&elastic, &u) + load * self.force[dof % 2]
             })
             .collect();
         let (s, stiffness, mu) = (select(&matrix, &free), self.stiffness, self.mu);
-        let point = |i: usize| Point { normal: (2 * i + 1, -1.0), tangent: 2 * i, weight: 0.5, stiffness, mu, start: -u[2 * touching[i] + 1] - self.gap };
+        let point = |i: usize| Point {
+            normal: (2 * i + 1, -1.0),
+            tangent: 2 * i,
+            weight: 0.5,
+            stiffness,
+            mu,
+            start: -u[2 * touching[i] + 1] - self.gap,
+        };
         let points: Vec<Point> = (0..touching.len()).map(point).collect();
         let lambda = least(&s, &vec![0.5; free.len()]);
         (free, lambda, solutions(&s, &points, self.k, &right))
     }
 }
 
-/// Steps of one and two contact points of the program itself: its solution is one of all there are, and the only one where the verdict holds.
+/// Steps of one and two contact points of the program itself: its solution is one of all there are, and the only one
+/// where the verdict holds.
 #[test]
 fn steps_of_the_program_against_all_their_solutions() {
     let mut random = Random(0x94D0_49BB_1331_11EB);
@@ -492,9 +552,16 @@ fn steps_of_the_program_against_all_their_solutions() {
         let problem = small.problem();
         let (free, lambda, all) = small.solved(&problem);
         let unique = find(&problem, "step-unique");
-        assert!((unique.value.expect("a value") / lambda - 1.0).abs() < 1e-9, "sample {sample}: {unique:?}, expected {lambda:e}");
+        assert!(
+            (unique.value.expect("a value") / lambda - 1.0).abs() < 1e-9,
+            "sample {sample}: {unique:?}, expected {lambda:e}"
+        );
         assert_eq!(unique.holds(), lambda > c_star(small.stiffness, small.mu) * small.k, "sample {sample}");
-        assert!(!all.is_empty() && (all.len() == 1 || !unique.holds()), "sample {sample}: {} solutions, {unique:?}", all.len());
+        assert!(
+            !all.is_empty() && (all.len() == 1 || !unique.holds()),
+            "sample {sample}: {} solutions, {unique:?}",
+            all.len()
+        );
         held += usize::from(unique.holds());
         several += usize::from(all.len() > 1);
         let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
@@ -504,7 +571,9 @@ fn steps_of_the_program_against_all_their_solutions() {
             continue;
         };
         if report.parts == 1 {
-            let near = |solution: &Vec<f64>| free.iter().zip(solution).all(|(&dof, w)| (state.w[dof] - w).abs() <= 1e-8 * (1.0 + w.abs()));
+            let near = |solution: &Vec<f64>| {
+                free.iter().zip(solution).all(|(&dof, w)| (state.w[dof] - w).abs() <= 1e-8 * (1.0 + w.abs()))
+            };
             assert!(all.iter().any(near), "sample {sample}: the result is no solution");
         }
     }

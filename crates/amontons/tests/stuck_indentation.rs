@@ -1,5 +1,5 @@
-//! A half-plane pressed on a rigid cylinder to which it sticks, against the closed form of Spence (Proc. R. Soc. A 305, 1968): quadratic
-//! elements, every node sticks where the body is when the contact reaches it.
+//! A half-plane pressed on a rigid cylinder to which it sticks, against the closed form of Spence (Proc. R. Soc. A 305,
+//! 1968): quadratic elements, every node sticks where the body is when the contact reaches it.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::collections::BTreeMap;
@@ -31,8 +31,13 @@ fn block(h: f64) -> Mesh {
         lines
     };
     let [x, y] = [1.3, 0.4].map(lines);
-    let mut mesh =
-        Mesh::rectangle_of(Elements::P1, [x.len() as f64 - 1.0, y.len() as f64 - 1.0], [x.len() - 1, y.len() - 1], Diagonal::Right).expect("a rectangle");
+    let mut mesh = Mesh::rectangle_of(
+        Elements::P1,
+        [x.len() as f64 - 1.0, y.len() as f64 - 1.0],
+        [x.len() - 1, y.len() - 1],
+        Diagonal::Right,
+    )
+    .expect("a rectangle");
     mesh.points.iter_mut().for_each(|p| *p = [x[p[0].round() as usize], y[p[1].round() as usize], 0.0]);
     mesh.quadratic().expect("a quadratic mesh")
 }
@@ -65,8 +70,8 @@ fn integral(b: f64, n: usize, f: impl Fn(f64) -> f64) -> f64 {
     (0..n).map(|i| f(b * (i as f64 + 0.5) / n as f64)).sum::<f64>() * b / n as f64
 }
 
-/// η, and the factor K of p + iq = K ∫ c (c² − x²)^(−½) ((c + x)/(c − x))^(iη) dc: stuck punches of half width c, one after the other, whose slopes
-/// at their edges are that of the cylinder.
+/// η, and the factor K of p + iq = K ∫ c (c² − x²)^(−½) ((c + x)/(c − x))^(iη) dc: stuck punches of half width c, one
+/// after the other, whose slopes at their edges are that of the cylinder.
 fn constants() -> (f64, f64) {
     let eta = (3.0 - 4.0 * POISSON).ln() / (2.0 * PI);
     let slope = 1.0 - 2.0 * eta * integral(40.0, 4000, |u| (2.0 * eta * u).sin() / u.cosh());
@@ -86,12 +91,15 @@ fn errors(h: f64, steps: usize) -> [[f64; 2]; 2] {
     let bytes = writer::write(&block(h), writer::Format { version: 4, binary: None, step: 1, spread: 1 });
     let files = Files::Memory(BTreeMap::from([("block.msh".to_owned(), bytes.into())]));
     let source = Source { files, ..Source::new("stuck.toml", CASE) };
-    let problem = case::parse(&source, &[format!("time.steps={steps}")]).unwrap_or_else(|error| panic!("{error}")).problem;
+    let problem =
+        case::parse(&source, &[format!("time.steps={steps}")]).unwrap_or_else(|error| panic!("{error}")).problem;
     let mut memory = Memory::new().reports();
-    run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
+    run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut memory])
+        .unwrap_or_else(|error| panic!("{error}"));
     let (boundary, states) = (problem.contact_boundary(), &memory.reports.last().expect("a step").contact.states);
     // The load of the other half too; P = K a² π/(2 cosh πη).
-    let load = 2.0 * boundary.points.iter().zip(states).map(|(point, state)| point.weight * state.pressure).sum::<f64>();
+    let load =
+        2.0 * boundary.points.iter().zip(states).map(|(point, state)| point.weight * state.pressure).sum::<f64>();
     let (eta, k) = constants();
     let a = (2.0 * load * (PI * eta).cosh() / (PI * k)).sqrt();
     let means = boundary.vertex_means(&problem.mesh, 0, &problem.mesh.facets["bottom"]);
@@ -111,9 +119,9 @@ fn errors(h: f64, steps: usize) -> [[f64; 2]; 2] {
     })
 }
 
-/// The traction alternates between vertices and middle nodes by some hundredths of the largest pressure, since the edge of contact
-/// advances from node to node and the body sticks where it is then; this falls slowly with h. Its means about the vertices are those of the closed
-/// form, and converge.
+/// The traction alternates between vertices and middle nodes by some hundredths of the largest pressure, since the edge
+/// of contact advances from node to node and the body sticks where it is then; this falls slowly with h. Its means
+/// about the vertices are those of the closed form, and converge.
 #[test]
 fn means_about_vertices_are_the_closed_form() {
     let [[_, zigzag], coarse] = errors(0.2, 120);
@@ -121,6 +129,7 @@ fn means_about_vertices_are_the_closed_form() {
     assert!(zigzag > 0.02 && finer > 0.02, "the nodes alternate: {zigzag}, {finer}");
     let orders = [0, 1].map(|c| (coarse[c] / fine[c]).log2());
     assert!(orders.iter().all(|order| *order > 0.8), "orders {orders:?}, errors {coarse:?}, {fine:?}");
-    // The cell at the edge bears (h/a)^(3/2) of the load, which the mesh may misplace over the contact: 0.03 in the mean for h = a/10.
+    // The cell at the edge bears (h/a)^(3/2) of the load, which the mesh may misplace over the contact: 0.03 in the
+    // mean for h = a/10.
     assert!(fine[0] < 0.03 && fine[1] < 0.2 * finer, "{fine:?}, {finer}");
 }

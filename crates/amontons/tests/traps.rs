@@ -1,5 +1,10 @@
 //! Traps are told: each warning and fault with its number from a formula, and a case beside it that has none.
-#![allow(clippy::expect_used, clippy::panic, clippy::float_cmp, reason = "a test fails by panicking, and counts are exact")]
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and counts are exact"
+)]
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -90,8 +95,12 @@ fn no_word(finding: impl Into<Option<Finding>>) {
 /// The corner has half a cell: 1/8 of the length 2.
 #[test]
 fn a_contact_point_that_a_support_holds() {
-    let held =
-        |more: &str, gap: &str| told(&problem(BLOCK, &[&format!("boundary=[{{ on = \"left\", {more} }}]"), &format!("contact.gap={gap}")]), "contact-held");
+    let held = |more: &str, gap: &str| {
+        told(
+            &problem(BLOCK, &[&format!("boundary=[{{ on = \"left\", {more} }}]"), &format!("contact.gap={gap}")]),
+            "contact-held",
+        )
+    };
     near(warns(held("displacement = [0, 0]", "0.0"), "contact.on")[0], 0.125 / 2.0, 1e-14);
     no_word(held("displacement = [0, \"free\"]", "0.0"));
     // A corner that stays off the foundation loses nothing; one that is pushed into it does.
@@ -127,7 +136,11 @@ fn nodes_that_were_not_merged_and_parts_that_nothing_holds() {
     // The side of height 1 has 5 nodes; the copy moves and turns.
     let cut = doubled(&whole, 2.0);
     let finding = told(&cut, "coincident-nodes").expect("a warning");
-    assert!(finding.message.starts_with("5 pairs") && finding.message.contains("(2.0, 0.0, 0.0)"), "{}", finding.message);
+    assert!(
+        finding.message.starts_with("5 pairs") && finding.message.contains("(2.0, 0.0, 0.0)"),
+        "{}",
+        finding.message
+    );
     assert_eq!(warns(Some(finding), "mesh.file"), [5.0, 0.0]);
     assert_eq!(warns(told(&cut, "part-free"), "boundary")[0], 3.0);
     no_word(told(&doubled(&whole, 2.1), "coincident-nodes"));
@@ -164,7 +177,12 @@ fn motions_without_strain_are_counted() {
 /// λ + μ of a plane strain: M_a = 2λ + 2μ = E/((1 + ν)(1 − 2ν)).
 #[test]
 fn an_expansion_that_is_none() {
-    let steel = |expansion: &str| told(&problem(BLOCK, &["material.elasticity.young=2.1e11", &format!("material.expansion={expansion}")]), "expansion-scale");
+    let steel = |expansion: &str| {
+        told(
+            &problem(BLOCK, &["material.elasticity.young=2.1e11", &format!("material.expansion={expansion}")]),
+            "expansion-scale",
+        )
+    };
     let found = warns(steel("1.2e-5"), "material.expansion");
     near(found[0], 1.2e-5 * 1.25 * 0.5 / 2.1e11, 1e-12);
     no_word(steel("0.0"));
@@ -176,7 +194,8 @@ fn an_expansion_that_is_none() {
 #[test]
 fn an_expansion_that_leaves_out_the_third_direction() {
     let told = |expansion: &str, state: &str| {
-        let overrides = [format!("material.expansion={expansion}"), format!("material.elasticity.stress_state=\"{state}\"")];
+        let overrides =
+            [format!("material.expansion={expansion}"), format!("material.elasticity.stress_state=\"{state}\"")];
         told(&problem(BLOCK, &overrides.each_ref().map(String::as_str)), "expansion-zz")
     };
     let finding = told("[[2, 0], [0, 2]]", "plane-strain");
@@ -188,14 +207,19 @@ fn an_expansion_that_leaves_out_the_third_direction() {
     no_word(told("[[2, 0], [0, 2]]", "plane-stress"));
 }
 
-/// √(k K/c) = √(0.01 · 2/8) = 0.05, and 0.5 in 100 steps; the layer has the height 0.25 of a cell after 25 steps, a quarter of the run.
+/// √(k K/c) = √(0.01 · 2/8) = 0.05, and 0.5 in 100 steps; the layer has the height 0.25 of a cell after 25 steps, a
+/// quarter of the run.
 #[test]
 fn a_thermal_layer_thinner_than_a_cell() {
     let warm = ["time.steps=100", "material.heat_capacity=8.0", "material.conductivity=2.0"];
     let heat = "contact.heat={ law = \"pressure\", coefficient = 1.0, foundation_temperature = 5.0 }";
     let told = |more: &[&str]| told(&problem(BLOCK, &[&warm[..], more].concat()), "thermal-layer");
     let finding = told(&[heat]).expect("a warning");
-    assert!(finding.message.contains("5.000 times thinner") && finding.message.contains("in 25 of 100 steps"), "{}", finding.message);
+    assert!(
+        finding.message.contains("5.000 times thinner") && finding.message.contains("in 25 of 100 steps"),
+        "{}",
+        finding.message
+    );
     let [cell, needed] = warns(Some(finding), "mesh");
     near(cell, 0.25, 1e-14);
     near(needed, 0.5 * 0.1f64.sqrt(), 1e-14);
@@ -206,25 +230,44 @@ fn a_thermal_layer_thinner_than_a_cell() {
     no_word(told(&[heat, "mesh.elements=\"P2\""]));
 }
 
-const RADIATES: &str = "contact.heat={ law = \"radiation\", emissivity = 0.8, absolute_zero = -273.15, foundation_temperature = 20.0 }";
+const RADIATES: &str =
+    "contact.heat={ law = \"radiation\", emissivity = 0.8, absolute_zero = -273.15, foundation_temperature = 20.0 }";
 
 #[test]
 fn temperatures_below_absolute_zero_are_faults() {
     assert!(parsed(BLOCK, &[RADIATES]).is_ok());
     assert!(parsed(BLOCK, &[RADIATES, "initial.temperature=-273.15"]).is_ok());
-    let cold = ["initial.temperature=-300.0", "boundary=[{ on = \"top\", displacement = [0, 0], temperature = \"-400*t\" }]"];
-    for (cold, key, value) in [(cold[0], "initial.temperature", "-300.0 at x = 0.0, y = 0.0, t = 0.0"), (cold[1], "boundary[0].temperature", "-400.0")] {
+    let cold =
+        ["initial.temperature=-300.0", "boundary=[{ on = \"top\", displacement = [0, 0], temperature = \"-400*t\" }]"];
+    for (cold, key, value) in [
+        (cold[0], "initial.temperature", "-300.0 at x = 0.0, y = 0.0, t = 0.0"),
+        (cold[1], "boundary[0].temperature", "-400.0"),
+    ] {
         let fault = parsed(BLOCK, &[RADIATES, cold]).expect_err("a fault");
-        for part in [key, &format!("found the temperature {value}"), "expected temperatures from absolute_zero = -273.15 on", "0 for kelvins"] {
+        for part in [
+            key,
+            &format!("found the temperature {value}"),
+            "expected temperatures from absolute_zero = -273.15 on",
+            "0 for kelvins",
+        ] {
             assert!(fault.contains(part), "{part} is not in {fault}");
         }
         assert!(parsed(BLOCK, &[cold]).is_ok());
     }
     let foundation = RADIATES.replace("20.0", "\"-274 + 2*t\"");
-    assert!(parsed(BLOCK, &[&foundation]).expect_err("a fault").contains("contact.heat.foundation_temperature: found the temperature -274.0"));
+    assert!(
+        parsed(BLOCK, &[&foundation])
+            .expect_err("a fault")
+            .contains("contact.heat.foundation_temperature: found the temperature -274.0")
+    );
 
     // A sink of 400 W/m³ takes c θ̇ = −400 from an insulated body: −400 K at t = 1.
-    let sink = [RADIATES, "load.heat_source=-400.0", "contact.heat.emissivity=0.0", "boundary=[{ on = \"top\", displacement = [0, 0] }]"];
+    let sink = [
+        RADIATES,
+        "load.heat_source=-400.0",
+        "contact.heat.emissivity=0.0",
+        "boundary=[{ on = \"top\", displacement = [0, 0] }]",
+    ];
     let summary = solved(BLOCK, &sink);
     let finding = summary.warnings.iter().find(|f| f.id.as_str() == "absolute-zero").cloned();
     let [low, zero] = warns(finding, "contact.heat.absolute_zero");
@@ -246,12 +289,16 @@ fn magnitudes_beyond_the_range_of_numbers_are_refused() {
     for (factor, stress, square) in [(1e-170, "1e-169", "1e-338"), (1e150, "1e151", "1e302")] {
         // Stresses of 5 N/m³ times the length 2 m.
         let fault = small(factor).expect_err("a fault");
-        let expected = format!("load.body_force[0]: found stresses of about {stress} Pa, whose squares are about {square}, expected squares, energies");
+        let expected = format!(
+            "load.body_force[0]: found stresses of about {stress} Pa, whose squares are about {square}, expected squares, energies"
+        );
         assert!(fault.contains(&expected), "{fault}");
     }
     for factor in [1e-140, 1e140] {
-        let (found, expected) =
-            (run(&small(factor).expect("a case"), &Settings::default(), &mut []).expect("a run"), solved(BLOCK, &["load.body_force=[5, -1]"]));
+        let (found, expected) = (
+            run(&small(factor).expect("a case"), &Settings::default(), &mut []).expect("a run"),
+            solved(BLOCK, &["load.body_force=[5, -1]"]),
+        );
         near(found.last.norms.displacement_v.unwrap(), expected.last.norms.displacement_v.unwrap(), 1e-9);
         near(found.last.von_mises_max.unwrap() / factor, expected.last.von_mises_max.unwrap(), 1e-9);
     }
@@ -259,7 +306,10 @@ fn magnitudes_beyond_the_range_of_numbers_are_refused() {
         ("initial.temperature=1e200", "initial.temperature: found temperatures of about 1e200 K"),
         ("initial.velocity=[0, 1e-160]", "initial.velocity[1]: found stresses of about"),
         ("material.conductivity=1e300", "material.conductivity: found entries of a matrix of about 1e300"),
-        ("boundary=[{ on = \"left\", traction = [\"1e160*t\", 0] }]", "boundary[0].traction[0]: found stresses of about 1e160 Pa"),
+        (
+            "boundary=[{ on = \"left\", traction = [\"1e160*t\", 0] }]",
+            "boundary[0].traction[0]: found stresses of about 1e160 Pa",
+        ),
     ] {
         let quiet = ["load.body_force=[0, 0]"];
         let fault = parsed(BLOCK, &[&quiet[..], &[spoiled]].concat()).expect_err("a fault");
@@ -278,23 +328,34 @@ fn refused_data_have_their_place() {
     // Twice the length of the body: 2e-170 Pa, and 4e-340 of it.
     assert_eq!(
         faulty(&BLOCK.replace("-1.0]", "-1e-170]"), &[]),
-        format!("case.toml:5:29: load.body_force[1]: found stresses of about 1e-170 Pa, whose squares are about 1e-339, {range}")
+        format!(
+            "case.toml:5:29: load.body_force[1]: found stresses of about 1e-170 Pa, whose squares are about 1e-339, {range}"
+        )
     );
     assert_eq!(
         faulty(BLOCK, &[RADIATES, "initial.temperature=-300.0"]),
-        format!("--set initial.temperature=-300.0: initial.temperature: found the temperature -300.0 at x = 0.0, y = 0.0, t = 0.0, {zero}")
+        format!(
+            "--set initial.temperature=-300.0: initial.temperature: found the temperature -300.0 at x = 0.0, y = 0.0, t = 0.0, {zero}"
+        )
     );
     let foundation = "contact.foundation={ heat_capacity = 1.0, temperature = -280.0, surroundings = 20.0 }";
-    assert_eq!(faulty(BLOCK, &[RADIATES, foundation]), format!("--set {foundation}: contact.foundation.temperature: found the temperature -280.0, {zero}"));
+    assert_eq!(
+        faulty(BLOCK, &[RADIATES, foundation]),
+        format!("--set {foundation}: contact.foundation.temperature: found the temperature -280.0, {zero}")
+    );
 }
 
 /// Uniaxial strain −δ of a block of height 1.
 #[test]
 fn strains_that_are_not_small() {
     let pressed = |by: f64| {
-        let planes = ["bottom", "left", "right"].map(|on| format!("{{ on = \"{on}\", normal_displacement = 0 }}")).join(", ");
+        let planes =
+            ["bottom", "left", "right"].map(|on| format!("{{ on = \"{on}\", normal_displacement = 0 }}")).join(", ");
         let boundary = format!("boundary=[{{ on = \"top\", displacement = [0, {:?}] }}, {planes}]", -by);
-        solved(BLOCK.split("[contact]").next().expect("a body"), &["load.body_force=[0, 0]", "material.density=0", &boundary])
+        solved(
+            BLOCK.split("[contact]").next().expect("a body"),
+            &["load.body_force=[0, 0]", "material.density=0", &boundary],
+        )
     };
     let summary = pressed(0.1);
     near(summary.last.strain_max.unwrap(), 0.1, 1e-12);
@@ -305,13 +366,17 @@ fn strains_that_are_not_small() {
     assert!(summary.warnings.is_empty(), "{:?}", summary.warnings);
 }
 
-/// A bar at 0 whose end jumps to 100. Between nodes (1 − s)(θ_{i−1} + θ_{i+1}) + (4 + 2s) θ_i = 0 with s = 6 k K/(c h²), so θ_1 = 100 r with
-/// r = √(q² − 1) − q, q = (2 + s)/(1 − s): below zero where s < 1.
+/// A bar at 0 whose end jumps to 100. Between nodes (1 − s)(θ_{i−1} + θ_{i+1}) + (4 + 2s) θ_i = 0 with s = 6 k K/(c
+/// h²), so θ_1 = 100 r with r = √(q² − 1) − q, q = (2 + s)/(1 − s): below zero where s < 1.
 #[test]
 fn temperatures_that_undershoot() {
     let end = "boundary=[{ on = \"left\", displacement = [0], temperature = 100 }]";
     let shock = |steps: usize, more: &[&str]| {
-        solved(BAR, &[&[end, "mesh.n=40", &format!("time={{ end = {:?}, steps = {steps} }}", 1e-4 * steps as f64)], more].concat())
+        solved(
+            BAR,
+            &[&[end, "mesh.n=40", &format!("time={{ end = {:?}, steps = {steps} }}", 1e-4 * steps as f64)], more]
+                .concat(),
+        )
     };
     for steps in [1, 300] {
         let summary = shock(steps, &[]);
@@ -322,7 +387,8 @@ fn temperatures_that_undershoot() {
     assert!(shock(1, &["material.conductivity=1.1"]).last.undershoot.is_some_and(|by| by < 1e-12));
     // s = 0.096: the undershoot is 22 K and stays on record when it has gone.
     let slow = ["material.conductivity=0.1"];
-    let [by, limit] = warns(shock(300, &slow).warnings.iter().find(|f| f.id.as_str() == "temperature-range").cloned(), "time.steps");
+    let [by, limit] =
+        warns(shock(300, &slow).warnings.iter().find(|f| f.id.as_str() == "temperature-range").cloned(), "time.steps");
     let q = 2.096 / 0.904;
     near(by, 100.0 * (q - f64::sqrt(q * q - 1.0)), 1e-8);
     near(limit, 0.01 * (100.0 + by), 1e-12);
@@ -336,12 +402,14 @@ fn temperatures_that_undershoot() {
 #[test]
 fn foundations_that_give_way() {
     let pushed = |stiffness: &str| {
-        let contact = format!("contact={{ on = \"right\", normal = {{ law = \"compliance\", stiffness = {stiffness} }} }}");
+        let contact =
+            format!("contact={{ on = \"right\", normal = {{ law = \"compliance\", stiffness = {stiffness} }} }}");
         solved(BAR, &["boundary=[{ on = \"left\", displacement = [0.5], temperature = 0 }]", &contact])
     };
     let summary = pushed("1.0");
     near(summary.last.penetration_per_cell.expect("a ratio"), 2.5, 1e-9);
-    let [depth, limit] = warns(summary.warnings.iter().find(|f| f.id.as_str() == "penetration").cloned(), "contact.normal");
+    let [depth, limit] =
+        warns(summary.warnings.iter().find(|f| f.id.as_str() == "penetration").cloned(), "contact.normal");
     near(depth, 0.25, 1e-9);
     near(limit, 0.01, 1e-9);
     assert!(pushed("1e3").warnings.iter().all(|f| f.id.as_str() != "penetration"));
@@ -354,7 +422,10 @@ fn a_datum_that_is_not_finite_is_named() {
         other => panic!("{other:?}"),
     };
     let (error, summary) = fails(&["load.heat_source=\"1/(t - 0.5)\""]);
-    assert!(matches!(&error, StepError::Data { step: 2, t, key, value, .. } if *t == 0.5 && key == "load.heat_source" && value.is_infinite()), "{error}");
+    assert!(
+        matches!(&error, StepError::Data { step: 2, t, key, value, .. } if *t == 0.5 && key == "load.heat_source" && value.is_infinite()),
+        "{error}"
+    );
     assert!(error.to_string().contains("load.heat_source is inf at") && summary.steps == 1);
     // NaN at t = 0.75, and where x > 1.1 only.
     let traction = "boundary=[{ on = \"top\", traction = [0, \"sqrt((t - 0.7)*(t - 0.9)*max(0, x - 1.1) + max(0, 1.1 - x))\"] }, { on = \"left\", displacement = [0, 0] }]";
@@ -362,7 +433,10 @@ fn a_datum_that_is_not_finite_is_named() {
     let StepError::Data { step, key, value, at, .. } = &error else { panic!("{error}") };
     assert!(*step == 3 && key == "boundary[0].traction[1]" && value.is_nan() && at[0] > 1.1 && at[1] == 1.0, "{error}");
     let (error, _) = fails(&["contact.foundation_velocity=[\"log(abs(t - 0.25))\", 0]"]);
-    assert!(matches!(&error, StepError::Data { step: 1, key, .. } if key == "contact.foundation_velocity[0]"), "{error}");
+    assert!(
+        matches!(&error, StepError::Data { step: 1, key, .. } if key == "contact.foundation_velocity[0]"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -407,26 +481,44 @@ fn a_run_with_figures_that_are_no_numbers_is_unsound() {
     assert!(error.to_string().contains("final.von_mises_max is NaN"), "{error}");
 }
 
-/// Heat that cancels over the body and hardly moves: the content is round-off, and so is the error, which is none of the balance.
+/// Heat that cancels over the body and hardly moves: the content is round-off, and so is the error, which is none of
+/// the balance.
 #[test]
 fn a_content_that_cancels_is_no_failure() {
-    let waves = ["initial.temperature=\"sin(2*pi*x/2)*(1 + 0.3*y)\"", "boundary=[{ on = \"top\", displacement = [0, 0] }]", "time={ end = 1e-9, steps = 3 }"];
+    let waves = [
+        "initial.temperature=\"sin(2*pi*x/2)*(1 + 0.3*y)\"",
+        "boundary=[{ on = \"top\", displacement = [0, 0] }]",
+        "time={ end = 1e-9, steps = 3 }",
+    ];
     let summary = solved(BLOCK, &waves);
     assert!(summary.energy.heat_closing_error.abs() < 1e-10, "{:e}", summary.energy.heat_closing_error);
 }
 
-/// P1 elements of length h of a bar give ω² = (E/ρ)(6/h²)(1 − cos κh)/(2 + cos κh), κ = π/2L fixed and free, κ = π/L held at both ends.
+/// P1 elements of length h of a bar give ω² = (E/ρ)(6/h²)(1 − cos κh)/(2 + cos κh), κ = π/2L fixed and free, κ = π/L
+/// held at both ends.
 #[test]
 fn time_scales_of_a_bar() {
     let lambda = |kappa: f64, h: f64| 6.0 / (h * h) * (1.0 - (kappa * h).cos()) / (2.0 + (kappa * h).cos());
-    let bar = ["mesh={ kind = \"interval\", size = 2.0, n = 20 }", "material.density=2.0", "material.elasticity.young=8.0", "material.heat_capacity=3.0"];
+    let bar = [
+        "mesh={ kind = \"interval\", size = 2.0, n = 20 }",
+        "material.density=2.0",
+        "material.elasticity.young=8.0",
+        "material.heat_capacity=3.0",
+    ];
     let ends = "boundary=[{ on = \"left\", displacement = [0], temperature = 0 }, { on = \"right\", temperature = 0 }]";
     let times = |more: &[&str]| Model::new(&problem(BAR, &[&bar[..], &[ends], more].concat())).times;
     let found = times(&[]);
     near(found.first_period.expect("a period"), TAU / (4.0 * lambda(PI / 4.0, 0.1)).sqrt(), 1e-10);
     near(found.heat.expect("a time"), 3.0 / lambda(PI / 2.0, 0.1), 1e-10);
-    assert!((found.first_period.unwrap_or(0.0) / 4.0 - 1.0).abs() < 1e-3 && found.retardation.is_none() && found.relaxation.is_empty());
-    let damped = times(&["material.viscosity={ law = \"lame\", first = 0.0, second = 4.0 }", "material.prony=[{ ratio = 0.5, time = 0.25 }]"]);
+    assert!(
+        (found.first_period.unwrap_or(0.0) / 4.0 - 1.0).abs() < 1e-3
+            && found.retardation.is_none()
+            && found.relaxation.is_empty()
+    );
+    let damped = times(&[
+        "material.viscosity={ law = \"lame\", first = 0.0, second = 4.0 }",
+        "material.prony=[{ ratio = 0.5, time = 0.25 }]",
+    ]);
     assert_eq!((damped.retardation, damped.relaxation), (Some([0.5, 0.5]), vec![0.25]));
     // Nothing holds these.
     assert_eq!(times(&["boundary=[{ on = \"right\", traction = [0] }]"]).first_period, None);
@@ -452,10 +544,15 @@ fn sizes_of_a_body() {
     assert_eq!(Model::new(&doubled(&problem(BLOCK, &[]), 2.0)).parts, 2);
 }
 
-/// The count agrees with the factors that a run makes. One cell of 27 nodes has a dense matrix of 81 unknowns: n³/3 operations.
+/// The count agrees with the factors that a run makes. One cell of 27 nodes has a dense matrix of 81 unknowns: n³/3
+/// operations.
 #[test]
 fn the_cost_is_that_of_the_factors() {
-    for overrides in [&[][..], &["mesh.n=[40, 20]", "mesh.elements=\"P2\""], &["boundary=[{ on = \"left\", displacement = [0, \"free\"] }]"]] {
+    for overrides in [
+        &[][..],
+        &["mesh.n=[40, 20]", "mesh.elements=\"P2\""],
+        &["boundary=[{ on = \"left\", displacement = [0, \"free\"] }]"],
+    ] {
         let problem = problem(BLOCK, overrides);
         let cost = Model::new(&problem).cost.expect("a cost");
         let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("factors");
@@ -472,9 +569,12 @@ fn the_cost_is_that_of_the_factors() {
 /// A rigid foundation is none of the theory and nothing to act on.
 #[test]
 fn the_two_voices() {
-    let standard = ["contact.normal={ law = \"signorini\" }", "material.viscosity={ law = \"lame\", first = 0.0, second = 0.0 }"];
+    let standard =
+        ["contact.normal={ law = \"signorini\" }", "material.viscosity={ law = \"lame\", first = 0.0, second = 0.0 }"];
     let heat = "contact.heat={ law = \"pressure\", coefficient = 1.0, foundation_temperature = 5.0 }";
-    let summary = run(&problem(BLOCK, &[&standard[..], &[heat]].concat()), &Settings::default(), &mut [&mut Memory::default()]).expect("a run");
+    let summary =
+        run(&problem(BLOCK, &[&standard[..], &[heat]].concat()), &Settings::default(), &mut [&mut Memory::default()])
+            .expect("a run");
     let kind = |id: &str| summary.findings.iter().find(|f| f.id.as_str() == id).map(|f| (f.kind, f.fails()));
     assert_eq!(kind("H8"), Some((Kind::Theory, false)));
     assert_eq!(kind("H1"), Some((Kind::Theory, false)));

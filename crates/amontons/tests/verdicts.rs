@@ -1,4 +1,5 @@
-//! Verdicts of the certificate against runs and the theorems' own words: contact that occurs or cannot, models that a theorem speaks of.
+//! Verdicts of the certificate against runs and the theorems' own words: contact that occurs or cannot, models that a
+//! theorem speaks of.
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
@@ -53,7 +54,8 @@ fn effect(problem: &Problem) -> [f64; 3] {
     largest
 }
 
-/// Seven kinds of data with which contact, or heat through an open gap, does occur where a bound of u_ν stays below the gap.
+/// Seven kinds of data with which contact, or heat through an open gap, does occur where a bound of u_ν stays below the
+/// gap.
 #[test]
 fn contact_is_not_called_impossible_where_it_occurs() {
     let none = "heat={law='none'}";
@@ -64,18 +66,35 @@ fn contact_is_not_called_impossible_where_it_occurs() {
     let cases: Vec<(&str, Vec<String>)> = vec![
         ("bilateral", vec![contact(0.05, &["normal={law='bilateral'}", none])]),
         ("tresca", vec![contact(1.0, &[soft, "friction={law='tresca', bound=1.0}", none]), tractions.to_owned()]),
-        ("adhesion", vec![contact(0.01, &["normal={law='adhesion', stiffness=1e3, strength=20.0, release=0.01}", none])]),
+        (
+            "adhesion",
+            vec![contact(0.01, &["normal={law='adhesion', stiffness=1e3, strength=20.0, release=0.01}", none])],
+        ),
         (
             "gap",
             vec![
-                contact(0.01, &[soft, coulomb, "heat={law='gap', conductivity=1.0, roughness=0.01, foundation_temperature=1000.0}"]),
+                contact(
+                    0.01,
+                    &[
+                        soft,
+                        coulomb,
+                        "heat={law='gap', conductivity=1.0, roughness=0.01, foundation_temperature=1000.0}",
+                    ],
+                ),
                 "material.expansion=1".to_owned(),
             ],
         ),
         (
             "radiation",
             vec![
-                contact(0.01, &[soft, coulomb, "heat={law='radiation', emissivity=1.0, constant=1.0, absolute_zero=0.0, foundation_temperature=10.0}"]),
+                contact(
+                    0.01,
+                    &[
+                        soft,
+                        coulomb,
+                        "heat={law='radiation', emissivity=1.0, constant=1.0, absolute_zero=0.0, foundation_temperature=10.0}",
+                    ],
+                ),
                 "material.expansion=1".to_owned(),
             ],
         ),
@@ -120,7 +139,8 @@ fn contact_is_not_called_impossible_where_it_occurs() {
     assert!(bound.fails() && bound.value.expect("a bound") >= effect(&mean(1e3))[2]);
 }
 
-/// Where it is said that contact cannot occur it does not, with the gap next to the bound: springs, dashpots, loads that vary, revolution.
+/// Where it is said that contact cannot occur it does not, with the gap next to the bound: springs, dashpots, loads
+/// that vary, revolution.
 #[test]
 fn where_contact_is_called_impossible_it_does_not_occur() {
     let laws = "normal={law='compliance', stiffness=1e3}, friction={law='coulomb', coefficient=0.5}, heat={law='none'}";
@@ -138,10 +158,14 @@ fn where_contact_is_called_impossible_it_does_not_occur() {
         (&[sprung], "bottom"),
         (&[sprung, undamped, "load.body_force=['sin(9*t)', '-5*cos(7*t)']"], "bottom"),
         (&[revolution, space, scalar], "bottom"),
-        (&[revolution, space, scalar, "material.expansion=[[0, 0, 0], [0, 0, 0], [0, 0, 5]]", "load.heat_source=3"], "right"),
+        (
+            &[revolution, space, scalar, "material.expansion=[[0, 0, 0], [0, 0, 0], [0, 0, 5]]", "load.heat_source=3"],
+            "right",
+        ),
     ];
     for (overrides, side) in cases {
-        let with = |gap: f64| over_a_gap(&[overrides, &[&format!("contact={{on='{side}', gap={gap:?}, {laws}}}")]].concat());
+        let with =
+            |gap: f64| over_a_gap(&[overrides, &[&format!("contact={{on='{side}', gap={gap:?}, {laws}}}")]].concat());
         let far = find(&with(1e6), "contact-possible");
         assert!(far.fails(), "{overrides:?}: {}", far.message);
         let bound = far.value.expect("a bound");
@@ -165,11 +189,17 @@ fn the_theorem_is_cited_where_it_speaks_only() {
         (&["contact.foundation_velocity=['sin(t)', 0]", "contact.gap='0.1*t'"], "holds"),
         (&["contact.friction={law='tresca', bound=2.0}"], "holds"),
         (&["contact.normal={law='adhesion', stiffness=1e3, strength=20.0, release=0.01}"], "holds"),
-        (&[&heat("{law='radiation', emissivity=1.0, constant=1.0, absolute_zero=-10.0, foundation_temperature=0}")], "holds"),
+        (
+            &[&heat("{law='radiation', emissivity=1.0, constant=1.0, absolute_zero=-10.0, foundation_temperature=0}")],
+            "holds",
+        ),
         (&[&heat("{law='gap', conductivity=1.0, roughness=0.1, foundation_temperature=0}")], "holds"),
         (&[&heat("{law='power', coefficient=3, exponent=1, foundation_temperature=0}")], "holds"),
         (&["contact.frictional_heat=0.5"], "not-covered"),
-        (&["contact.friction={law='temperature', temperature=[0, 10], coefficient=[0.3, 0.2], cap=0.1}"], "not-covered"),
+        (
+            &["contact.friction={law='temperature', temperature=[0, 10], coefficient=[0.3, 0.2], cap=0.1}"],
+            "not-covered",
+        ),
         (&["contact.friction={law='slip-rate', speed=[0, 1], coefficient=[0.4, 0.1]}"], "not-covered"),
         (&["contact.wear={law='archard', coefficient=0.02}"], "not-covered"),
         (&["contact.normal={law='damped', stiffness=10, damping=50}"], "not-covered"),
@@ -192,14 +222,25 @@ fn the_theorem_is_cited_where_it_speaks_only() {
         found.into_iter().find(|f| f.id.as_str() == id).expect("the finding")
     };
     let temperature = "contact.friction={law='temperature', temperature=[0, 10], coefficient=[0.3, 0.2]}";
-    for overrides in [[temperature], ["contact.wear={law='archard', coefficient=0.02}"], ["contact.normal={law='damped', stiffness=10, damping=50}"]] {
+    for overrides in [
+        [temperature],
+        ["contact.wear={law='archard', coefficient=0.02}"],
+        ["contact.normal={law='damped', stiffness=10, damping=50}"],
+    ] {
         assert_eq!(status(&overrides, "H8").status.as_str(), "not-covered", "{overrides:?}");
     }
     // L_kc is there, M_kc is not.
     let linear = status(&[&heat("{law='power', coefficient=3, exponent=1, foundation_temperature=0}")], "H7");
-    assert!(linear.fails() && linear.message.contains("L_kc = 3.0") && linear.message.contains("not bounded"), "{}", linear.message);
+    assert!(
+        linear.fails() && linear.message.contains("L_kc = 3.0") && linear.message.contains("not bounded"),
+        "{}",
+        linear.message
+    );
     // m_a = 0 but for round-off.
-    let hencky = status(&["material.elasticity={law='hencky', bulk=1.0, shear=1.0, shear_infinite=0.0, strain=0.01, exponent=0.5}"], "2.23-needed");
+    let hencky = status(
+        &["material.elasticity={law='hencky', bulk=1.0, shear=1.0, shear_infinite=0.0, strain=0.01, exponent=0.5}"],
+        "2.23-needed",
+    );
     assert!(hencky.holds(), "{}", hencky.message);
 }
 
@@ -212,7 +253,9 @@ fn friction_of_the_temperature_is_seen_below_its_cap() {
             "time.steps=16",
             "scheme.coupling='monolithic'",
             "material.expansion=0",
-            &format!("contact.friction={{law='temperature', temperature=[0, 10], coefficient=[0.3, 0.2], cap={cap:?}}}"),
+            &format!(
+                "contact.friction={{law='temperature', temperature=[0, 10], coefficient=[0.3, 0.2], cap={cap:?}}}"
+            ),
             "contact.frictional_heat=0.5",
             "contact.normal.stiffness=1e3",
         ])

@@ -11,7 +11,12 @@ fn broken(first: usize, of: usize) -> Vec<String> {
         match verify(name, text, &Settings { certificate: false, ..Settings::default() }) {
             Ok(verdicts) if verdicts.is_empty() => broken.push(format!("{name} compares nothing")),
             Ok(verdicts) => {
-                broken.extend(verdicts.into_iter().filter(|v| !v.holds).map(|v| format!("{name}: {} is {:e}, expected {:e}", v.what, v.computed, v.reference)));
+                broken.extend(
+                    verdicts
+                        .into_iter()
+                        .filter(|v| !v.holds)
+                        .map(|v| format!("{name}: {} is {:e}, expected {:e}", v.what, v.computed, v.reference)),
+                );
             }
             Err(error) => broken.push(format!("{name}: {error}")),
         }
@@ -24,7 +29,10 @@ fn broken(first: usize, of: usize) -> Vec<String> {
 fn every_benchmark_holds() {
     let broken: Vec<String> = std::thread::scope(|scope| {
         let halves = [0, 1].map(|first| scope.spawn(move || broken(first, 2)));
-        halves.into_iter().flat_map(|half| half.join().unwrap_or_else(|_| vec!["a benchmark panicked".to_owned()])).collect()
+        halves
+            .into_iter()
+            .flat_map(|half| half.join().unwrap_or_else(|_| vec!["a benchmark panicked".to_owned()]))
+            .collect()
     });
     assert!(broken.is_empty(), "{}", broken.join("\n"));
     assert!(BENCHMARKS.len() >= 100);
@@ -32,7 +40,9 @@ fn every_benchmark_holds() {
 
 #[test]
 fn a_reference_that_is_wrong_by_more_than_its_tolerance_does_not_hold() {
-    let Some((name, text)) = BENCHMARKS.iter().find(|(name, _)| *name == "manufactured-p") else { panic!("manufactured-p is shipped") };
+    let Some((name, text)) = BENCHMARKS.iter().find(|(name, _)| *name == "manufactured-p") else {
+        panic!("manufactured-p is shipped")
+    };
     let spoiled = text.replace("reference = 0.0", "reference = 1e-9");
     match verify(name, &spoiled, &Settings { certificate: false, ..Settings::default() }) {
         Ok(verdicts) => assert!(verdicts.iter().all(|v| !v.holds)),

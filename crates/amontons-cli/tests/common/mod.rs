@@ -24,7 +24,18 @@ pub fn run_paper(out: &Path, steps: usize, further: &[&str]) -> Output {
     let steps = format!("time.steps={steps}");
     let out = out.display().to_string();
     let paper = paper();
-    let mut arguments = vec!["run", paper.as_str(), "--out", out.as_str(), "--set", "mesh.n=8", "--set", steps.as_str(), "--set", "output.every=3"];
+    let mut arguments = vec![
+        "run",
+        paper.as_str(),
+        "--out",
+        out.as_str(),
+        "--set",
+        "mesh.n=8",
+        "--set",
+        steps.as_str(),
+        "--set",
+        "output.every=3",
+    ];
     arguments.extend(further);
     output(&mut amontons(&arguments))
 }
@@ -82,12 +93,18 @@ pub fn files(folder: &Path) -> Vec<PathBuf> {
 
 /// Asserts that two folders hold the same results to the last bit.
 pub fn assert_same_results(a: &Path, b: &Path) {
-    let inside = |folder: &Path| -> Vec<PathBuf> { files(folder).iter().map(|p| p.strip_prefix(folder).expect("inside").to_owned()).collect() };
+    let inside = |folder: &Path| -> Vec<PathBuf> {
+        files(folder).iter().map(|p| p.strip_prefix(folder).expect("inside").to_owned()).collect()
+    };
     assert_eq!(inside(a), inside(b));
     for name in inside(a) {
         // These three tell of times and sessions.
         if !["summary.json", "manifest.json", "checkpoint/state.bin"].contains(&name.display().to_string().as_str()) {
-            assert!(fs::read(a.join(&name)).expect("a file") == fs::read(b.join(&name)).expect("a file"), "{} differs", name.display());
+            assert!(
+                fs::read(a.join(&name)).expect("a file") == fs::read(b.join(&name)).expect("a file"),
+                "{} differs",
+                name.display()
+            );
         }
     }
     assert_eq!(lasting(summary(a)), lasting(summary(b)));

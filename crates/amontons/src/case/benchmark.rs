@@ -39,7 +39,13 @@ impl Build<'_> {
                     self.check_time(&path, *time, problem.k());
                 }
                 raw::Check::Order { .. } | raw::Check::Error { .. } if !has_exact => {
-                    self.note(&format!("{path}.kind"), At::Value, "no [exact] to compare with", "a case with a solution in closed form", None);
+                    self.note(
+                        &format!("{path}.kind"),
+                        At::Value,
+                        "no [exact] to compare with",
+                        "a case with a solution in closed form",
+                        None,
+                    );
                 }
                 raw::Check::Order { .. } | raw::Check::Error { .. } => {}
             }
@@ -52,8 +58,16 @@ impl Build<'_> {
     /// Notes a time outside the interval for which there are values.
     fn check_time(&mut self, path: &str, time: Option<f64>, first: f64) {
         let slack = 1e-12 * self.end;
-        if let Some(time) = time.filter(|_| !self.has_other_end).filter(|&time| !(first - slack..=self.end + slack).contains(&time)) {
-            self.note(&format!("{path}.time"), At::Value, time.to_string(), format!("a time from {first} to time.end = {}", self.end), None);
+        if let Some(time) =
+            time.filter(|_| !self.has_other_end).filter(|&time| !(first - slack..=self.end + slack).contains(&time))
+        {
+            self.note(
+                &format!("{path}.time"),
+                At::Value,
+                time.to_string(),
+                format!("a time from {first} to time.end = {}", self.end),
+                None,
+            );
         }
     }
 
@@ -64,7 +78,13 @@ impl Build<'_> {
             let words: Vec<&str> = columns.iter().map(String::as_str).collect();
             let hint = nearest(column, &words).map(|near| format!("did you mean \"{near}\"?"));
             let expected = format!("one of the columns of history.csv: {}", words.join(", "));
-            self.note(&format!("{path}.column"), At::Value, format!("\"{}\"", column.escape_debug()), expected, hint.as_deref());
+            self.note(
+                &format!("{path}.column"),
+                At::Value,
+                format!("\"{}\"", column.escape_debug()),
+                expected,
+                hint.as_deref(),
+            );
         }
     }
 }
@@ -98,6 +118,8 @@ fn check(raw: &raw::Check, probe: Option<Probe>) -> Option<Check> {
             error: (*error).into(),
             is: comparison(*reference, *tolerance, Some(1.0)),
         },
-        raw::Check::Error { error, reference, tolerance, scale } => Check::Error { error: (*error).into(), is: comparison(*reference, *tolerance, *scale) },
+        raw::Check::Error { error, reference, tolerance, scale } => {
+            Check::Error { error: (*error).into(), is: comparison(*reference, *tolerance, *scale) }
+        }
     })
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
-use super::nearest::nearest;
 use super::files::{Files, Loader};
 use super::material;
+use super::nearest::nearest;
 use super::path::{Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
@@ -22,9 +22,24 @@ use crate::units::System;
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
 ///
 /// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
-/// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the times of checks need not fit.
-pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, doubtful: &[Path], has_other_end: bool) -> (Option<Built>, Vec<Finding>) {
-    let mut build = Build { findings: Vec::new(), doubtful, loader: Loader::new(files), no_mesh: false, dim: 2, end: raw.time.end, has_other_end };
+/// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the
+/// times of checks need not fit.
+pub(super) fn problem(
+    raw: raw::Case,
+    files: &Files,
+    available: Option<f64>,
+    doubtful: &[Path],
+    has_other_end: bool,
+) -> (Option<Built>, Vec<Finding>) {
+    let mut build = Build {
+        findings: Vec::new(),
+        doubtful,
+        loader: Loader::new(files),
+        no_mesh: false,
+        dim: 2,
+        end: raw.time.end,
+        has_other_end,
+    };
     build.name(&raw.name);
     build.step(&raw.time);
     let contact_on: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
@@ -45,7 +60,12 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
-        contacts: raw.contact.map_or_else(Vec::new, raw::Contacts::all).into_iter().map(|(path, c)| build.contact(&path, c, &mesh)).collect(),
+        contacts: raw
+            .contact
+            .map_or_else(Vec::new, raw::Contacts::all)
+            .into_iter()
+            .map(|(path, c)| build.contact(&path, c, &mesh))
+            .collect(),
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
@@ -55,7 +75,17 @@ pub(super) fn problem(raw: raw::Case, files: &Files, available: Option<f64>, dou
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    (checked.ok().filter(|_| findings.is_empty()).map(|problem| Built { problem, probes, exact, verify, inputs, references }), findings)
+    (
+        checked.ok().filter(|_| findings.is_empty()).map(|problem| Built {
+            problem,
+            probes,
+            exact,
+            verify,
+            inputs,
+            references,
+        }),
+        findings,
+    )
 }
 
 fn system(raw: raw::Units) -> System {
@@ -136,7 +166,14 @@ pub(super) struct Build<'d> {
 }
 
 impl Build<'_> {
-    pub fn note(&mut self, path: &str, at: At, found: impl Into<String>, expected: impl Into<String>, hint: Option<&str>) {
+    pub fn note(
+        &mut self,
+        path: &str,
+        at: At,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+        hint: Option<&str>,
+    ) {
         let path = Path::parse(path).unwrap_or_default();
         self.findings.push(Finding::new(path, at, found, expected).hint(hint.map(str::to_owned)));
     }
@@ -183,7 +220,13 @@ impl Build<'_> {
     fn step(&mut self, time: &raw::Time) {
         let k = time.end / time.steps as f64;
         if !(k.is_normal() && k.recip().is_finite()) {
-            self.note("time.end", At::Value, format!("steps of {k:?} s"), "a step length that is a normal number", None);
+            self.note(
+                "time.end",
+                At::Value,
+                format!("steps of {k:?} s"),
+                "a step length that is a normal number",
+                None,
+            );
         }
     }
 
@@ -203,10 +246,22 @@ impl Build<'_> {
                 None => {
                     let known: Vec<&str> = mesh.regions.iter().map(String::as_str).collect();
                     let hint = nearest(&region.on, &known).map(|near| format!("did you mean \"{near}\"?"));
-                    self.note(&on, At::Value, format!("\"{}\"", region.on), format!("one of the regions {}", known.join(", ")), hint.as_deref());
+                    self.note(
+                        &on,
+                        At::Value,
+                        format!("\"{}\"", region.on),
+                        format!("one of the regions {}", known.join(", ")),
+                        hint.as_deref(),
+                    );
                 }
                 Some(number) if own[number].is_some() => {
-                    self.note(&on, At::Value, format!("\"{}\" again", region.on), "each region in one [[region]] entry", None);
+                    self.note(
+                        &on,
+                        At::Value,
+                        format!("\"{}\" again", region.on),
+                        "each region in one [[region]] entry",
+                        None,
+                    );
                 }
                 Some(number) => own[number] = Some(material),
             }
@@ -224,16 +279,30 @@ impl Build<'_> {
             self.note("exact.displacement", At::Value, found, format!("{} components", self.dim), None);
         }
         if physics.has_heat() && raw.temperature.is_none() {
-            self.note("exact.temperature", At::Missing, "no such key", "a number or an expression in x, y, z, t (temperature in K)", None);
+            self.note(
+                "exact.temperature",
+                At::Missing,
+                "no such key",
+                "a number or an expression in x, y, z, t (temperature in K)",
+                None,
+            );
         }
         let mut displacement = self.scalars("exact.displacement", &raw.displacement, points);
         displacement.resize(self.dim, Field::ZERO);
-        Exact { displacement, temperature: raw.temperature.as_ref().map_or(Field::ZERO, |scalar| self.scalar("exact.temperature", scalar, points)) }
+        Exact {
+            displacement,
+            temperature: raw
+                .temperature
+                .as_ref()
+                .map_or(Field::ZERO, |scalar| self.scalar("exact.temperature", scalar, points)),
+        }
     }
 
     fn initial(&mut self, raw: &raw::Initial, points: &[Point]) -> Initial {
         let mut steady = |path: &str, scalar: &raw::Scalar| self.steady(path, scalar, points, "it holds at t = 0");
-        let mut vector = |path: &str, all: &[raw::Scalar]| all.iter().enumerate().map(|(c, scalar)| steady(&format!("{path}[{c}]"), scalar)).collect();
+        let mut vector = |path: &str, all: &[raw::Scalar]| {
+            all.iter().enumerate().map(|(c, scalar)| steady(&format!("{path}[{c}]"), scalar)).collect()
+        };
         Initial {
             displacement: vector("initial.displacement", &raw.displacement),
             velocity: vector("initial.velocity", &raw.velocity),

@@ -66,7 +66,9 @@ impl<'s> Walk<'s> {
         let integer = integer(found);
         let Some(number) = number(found).filter(|n| n.is_finite()) else {
             let hint = match found {
-                DeValue::Integer(_) => Some("an integer has at most 19 digits; write a larger number as 1e20".to_owned()),
+                DeValue::Integer(_) => {
+                    Some("an integer has at most 19 digits; write a larger number as 1e20".to_owned())
+                }
                 _ => None,
             };
             return self.mismatch(schema, path, found, hint);
@@ -106,7 +108,8 @@ impl<'s> Walk<'s> {
         let Some((tag, variants)) = schema.variants() else {
             return Value::Object(self.entries(schema, path, table));
         };
-        let names: Vec<&str> = variants.iter().filter(|(_, variant)| variant.implied_by().is_none()).map(|(name, _)| *name).collect();
+        let names: Vec<&str> =
+            variants.iter().filter(|(_, variant)| variant.implied_by().is_none()).map(|(name, _)| *name).collect();
         let implied = variants.iter().filter_map(|(name, variant)| Some((*name, *variant, variant.implied_by()?)));
         let expected = implied.clone().fold(one_of(&names), |text, (_, _, key)| format!("{text}, or the key `{key}`"));
         if table.get(tag).is_none()
@@ -122,8 +125,9 @@ impl<'s> Walk<'s> {
             return Value::Object(self.entries(*variant, path, table));
         }
         let finding = match found {
-            Some(value) => Finding::new(path.key(tag), At::Value, describe(value), expected)
-                .hint(value.as_str().and_then(|word| nearest(word, &names)).map(|near| format!("did you mean \"{near}\"?"))),
+            Some(value) => Finding::new(path.key(tag), At::Value, describe(value), expected).hint(
+                value.as_str().and_then(|word| nearest(word, &names)).map(|near| format!("did you mean \"{near}\"?")),
+            ),
             None => Finding::new(path.key(tag), At::Missing, "no such key", expected),
         };
         self.findings.push(finding);
@@ -186,7 +190,8 @@ impl<'s> Walk<'s> {
         let homes = self.all.homes(key);
         let table = at.to_string();
         let here: Vec<String> = table.rsplit_once('.').map(|(table, _)| format!("[{table}] ")).into_iter().collect();
-        let near: Vec<String> = homes.iter().filter(|home| here.iter().any(|here| home.starts_with(here.as_str()))).cloned().collect();
+        let near: Vec<String> =
+            homes.iter().filter(|home| here.iter().any(|here| home.starts_with(here.as_str()))).cloned().collect();
         let homes = if near.is_empty() { homes } else { near };
         (!homes.is_empty()).then(|| format!("`{key}` belongs to {}", homes.join(" or ")))
     }
@@ -220,12 +225,16 @@ fn number(found: &DeValue<'_>) -> Option<f64> {
 /// What to write where the type is wrong but the value can be told.
 fn hint_for_kind(schema: View<'_>, path: &Path, found: &DeValue<'_>) -> Option<String> {
     match (schema.kind(), found) {
-        ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => Some(format!("write {} without quotes", text.trim())),
+        ("number" | "integer", DeValue::String(text)) if text.trim().parse::<f64>().is_ok() => {
+            Some(format!("write {} without quotes", text.trim()))
+        }
         ("integer", DeValue::Float(_)) => {
             let whole = number(found).filter(|n| n.fract() == 0.0 && n.abs() < 1e15)?;
             Some(format!("write {whole}"))
         }
-        ("array", DeValue::Table(_)) => schema.items().filter(|items| items.kind() == "object").map(|_| format!("write [[{path}]]")),
+        ("array", DeValue::Table(_)) => {
+            schema.items().filter(|items| items.kind() == "object").map(|_| format!("write [[{path}]]"))
+        }
         _ => None,
     }
 }

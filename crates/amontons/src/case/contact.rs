@@ -6,9 +6,10 @@ use super::build::{Build, side};
 use super::place::At;
 use super::raw;
 use crate::contact::{
-    Adhesion, Archard, Bilateral, Capped, Compliance, Contact, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless, GapConduction, HeatLaw,
-    HuntCrossley, Insulated, LumpedFoundation, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable,
-    PressureTableFault, Quadrature, Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop, Sum, TableFault, Tabulated, Tresca, Variable, WearLaw,
+    Adhesion, Archard, Bilateral, Capped, Compliance, Contact, Coulomb, Damped, FrictionLaw, FrictionalHeat,
+    Frictionless, GapConduction, HeatLaw, HuntCrossley, Insulated, LumpedFoundation, NormalLaw, Orthotropic,
+    PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Quadrature,
+    Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop, Sum, TableFault, Tabulated, Tresca, Variable, WearLaw,
 };
 use crate::field::Field;
 use crate::mesh::Mesh;
@@ -30,8 +31,8 @@ impl Build<'_> {
             None if laws.is_empty() => Arc::new(Insulated),
             None => Arc::new(Sum { laws }),
         };
-        let foundation_temperature =
-            foundation_temperature.map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
+        let foundation_temperature = foundation_temperature
+            .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
             gap: self.field(&format!("{path}.gap"), &raw.gap, &points),
             quadrature: match raw.quadrature {
@@ -50,31 +51,47 @@ impl Build<'_> {
         }
     }
 
-    fn foundation_heat(&mut self, path: &str, raw: Option<raw::Foundation>, prescribed: &Field) -> Option<LumpedFoundation> {
+    fn foundation_heat(
+        &mut self,
+        path: &str,
+        raw: Option<raw::Foundation>,
+        prescribed: &Field,
+    ) -> Option<LumpedFoundation> {
         let raw = raw?;
         let at = format!("{path}.foundation.surroundings");
         let surroundings = raw.surroundings.map(|datum| self.field(&at, &datum, &[]));
-        for (at, field) in [(format!("{path}.heat.foundation_temperature"), Some(prescribed)), (at, surroundings.as_ref())] {
+        for (at, field) in
+            [(format!("{path}.heat.foundation_temperature"), Some(prescribed)), (at, surroundings.as_ref())]
+        {
             if field.is_some_and(Field::depends_on_space) {
                 let hint = "remove x, y, z: a foundation with a heat capacity has one temperature";
                 self.note(&at, At::Value, "an expression in space", "a number or an expression in t", Some(hint));
             }
         }
-        let surroundings = surroundings.unwrap_or_else(|| raw.temperature.unwrap_or_else(|| prescribed.value(&[0.0; 3], 0.0)).into());
-        Some(LumpedFoundation { capacity: raw.heat_capacity, temperature: raw.temperature, exchange: raw.exchange, surroundings })
+        let surroundings =
+            surroundings.unwrap_or_else(|| raw.temperature.unwrap_or_else(|| prescribed.value(&[0.0; 3], 0.0)).into());
+        Some(LumpedFoundation {
+            capacity: raw.heat_capacity,
+            temperature: raw.temperature,
+            exchange: raw.exchange,
+            surroundings,
+        })
     }
 
     fn wear(&mut self, path: &str, raw: raw::Wear) -> Arc<dyn WearLaw> {
         match raw {
             raw::Wear::Archard { coefficient } => Arc::new(Archard::Constant(coefficient)),
-            raw::Wear::ArchardTemperature { temperature, coefficient } => match PiecewiseLinear::new(&temperature, &coefficient) {
-                Ok(table) => Arc::new(Archard::ByTemperature(table)),
-                Err(fault) => {
-                    let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { "temperature" };
-                    self.fault(&format!("{path}.wear.{key}"), &fault.to_string());
-                    Arc::new(Archard::Constant(0.0))
+            raw::Wear::ArchardTemperature { temperature, coefficient } => {
+                match PiecewiseLinear::new(&temperature, &coefficient) {
+                    Ok(table) => Arc::new(Archard::ByTemperature(table)),
+                    Err(fault) => {
+                        let key =
+                            if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { "temperature" };
+                        self.fault(&format!("{path}.wear.{key}"), &fault.to_string());
+                        Arc::new(Archard::Constant(0.0))
+                    }
                 }
-            },
+            }
         }
     }
 
@@ -102,14 +119,24 @@ impl Build<'_> {
             raw::Normal::Signorini => Arc::new(Signorini),
             raw::Normal::Bilateral => Arc::new(Bilateral),
             raw::Normal::Damped { stiffness, damping } => Arc::new(Damped { stiffness, damping }),
-            raw::Normal::HuntCrossley { stiffness, exponent, damping } => Arc::new(HuntCrossley { at_rest: Power { stiffness, exponent }, damping }),
+            raw::Normal::HuntCrossley { stiffness, exponent, damping } => {
+                Arc::new(HuntCrossley { at_rest: Power { stiffness, exponent }, damping })
+            }
             raw::Normal::Softening { stiffness, peak, softening, residual } => {
                 if residual > peak {
-                    self.note(&format!("{path}.normal.residual"), At::Value, format!("{residual:?}"), format!("at most the peak, {peak:?}"), None);
+                    self.note(
+                        &format!("{path}.normal.residual"),
+                        At::Value,
+                        format!("{residual:?}"),
+                        format!("at most the peak, {peak:?}"),
+                        None,
+                    );
                 }
                 Arc::new(Softening { stiffness, peak, softening, residual })
             }
-            raw::Normal::Adhesion { stiffness, strength, release } => Arc::new(Adhesion { stiffness, strength, release }),
+            raw::Normal::Adhesion { stiffness, strength, release } => {
+                Arc::new(Adhesion { stiffness, strength, release })
+            }
         }
     }
 
@@ -131,11 +158,15 @@ impl Build<'_> {
                 }
                 (Arc::new(StaticKinetic { at_rest, kinetic, decay_speed }), cap)
             }
-            raw::Friction::SlipRate { speed, coefficient, cap } => (self.tabulated(path, Variable::SlipSpeed, "speed", &speed, &coefficient), cap),
+            raw::Friction::SlipRate { speed, coefficient, cap } => {
+                (self.tabulated(path, Variable::SlipSpeed, "speed", &speed, &coefficient), cap)
+            }
             raw::Friction::Temperature { temperature, coefficient, cap } => {
                 (self.tabulated(path, Variable::Temperature, "temperature", &temperature, &coefficient), cap)
             }
-            raw::Friction::Pressure { pressure, coefficient, cap } => (self.tabulated(path, Variable::Pressure, "pressure", &pressure, &coefficient), cap),
+            raw::Friction::Pressure { pressure, coefficient, cap } => {
+                (self.tabulated(path, Variable::Pressure, "pressure", &pressure, &coefficient), cap)
+            }
             raw::Friction::Orthotropic { coefficients, direction } => {
                 if direction.len() != self.dim {
                     self.wants_components(&format!("{path}.friction.direction"), direction.len());
@@ -143,7 +174,13 @@ impl Build<'_> {
                     self.note(&format!("{path}.friction.direction"), At::Value, "zero", "a direction", None);
                 }
                 if let Some(i) = coefficients.iter().position(|c| *c <= 0.0) {
-                    self.note(&format!("{path}.friction.coefficients[{i}]"), At::Value, format!("{:?}", coefficients[i]), "a positive number", None);
+                    self.note(
+                        &format!("{path}.friction.coefficients[{i}]"),
+                        At::Value,
+                        format!("{:?}", coefficients[i]),
+                        "a positive number",
+                        None,
+                    );
                 }
                 let direction = std::array::from_fn(|c| direction.get(c).copied().unwrap_or(0.0));
                 (Arc::new(Orthotropic { coefficients, direction }), None)
@@ -155,7 +192,14 @@ impl Build<'_> {
         }
     }
 
-    fn tabulated(&mut self, path: &str, variable: Variable, key: &str, arguments: &[f64], values: &[f64]) -> Arc<dyn FrictionLaw> {
+    fn tabulated(
+        &mut self,
+        path: &str,
+        variable: Variable,
+        key: &str,
+        arguments: &[f64],
+        values: &[f64],
+    ) -> Arc<dyn FrictionLaw> {
         match PiecewiseLinear::new(arguments, values) {
             Ok(coefficient) => Arc::new(Tabulated { variable, coefficient }),
             Err(fault) => {
@@ -170,9 +214,17 @@ impl Build<'_> {
 fn heat(raw: &raw::HeatTerm) -> Arc<dyn HeatLaw> {
     match *raw {
         raw::HeatTerm::Ramp { conductance, width, truncation } => Arc::new(Ramp { conductance, width, truncation }),
-        raw::HeatTerm::Power { coefficient, exponent, truncation } => Arc::new(PowerConductance { coefficient, exponent, truncation }),
-        raw::HeatTerm::Pressure { coefficient, exponent, truncation } => Arc::new(PressureConductance { coefficient, exponent, truncation }),
-        raw::HeatTerm::Gap { conductivity, roughness, truncation } => Arc::new(GapConduction { conductivity, roughness, truncation }),
-        raw::HeatTerm::Radiation { emissivity, absolute_zero, constant } => Arc::new(Radiation { emissivity, constant, absolute_zero }),
+        raw::HeatTerm::Power { coefficient, exponent, truncation } => {
+            Arc::new(PowerConductance { coefficient, exponent, truncation })
+        }
+        raw::HeatTerm::Pressure { coefficient, exponent, truncation } => {
+            Arc::new(PressureConductance { coefficient, exponent, truncation })
+        }
+        raw::HeatTerm::Gap { conductivity, roughness, truncation } => {
+            Arc::new(GapConduction { conductivity, roughness, truncation })
+        }
+        raw::HeatTerm::Radiation { emissivity, absolute_zero, constant } => {
+            Arc::new(Radiation { emissivity, constant, absolute_zero })
+        }
     }
 }

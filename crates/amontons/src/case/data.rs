@@ -6,7 +6,7 @@ use super::place::At;
 use super::raw::{Component, Datum, Extend, Scalar, TableData};
 use super::table;
 use crate::expression::{Expression, Variable};
-use crate::field::{Field, TimeTable, TableError};
+use crate::field::{Field, TableError, TimeTable};
 use crate::tensor::Point;
 
 /// Names of the coordinates.
@@ -84,7 +84,11 @@ impl Build<'_> {
                 return None;
             }
         };
-        let beyond = [Variable::X, Variable::Y, Variable::Z].into_iter().zip(AXES).skip(self.dim).find(|(variable, _)| expression.uses(*variable));
+        let beyond = [Variable::X, Variable::Y, Variable::Z]
+            .into_iter()
+            .zip(AXES)
+            .skip(self.dim)
+            .find(|(variable, _)| expression.uses(*variable));
         if let Some((_, axis)) = beyond {
             let body = if self.dim == 2 { "the body is plane" } else { "the body is a line" };
             let expected = format!("an expression in {}, t: {body}", self.axes());
@@ -100,7 +104,13 @@ impl Build<'_> {
             (Some(name), None, None) => self.columns(path, name, data)?,
             (None, Some(times), Some(values)) => self.pairs(path, times, values, data)?,
             _ => {
-                self.note(path, At::Value, "a table without clear data", "either `table`, the name of a file, or `times` and `values`", None);
+                self.note(
+                    path,
+                    At::Value,
+                    "a table without clear data",
+                    "either `table`, the name of a file, or `times` and `values`",
+                    None,
+                );
                 return None;
             }
         };
@@ -128,7 +138,13 @@ impl Build<'_> {
     fn pairs(&mut self, path: &str, times: &[f64], values: &[f64], data: &TableData) -> Option<(Vec<f64>, Vec<f64>)> {
         for (key, given) in [("column", data.column.is_some()), ("time", data.time.is_some())] {
             if given {
-                self.note(&format!("{path}.{key}"), At::Value, format!("`{key}` besides `times` and `values`"), "`table`, a file, with it", None);
+                self.note(
+                    &format!("{path}.{key}"),
+                    At::Value,
+                    format!("`{key}` besides `times` and `values`"),
+                    "`table`, a file, with it",
+                    None,
+                );
                 return None;
             }
         }
@@ -139,13 +155,31 @@ impl Build<'_> {
         match error {
             TableError::Empty => self.note(&format!("{path}.times"), At::Value, "no times", "at least one", None),
             TableError::Lengths { times, values } => {
-                self.note(&format!("{path}.values"), At::Value, format!("{values} values for {times} times"), "one value per time", None);
+                self.note(
+                    &format!("{path}.values"),
+                    At::Value,
+                    format!("{values} values for {times} times"),
+                    "one value per time",
+                    None,
+                );
             }
             TableError::NotFinite { row, .. } => {
-                self.note(&format!("{path}.values[{}]", row - 1), At::Value, "a number that is not finite", "finite numbers", None);
+                self.note(
+                    &format!("{path}.values[{}]", row - 1),
+                    At::Value,
+                    "a number that is not finite",
+                    "finite numbers",
+                    None,
+                );
             }
             TableError::NotIncreasing { row, found, before } => {
-                self.note(&format!("{path}.times[{}]", row - 1), At::Value, format!("the time {found:?} after {before:?}"), "times that increase", None);
+                self.note(
+                    &format!("{path}.times[{}]", row - 1),
+                    At::Value,
+                    format!("the time {found:?} after {before:?}"),
+                    "times that increase",
+                    None,
+                );
             }
         }
     }
@@ -163,7 +197,13 @@ impl Build<'_> {
         match table::read(name, &bytes, data.time.as_ref(), data.column.as_ref()) {
             Ok(columns) => Some(columns),
             Err(refusal) => {
-                self.note(&format!("{path}.{}", refusal.key), At::Value, refusal.found, refusal.expected, refusal.hint.as_deref());
+                self.note(
+                    &format!("{path}.{}", refusal.key),
+                    At::Value,
+                    refusal.found,
+                    refusal.expected,
+                    refusal.hint.as_deref(),
+                );
                 None
             }
         }
@@ -180,7 +220,13 @@ impl Build<'_> {
             let values = field.values(points, t);
             if let Some((x, value)) = points.iter().zip(values).find(|(_, v)| !v.is_finite()) {
                 let found = format!("the value {value} at {}, t = {t:?}", self.place(x));
-                self.note(path, At::Value, found, "finite values at all nodes on which it acts, at t = 0 and t = end", None);
+                self.note(
+                    path,
+                    At::Value,
+                    found,
+                    "finite values at all nodes on which it acts, at t = 0 and t = end",
+                    None,
+                );
                 return;
             }
         }

@@ -60,28 +60,47 @@ impl<'s> Loader<'s> {
     ///
     /// A name that is one of a copy already stays, so that a case read from a results folder is the case that was run.
     pub fn copies(self) -> (Vec<Input>, Vec<(path::Path, String)>) {
-        let is_copy = |name: &str| name.strip_prefix(INPUTS).and_then(|rest| rest.strip_prefix('/')).is_some_and(|file| !file.contains(['/', '\\']));
-        let mut copies: BTreeMap<&str, String> = self.read.keys().filter(|name| is_copy(name)).map(|name| (name.as_str(), name.clone())).collect();
+        let is_copy = |name: &str| {
+            name.strip_prefix(INPUTS)
+                .and_then(|rest| rest.strip_prefix('/'))
+                .is_some_and(|file| !file.contains(['/', '\\']))
+        };
+        let mut copies: BTreeMap<&str, String> =
+            self.read.keys().filter(|name| is_copy(name)).map(|name| (name.as_str(), name.clone())).collect();
         for name in self.read.keys().filter(|name| !is_copy(name)) {
             let file = name.rsplit(['/', '\\']).next().unwrap_or(name);
-            let (stem, ending) = file.rsplit_once('.').map_or((file, String::new()), |(stem, ending)| (stem, format!(".{ending}")));
+            let (stem, ending) =
+                file.rsplit_once('.').map_or((file, String::new()), |(stem, ending)| (stem, format!(".{ending}")));
             let numbered = (2..).map(|n| format!("{INPUTS}/{stem}-{n}{ending}"));
             let mut candidates = std::iter::once(format!("{INPUTS}/{file}")).chain(numbered);
             if let Some(copy) = candidates.find(|candidate| copies.values().all(|taken| taken != candidate)) {
                 copies.insert(name, copy);
             }
         }
-        let mut inputs: Vec<Input> =
-            self.read.iter().filter_map(|(name, bytes)| Some(Input { path: copies.get(name.as_str())?.clone(), bytes: Arc::clone(bytes) })).collect();
+        let mut inputs: Vec<Input> = self
+            .read
+            .iter()
+            .filter_map(|(name, bytes)| {
+                Some(Input { path: copies.get(name.as_str())?.clone(), bytes: Arc::clone(bytes) })
+            })
+            .collect();
         inputs.sort_by(|a, b| a.path.cmp(&b.path));
-        let references = self.references.iter().filter_map(|(path, name)| Some((path.clone(), copies.get(name.as_str())?.clone()))).collect();
+        let references = self
+            .references
+            .iter()
+            .filter_map(|(path, name)| Some((path.clone(), copies.get(name.as_str())?.clone())))
+            .collect();
         (inputs, references)
     }
 }
 
 fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
     const BESIDE: &str = "a file beside the case file";
-    let missing = |what: &str, hint: Option<String>| Missing { found: format!("\"{name}\", {what}"), expected: BESIDE.to_owned(), hint };
+    let missing = |what: &str, hint: Option<String>| Missing {
+        found: format!("\"{name}\", {what}"),
+        expected: BESIDE.to_owned(),
+        hint,
+    };
     let did_you_mean = |near: &str| format!("did you mean \"{near}\"?");
     match files {
         Files::None => {
@@ -110,7 +129,8 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
 /// A file of the same folder that goes by a similar name, as it would be given.
 fn similar(path: &Path, name: &str) -> Option<String> {
     let file = path.file_name()?.to_str()?;
-    let mut names: Vec<String> = fs::read_dir(path.parent()?).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
+    let mut names: Vec<String> =
+        fs::read_dir(path.parent()?).ok()?.filter_map(|entry| entry.ok()?.file_name().into_string().ok()).collect();
     names.sort();
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let near = nearest(file, &names)?;

@@ -6,7 +6,8 @@ use super::path::Path;
 use super::place::{At, Finding};
 use super::raw::{self, Elasticity, Expansion, Orientation, Tensor, Viscosity};
 use crate::material::{
-    Carreau, Hencky, Isotropic, LawError, Linear, Material, Orthotropic, Prony, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced,
+    Carreau, Hencky, Isotropic, LawError, Linear, Material, Orthotropic, Prony, ShearLaw, StressState, TensorLaw,
+    VonMisesProjection, reduced,
 };
 use crate::mesh::Mesh;
 use crate::tensor::{Rotation, Sym, mandel_len};
@@ -33,9 +34,11 @@ impl Builder<'_> {
     /// Keys that are left out stand for zero; those that are required are noted elsewhere.
     fn material(mut self, raw: &raw::Material) -> Material {
         let dim = self.dim();
-        let state = raw.elasticity.as_ref().map_or_else(StressState::default, |elasticity| self.stress_state(elasticity));
+        let state =
+            raw.elasticity.as_ref().map_or_else(StressState::default, |elasticity| self.stress_state(elasticity));
         let none = || -> Law { Arc::new(Isotropic::lame(dim, 0.0, 0.0, state)) };
-        let elasticity = raw.elasticity.as_ref().map_or_else(none, |elasticity| self.elasticity(elasticity, dim, state));
+        let elasticity =
+            raw.elasticity.as_ref().map_or_else(none, |elasticity| self.elasticity(elasticity, dim, state));
         let viscosity = raw.viscosity.as_ref().map_or_else(none, |viscosity| self.viscosity(viscosity, state));
         let expansion = self.expansion(raw, elasticity.as_ref(), state);
         let coupling = raw.coupling.as_ref().map_or(Sym::ZERO, |coupling| self.tensor("coupling", coupling));
@@ -46,7 +49,16 @@ impl Builder<'_> {
             conductivity
         });
         let prony = self.prony(&raw.prony, elasticity.as_ref());
-        Material { density: raw.density.unwrap_or(0.0), heat_capacity, elasticity, viscosity, prony, expansion, coupling, conductivity }
+        Material {
+            density: raw.density.unwrap_or(0.0),
+            heat_capacity,
+            elasticity,
+            viscosity,
+            prony,
+            expansion,
+            coupling,
+            conductivity,
+        }
     }
 
     /// Dimension of the tensors.
@@ -63,7 +75,12 @@ impl Builder<'_> {
         | Elasticity::Hencky { stress_state, .. }) = raw;
         if stress_state.is_some() && self.dim() == 3 {
             let body = if self.mesh.axisymmetric { "a body of revolution" } else { "a body in space" };
-            self.note("elasticity.stress_state", format!("a stress state of {body}"), "one of a plane body or a line", Some("remove it"));
+            self.note(
+                "elasticity.stress_state",
+                format!("a stress state of {body}"),
+                "one of a plane body or a line",
+                Some("remove it"),
+            );
         }
         match stress_state.unwrap_or_default() {
             raw::StressState::PlaneStress => StressState::PlaneStress,
@@ -101,12 +118,19 @@ impl Builder<'_> {
         let dim = self.dim();
         let built = match *raw {
             Viscosity::Lame { first, second } => {
-                // (H1) on 𝕊^d: the eigenvalues are `second` and d first + second. No viscosity at all is no operator to be monotone.
+                // (H1) on 𝕊^d: the eigenvalues are `second` and d first + second. No viscosity at all is no operator to
+                // be monotone.
                 let least = dim as f64 * first + second;
                 if (first, second) != (0.0, 0.0) && !(second > 0.0 && least > 0.0) {
-                    let found = format!("first = {first:?} and second = {second:?}, so {dim}·first + second = {least:?}");
+                    let found =
+                        format!("first = {first:?} and second = {second:?}, so {dim}·first + second = {least:?}");
                     let expected = format!("second > 0 and {dim}·first + second > 0, as (H1) asks");
-                    self.note("viscosity", found, expected, Some("set both to 0, or leave out `viscosity`, for no viscosity"));
+                    self.note(
+                        "viscosity",
+                        found,
+                        expected,
+                        Some("set both to 0, or leave out `viscosity`, for no viscosity"),
+                    );
                 }
                 return Arc::new(Isotropic::lame(dim, first, second, state));
             }
@@ -114,7 +138,9 @@ impl Builder<'_> {
                 let turned = self.rotation("viscosity.orientation", orientation);
                 Linear::new(voigt, &turned, dim, state).map(shared)
             }
-            Viscosity::Carreau { bulk, zero, infinite, time, exponent } => hencky(bulk, Carreau::new(zero, infinite, time, exponent), dim, state),
+            Viscosity::Carreau { bulk, zero, infinite, time, exponent } => {
+                hencky(bulk, Carreau::new(zero, infinite, time, exponent), dim, state)
+            }
             Viscosity::PowerLaw { bulk, consistency, exponent, threshold, floor } => {
                 hencky(bulk, Carreau::power_law(consistency, exponent, threshold, floor), dim, state)
             }
@@ -126,13 +152,16 @@ impl Builder<'_> {
     fn refuse(&mut self, key: &str, error: &LawError, dim: usize) -> Law {
         let (found, expected) = match error {
             LawError::Range { name, found, expected } => (format!("{name} = {found:?}"), (*expected).to_owned()),
-            LawError::NotSymmetric { row, column, found, mirrored } => {
-                (format!("{found:?} in row {row}, column {column} but {mirrored:?} in row {column}, column {row}"), "a symmetric 6 × 6 matrix".to_owned())
-            }
+            LawError::NotSymmetric { row, column, found, mirrored } => (
+                format!("{found:?} in row {row}, column {column} but {mirrored:?} in row {column}, column {row}"),
+                "a symmetric 6 × 6 matrix".to_owned(),
+            ),
             LawError::NotPositive { what, least, most } => {
                 (format!("a {what} with eigenvalues from {least:.3e} to {most:.3e}"), "all of them positive".to_owned())
             }
-            LawError::NotLinear => ("branches besides a law that is not linear".to_owned(), "a linear elasticity".to_owned()),
+            LawError::NotLinear => {
+                ("branches besides a law that is not linear".to_owned(), "a linear elasticity".to_owned())
+            }
         };
         self.note(key, found, expected, None);
         Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress))
@@ -170,7 +199,12 @@ impl Builder<'_> {
         if (dim == 3 || (dim == 2 && state == StressState::PlaneStrain)) && poisson >= 0.5 {
             let hint = "use 0.49 for a nearly incompressible material; incompressible materials are not supported";
             let of = if dim == 3 { "in space" } else { "in plane strain" };
-            self.note("elasticity.poisson", format!("{poisson:?}"), format!("a number > -1 and < 0.5 {of} (Poisson's ratio ν)"), Some(hint));
+            self.note(
+                "elasticity.poisson",
+                format!("{poisson:?}"),
+                format!("a number > -1 and < 0.5 {of} (Poisson's ratio ν)"),
+                Some(hint),
+            );
         }
     }
 
@@ -179,7 +213,12 @@ impl Builder<'_> {
         if let (Some(coefficient), Some(law)) = (raw.expansion_coefficient, &raw.elasticity) {
             if raw.expansion.is_some() {
                 let hint = "remove one of the two: 𝓜 = 𝓔α follows from the coefficient";
-                self.note("expansion_coefficient", "`expansion` besides it".to_owned(), "either `expansion` or `expansion_coefficient`", Some(hint));
+                self.note(
+                    "expansion_coefficient",
+                    "`expansion` besides it".to_owned(),
+                    "either `expansion` or `expansion_coefficient`",
+                    Some(hint),
+                );
             }
             return self.thermal_stress(coefficient, law, elasticity, state);
         }
@@ -192,14 +231,26 @@ impl Builder<'_> {
         expansion
     }
 
-    /// 𝓜 = 𝓔α. With `elasticity` reduced to plane stress that is 𝓔_red α_red: the strain that makes σ₃₃ vanish takes up α₃₃. Otherwise the
-    /// strain is that of the plane, so that 𝓜 is the part in the plane, with 33, of the product in three dimensions.
-    fn thermal_stress(&mut self, coefficient: Expansion, raw: &Elasticity, elasticity: &dyn TensorLaw, state: StressState) -> Sym {
+    /// 𝓜 = 𝓔α. With `elasticity` reduced to plane stress that is 𝓔_red α_red: the strain that makes σ₃₃ vanish takes up
+    /// α₃₃. Otherwise the strain is that of the plane, so that 𝓜 is the part in the plane, with 33, of the product in
+    /// three dimensions.
+    fn thermal_stress(
+        &mut self,
+        coefficient: Expansion,
+        raw: &Elasticity,
+        elasticity: &dyn TensorLaw,
+        state: StressState,
+    ) -> Sym {
         let (dim, alpha) = (self.dim(), along_axes(coefficient, raw));
         let is_plane_stress = dim < 3 && state == StressState::PlaneStress;
         if !elasticity.is_linear() && (is_plane_stress || !matches!(coefficient, Expansion::Isotropic(_))) {
             let expected = "one number in space, in plane strain or for a body of revolution: with this law 𝓜 depends on the strain otherwise";
-            self.note("expansion_coefficient", "a law of elasticity that is not linear".to_owned(), expected, Some("give `expansion`, the tensor 𝓜"));
+            self.note(
+                "expansion_coefficient",
+                "a law of elasticity that is not linear".to_owned(),
+                expected,
+                Some("give `expansion`, the tensor 𝓜"),
+            );
             return Sym::ZERO;
         }
         let in_space;
@@ -243,19 +294,35 @@ impl Builder<'_> {
         if !self.mesh.axisymmetric || twist <= 8.0 * f64::EPSILON * tensor.norm() {
             return Some(tensor);
         }
-        self.note(key, "a component rθ or zθ".to_owned(), "a tensor that is the same around the axis of a body of revolution", None);
+        self.note(
+            key,
+            "a component rθ or zθ".to_owned(),
+            "a tensor that is the same around the axis of a body of revolution",
+            None,
+        );
         None
     }
 
     /// Heat that flows from cold to warm has no solution; a singular 𝓚 breaks (H3) but can be computed with.
     fn check_conductivity(&mut self, k: &Sym, heat_capacity: f64) {
         let eigenvalues = k.eigenvalues(self.dim());
-        let (least, most) = (eigenvalues.first().copied().unwrap_or_default(), eigenvalues.last().copied().unwrap_or_default());
+        let (least, most) =
+            (eigenvalues.first().copied().unwrap_or_default(), eigenvalues.last().copied().unwrap_or_default());
         if least < -1e-12 * most.abs() {
-            self.note("conductivity", format!("the eigenvalue {least:?}"), "no negative eigenvalue: heat flows from warm to cold", None);
+            self.note(
+                "conductivity",
+                format!("the eigenvalue {least:?}"),
+                "no negative eigenvalue: heat flows from warm to cold",
+                None,
+            );
         } else if heat_capacity == 0.0 && most <= 0.0 {
             let hint = Some("give one of the two a positive value");
-            self.note("conductivity", "0 besides heat_capacity 0".to_owned(), "a positive conductivity if the heat is steady", hint);
+            self.note(
+                "conductivity",
+                "0 besides heat_capacity 0".to_owned(),
+                "a positive conductivity if the heat is steady",
+                hint,
+            );
         }
     }
 }
@@ -280,7 +347,12 @@ fn shared(law: Linear) -> Law {
     Arc::new(law)
 }
 
-fn hencky<S: ShearLaw + 'static>(bulk: f64, shear: Result<S, LawError>, dim: usize, state: StressState) -> Result<Law, LawError> {
+fn hencky<S: ShearLaw + 'static>(
+    bulk: f64,
+    shear: Result<S, LawError>,
+    dim: usize,
+    state: StressState,
+) -> Result<Law, LawError> {
     Ok(reduced(Hencky::new(bulk, shear?)?, dim, state))
 }
 
@@ -303,7 +375,15 @@ fn symmetric(raw: &Tensor, dim: usize) -> Result<Sym, String> {
     for i in 0..dim {
         for j in 0..i {
             if (entry(i, j) - entry(j, i)).abs() > 0.0 {
-                return Err(format!("{:?} in row {}, column {} but {:?} in row {}, column {}", entry(j, i), j + 1, i + 1, entry(i, j), i + 1, j + 1));
+                return Err(format!(
+                    "{:?} in row {}, column {} but {:?} in row {}, column {}",
+                    entry(j, i),
+                    j + 1,
+                    i + 1,
+                    entry(i, j),
+                    i + 1,
+                    j + 1
+                ));
             }
         }
     }

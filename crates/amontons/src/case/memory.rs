@@ -17,15 +17,19 @@ impl Demand {
     /// The factors of a plane problem hold about 4.8 N log₂ N doubles, N the unknowns of the
     /// displacement, and everything else 4.7 kB per node: together the 400 MB measured for the
     /// square of 256 × 256 cells. In space nested dissection leaves a factor of O(n^{4/3}) blocks for n nodes
-    /// (George & Liu, 1981), 9 doubles a block of the displacement and 1 of the temperature: measured 5.6 n^{4/3} blocks on a
-    /// box of 9³ nodes, rising to 9.3 n^{4/3} at 21³, so FILL is on the safe side. Everything else has three times as many
-    /// neighbours. The condensed operator and its factor are dense.
+    /// (George & Liu, 1981), 9 doubles a block of the displacement and 1 of the temperature: measured 5.6 n^{4/3}
+    /// blocks on a box of 9³ nodes, rising to 9.3 n^{4/3} at 21³, so FILL is on the safe side. Everything else has
+    /// three times as many neighbours. The condensed operator and its factor are dense.
     pub fn of(dim: usize, nodes: f64, contact_nodes: f64) -> Demand {
         const FILL: f64 = 12.0;
         let components = dim as f64;
         let condensed = components * contact_nodes;
         let displacement = components * nodes;
-        let factors = if dim == 3 { 8.0 * 10.0 * FILL * nodes.powf(4.0 / 3.0) } else { 8.0 * 4.8 * displacement * displacement.log2().max(0.0) };
+        let factors = if dim == 3 {
+            8.0 * 10.0 * FILL * nodes.powf(4.0 / 3.0)
+        } else {
+            8.0 * 4.8 * displacement * displacement.log2().max(0.0)
+        };
         let rest = if dim == 3 { 1.4e4 } else { 4.7e3 };
         let bytes = factors + rest * nodes + 2.0 * 8.0 * condensed * condensed;
         Demand { nodes, unknowns: (components + 1.0) * nodes, bytes }
@@ -42,7 +46,8 @@ pub(super) fn available() -> Option<f64> {
 
 /// A number of bytes with three digits: `1.25 GB`.
 pub(super) fn bytes(count: f64) -> String {
-    let (unit, name) = [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| count >= *unit).unwrap_or((1e3, "kB"));
+    let (unit, name) =
+        [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| count >= *unit).unwrap_or((1e3, "kB"));
     let value = count / unit;
     let decimals = if value < 10.0 { 2 } else { usize::from(value < 100.0) };
     if value < 1e4 { format!("{value:.decimals$} {name}") } else { format!("{value:.2e} {name}") }
@@ -61,6 +66,9 @@ mod tests {
 
     #[test]
     fn bytes_have_three_digits() {
-        assert_eq!([bytes(512.0), bytes(4.004e8), bytes(1.25e10), bytes(3e15)], ["0.51 kB", "400 MB", "12.5 GB", "3000 TB"]);
+        assert_eq!(
+            [bytes(512.0), bytes(4.004e8), bytes(1.25e10), bytes(3e15)],
+            ["0.51 kB", "400 MB", "12.5 GB", "3000 TB"]
+        );
     }
 }

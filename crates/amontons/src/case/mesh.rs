@@ -48,7 +48,14 @@ fn parts(error: &str, otherwise: &str) -> (String, String) {
 
 /// A body without cells.
 fn empty() -> Mesh {
-    Mesh { dim: 2, axisymmetric: false, points: Vec::new(), blocks: Vec::new(), regions: Vec::new(), facets: BTreeMap::new() }
+    Mesh {
+        dim: 2,
+        axisymmetric: false,
+        points: Vec::new(),
+        blocks: Vec::new(),
+        regions: Vec::new(),
+        facets: BTreeMap::new(),
+    }
 }
 
 /// The generated mesh with these cells a direction.
@@ -64,8 +71,12 @@ fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
             Ok(mesh)
         }
         (raw::Mesh::Box { size, elements: e, .. }, &[nx, ny, nz]) => Mesh::box_(*size, [nx, ny, nz], elements(*e)),
-        (raw::Mesh::Disc { radius, elements: e, .. }, &[radial, around]) => Mesh::disc(*radius, [radial, around], elements(*e)),
-        (raw::Mesh::Ring { radii, angle, elements: e, .. }, &[radial, around]) => Mesh::ring(*radii, *angle, [radial, around], elements(*e)),
+        (raw::Mesh::Disc { radius, elements: e, .. }, &[radial, around]) => {
+            Mesh::disc(*radius, [radial, around], elements(*e))
+        }
+        (raw::Mesh::Ring { radii, angle, elements: e, .. }, &[radial, around]) => {
+            Mesh::ring(*radii, *angle, [radial, around], elements(*e))
+        }
         (raw::Mesh::Cylinder { radii, height, elements: e, .. }, &[radial, around, axial]) => {
             Mesh::cylinder(*radii, *height, [radial, around, axial], elements(*e))
         }
@@ -80,15 +91,28 @@ impl Build<'_> {
         if let raw::Mesh::File { file, scale, axisymmetric } = raw {
             let mesh = self.file(file, *scale, *axisymmetric, sides);
             let mesh = mesh.filter(|mesh| {
-                let contact_nodes: usize = contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
+                let contact_nodes: usize =
+                    contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
                 let demand = Demand::of(mesh.dim, mesh.points.len() as f64, contact_nodes as f64);
-                self.affordable(FILE, &format!("{} cells", mesh.cell_count()), "take a coarser mesh", &demand, available)
+                self.affordable(
+                    FILE,
+                    &format!("{} cells", mesh.cell_count()),
+                    "take a coarser mesh",
+                    &demand,
+                    available,
+                )
             });
             self.no_mesh = mesh.is_none();
             return mesh.unwrap_or_else(empty);
         }
         if let raw::Mesh::Rectangle { elements: raw::Elements::Q1 | raw::Elements::Q2, diagonal: Some(_), .. } = raw {
-            self.note("mesh.diagonal", At::Value, "a diagonal besides quadrilaterals", "a diagonal with triangles only, P1 or P2", Some("remove one of them"));
+            self.note(
+                "mesh.diagonal",
+                At::Value,
+                "a diagonal besides quadrilaterals",
+                "a diagonal with triangles only, P1 or P2",
+                Some("remove one of them"),
+            );
         }
         let demand = demand(raw, &cells, contact_on);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
@@ -133,11 +157,20 @@ impl Build<'_> {
             }
         };
         if axisymmetric && mesh.dim != 2 {
-            self.note("mesh.axisymmetric", At::Value, format!("a mesh of {} dimensions", mesh.dim), "a plane mesh, the half section", None);
+            self.note(
+                "mesh.axisymmetric",
+                At::Value,
+                format!("a mesh of {} dimensions", mesh.dim),
+                "a plane mesh, the half section",
+                None,
+            );
         }
         mesh.axisymmetric = axisymmetric && mesh.dim == 2;
-        let harmful = |defects: &&Defects| defects.first.iter().all(|defect| defect.side().is_none_or(|side| sides.contains(&side)));
-        let defects: Vec<String> = defects(&mesh).iter().filter(harmful).map(|defects| format!("{name}: {defects}")).collect();
+        let harmful = |defects: &&Defects| {
+            defects.first.iter().all(|defect| defect.side().is_none_or(|side| sides.contains(&side)))
+        };
+        let defects: Vec<String> =
+            defects(&mesh).iter().filter(harmful).map(|defects| format!("{name}: {defects}")).collect();
         for defect in &defects {
             self.note(FILE, At::Value, defect.replace('\n', "; "), "a sound mesh", None);
         }
@@ -146,7 +179,8 @@ impl Build<'_> {
 
     /// Whether a run on the mesh fits into memory and its nodes can be numbered.
     fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<f64>) -> bool {
-        let count = if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
+        let count =
+            if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
         if let Some(available) = available.filter(|available| demand.bytes > *available) {
             let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));

@@ -45,9 +45,9 @@ mod verify;
 
 pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
-pub use schema::schema;
 pub use parse::{Case, parse, read, source};
 pub use request::{ReferenceRequest, StudyRequest, StudyRequestError};
+pub use schema::schema;
 pub use study::{meshes, study};
 pub use verify::{Check, Comparison, ErrorName, Expected, Take, Verify};
 

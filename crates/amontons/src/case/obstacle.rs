@@ -26,8 +26,11 @@ impl Build<'_> {
                 (self.shape(path, Cylinder::new(center, axis?, radius, inside)), geometry)
             }
             raw::Obstacle::Wave { point, normal, direction, amplitude, wavelength, geometry } => {
-                let (point, normal, direction) =
-                    (self.moving(path, "point", &point), self.direction(path, "normal", &normal), self.direction(path, "direction", &direction));
+                let (point, normal, direction) = (
+                    self.moving(path, "point", &point),
+                    self.direction(path, "normal", &normal),
+                    self.direction(path, "direction", &direction),
+                );
                 (self.shape(path, Wave::new(point, normal?, direction?, amplitude, wavelength)), geometry)
             }
             raw::Obstacle::Surface { level, geometry } => (self.surface(path, &level, points), geometry),

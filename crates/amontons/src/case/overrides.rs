@@ -25,7 +25,8 @@ pub(super) fn apply(text: &str, overrides: &[String]) -> Result<Applied, SyntaxE
     if overrides.is_empty() {
         return Ok(applied);
     }
-    let mut document: DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
+    let mut document: DocumentMut =
+        text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
     for given in overrides {
         match read(given).and_then(|(path, value)| set(&mut document, &path, value)) {
             Ok(path) => applied.set.push((path, given.clone())),
@@ -44,9 +45,12 @@ pub(super) fn refer(text: &str, references: &[(Path, String)]) -> Result<String,
     if references.is_empty() {
         return Ok(text.to_owned());
     }
-    let mut document: DocumentMut = text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
+    let mut document: DocumentMut =
+        text.parse().map_err(|e: toml_edit::TomlError| (e.message().to_owned(), e.span()))?;
     for (path, name) in references {
-        let told = |refusal: Refusal| (format!("{}: found {}, expected {}", refusal.path, refusal.found, refusal.expected), None);
+        let told = |refusal: Refusal| {
+            (format!("{}: found {}, expected {}", refusal.path, refusal.found, refusal.expected), None)
+        };
         set(&mut document, path, Value::from(name.as_str())).map_err(told)?;
     }
     Ok(document.to_string())
@@ -87,7 +91,8 @@ fn read(given: &str) -> Result<(Path, Value), Refusal> {
         return Err(Refusal::new("", "no `=`", "KEY=VALUE, such as mesh.n=32"));
     };
     let (key, value) = (key.trim(), value.trim());
-    let path = Path::parse(key).map_err(|found| Refusal::new("", found, "a dotted key, such as mesh.n or boundary[1].traction"))?;
+    let path = Path::parse(key)
+        .map_err(|found| Refusal::new("", found, "a dotted key, such as mesh.n or boundary[1].traction"))?;
     if value.is_empty() {
         return Err(Refusal::new(key, "no value", "a TOML value behind `=`"));
     }
@@ -99,18 +104,21 @@ fn read(given: &str) -> Result<(Path, Value), Refusal> {
         Err(_) if is_bare_word(value) => Ok((path, Value::from(value))),
         Err(error) => {
             let what = error.message().lines().next().unwrap_or_default().to_owned();
-            Err(Refusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(if syntax::Kind::of(&what) == syntax::Kind::NoValue {
-                format!("a string stands in quotes that the shell leaves alone: '{key}=\"{value}\"'")
-            } else {
-                what
-            }))
+            Err(Refusal::new(key, format!("`{}`", value.escape_debug()), "a TOML value").hint(
+                if syntax::Kind::of(&what) == syntax::Kind::NoValue {
+                    format!("a string stands in quotes that the shell leaves alone: '{key}=\"{value}\"'")
+                } else {
+                    what
+                },
+            ))
         }
     }
 }
 
 /// Whether a value can do without the quotes of a string.
 fn is_bare_word(value: &str) -> bool {
-    value.starts_with(|c: char| c.is_alphabetic()) && value.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'))
+    value.starts_with(|c: char| c.is_alphabetic())
+        && value.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'))
 }
 
 /// A place in a document that can be changed.
@@ -151,7 +159,9 @@ impl<'d> Node<'d> {
     fn into_entry(self, index: usize) -> Option<Node<'d>> {
         match self {
             Node::Item(Item::ArrayOfTables(array)) => array.get_mut(index).map(Node::Table),
-            Node::Item(Item::Value(Value::Array(array))) | Node::Value(Value::Array(array)) => array.get_mut(index).map(Node::Value),
+            Node::Item(Item::Value(Value::Array(array))) | Node::Value(Value::Array(array)) => {
+                array.get_mut(index).map(Node::Value)
+            }
             _ => None,
         }
     }
@@ -202,7 +212,11 @@ fn set(document: &mut DocumentMut, path: &Path, value: Value) -> Result<Path, Re
             let Some(entry) = node.into_entry(index) else { return Err(lost()) };
             node = entry;
         } else {
-            return Err(Refusal::new(path, format!("a value at {at}"), "a table or an array that the key leads through"));
+            return Err(Refusal::new(
+                path,
+                format!("a value at {at}"),
+                "a table or an array that the key leads through",
+            ));
         }
     }
     node.replace(value).map_err(|expected| Refusal::new(path, "a value that is no table for a [[table]]", expected))?;

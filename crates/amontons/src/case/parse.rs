@@ -78,14 +78,21 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         // With keys given twice alone the rest can be read; overrides might change what it says.
         if overrides.is_empty() && only_duplicates {
             let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
-            faults.extend(build_case(document.get_ref(), &source.files, false).1.into_iter().map(|finding| origin.locate(finding)));
+            faults.extend(
+                build_case(document.get_ref(), &source.files, false)
+                    .1
+                    .into_iter()
+                    .map(|finding| origin.locate(finding)),
+            );
         }
         return Err(CaseError::faults(source, faults));
     }
-    let applied = overrides::apply(&source.text, overrides).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
+    let applied = overrides::apply(&source.text, overrides)
+        .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
     let Applied { text, set, mut faults } = applied;
     let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
-    // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those that it lacks.
+    // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those
+    // that it lacks.
     let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
     let (case, findings) = match DeTable::parse(&text) {
         Ok(changed) => build_case(changed.get_ref(), &source.files, has_other_end),
@@ -94,7 +101,8 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
     match case {
         Some((mut case, references)) if faults.is_empty() => {
-            case.text = overrides::refer(&text, &references).map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
+            case.text = overrides::refer(&text, &references)
+                .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
             Ok(case)
         }
         _ => Err(CaseError::faults(source, faults)),
@@ -110,7 +118,11 @@ fn whole(found: impl Into<String>) -> Finding {
 type References = Vec<(path::Path, String)>;
 
 /// Checks and builds the case of a document with overrides applied; without a case there are findings.
-fn build_case(document: &DeTable<'_>, files: &Files, has_other_end: bool) -> (Option<(Case, References)>, Vec<Finding>) {
+fn build_case(
+    document: &DeTable<'_>,
+    files: &Files,
+    has_other_end: bool,
+) -> (Option<(Case, References)>, Vec<Finding>) {
     let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document);
     let raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
@@ -120,12 +132,16 @@ fn build_case(document: &DeTable<'_>, files: &Files, has_other_end: bool) -> (Op
             return (None, findings);
         }
     };
-    let (every, fields, expected) = (raw.output.every, build::fields(&raw.output), raw.expected.as_ref().map(build::expected));
+    let (every, fields, expected) =
+        (raw.output.every, build::fields(&raw.output), raw.expected.as_ref().map(build::expected));
     let cells = mesh::cells(&raw.mesh);
     let (built, later) = build::problem(raw, files, memory::available(), &doubtful, has_other_end);
     findings.extend(later);
     let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
-        (Case { problem, every, fields, probes, expected, exact, verify, cells, text: String::new(), inputs }, references)
+        (
+            Case { problem, every, fields, probes, expected, exact, verify, cells, text: String::new(), inputs },
+            references,
+        )
     });
     (case, findings)
 }

@@ -6,15 +6,19 @@ use super::raw::{self, Datum, Friction, Heat, Scalar, Wear};
 use super::schema::{View, schema};
 use crate::problem::Physics;
 
-/// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat capacity or a
-/// conductivity, and both if one expands or gives off heat as it is strained.
+/// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
+/// capacity or a conductivity, and both if one expands or gives off heat as it is strained.
 ///
 /// Keys that are missing, and data of equations that the case does not have, go to the findings.
 pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
     let own = raw.region.iter().enumerate().map(|(i, region)| (format!("region[{i}].material"), &region.material));
-    let materials: Vec<(String, &raw::Material)> = std::iter::once(("material".to_owned(), &raw.material)).chain(own).collect();
-    let coupled = |m: &raw::Material| m.expansion.is_some() || m.expansion_coefficient.is_some() || m.coupling.is_some();
-    let moves = |m: &raw::Material| m.density.is_some() || m.elasticity.is_some() || m.viscosity.is_some() || !m.prony.is_empty() || coupled(m);
+    let materials: Vec<(String, &raw::Material)> =
+        std::iter::once(("material".to_owned(), &raw.material)).chain(own).collect();
+    let coupled =
+        |m: &raw::Material| m.expansion.is_some() || m.expansion_coefficient.is_some() || m.coupling.is_some();
+    let moves = |m: &raw::Material| {
+        m.density.is_some() || m.elasticity.is_some() || m.viscosity.is_some() || !m.prony.is_empty() || coupled(m)
+    };
     let conducts = |m: &raw::Material| m.heat_capacity.is_some() || m.conductivity.is_some() || coupled(m);
     let [mechanics, heat] = [materials.iter().any(|(_, m)| moves(m)), materials.iter().any(|(_, m)| conducts(m))];
     let physics = match (mechanics, heat) {
@@ -22,8 +26,14 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
         (false, true) => Physics::Heat,
         (true, true) => Physics::Coupled,
         (false, false) => {
-            let expected = "`density` and `elasticity` for mechanics, `heat_capacity` and `conductivity` for heat, or all four";
-            findings.push(Finding::new(path("material"), At::Value, "a material without keys of mechanics or heat", expected));
+            let expected =
+                "`density` and `elasticity` for mechanics, `heat_capacity` and `conductivity` for heat, or all four";
+            findings.push(Finding::new(
+                path("material"),
+                At::Value,
+                "a material without keys of mechanics or heat",
+                expected,
+            ));
             return Physics::Coupled;
         }
     };
@@ -42,10 +52,16 @@ pub(super) fn physics(raw: &raw::Case, findings: &mut Vec<Finding>) -> Physics {
         Physics::Mechanics => (of_heat(raw), "remove it, or give material.heat_capacity and material.conductivity"),
         Physics::Heat => (of_mechanics(raw), "remove it, or give material.density and material.elasticity"),
     };
-    let (what, expected) = if mechanics { ("heat", "keys of mechanics only") } else { ("mechanics", "keys of heat only") };
+    let (what, expected) =
+        if mechanics { ("heat", "keys of mechanics only") } else { ("mechanics", "keys of heat only") };
     findings.extend(others.into_iter().map(|(key, found)| {
-        Finding::new(path(&key), At::Value, format!("{found} in a case without {what}"), format!("{expected}: no material has any of {what}"))
-            .hint(Some(hint.to_owned()))
+        Finding::new(
+            path(&key),
+            At::Value,
+            format!("{found} in a case without {what}"),
+            format!("{expected}: no material has any of {what}"),
+        )
+        .hint(Some(hint.to_owned()))
     }));
     physics
 }
@@ -60,8 +76,14 @@ fn needs(prefix: &str, key: &str, given: bool, findings: &mut Vec<Finding>) {
         return;
     }
     let schema = schema();
-    let expected = View::new(&schema).property("material").and_then(|material| Some(material.property(key)?.expected()));
-    findings.push(Finding::new(path(&format!("{prefix}.{key}")), At::Missing, "no such key", expected.unwrap_or_default()));
+    let expected =
+        View::new(&schema).property("material").and_then(|material| Some(material.property(key)?.expected()));
+    findings.push(Finding::new(
+        path(&format!("{prefix}.{key}")),
+        At::Missing,
+        "no such key",
+        expected.unwrap_or_default(),
+    ));
 }
 
 fn is_zero(scalar: &Scalar) -> bool {
@@ -80,7 +102,9 @@ fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
             ("heat_inflow", b.heat_inflow.is_some(), "a heat inflow"),
             ("convection", b.convection.is_some(), "convection"),
         ];
-        found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("boundary[{i}].{key}"), what)));
+        found.extend(
+            given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("boundary[{i}].{key}"), what)),
+        );
     }
     if !is_zero(&raw.initial.temperature) {
         found.push(("initial.temperature".to_owned(), "an initial temperature"));
@@ -116,9 +140,14 @@ fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
             ("spring", b.spring.is_some(), "a spring"),
             ("dashpot", b.dashpot.is_some(), "a dashpot"),
         ];
-        found.extend(given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("boundary[{i}].{key}"), what)));
+        found.extend(
+            given.into_iter().filter(|(_, is, _)| *is).map(|(key, _, what)| (format!("boundary[{i}].{key}"), what)),
+        );
     }
-    for (key, given, what) in [("displacement", &raw.initial.displacement, "an initial displacement"), ("velocity", &raw.initial.velocity, "a velocity")] {
+    for (key, given, what) in [
+        ("displacement", &raw.initial.displacement, "an initial displacement"),
+        ("velocity", &raw.initial.velocity, "a velocity"),
+    ] {
         if !given.is_empty() {
             found.push((format!("initial.{key}"), what));
         }

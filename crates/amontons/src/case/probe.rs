@@ -4,7 +4,7 @@ use super::build::Build;
 use super::nearest::nearest;
 use super::place::At;
 use super::raw;
-use crate::output::{ProbePlace, Probe, ProbeError, ProbeSet, Quantity, Take};
+use crate::output::{Probe, ProbeError, ProbePlace, ProbeSet, Quantity, Take};
 use crate::problem::ProblemData;
 use crate::tensor::Point;
 
@@ -23,15 +23,35 @@ impl Build<'_> {
         let mut probes: Vec<Probe> = Vec::new();
         for (i, probe) in raw.iter().enumerate() {
             let path = format!("probe[{i}]");
-            let is_word = !probe.name.is_empty() && probe.name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
+            let is_word = !probe.name.is_empty()
+                && probe.name.chars().all(|c| c.is_alphanumeric() || matches!(c, '_' | '-' | '.'));
             if !is_word {
                 let found = format!("\"{}\"", probe.name.escape_debug());
-                self.note(&format!("{path}.name"), At::Value, found, "a name of letters, digits, `_`, `-` and `.`", None);
-            } else if probes.iter().any(|other| other.name == probe.name) || matches!(probe.name.as_str(), "step" | "t") {
+                self.note(
+                    &format!("{path}.name"),
+                    At::Value,
+                    found,
+                    "a name of letters, digits, `_`, `-` and `.`",
+                    None,
+                );
+            } else if probes.iter().any(|other| other.name == probe.name) || matches!(probe.name.as_str(), "step" | "t")
+            {
                 let found = format!("\"{}\" again", probe.name);
-                self.note(&format!("{path}.name"), At::Value, found, "a name of its own for each column of probes.csv, which begin with step and t", None);
+                self.note(
+                    &format!("{path}.name"),
+                    At::Value,
+                    found,
+                    "a name of its own for each column of probes.csv, which begin with step and t",
+                    None,
+                );
             }
-            let target = Target { path, at: probe.at.as_ref(), on: probe.on.as_ref(), region: probe.region.as_ref(), take: probe.take };
+            let target = Target {
+                path,
+                at: probe.at.as_ref(),
+                on: probe.on.as_ref(),
+                region: probe.region.as_ref(),
+                take: probe.take,
+            };
             if let Some(place) = self.probe_place(&target, problem)
                 && let Some(quantity) = Quantity::parse(&probe.quantity)
             {
@@ -46,7 +66,13 @@ impl Build<'_> {
     /// The probe of a check of `[verify]`; none if it has faults.
     pub fn checked_probe(&mut self, i: usize, check: &raw::Check, problem: &ProblemData) -> Option<Probe> {
         let raw::Check::Probe { field, at, on, region, take, .. } = check else { return None };
-        let target = Target { path: format!("verify.check[{i}]"), at: at.as_ref(), on: on.as_ref(), region: region.as_ref(), take: *take };
+        let target = Target {
+            path: format!("verify.check[{i}]"),
+            at: at.as_ref(),
+            on: on.as_ref(),
+            region: region.as_ref(),
+            take: *take,
+        };
         let (place, quantity) = (self.probe_place(&target, problem)?, Quantity::parse(field)?);
         let probe = Probe { name: describe(field, &place, problem.mesh.dim), quantity, place };
         self.check_probe(&target, "field", problem, &probe);
@@ -61,21 +87,34 @@ impl Build<'_> {
             raw::Over::Min => Take::Min,
             raw::Over::Integral => Take::Integral,
         });
-        let given: Vec<&str> = [("at", target.at.is_some()), ("on", target.on.is_some()), ("region", target.region.is_some())]
-            .iter()
-            .filter(|(_, is)| *is)
-            .map(|(key, _)| *key)
-            .collect();
+        let given: Vec<&str> =
+            [("at", target.at.is_some()), ("on", target.on.is_some()), ("region", target.region.is_some())]
+                .iter()
+                .filter(|(_, is)| *is)
+                .map(|(key, _)| *key)
+                .collect();
         match (given.as_slice(), target.at, target.on, target.region, take) {
             (["at"], Some(at), _, _, None) => {
                 if at.len() != dim {
-                    self.note(&format!("{path}.at"), At::Value, format!("{} coordinates", at.len()), format!("{dim} coordinates"), None);
+                    self.note(
+                        &format!("{path}.at"),
+                        At::Value,
+                        format!("{} coordinates", at.len()),
+                        format!("{dim} coordinates"),
+                        None,
+                    );
                     return None;
                 }
                 Some(ProbePlace::At(std::array::from_fn(|c| at.get(c).copied().unwrap_or_default())))
             }
             (["at"], .., Some(_)) => {
-                self.note(&format!("{path}.take"), At::Key, "`take` of the value at a point", "`take` with `on` or `region`", None);
+                self.note(
+                    &format!("{path}.take"),
+                    At::Key,
+                    "`take` of the value at a point",
+                    "`take` with `on` or `region`",
+                    None,
+                );
                 None
             }
             (["on"], _, Some(on), _, Some(take)) => Some(ProbePlace::On(on.clone(), take)),
@@ -91,7 +130,11 @@ impl Build<'_> {
                 None
             }
             (given, ..) => {
-                let found = if given.is_empty() { "no place".to_owned() } else { given.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" and ") };
+                let found = if given.is_empty() {
+                    "no place".to_owned()
+                } else {
+                    given.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(" and ")
+                };
                 self.note(path, At::Value, found, "one of `at`, `on` and `region`", None);
                 None
             }
@@ -107,7 +150,11 @@ impl Build<'_> {
         let among = |name: Option<&String>, known: &[String]| {
             let name = name.map_or("", |name| name);
             let words: Vec<&str> = known.iter().map(String::as_str).collect();
-            (format!("\"{name}\""), words.join(", "), nearest(name, &words).map(|near| format!("did you mean \"{near}\"?")))
+            (
+                format!("\"{name}\""),
+                words.join(", "),
+                nearest(name, &words).map(|near| format!("did you mean \"{near}\"?")),
+            )
         };
         match error {
             _ if mesh_unknown => {}
@@ -124,7 +171,11 @@ impl Build<'_> {
                 let (found, known, hint) = among(target.region, &known);
                 self.note(&path("region"), At::Value, found, format!("one of the regions {known}"), hint.as_deref());
             }
-            error @ (ProbeError::Component { .. } | ProbeError::Normal(_) | ProbeError::Contact(_) | ProbeError::Absent(_) | ProbeError::Hoop) => {
+            error @ (ProbeError::Component { .. }
+            | ProbeError::Normal(_)
+            | ProbeError::Contact(_)
+            | ProbeError::Absent(_)
+            | ProbeError::Hoop) => {
                 self.note(&path(quantity), At::Value, error.to_string(), "a quantity that exists there", None);
             }
         }

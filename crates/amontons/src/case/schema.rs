@@ -47,7 +47,13 @@ impl Transform for Tags {
         transform_subschemas(self, schema);
         let Some(object) = schema.as_object_mut() else { return };
         let Some(description) = object.get("description").cloned() else { return };
-        for property in object.get_mut("properties").and_then(Value::as_object_mut).into_iter().flatten().map(|(_, property)| property) {
+        for property in object
+            .get_mut("properties")
+            .and_then(Value::as_object_mut)
+            .into_iter()
+            .flatten()
+            .map(|(_, property)| property)
+        {
             if let Some(tag) = property.as_object_mut().filter(|tag| tag.contains_key("const")) {
                 tag.entry("description").or_insert_with(|| description.clone());
             }
@@ -160,11 +166,10 @@ impl<'s> View<'s> {
         let mut tag = None;
         let mut variants = Vec::new();
         for variant in self.list("oneOf") {
-            let (key, name) = variant
-                .get("properties")
-                .and_then(Value::as_object)?
-                .iter()
-                .find_map(|(key, property)| property.get("const").and_then(Value::as_str).map(|name| (key.as_str(), name)))?;
+            let (key, name) =
+                variant.get("properties").and_then(Value::as_object)?.iter().find_map(|(key, property)| {
+                    property.get("const").and_then(Value::as_str).map(|name| (key.as_str(), name))
+                })?;
             tag = Some(key);
             variants.push((name, View { about: self.about, ..self.at(variant) }));
         }
@@ -258,7 +263,8 @@ impl<'s> View<'s> {
         }
         match self.kind() {
             "object" => {
-                let entries = self.required().into_iter().filter_map(|k| Some((k.to_owned(), self.property(k)?.sample())));
+                let entries =
+                    self.required().into_iter().filter_map(|k| Some((k.to_owned(), self.property(k)?.sample())));
                 Value::Object(entries.collect())
             }
             "array" => (0..self.lengths().0).filter_map(|_| self.items().map(|i| i.sample())).collect(),

@@ -43,10 +43,15 @@ impl Build<'_> {
     fn support(&mut self, path: &str, raw: raw::Support, points: &[Point]) -> Support {
         match raw {
             raw::Support::Number(value) => Support::Normal(self.coefficient(path, &Scalar::Number(value), points)),
-            raw::Support::Expression(text) => Support::Normal(self.coefficient(path, &Scalar::Expression(text), points)),
-            raw::Support::Components(all) => {
-                Support::Components(all.iter().enumerate().map(|(c, scalar)| self.coefficient(&format!("{path}[{c}]"), scalar, points)).collect())
+            raw::Support::Expression(text) => {
+                Support::Normal(self.coefficient(path, &Scalar::Expression(text), points))
             }
+            raw::Support::Components(all) => Support::Components(
+                all.iter()
+                    .enumerate()
+                    .map(|(c, scalar)| self.coefficient(&format!("{path}[{c}]"), scalar, points))
+                    .collect(),
+            ),
         }
     }
 }

@@ -28,7 +28,10 @@ pub fn study(source: &Source, overrides: &[String], request: &StudyRequest) -> R
     if let (Some(reference), Some(last)) = (finest, levels.last())
         && reference <= *last
     {
-        return refuse(format!("the reference {reference}"), format!("a reference finer than the finest level, {last}"));
+        return refuse(
+            format!("the reference {reference}"),
+            format!("a reference finer than the finest level, {last}"),
+        );
     }
     let level = |level: usize| -> Result<Level, StudyRequestError> {
         let mut overrides = overrides.to_vec();

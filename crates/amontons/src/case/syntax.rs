@@ -32,7 +32,9 @@ impl Kind {
             ("duplicate key", _) => Kind::Duplicate,
             ("missing comma between array elements", _) => Kind::MissingComma,
             (_, "literal string") => Kind::NoValue,
-            _ if what.starts_with("unclosed") => Kind::Unclosed(if expected == "nothing" { VALID } else { expected }.to_owned()),
+            _ if what.starts_with("unclosed") => {
+                Kind::Unclosed(if expected == "nothing" { VALID } else { expected }.to_owned())
+            }
             (_, "nothing") => Kind::Superfluous,
             _ => Kind::Other(expected.to_owned()),
         }

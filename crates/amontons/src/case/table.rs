@@ -12,7 +12,12 @@ pub(super) struct Refusal {
     pub hint: Option<String>,
 }
 
-fn refuse<T>(key: &'static str, found: String, expected: impl Into<String>, hint: Option<String>) -> Result<T, Refusal> {
+fn refuse<T>(
+    key: &'static str,
+    found: String,
+    expected: impl Into<String>,
+    hint: Option<String>,
+) -> Result<T, Refusal> {
     Err(Refusal { key, found, expected: expected.into(), hint })
 }
 
@@ -23,9 +28,19 @@ fn refuse<T>(key: &'static str, found: String, expected: impl Into<String>, hint
 ///
 /// # Errors
 /// With the line of the file, what was found there and what was expected.
-pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Option<&Column>) -> Result<(Vec<f64>, Vec<f64>), Refusal> {
+pub(super) fn read(
+    name: &str,
+    bytes: &[u8],
+    time: Option<&Column>,
+    value: Option<&Column>,
+) -> Result<(Vec<f64>, Vec<f64>), Refusal> {
     let text = text(name, bytes)?;
-    let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line.trim())).filter(|(_, line)| !line.is_empty() && !line.starts_with('#')).peekable();
+    let mut lines = text
+        .lines()
+        .enumerate()
+        .map(|(i, line)| (i + 1, line.trim()))
+        .filter(|(_, line)| !line.is_empty() && !line.starts_with('#'))
+        .peekable();
     let Some(&(first, line)) = lines.peek() else {
         return refuse("table", format!("no rows in {name}"), "a time and a value per row", None);
     };
@@ -45,7 +60,10 @@ pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Optio
     }
     let time = find(name, "time", time, 1, headers, head.len())?;
     let value = find(name, "column", value, 2, headers, head.len())?;
-    let title = |column: usize| headers.map_or_else(|| format!("column {}", column + 1), |headers| format!("the column \"{}\"", headers[column]));
+    let title = |column: usize| {
+        headers
+            .map_or_else(|| format!("column {}", column + 1), |headers| format!("the column \"{}\"", headers[column]))
+    };
     let (mut times, mut values) = (Vec::new(), Vec::new());
     for (number, line) in lines {
         let row = fields(line);
@@ -60,7 +78,12 @@ pub(super) fn read(name: &str, bytes: &[u8], time: Option<&Column>, value: Optio
         if let [.., before, last] = times.as_slice()
             && last <= before
         {
-            return refuse("table", format!("the time {last:?} after {before:?} in line {number} of {name}"), "times that increase", None);
+            return refuse(
+                "table",
+                format!("the time {last:?} after {before:?} in line {number} of {name}"),
+                "times that increase",
+                None,
+            );
         }
     }
     if times.is_empty() {
@@ -74,7 +97,12 @@ fn text<'a>(name: &str, bytes: &'a [u8]) -> Result<&'a str, Refusal> {
         Ok(text) => Ok(text.trim_start_matches('\u{feff}')),
         Err(error) => {
             let line = bytes.iter().take(error.valid_up_to()).filter(|b| **b == b'\n').count() + 1;
-            refuse("table", format!("bytes in line {line} of {name} that are no text"), "a table saved as UTF-8 text", None)
+            refuse(
+                "table",
+                format!("bytes in line {line} of {name} that are no text"),
+                "a table saved as UTF-8 text",
+                None,
+            )
         }
     }
 }
@@ -91,7 +119,14 @@ fn entry(field: &str, place: &str, title: impl Fn() -> String) -> Result<f64, Re
 }
 
 /// The index of a column that is given by its header or its number.
-fn find(name: &str, key: &'static str, column: Option<&Column>, otherwise: usize, headers: Option<&[String]>, count: usize) -> Result<usize, Refusal> {
+fn find(
+    name: &str,
+    key: &'static str,
+    column: Option<&Column>,
+    otherwise: usize,
+    headers: Option<&[String]>,
+    count: usize,
+) -> Result<usize, Refusal> {
     let number = match column {
         Some(Column::Name(wanted)) => {
             let Some(headers) = headers else {
@@ -101,7 +136,12 @@ fn find(name: &str, key: &'static str, column: Option<&Column>, otherwise: usize
             let Some(index) = headers.iter().position(|header| header == wanted) else {
                 let known: Vec<&str> = headers.iter().map(String::as_str).collect();
                 let hint = nearest(wanted, &known).map(|near| format!("did you mean \"{near}\"?"));
-                return refuse(key, format!("\"{wanted}\""), format!("one of the columns {} of {name}", known.join(", ")), hint);
+                return refuse(
+                    key,
+                    format!("\"{wanted}\""),
+                    format!("one of the columns {} of {name}", known.join(", ")),
+                    hint,
+                );
             };
             return Ok(index);
         }
@@ -132,7 +172,8 @@ mod tests {
         ] {
             assert_eq!(read("f.csv", text.as_bytes(), None, None), expected, "{text}");
         }
-        let by = |column| read("f.csv", b"f,x,t\n2,9,0\n-300,9,1.5", Some(&Column::Name("t".to_owned())), Some(&column));
+        let by =
+            |column| read("f.csv", b"f,x,t\n2,9,0\n-300,9,1.5", Some(&Column::Name("t".to_owned())), Some(&column));
         assert_eq!(by(Column::Number(1)), expected);
         assert_eq!(by(Column::Name("f".to_owned())), expected);
     }

@@ -21,7 +21,10 @@ pub(super) fn text(path: &Path) -> io::Result<String> {
     let file = File::open(path).map_err(|error| explain(path, error))?;
     file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(|error| explain(path, error))?;
     if bytes.len() as u64 > LONGEST {
-        return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("found more than {LONGEST} bytes, expected a case file")));
+        return Err(io::Error::new(
+            io::ErrorKind::FileTooLarge,
+            format!("found more than {LONGEST} bytes, expected a case file"),
+        ));
     }
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
@@ -39,7 +42,9 @@ fn explain(path: &Path, error: io::Error) -> io::Error {
             let hint = similar(path).map_or_else(String::new, |near| format!("; did you mean {near}?"));
             io::Error::new(error.kind(), format!("found no such file, expected a case file{hint}"))
         }
-        io::ErrorKind::PermissionDenied => io::Error::new(error.kind(), "found a file that may not be read, expected a case file"),
+        io::ErrorKind::PermissionDenied => {
+            io::Error::new(error.kind(), "found a file that may not be read, expected a case file")
+        }
         _ => error,
     }
 }
@@ -51,7 +56,8 @@ fn similar(path: &Path) -> Option<String> {
     let entries = fs::read_dir(folder.unwrap_or(Path::new("."))).ok()?;
     let mut names: Vec<String> = entries.filter_map(|e| e.ok()?.file_name().into_string().ok()).collect();
     names.sort();
-    let names: Vec<&str> = names.iter().map(String::as_str).filter(|n| Path::new(n).extension().is_some_and(|e| e == "toml")).collect();
+    let names: Vec<&str> =
+        names.iter().map(String::as_str).filter(|n| Path::new(n).extension().is_some_and(|e| e == "toml")).collect();
     // Endings are alike by custom, so it is the stems that are compared.
     let stem = |name: &str| Path::new(name).file_stem().and_then(|s| s.to_str()).unwrap_or_default().to_owned();
     let stems: Vec<String> = names.iter().map(|n| stem(n)).collect();

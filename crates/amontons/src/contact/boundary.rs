@@ -15,7 +15,8 @@ pub enum Quadrature {
     /// At the nodes, with positive weights ω_i (∫ N_i of linear facets): each contact node obeys the laws on its own.
     #[default]
     Nodal,
-    /// At the points of a rule of twice the degree on each facet, hence two for P1 segments and three for P1 triangles: the laws hold at each point.
+    /// At the points of a rule of twice the degree on each facet, hence two for P1 segments and three for P1 triangles:
+    /// the laws hold at each point.
     Gauss,
 }
 
@@ -43,12 +44,14 @@ pub struct Contact {
     pub obstacle: Option<Obstacle>,
     /// The depth that rubs off; none without wear.
     pub wear: Option<Arc<dyn WearLaw>>,
-    /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it moves by the gap.
+    /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it
+    /// moves by the gap.
     pub foundation_velocity: Vec<Field>,
 }
 
 impl Contact {
-    /// Contact of the facet set `on` by this law p_ν at its nodes, without gap, friction, heat exchange and wear. The foundation is at rest.
+    /// Contact of the facet set `on` by this law p_ν at its nodes, without gap, friction, heat exchange and wear. The
+    /// foundation is at rest.
     #[must_use]
     pub fn new(on: impl Into<String>, normal: impl NormalLaw + 'static) -> Contact {
         Contact {
@@ -126,7 +129,8 @@ impl ContactBoundary {
         ContactBoundary::on(mesh, &[(set, quadrature)])
     }
 
-    /// Places the contact points on several facet sets, those of one after those of the other. A node of two sets has a point on each.
+    /// Places the contact points on several facet sets, those of one after those of the other. A node of two sets has a
+    /// point on each.
     #[must_use]
     pub fn on(mesh: &Mesh, sides: &[(&FacetSet, Quadrature)]) -> ContactBoundary {
         let mut nodes: Vec<u32> = sides.iter().flat_map(|(set, _)| set.node_list()).collect();
@@ -148,17 +152,28 @@ impl ContactBoundary {
     }
 }
 
-/// One point per node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in the weight.
+/// One point per node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in
+/// the weight.
 fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let nodes = set.node_list();
     let on_set = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
-    let mut points: Vec<PointOnBoundary> =
-        nodes.iter().map(|&n| PointOnBoundary { x: mesh.points[n as usize], normal: [0.0; 3], weight: 0.0, side: 0, nodes: vec![(local(n), 1.0)] }).collect();
+    let mut points: Vec<PointOnBoundary> = nodes
+        .iter()
+        .map(|&n| PointOnBoundary {
+            x: mesh.points[n as usize],
+            normal: [0.0; 3],
+            weight: 0.0,
+            side: 0,
+            nodes: vec![(local(n), 1.0)],
+        })
+        .collect();
     for block in &set.blocks {
         let lumping = Lumping::new(mesh, block.element);
-        // The normal at the node: a mean over the facet would be off by the order of its size where the facet is curved.
+        // The normal at the node: a mean over the facet would be off by the order of its size where the facet is
+        // curved.
         let at_nodes = Table::at(block.element, block.element.nodes);
-        let (mut map, mut node_map, n) = (FacetMap::new(mesh, &lumping.table), FacetMap::new(mesh, &at_nodes), block.element.nodes.len());
+        let (mut map, mut node_map, n) =
+            (FacetMap::new(mesh, &lumping.table), FacetMap::new(mesh, &at_nodes), block.element.nodes.len());
         for facet in block.nodes.chunks_exact(n) {
             let weights = lumping.weights(&mut map, facet);
             for (i, (&node, weight)) in facet.iter().zip(&weights).enumerate() {
@@ -179,14 +194,16 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
     points
 }
 
-/// Functions φ_i that share a facet out among its nodes: the weights ω_i = ∫ φ_i are those of the shape functions on a flat facet, so that
-/// a uniform pressure at the contact points is the load of a uniform pressure, and nodal quadrature passes the patch test.
+/// Functions φ_i that share a facet out among its nodes: the weights ω_i = ∫ φ_i are those of the shape functions on a
+/// flat facet, so that a uniform pressure at the contact points is the load of a uniform pressure, and nodal quadrature
+/// passes the patch test.
 ///
-/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for two facets where ∫ N_i
-/// is zero at some nodes: the quadratic triangle (its vertices) and the quadratic segment swept around an axis (an end on the axis). There
-/// the facet is integrated by the rule whose points are its nodes, so that curvature makes no weight negative; nodes without
-/// a weight are no contact points. Weights from a split into linear parts would be positive at every node, but not those
-/// of the shape functions: pressures at vertices and middle nodes would oscillate.
+/// They are the shape functions, whose integrals are the weights of the trapezium rule and of Simpson's, but for two
+/// facets where ∫ N_i is zero at some nodes: the quadratic triangle (its vertices) and the quadratic segment swept
+/// around an axis (an end on the axis). There the facet is integrated by the rule whose points are its nodes, so that
+/// curvature makes no weight negative; nodes without a weight are no contact points. Weights from a split into linear
+/// parts would be positive at every node, but not those of the shape functions: pressures at vertices and middle nodes
+/// would oscillate.
 pub(super) struct Lumping {
     pub table: Table,
     /// φ at the points of the table, one per node.
@@ -196,7 +213,8 @@ pub(super) struct Lumping {
 impl Lumping {
     pub fn new(mesh: &Mesh, element: &'static Element) -> Lumping {
         // The area factor is constant on a flat linear facet; r raises the degree in a body of revolution.
-        let degree = if element.gradient_degree == 0 { element.degree } else { 2 * element.degree + 1 } + usize::from(mesh.axisymmetric);
+        let degree = if element.gradient_degree == 0 { element.degree } else { 2 * element.degree + 1 }
+            + usize::from(mesh.axisymmetric);
         let at_nodes = match (element.shape, element.degree) {
             (Shape::Triangle, 2) => true,
             (Shape::Segment, 2) => mesh.axisymmetric,
@@ -214,7 +232,10 @@ impl Lumping {
             if sum.abs() < 1e-12 * element.shape.measure() { 0.0 } else { sum }
         };
         let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
-        Lumping { table: Table::of_rule(element, nodes), shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect() }
+        Lumping {
+            table: Table::of_rule(element, nodes),
+            shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect(),
+        }
     }
 
     /// The weights of the nodes of a facet, m^(d−1).
@@ -240,7 +261,13 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
             for q in 0..table.len() {
                 map.at(facet, q);
                 let nodes = facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
-                points.push(PointOnBoundary { x: map.position, normal: map.normal, weight: table.weights[q] * map.area, side: 0, nodes });
+                points.push(PointOnBoundary {
+                    x: map.position,
+                    normal: map.normal,
+                    weight: table.weights[q] * map.area,
+                    side: 0,
+                    nodes,
+                });
             }
         }
     }
@@ -269,8 +296,8 @@ mod tests {
         Ok(())
     }
 
-    /// Positive weights, the area, and linear functions without error, on every kind of flat facet; the Gauss points are
-    /// exact for the squares of the shape functions' degree.
+    /// Positive weights, the area, and linear functions without error, on every kind of flat facet; the Gauss points
+    /// are exact for the squares of the shape functions' degree.
     #[test]
     fn both_quadratures_are_exact_for_linear_functions() -> Result<(), MeshError> {
         for elements in EVERY {
@@ -278,22 +305,32 @@ mod tests {
             let plane = Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)?;
             let body = Mesh::box_([2.0, 1.0, 3.0], [3, 1, 2], elements)?;
             // ∫ 1, ∫ x, ∫ z over x = 2 of the line, and over the bottom of the others.
-            for (mesh, side, exact) in [(line, "right", [1.0, 2.0, 0.0]), (plane, "bottom", [2.0, 2.0, 0.0]), (body, "bottom", [6.0, 6.0, 9.0])] {
+            for (mesh, side, exact) in [
+                (line, "right", [1.0, 2.0, 0.0]),
+                (plane, "bottom", [2.0, 2.0, 0.0]),
+                (body, "bottom", [6.0, 6.0, 9.0]),
+            ] {
                 for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
                     let boundary = ContactBoundary::new(&mesh, &mesh.facets[side], quadrature);
                     assert!(boundary.points.iter().all(|p| p.weight > 0.0));
                     let normal = if mesh.dim == 1 { [1.0, 0.0, 0.0] } else { [0.0, -1.0, 0.0] };
                     assert!(boundary.points.iter().all(|p| (0..3).all(|d| (p.normal[d] - normal[d]).abs() < 1e-14)));
-                    let sum = |f: &dyn Fn(&Point) -> f64| boundary.points.iter().map(|p| p.weight * f(&p.x)).sum::<f64>();
+                    let sum =
+                        |f: &dyn Fn(&Point) -> f64| boundary.points.iter().map(|p| p.weight * f(&p.x)).sum::<f64>();
                     for (found, expected) in [sum(&|_| 1.0), sum(&|x| x[0]), sum(&|x| x[2])].into_iter().zip(exact) {
-                        assert!((found - expected).abs() < 1e-13, "{elements:?} {quadrature:?} d = {}: {found}, expected {expected}", mesh.dim);
+                        assert!(
+                            (found - expected).abs() < 1e-13,
+                            "{elements:?} {quadrature:?} d = {}: {found}, expected {expected}",
+                            mesh.dim
+                        );
                     }
                     if quadrature == Quadrature::Gauss && mesh.dim == 3 {
                         assert!((sum(&|x| x[0] * x[0]) - 8.0).abs() < 1e-12);
                     }
                     // The values at a point sum to one and give back its place.
                     for point in &boundary.points {
-                        let x: f64 = point.nodes.iter().map(|&(i, v)| v * mesh.points[boundary.nodes[i] as usize][0]).sum();
+                        let x: f64 =
+                            point.nodes.iter().map(|&(i, v)| v * mesh.points[boundary.nodes[i] as usize][0]).sum();
                         assert!((x - point.x[0]).abs() < 1e-14);
                     }
                 }
@@ -306,30 +343,45 @@ mod tests {
     #[test]
     fn weights_of_quadratic_facets() -> Result<(), MeshError> {
         let weights = |mesh: &Mesh, side: &str| -> Vec<f64> {
-            let mut weights: Vec<f64> = ContactBoundary::new(mesh, &mesh.facets[side], Quadrature::Nodal).points.iter().map(|p| p.weight).collect();
+            let mut weights: Vec<f64> = ContactBoundary::new(mesh, &mesh.facets[side], Quadrature::Nodal)
+                .points
+                .iter()
+                .map(|p| p.weight)
+                .collect();
             weights.sort_by(f64::total_cmp);
             weights
         };
         let assert_near = |found: Vec<f64>, expected: Vec<f64>| {
-            assert!(found.len() == expected.len() && found.iter().zip(&expected).all(|(f, e)| (f - e).abs() < 1e-15), "{found:?}, expected {expected:?}");
+            assert!(
+                found.len() == expected.len() && found.iter().zip(&expected).all(|(f, e)| (f - e).abs() < 1e-15),
+                "{found:?}, expected {expected:?}"
+            );
         };
-        assert_near(weights(&Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [1, 1], Diagonal::Right)?, "bottom"), vec![1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0]);
+        assert_near(
+            weights(&Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [1, 1], Diagonal::Right)?, "bottom"),
+            vec![1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
+        );
         let face = [vec![1.0 / 36.0; 4], vec![1.0 / 9.0; 4], vec![4.0 / 9.0]].concat();
         assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::Q2)?, "bottom"), face);
-        // Two triangles of area 1/2, each with a third of it at the middle of its edges; that of the diagonal belongs to both.
+        // Two triangles of area 1/2, each with a third of it at the middle of its edges; that of the diagonal belongs
+        // to both.
         let face = [vec![1.0 / 6.0; 4], vec![1.0 / 3.0]].concat();
         assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::P2)?, "bottom"), face);
         Ok(())
     }
 
-    /// The patch test of contact: on flat sides the weights are the loads of a uniform pressure, ∫ N_i, with both quadratures.
+    /// The patch test of contact: on flat sides the weights are the loads of a uniform pressure, ∫ N_i, with both
+    /// quadratures.
     #[test]
     fn a_uniform_pressure_is_its_consistent_load() -> Result<(), MeshError> {
         for elements in EVERY {
             for (mesh, side) in [
                 (Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)?, "bottom"),
                 (Mesh::box_([2.0, 1.0, 3.0], [3, 1, 2], elements)?, "bottom"),
-                (Mesh { axisymmetric: true, ..Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)? }, "bottom"),
+                (
+                    Mesh { axisymmetric: true, ..Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)? },
+                    "bottom",
+                ),
             ] {
                 let set = &mesh.facets[side];
                 let mut load = vec![0.0; mesh.points.len()];
@@ -354,7 +406,10 @@ mod tests {
                         }
                     }
                     for (node, (found, load)) in found.iter().zip(&load).enumerate() {
-                        let of = format!("{elements:?}, d = {}, axisymmetric: {}, {quadrature:?}, node {node}", mesh.dim, mesh.axisymmetric);
+                        let of = format!(
+                            "{elements:?}, d = {}, axisymmetric: {}, {quadrature:?}, node {node}",
+                            mesh.dim, mesh.axisymmetric
+                        );
                         assert!((found - load).abs() < 1e-13, "{of}: {found}, expected {load}");
                     }
                 }
@@ -363,7 +418,8 @@ mod tests {
         Ok(())
     }
 
-    /// On a cylinder the weights sum to the area, and the normals converge to the radial direction at order 2 or better.
+    /// On a cylinder the weights sum to the area, and the normals converge to the radial direction at order 2 or
+    /// better.
     #[test]
     fn curved_contact() -> Result<(), MeshError> {
         for elements in [Elements::P2, Elements::Q2] {
@@ -378,10 +434,16 @@ mod tests {
                         let r = p.x[0].hypot(p.x[1]);
                         (p.normal[0] - p.x[0] / r).hypot(p.normal[1] - p.x[1] / r).hypot(p.normal[2])
                     };
-                    errors.push([(area - 4.0 * std::f64::consts::PI).abs(), boundary.points.iter().map(off).fold(0.0, f64::max)]);
+                    errors.push([
+                        (area - 4.0 * std::f64::consts::PI).abs(),
+                        boundary.points.iter().map(off).fold(0.0, f64::max),
+                    ]);
                 }
                 let [area, normal] = [0, 1].map(|i| (errors[0][i] / errors[1][i]).log2());
-                assert!(area > 3.85 && (errors[1][1] < 1e-13 || normal > 1.85), "{elements:?} {quadrature:?}: orders {area}, {normal}; {errors:?}");
+                assert!(
+                    area > 3.85 && (errors[1][1] < 1e-13 || normal > 1.85),
+                    "{elements:?} {quadrature:?}: orders {area}, {normal}; {errors:?}"
+                );
             }
         }
         Ok(())

@@ -2,7 +2,8 @@
 
 use crate::field::Field;
 
-/// A foundation of such a conductivity that it has one temperature θ_F, which heat from the contact and from friction raises:
+/// A foundation of such a conductivity that it has one temperature θ_F, which heat from the contact and from friction
+/// raises:
 ///
 /// ```text
 ///     C θ̇_F = ∫_{Γ_C} (q·ν + q·w_τ) − H (θ_F − θ_∞)

@@ -1,15 +1,16 @@
 //! Values on Γ_C that can be read point by point: means about the vertices of quadratic facets.
 //!
-//! A node of a stuck contact keeps the traction that it had when the edge of contact passed it, and quadratic facets resolve that edge in one way
-//! at their vertices and in another at their middle nodes. Tractions there alternate from node to node, while their resultants are right. What can
-//! be read is the mean about each vertex,
+//! A node of a stuck contact keeps the traction that it had when the edge of contact passed it, and quadratic facets
+//! resolve that edge in one way at their vertices and in another at their middle nodes. Tractions there alternate from
+//! node to node, while their resultants are right. What can be read is the mean about each vertex,
 //!
 //! ```text
 //!     v̄ = Σ ω_i φ(x_i) v_i / Σ ω_i φ(x_i),
 //! ```
 //!
-//! with φ the linear function of the vertex. Inside a side it is the value at the vertex, up to second order. At the end of a side all points lie to one side
-//! of the vertex; there it is the value of the linear function that is nearest to the v_i of the facet in the mean square.
+//! with φ the linear function of the vertex. Inside a side it is the value at the vertex, up to second order. At the
+//! end of a side all points lie to one side of the vertex; there it is the value of the linear function that is nearest
+//! to the v_i of the facet in the mean square.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -39,23 +40,34 @@ impl Sum {
     }
 
     fn mean(self) -> Shares {
-        self.shares.into_iter().map(|(point, share)| (point, share / self.weight)).filter(|(_, share)| *share != 0.0).collect()
+        self.shares
+            .into_iter()
+            .map(|(point, share)| (point, share / self.weight))
+            .filter(|(_, share)| *share != 0.0)
+            .collect()
     }
 }
 
 impl ContactBoundary {
-    /// Contact points of a side with their shares in the value at each of its vertices, as the head of this file says. At linear facets these are the
-    /// values at the nodes; with Gauss points each point stands alone.
+    /// Contact points of a side with their shares in the value at each of its vertices, as the head of this file says.
+    /// At linear facets these are the values at the nodes; with Gauss points each point stands alone.
     #[must_use]
     pub fn vertex_means(&self, mesh: &Mesh, side: usize, set: &FacetSet) -> Vec<Shares> {
         match self.points_of_nodes(side) {
             Some(own) => means(mesh, set, &own).into_values().collect(),
-            None => self.points.iter().enumerate().filter(|(_, point)| point.side == side).map(|(i, _)| vec![(i, 1.0)]).collect(),
+            None => self
+                .points
+                .iter()
+                .enumerate()
+                .filter(|(_, point)| point.side == side)
+                .map(|(i, _)| vec![(i, 1.0)])
+                .collect(),
         }
     }
 
-    /// What can be read at each contact point of a side: the mean about the vertex that it is, or between such means at a middle node. Where vertices
-    /// bear no contact points (triangles of six nodes), with linear facets and with Gauss points it is the value itself.
+    /// What can be read at each contact point of a side: the mean about the vertex that it is, or between such means at
+    /// a middle node. Where vertices bear no contact points (triangles of six nodes), with linear facets and with Gauss
+    /// points it is the value itself.
     #[must_use]
     pub fn readable(&self, mesh: &Mesh, side: usize, set: &FacetSet) -> Vec<(usize, Shares)> {
         let on_side = self.points.iter().enumerate().filter(|(_, point)| point.side == side);
@@ -70,10 +82,13 @@ impl ContactBoundary {
             let (linear, vertices) = (linear(block.element), block.element.shape.vertices());
             let mut values = vec![0.0; linear.nodes.len()];
             for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
-                for (at, point) in block.element.nodes.iter().zip(facet).filter_map(|(at, node)| Some((at, *own.get(node)?))) {
+                for (at, point) in
+                    block.element.nodes.iter().zip(facet).filter_map(|(at, node)| Some((at, *own.get(node)?)))
+                {
                     (linear.shape_functions)(at, &mut values);
                     let mut sum = Sum::default();
-                    for (vertex, &value) in facet.iter().zip(&values).take(vertices).filter(|(_, value)| **value > 0.0) {
+                    for (vertex, &value) in facet.iter().zip(&values).take(vertices).filter(|(_, value)| **value > 0.0)
+                    {
                         sum.add(means.get(vertex).into_iter().flatten().copied(), value);
                     }
                     readable.insert(point, sum.mean());
@@ -107,11 +122,14 @@ fn means(mesh: &Mesh, set: &FacetSet, own: &BTreeMap<u32, usize>) -> BTreeMap<u3
         for facet in block.nodes.chunks_exact(n) {
             let weights = lumping.weights(&mut map, facet);
             // Σ ω φ_v φ_w: its row sums are Σ ω φ_v.
-            let gram = Mat::from_fn(vertices, vertices, |v, w| (0..n).map(|i| weights[i] * phi[i][v] * phi[i][w]).sum::<f64>());
+            let gram = Mat::from_fn(vertices, vertices, |v, w| {
+                (0..n).map(|i| weights[i] * phi[i][v] * phi[i][w]).sum::<f64>()
+            });
             let fit = gram.partial_piv_lu().solve(Mat::from_fn(vertices, n, |v, i| weights[i] * phi[i][v]));
             for (v, vertex) in facet.iter().take(vertices).enumerate() {
                 let weight: f64 = (0..n).map(|i| weights[i] * phi[i][v]).sum();
-                let share = |i: usize| if ends.contains(vertex) { fit[(v, i)] } else { weights[i] * phi[i][v] / weight };
+                let share =
+                    |i: usize| if ends.contains(vertex) { fit[(v, i)] } else { weights[i] * phi[i][v] / weight };
                 let shares = facet.iter().enumerate().filter_map(|(i, node)| Some((*own.get(node)?, share(i))));
                 sums.entry(*vertex).or_default().add(shares, weight);
             }
@@ -136,7 +154,8 @@ fn at_nodes(element: &'static Element) -> Vec<Vec<f64>> {
     element.nodes.iter().map(of).collect()
 }
 
-/// Vertices at the ends of a side: of a curve those of one facet alone, of a surface those of edges that one facet alone has.
+/// Vertices at the ends of a side: of a curve those of one facet alone, of a surface those of edges that one facet
+/// alone has.
 fn ends(set: &FacetSet) -> BTreeSet<u32> {
     let mut seen: BTreeMap<Vec<u32>, usize> = BTreeMap::new();
     for block in &set.blocks {
@@ -158,8 +177,9 @@ mod tests {
     use crate::contact::Quadrature;
     use crate::mesh::{Diagonal, Elements, MeshError};
 
-    /// A linear function is read as it is at every vertex and, with the vertices, at every point, on uneven curved-free meshes of every cell; what alternates
-    /// between vertices and middle nodes with no resultant on any facet is read as nothing.
+    /// A linear function is read as it is at every vertex and, with the vertices, at every point, on uneven curved-free
+    /// meshes of every cell; what alternates between vertices and middle nodes with no resultant on any facet is read
+    /// as nothing.
     #[test]
     fn linear_functions_are_read_exactly_at_the_ends_and_alternations_vanish() -> Result<(), MeshError> {
         for elements in [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2] {
@@ -169,16 +189,30 @@ mod tests {
                 let set = &mesh.facets["bottom"];
                 let boundary = ContactBoundary::new(&mesh, set, Quadrature::Nodal);
                 let linear = |i: usize| 3.0 + 0.7 * boundary.points[i].x[0] - 0.4 * boundary.points[i].x[2];
-                let read = |shares: &Shares, value: &dyn Fn(usize) -> f64| shares.iter().map(|&(i, share)| share * value(i)).sum::<f64>();
+                let read = |shares: &Shares, value: &dyn Fn(usize) -> f64| {
+                    shares.iter().map(|&(i, share)| share * value(i)).sum::<f64>()
+                };
                 let readable = boundary.readable(&mesh, 0, set);
                 assert_eq!(readable.len(), boundary.points.len());
                 for (i, shares) in &readable {
-                    assert!((read(shares, &linear) - linear(*i)).abs() < 1e-13, "{elements:?} d = {} at {:?}", mesh.dim, boundary.points[*i].x);
+                    assert!(
+                        (read(shares, &linear) - linear(*i)).abs() < 1e-13,
+                        "{elements:?} d = {} at {:?}",
+                        mesh.dim,
+                        boundary.points[*i].x
+                    );
                 }
-                // In the plane: 2 at vertices and −1 at middle nodes, with Simpson's weights 1, 4, 1 over a facet 2 − 4 + 2 = 0.
+                // In the plane: 2 at vertices and −1 at middle nodes, with Simpson's weights 1, 4, 1 over a facet
+                // 2 − 4 + 2 = 0.
                 if mesh.dim == 2 && elements != Elements::P1 && elements != Elements::Q1 {
-                    let alternating = |i: usize| if (2.0 * boundary.points[i].x[0]).fract() == 0.0 { 2.0 } else { -1.0 };
-                    assert!(boundary.vertex_means(&mesh, 0, set).iter().all(|shares| read(shares, &alternating).abs() < 1e-14));
+                    let alternating =
+                        |i: usize| if (2.0 * boundary.points[i].x[0]).fract() == 0.0 { 2.0 } else { -1.0 };
+                    assert!(
+                        boundary
+                            .vertex_means(&mesh, 0, set)
+                            .iter()
+                            .all(|shares| read(shares, &alternating).abs() < 1e-14)
+                    );
                 }
             }
         }

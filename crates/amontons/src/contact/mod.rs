@@ -16,19 +16,27 @@ mod wear;
 
 pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature};
 pub use foundation::LumpedFoundation;
-pub use friction::{Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable};
-pub use heat::{Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum};
+pub use friction::{
+    Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable,
+};
+pub use heat::{
+    Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp,
+    STEFAN_BOLTZMANN, Sum,
+};
 pub use means::Shares;
 pub use normal::{
-    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable, PressureTableFault, Signorini, Softening,
-    Stop, resolvent,
+    Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable,
+    PressureTableFault, Signorini, Softening, Stop, resolvent,
 };
 pub use obstacle::Obstacle;
 pub use table::{PiecewiseLinear, TableFault};
 pub use wear::{Archard, WearLaw};
 
 #[cfg(test)]
-pub(crate) use {friction::samples as friction_samples, heat::samples as heat_samples, normal::samples as normal_samples, wear::samples as wear_samples};
+pub(crate) use {
+    friction::samples as friction_samples, heat::samples as heat_samples, normal::samples as normal_samples,
+    wear::samples as wear_samples,
+};
 
 /// What a law may look at: the state of one point of Γ_C.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

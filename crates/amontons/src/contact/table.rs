@@ -46,7 +46,10 @@ impl PiecewiseLinear {
             return Err(TableFault::Few { found: arguments.len() });
         }
         // A NaN is not larger either.
-        if let Some(pair) = arguments.windows(2).find(|pair| !matches!(pair[1].partial_cmp(&pair[0]), Some(std::cmp::Ordering::Greater))) {
+        if let Some(pair) = arguments
+            .windows(2)
+            .find(|pair| !matches!(pair[1].partial_cmp(&pair[0]), Some(std::cmp::Ordering::Greater)))
+        {
             return Err(TableFault::Order { before: pair[0], next: pair[1] });
         }
         Ok(PiecewiseLinear { points: arguments.iter().copied().zip(values.iter().copied()).collect() })
@@ -99,7 +102,10 @@ mod tests {
     #[test]
     fn values_slopes_and_faults() -> Result<(), TableFault> {
         let f = PiecewiseLinear::new(&[0.0, 1.0, 3.0], &[1.0, 2.0, -2.0])?;
-        assert_eq!([f.held(-1.0), f.held(0.25), f.held(2.0), f.held(3.0)], [(1.0, 0.0), (1.25, 1.0), (0.0, -2.0), (-2.0, 0.0)]);
+        assert_eq!(
+            [f.held(-1.0), f.held(0.25), f.held(2.0), f.held(3.0)],
+            [(1.0, 0.0), (1.25, 1.0), (0.0, -2.0), (-2.0, 0.0)]
+        );
         assert_eq!([f.extended(-1.0), f.extended(4.0)], [(0.0, 1.0), (-4.0, -2.0)]);
         assert_eq!((f.largest(), f.slopes().collect::<Vec<_>>()), (2.0, vec![1.0, -2.0]));
         assert_eq!(PiecewiseLinear::new(&[0.0], &[0.0]), Err(TableFault::Few { found: 1 }));

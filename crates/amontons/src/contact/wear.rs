@@ -1,7 +1,7 @@
 //! Wear: the depth that rubbing takes off.
 //!
-//! Source: J. F. Archard, "Contact and rubbing of flat surfaces", J. Appl. Phys. 24 (1953) 981–988: the worn volume is proportional to the
-//! load and the sliding distance; by area, ḣ = κ p ‖w_τ‖.
+//! Source: J. F. Archard, "Contact and rubbing of flat surfaces", J. Appl. Phys. 24 (1953) 981–988: the worn volume is
+//! proportional to the load and the sliding distance; by area, ḣ = κ p ‖w_τ‖.
 
 use std::fmt::Debug;
 

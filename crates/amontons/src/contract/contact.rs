@@ -7,8 +7,9 @@ use crate::tensor::Point;
 /// Where laws are evaluated.
 const X: Point = [0.3, 0.2, 0.1];
 
-/// The graph keeps (H8) as far as it claims to, and has the slopes, potential and Lipschitz constant it claims; `r` is a penetration typical of
-/// the law. A function that declares a Lipschitz constant vanishes without penetration, unless it pulls; a graph gives the same p for every λ.
+/// The graph keeps (H8) as far as it claims to, and has the slopes, potential and Lipschitz constant it claims; `r` is
+/// a penetration typical of the law. A function that declares a Lipschitz constant vanishes without penetration, unless
+/// it pulls; a graph gives the same p for every λ.
 ///
 /// # Panics
 /// When the law breaks the contract.
@@ -33,34 +34,69 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
         let h = 1e-6 * r;
         slope_between(ga.slope, |h| p(a + h, 0.0).value, h, 1e-4 * size / r, &format!("{law:?}: pressure at {a:e}"));
         let energy = |h: f64| law.potential(&X, a + h);
-        near((energy(h) - energy(-h)) / (2.0 * h), ga.value, 1e-5 * size, &format!("{law:?}: derivative of the potential at {a:e}"));
+        near(
+            (energy(h) - energy(-h)) / (2.0 * h),
+            ga.value,
+            1e-5 * size,
+            &format!("{law:?}: derivative of the potential at {a:e}"),
+        );
         if let Some(l) = law.lipschitz() {
             let slack = 1e-12 * l * r;
-            assert!((ga.value - p(b, 0.0).value).abs() <= l * (a - b).abs() + slack, "{law:?}: declared L = {l:e} fails between {a:e} and {b:e}");
+            assert!(
+                (ga.value - p(b, 0.0).value).abs() <= l * (a - b).abs() + slack,
+                "{law:?}: declared L = {l:e} fails between {a:e} and {b:e}"
+            );
         }
         // Between two penetrations it falls by no more than it says.
         let (low, high) = (a.min(b), a.max(b));
         let (least, mean) = (law.least_slope(&X, low, high), (p(high, 0.0).value - p(low, 0.0).value) / (high - low));
-        assert!(mean >= least - 1e-9 * (least.abs() + size / r), "{law:?}: least slope {least:e} between {low:e} and {high:e}, but the mean is {mean:e}");
+        assert!(
+            mean >= least - 1e-9 * (least.abs() + size / r),
+            "{law:?}: least slope {least:e} between {low:e} and {high:e}, but the mean is {mean:e}"
+        );
         // What wears off makes it softer: p = G(r − λ p₊), with the slope that it has.
         let by_wear = r / size * 10f64.powf(3.0 * random.number());
         let rubbed = |h: f64| resolvent(law, &X, a + h, 0.0, [0.0, by_wear]);
         let value = rubbed(0.0).value;
-        near(value, p(a - by_wear * value.max(0.0), 0.0).value, 1e-12 * size, &format!("{law:?}: worn by {by_wear:e} p at {a:e}"));
+        near(
+            value,
+            p(a - by_wear * value.max(0.0), 0.0).value,
+            1e-12 * size,
+            &format!("{law:?}: worn by {by_wear:e} p at {a:e}"),
+        );
         if least >= 0.0 && law.least_slope(&X, f64::NEG_INFINITY, f64::INFINITY) >= 0.0 {
-            slope_between(rubbed(0.0).slope, |h| rubbed(h).value, h, 1e-4 * size / r, &format!("{law:?}: worn, at {a:e}"));
+            slope_between(
+                rubbed(0.0).slope,
+                |h| rubbed(h).value,
+                h,
+                1e-4 * size / r,
+                &format!("{law:?}: worn, at {a:e}"),
+            );
         }
         assert_rate(law, a, [2.0 * random.number(), 2.0 * random.number()], [r, size]);
     }
 }
 
-/// At a penetration and two rates the pressure does not fall with the rate and has the slopes it claims, for a law of this size at r.
+/// At a penetration and two rates the pressure does not fall with the rate and has the slopes it claims, for a law of
+/// this size at r.
 fn assert_rate(law: &dyn NormalLaw, a: f64, [rate, other]: [f64; 2], [r, size]: [f64; 2]) {
     let p = |r: f64, rate: f64| law.pressure(&X, r, rate, 0.0);
     let (moving, h) = (p(a, rate), 1e-6 * r);
     assert!((moving.value - p(a, other).value) * (rate - other) >= 0.0, "{law:?}: not monotone in the rate at {a:e}");
-    slope_between(moving.by_rate, |h| p(a, rate + h).value, 1e-6, 1e-4 * size, &format!("{law:?}: pressure in the rate at {a:e}, {rate:e}"));
-    slope_between(moving.slope, |h| p(a + h, rate).value, h, 1e-4 * (size + moving.value.abs()) / r, &format!("{law:?}: pressure at {a:e}, {rate:e}"));
+    slope_between(
+        moving.by_rate,
+        |h| p(a, rate + h).value,
+        1e-6,
+        1e-4 * size,
+        &format!("{law:?}: pressure in the rate at {a:e}, {rate:e}"),
+    );
+    slope_between(
+        moving.slope,
+        |h| p(a + h, rate).value,
+        h,
+        1e-4 * (size + moving.value.abs()) / r,
+        &format!("{law:?}: pressure at {a:e}, {rate:e}"),
+    );
 }
 
 /// p ∈ G(z − λ p) is nondecreasing in z, has the slope it claims, and the same point of G is found with every λ.
@@ -74,16 +110,27 @@ fn assert_graph(law: &dyn NormalLaw, r: f64) {
         assert!((pa.value - pb.value) * (a - b) >= 0.0, "{law:?}: not monotone between {a:e} and {b:e}");
         assert!(pa.value >= 0.0 || law.graph() == GraphKind::Bilateral, "{law:?}: tension at {a:e}");
         let h = 1e-6 * r;
-        slope_between(pa.slope, |h| law.pressure(&X, a + h, 0.0, lambda).value, h, 1e-6 * pa.value.abs() / r + 1e-9 * pa.slope, &format!("{law:?}: at {a:e}"));
+        slope_between(
+            pa.slope,
+            |h| law.pressure(&X, a + h, 0.0, lambda).value,
+            h,
+            1e-6 * pa.value.abs() / r + 1e-9 * pa.slope,
+            &format!("{law:?}: at {a:e}"),
+        );
         assert!(lambda * pa.slope <= 1.0 + 1e-12, "{law:?}: the slope at {a:e} is that of no monotone graph");
         let (at, other) = (a - lambda * pa.value, lambda * 10f64.powf(random.number()));
         let again = law.pressure(&X, at + other * pa.value, 0.0, other).value;
-        near(again, pa.value, 1e-9 * (pa.value.abs() + r / other), &format!("{law:?}: the point (r, p) = ({at:e}, {:e}) with another λ", pa.value));
+        near(
+            again,
+            pa.value,
+            1e-9 * (pa.value.abs() + r / other),
+            &format!("{law:?}: the point (r, p) = ({at:e}, {:e}) with another λ", pa.value),
+        );
     }
 }
 
-/// The bound is not negative, and has the slopes and Lipschitz constant it claims; with such a constant it vanishes with the pressure, as (H8)
-/// asks. `p` is a pressure typical of the law.
+/// The bound is not negative, and has the slopes and Lipschitz constant it claims; with such a constant it vanishes
+/// with the pressure, as (H8) asks. `p` is a pressure typical of the law.
 ///
 /// # Panics
 /// When the law breaks the contract.
@@ -103,15 +150,22 @@ pub fn assert_friction_law(law: &dyn FrictionLaw, p: f64) {
         assert!(bound.value >= 0.0, "{law:?}: negative bound {:e} at {at:?}", bound.value);
         let at_rest = law.bound(&ContactPoint { slip_speed: 0.0, ..at }).value;
         let creeping = law.bound(&ContactPoint { slip_speed: 1e-12, ..at }).value;
-        assert!(at_rest >= creeping * (1.0 - 1e-9), "{law:?}: the bound rises from {at_rest:e} to {creeping:e} when slip starts");
-        assert!(law.drops_from_rest() || at_rest <= creeping * (1.0 + 1e-9) + 1e-300, "{law:?}: the bound drops from {at_rest:e} to {creeping:e}, unsaid");
+        assert!(
+            at_rest >= creeping * (1.0 - 1e-9),
+            "{law:?}: the bound rises from {at_rest:e} to {creeping:e} when slip starts"
+        );
+        assert!(
+            law.drops_from_rest() || at_rest <= creeping * (1.0 + 1e-9) + 1e-300,
+            "{law:?}: the bound drops from {at_rest:e} to {creeping:e}, unsaid"
+        );
         if law.is_frictionless() {
             near(bound.value, 0.0, 0.0, &format!("{law:?}: bound of a law without friction"));
         }
         assert_bound_slopes(law, &at, bound, [p, l_nu]);
         let at = &at;
         let faster = ContactPoint { slip_speed: at.slip_speed + random.number().abs(), ..*at };
-        let (least, rise) = (law.least_slope(at, at.slip_speed, faster.slip_speed), law.bound(&faster).value - bound.value);
+        let (least, rise) =
+            (law.least_slope(at, at.slip_speed, faster.slip_speed), law.bound(&faster).value - bound.value);
         let slack = 1e-12 * (bound.value + p);
         assert!(
             rise >= least * (faster.slip_speed - at.slip_speed) - slack,
@@ -138,13 +192,32 @@ fn assert_bound_slopes(law: &dyn FrictionLaw, at: &ContactPoint, bound: Bound, [
         }
     };
     slope_between(bound.by_pressure, s(|at, h| at.pressure += h), 1e-6 * p, 1e-5, &format!("{law:?}: in pressure"));
-    slope_between(bound.by_penetration, s(|at, h| at.penetration += h), 1e-6 * p / l_nu, 1e-5 * l_nu, &format!("{law:?}: in penetration"));
-    slope_between(bound.by_slip_speed, s(|at, h| at.slip_speed += h), 1e-6, 1e-4 * p, &format!("{law:?}: in slip speed"));
-    slope_between(bound.by_temperature, s(|at, h| at.temperature += h), 1e-6, 1e-4 * p, &format!("{law:?}: in temperature"));
+    slope_between(
+        bound.by_penetration,
+        s(|at, h| at.penetration += h),
+        1e-6 * p / l_nu,
+        1e-5 * l_nu,
+        &format!("{law:?}: in penetration"),
+    );
+    slope_between(
+        bound.by_slip_speed,
+        s(|at, h| at.slip_speed += h),
+        1e-6,
+        1e-4 * p,
+        &format!("{law:?}: in slip speed"),
+    );
+    slope_between(
+        bound.by_temperature,
+        s(|at, h| at.temperature += h),
+        1e-6,
+        1e-4 * p,
+        &format!("{law:?}: in temperature"),
+    );
 }
 
-/// (H7) as far as it is claimed: a flux from warm to cold, nondecreasing in θ, with the slopes, the bound and the Lipschitz constant it claims;
-/// none without a temperature difference but that of friction. `r` is a penetration typical of the law.
+/// (H7) as far as it is claimed: a flux from warm to cold, nondecreasing in θ, with the slopes, the bound and the
+/// Lipschitz constant it claims; none without a temperature difference but that of friction. `r` is a penetration
+/// typical of the law.
 ///
 /// # Panics
 /// When the law breaks the contract.
@@ -164,19 +237,33 @@ pub fn assert_heat_law(law: &dyn HeatLaw, r: f64) {
         let rounding = 1e-12 * flux.value.abs();
         assert!(flux.value * difference >= 0.0, "{law:?}: heat flows from cold to warm at {at:?}");
         let allowed = law.conductance_bound() * difference.abs() * (1.0 + 1e-12);
-        assert!(law.conductance_bound().is_infinite() || flux.value.abs() <= allowed, "{law:?}: declared M_kc is exceeded at {at:?}");
+        assert!(
+            law.conductance_bound().is_infinite() || flux.value.abs() <= allowed,
+            "{law:?}: declared M_kc is exceeded at {at:?}"
+        );
         let at = &at;
         assert_flux_slopes(law, at, flux, r);
         let heated = |power: f64| law.flux(&ContactPoint { friction_power: power, ..*at });
-        near(heated(0.7).value - flux.value, 0.7 * flux.by_friction_power, 1e-12 + rounding, &format!("{law:?}: friction heat"));
-        assert!((-1.0..=0.0).contains(&flux.by_friction_power), "{law:?}: more than the power of friction enters the body");
+        near(
+            heated(0.7).value - flux.value,
+            0.7 * flux.by_friction_power,
+            1e-12 + rounding,
+            &format!("{law:?}: friction heat"),
+        );
+        assert!(
+            (-1.0..=0.0).contains(&flux.by_friction_power),
+            "{law:?}: more than the power of friction enters the body"
+        );
         let level = law.flux(&ContactPoint { temperature: at.foundation_temperature, ..*at });
         near(level.value, 0.0, 0.0, &format!("{law:?}: flux without a temperature difference"));
         if let (Some(l), None) = (law.conductance_lipschitz(), law.truncation()) {
             let other = ContactPoint { penetration: 2.0 * r * random.number(), ..*at };
             let change = (law.flux(&other).value - flux.value).abs();
             let allowed = l * (other.penetration - at.penetration).abs() * difference.abs();
-            assert!(change <= allowed * (1.0 + 1e-9) + rounding, "{law:?}: declared L_kc = {l:e} is exceeded at {at:?}");
+            assert!(
+                change <= allowed * (1.0 + 1e-9) + rounding,
+                "{law:?}: declared L_kc = {l:e} is exceeded at {at:?}"
+            );
         }
     }
 }
@@ -193,10 +280,28 @@ fn assert_flux_slopes(law: &dyn HeatLaw, at: &ContactPoint, flux: Flux, r: f64) 
     assert!(flux.by_temperature >= 0.0, "{law:?}: flux decreases with the temperature at {at:?}");
     // The curvature of a law, times the step of the difference.
     let scale = 1e-4 * (flux.value.abs() + flux.by_temperature);
-    slope_between(flux.by_temperature, q(|at, h| at.temperature += h), 1e-6, scale, &format!("{law:?}: in temperature"));
+    slope_between(
+        flux.by_temperature,
+        q(|at, h| at.temperature += h),
+        1e-6,
+        scale,
+        &format!("{law:?}: in temperature"),
+    );
     assert!(flux.by_foundation <= 0.0, "{law:?}: flux increases with the temperature of the foundation at {at:?}");
-    slope_between(flux.by_foundation, q(|at, h| at.foundation_temperature += h), 1e-6, scale, &format!("{law:?}: in the foundation's temperature"));
-    slope_between(flux.by_penetration, q(|at, h| at.penetration += h), 1e-6 * r, scale / r, &format!("{law:?}: in penetration"));
+    slope_between(
+        flux.by_foundation,
+        q(|at, h| at.foundation_temperature += h),
+        1e-6,
+        scale,
+        &format!("{law:?}: in the foundation's temperature"),
+    );
+    slope_between(
+        flux.by_penetration,
+        q(|at, h| at.penetration += h),
+        1e-6 * r,
+        scale / r,
+        &format!("{law:?}: in penetration"),
+    );
     slope_between(flux.by_pressure, q(|at, h| at.pressure += h), 1e-6, scale, &format!("{law:?}: in pressure"));
     slope_between(flux.by_slip_speed, q(|at, h| at.slip_speed += h), 1e-6, scale, &format!("{law:?}: in slip speed"));
 }

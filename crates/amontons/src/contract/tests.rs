@@ -1,9 +1,9 @@
 //! Every law, element and backend keeps its contract, and laws that do not are caught.
 
 use super::*;
-use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::contact::obstacle::{Nearest, Shape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
+use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::material::Constants;
 use crate::tensor::{Point, SymMap};
 
@@ -27,7 +27,11 @@ fn every_tensor_law_keeps_its_contract() {
 #[test]
 #[should_panic(expected = "turned argument")]
 fn a_law_with_a_direction_is_not_isotropic() {
-    for (dim, law) in crate::material::samples().into_iter().skip(crate::material::isotropic_samples().len()).filter(|(dim, _)| *dim > 1) {
+    for (dim, law) in crate::material::samples()
+        .into_iter()
+        .skip(crate::material::isotropic_samples().len())
+        .filter(|(dim, _)| *dim > 1)
+    {
         assert_isotropic(law.as_ref(), dim, 1e-3);
     }
 }

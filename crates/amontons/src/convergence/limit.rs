@@ -40,8 +40,8 @@ pub struct ConstantsRow {
 pub struct ConstantsTable {
     /// One row per mesh.
     pub rows: Vec<ConstantsRow>,
-    /// The limits, in the order of [`DomainConstants::named`]; none with fewer than three meshes, and where the differences
-    /// do not shrink as those of a power of h.
+    /// The limits, in the order of [`DomainConstants::named`]; none with fewer than three meshes, and where the
+    /// differences do not shrink as those of a power of h.
     pub limits: [Option<Limit>; 6],
 }
 
@@ -111,21 +111,33 @@ mod tests {
                 // In units in which h is of order 1 a small h leaves no digits of the power.
                 let unit: Vec<f64> = h.iter().map(|x| x / h[0]).collect();
                 let found = limit(&power(&unit, p, 0.0)).expect("a limit");
-                assert!((found.order.expect("an order") - p).abs() < 1e-9 && (found.value - 3.0).abs() < 1e-10, "{p} {h:?} {found:?}");
+                assert!(
+                    (found.order.expect("an order") - p).abs() < 1e-9 && (found.value - 3.0).abs() < 1e-10,
+                    "{p} {h:?} {found:?}"
+                );
             }
         }
     }
 
     #[test]
     fn values_that_agree_have_a_limit_without_order() {
-        let values: Vec<_> = [0.5, 0.25, 0.125].iter().map(|&h| (h, Constant { value: 1.0 + 1e-13 * h, error: 1e-12 })).collect();
+        let values: Vec<_> =
+            [0.5, 0.25, 0.125].iter().map(|&h| (h, Constant { value: 1.0 + 1e-13 * h, error: 1e-12 })).collect();
         let found = limit(&values).expect("a limit");
         assert!(found.order.is_none() && (found.value - 1.0).abs() < 1e-12 && found.error >= 1e-12);
     }
 
     #[test]
     fn values_that_do_not_settle_have_no_limit() {
-        let of = |values: [f64; 3]| limit(&[0.5, 0.25, 0.125].iter().zip(values).map(|(&h, value)| (h, Constant { value, error: 0.0 })).collect::<Vec<_>>());
+        let of = |values: [f64; 3]| {
+            limit(
+                &[0.5, 0.25, 0.125]
+                    .iter()
+                    .zip(values)
+                    .map(|(&h, value)| (h, Constant { value, error: 0.0 }))
+                    .collect::<Vec<_>>(),
+            )
+        };
         assert_eq!(of([1.0, 2.0, 3.0]), None);
         assert_eq!(of([1.0, 2.0, 1.5]), None);
         assert_eq!(of([1.0, 2.0, f64::NAN]), None);
@@ -135,7 +147,10 @@ mod tests {
     /// The estimate of the error covers it where the next term is h^{p+1}.
     #[test]
     fn the_error_is_of_the_size_told() {
-        let values: Vec<_> = [0.4, 0.2, 0.1, 0.05].iter().map(|h: &f64| (*h, Constant { value: 2.0 + h * h + h.powi(3), error: 0.0 })).collect();
+        let values: Vec<_> = [0.4, 0.2, 0.1, 0.05]
+            .iter()
+            .map(|h: &f64| (*h, Constant { value: 2.0 + h * h + h.powi(3), error: 0.0 }))
+            .collect();
         let found = limit(&values).expect("a limit");
         let off = (found.value - 2.0).abs();
         assert!(off < found.error && found.error < 20.0 * off, "{found:?} {off:e}");

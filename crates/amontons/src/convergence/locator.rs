@@ -30,7 +30,10 @@ impl<'a> Locator<'a> {
         let mut locator = Locator { mesh, low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
         for (b, block) in mesh.blocks.iter().enumerate() {
             for (c, cell) in block.cells().enumerate() {
-                for bucket in locator.range(cell.iter().map(|&n| &mesh.points[n as usize]), if block.element.degree > 1 { 0.25 } else { 0.0 }) {
+                for bucket in locator.range(
+                    cell.iter().map(|&n| &mesh.points[n as usize]),
+                    if block.element.degree > 1 { 0.25 } else { 0.0 },
+                ) {
                     locator.buckets[bucket].push((b as u32, c as u32));
                 }
             }
@@ -42,7 +45,8 @@ impl<'a> Locator<'a> {
     /// curved cells reach beyond their nodes, by an eighth at most of a box that a middle node spans.
     pub(super) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
         let (low, high) = bounds(points);
-        let index = |d: usize, x: f64| (((x - self.low[d]) / self.width[d]).floor().max(0.0) as usize).min(self.count[d] - 1);
+        let index =
+            |d: usize, x: f64| (((x - self.low[d]) / self.width[d]).floor().max(0.0) as usize).min(self.count[d] - 1);
         let [x, y, z] = [0, 1, 2].map(|d| {
             let more = wider * (high[d] - low[d]) + 1e-9 * self.width[d];
             index(d, low[d] - more)..=index(d, high[d] + more)
@@ -83,8 +87,8 @@ impl<'a> Locator<'a> {
         Some((nodes, values))
     }
 
-    /// The cell in which a point lies deepest, as block and cell in the block, with the reference coordinates there; none outside
-    /// the mesh.
+    /// The cell in which a point lies deepest, as block and cell in the block, with the reference coordinates there;
+    /// none outside the mesh.
     #[must_use]
     pub fn place(&self, p: &Point) -> Option<(usize, usize, Point)> {
         self.find(p).map(|((block, cell), x)| (block as usize, cell as usize, x))

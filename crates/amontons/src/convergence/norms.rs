@@ -32,7 +32,12 @@ impl Errors {
     /// The larger of each.
     #[must_use]
     pub fn max(&self, other: &Errors) -> Errors {
-        Errors { w: self.w.max(other.w), u: self.u.max(other.u), theta: self.theta.max(other.theta), u_h: self.u_h.max(other.u_h) }
+        Errors {
+            w: self.w.max(other.w),
+            u: self.u.max(other.u),
+            theta: self.theta.max(other.theta),
+            u_h: self.u_h.max(other.u_h),
+        }
     }
 }
 
@@ -94,7 +99,8 @@ fn add_squares(map: &CellMap, weight: f64, cell: &[u32], compared: &Compared, su
     let (dim, values) = (mesh.dim, map.values());
     let (mut gradient, mut radial) = ([[0.0; 3]; 3], 0.0);
     for (c, row) in gradient.iter_mut().enumerate().take(dim) {
-        let exact: Derivatives = exact.displacement.get(c).map_or(Derivatives::default(), |f| f.derivatives(&map.position, state.t));
+        let exact: Derivatives =
+            exact.displacement.get(c).map_or(Derivatives::default(), |f| f.derivatives(&map.position, state.t));
         let (mut u, mut w) = (exact.value, exact.by_t);
         *row = exact.by_x;
         for (n, &node) in cell.iter().enumerate() {
@@ -132,5 +138,10 @@ pub struct Products<'a> {
 #[must_use]
 pub fn of_difference(products: &Products, u: &[f64], w: &[f64], theta: &[f64]) -> Errors {
     let norm = |matrix: &BlockMatrix, v: &[f64]| dot(v, &matrix.apply(v)).max(0.0).sqrt();
-    Errors { w: norm(products.mass, w), u: norm(products.strain, u), theta: norm(products.mass, theta), u_h: norm(products.mass, u) }
+    Errors {
+        w: norm(products.mass, w),
+        u: norm(products.strain, u),
+        theta: norm(products.mass, theta),
+        u_h: norm(products.mass, u),
+    }
 }

@@ -150,7 +150,9 @@ pub enum StudyError {
         source: TransferError,
     },
     /// The times of a level are not times of the reference.
-    #[error("level {level} has {steps} steps, which do not divide the {reference} steps of the reference: they have no common times")]
+    #[error(
+        "level {level} has {steps} steps, which do not divide the {reference} steps of the reference: they have no common times"
+    )]
     Times {
         /// The level.
         level: usize,
@@ -216,9 +218,14 @@ impl Study {
         // matrices is kept for each.
         let discrete = crate::scheme::Discretization::new(&reference.problem);
         for level in &self.levels {
-            transfers.push(Transfer::new(&discrete, &strain, &level.problem.mesh).map_err(|source| StudyError::Transfer { level: level.level, source })?);
+            transfers.push(
+                Transfer::new(&discrete, &strain, &level.problem.mesh)
+                    .map_err(|source| StudyError::Transfer { level: level.level, source })?,
+            );
         }
-        if let Some(kept) = settings.load_reference.and_then(|load| load()).filter(|kept| kept.worst.len() == self.levels.len()) {
+        if let Some(kept) =
+            settings.load_reference.and_then(|load| load()).filter(|kept| kept.worst.len() == self.levels.len())
+        {
             (state, worst) = (kept.state, kept.worst);
         }
         let keep = |state: &State, worst: &[Worst]| {
@@ -295,7 +302,9 @@ impl StudyTable {
         let mut out = String::from("level,h,k,error_w,error_u,error_theta,error,order\n");
         for row in &self.rows {
             let order = row.order.map_or(String::new(), |o| format!("{o:.6}"));
-            let numbers = [row.h, row.k, row.error_w, row.error_u, row.error_theta, row.error].map(|v| format!("{v:e}")).join(",");
+            let numbers = [row.h, row.k, row.error_w, row.error_u, row.error_theta, row.error]
+                .map(|v| format!("{v:e}"))
+                .join(",");
             out.push_str(&format!("{},{numbers},{order}\n", row.level));
         }
         out
@@ -358,11 +367,16 @@ fn check(settings: &StudySettings) -> Result<(), StudyError> {
 }
 
 fn scheme_of(level: &Level) -> Result<BackwardEuler, StudyError> {
-    BackwardEuler::new(&level.problem, std::sync::Arc::new(Supernodal)).map_err(|source| StudyError::Setup { level: level.level, source })
+    BackwardEuler::new(&level.problem, std::sync::Arc::new(Supernodal))
+        .map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
 /// Makes all steps of a level and hands over each state.
-fn walk(level: &Level, settings: &StudySettings, mut visit: impl FnMut(&State) -> Result<(), StudyError>) -> Result<(), StudyError> {
+fn walk(
+    level: &Level,
+    settings: &StudySettings,
+    mut visit: impl FnMut(&State) -> Result<(), StudyError>,
+) -> Result<(), StudyError> {
     let mut scheme = scheme_of(level)?;
     let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
     for n in 1..=level.problem.steps {

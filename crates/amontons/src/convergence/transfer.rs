@@ -57,10 +57,18 @@ impl<'a> Transfer<'a> {
     ///
     /// # Errors
     /// When the meshes cover different bodies.
-    pub fn new(reference: &'a Discretization, strain: &'a BlockMatrix, coarse: &'a Mesh) -> Result<Transfer<'a>, TransferError> {
+    pub fn new(
+        reference: &'a Discretization,
+        strain: &'a BlockMatrix,
+        coarse: &'a Mesh,
+    ) -> Result<Transfer<'a>, TransferError> {
         let fine = &reference.mesh;
         let locator = Locator::new(coarse);
-        let located = fine.points.iter().map(|p| locator.find(p).ok_or(TransferError::Outside(*p))).collect::<Result<Vec<_>, _>>()?;
+        let located = fine
+            .points
+            .iter()
+            .map(|p| locator.find(p).ok_or(TransferError::Outside(*p)))
+            .collect::<Result<Vec<_>, _>>()?;
         let way = if nested(fine, &locator) {
             let mut values = [0.0; MAX_NODES];
             let mut entry = |&(at, x): &(At, Point)| -> Vec<(u32, f64)> {
@@ -71,7 +79,8 @@ impl<'a> Transfer<'a> {
             Way::Interpolate(located.iter().map(&mut entry).collect())
         } else {
             for mesh in [&**fine, coarse] {
-                if let Some(block) = mesh.blocks.iter().find(|b| b.element.vtk != P1_TRIANGLE.vtk || mesh.axisymmetric) {
+                if let Some(block) = mesh.blocks.iter().find(|b| b.element.vtk != P1_TRIANGLE.vtk || mesh.axisymmetric)
+                {
                     return Err(TransferError::Cells(block.element.name));
                 }
             }
@@ -134,7 +143,13 @@ impl<'a> Transfer<'a> {
             let gradients = |mesh: &Mesh, nodes: &[u32], u: &[f64]| {
                 let mut map = CellMap::new(mesh, &table);
                 map.at(nodes, 0);
-                let gradient = |i: usize, j: usize| nodes.iter().enumerate().map(|(n, &node)| u[node as usize * dim + i] * map.gradients[n][j]).sum::<f64>();
+                let gradient = |i: usize, j: usize| {
+                    nodes
+                        .iter()
+                        .enumerate()
+                        .map(|(n, &node)| u[node as usize * dim + i] * map.gradients[n][j])
+                        .sum::<f64>()
+                };
                 Sym::from_fn(dim, |i, j| 0.5 * (gradient(i, j) + gradient(j, i)))
             };
             let strain = gradients(fine, f, &reference.u) - gradients(self.coarse, c, &coarse.u);
@@ -165,8 +180,12 @@ fn nested(fine: &Mesh, coarse: &Locator) -> bool {
             let centre: Point = std::array::from_fn(|d| corners().map(|p| p[d]).sum::<f64>() / cell.len() as f64);
             coarse.find(&centre).is_some_and(|(at, _)| {
                 let (element, nodes) = coarse.cell(at);
-                let inside = |p: &Point| reference_point(coarse.mesh(), element, nodes, p).is_some_and(|x| element.shape.depth(&x) > OUTSIDE);
-                (element.shape == block.element.shape || element.is_simplex()) && element.degree <= block.element.degree && corners().all(inside)
+                let inside = |p: &Point| {
+                    reference_point(coarse.mesh(), element, nodes, p).is_some_and(|x| element.shape.depth(&x) > OUTSIDE)
+                };
+                (element.shape == block.element.shape || element.is_simplex())
+                    && element.degree <= block.element.degree
+                    && corners().all(inside)
             })
         })
     })
@@ -178,7 +197,11 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
     for (b, block) in fine.blocks.iter().enumerate() {
         for (c, cell) in block.cells().enumerate() {
             let corners: Vec<&Point> = cell.iter().map(|&n| &fine.points[n as usize]).collect();
-            let mut candidates: Vec<At> = coarse.range(corners.iter().copied(), 0.0).into_iter().flat_map(|i| coarse.bucket(i).iter().copied()).collect();
+            let mut candidates: Vec<At> = coarse
+                .range(corners.iter().copied(), 0.0)
+                .into_iter()
+                .flat_map(|i| coarse.bucket(i).iter().copied())
+                .collect();
             candidates.sort_unstable();
             candidates.dedup();
             for at in candidates {
@@ -188,7 +211,11 @@ fn intersections(fine: &Mesh, coarse: &Locator) -> Vec<Piece> {
                     polygon = clip(&polygon, &points[nodes[k] as usize], &points[nodes[(k + 1) % 3] as usize]);
                 }
                 for k in 1..polygon.len().saturating_sub(1) {
-                    pieces.push(Piece { fine: (b as u32, c as u32), coarse: at, corners: [polygon[0], polygon[k], polygon[k + 1]] });
+                    pieces.push(Piece {
+                        fine: (b as u32, c as u32),
+                        coarse: at,
+                        corners: [polygon[0], polygon[k], polygon[k + 1]],
+                    });
                 }
             }
         }

@@ -25,7 +25,9 @@ pub(super) fn product_gradients(dim: usize, degree: usize, nodes: &[Point], x: &
     for (gradient, node) in out.iter_mut().zip(nodes) {
         *gradient = [0.0; 3];
         for (d, component) in gradient.iter_mut().enumerate().take(dim) {
-            *component = (0..dim).map(|e| if d == e { line(degree, node[e], x[e]).1 } else { line(degree, node[e], x[e]).0 }).product();
+            *component = (0..dim)
+                .map(|e| if d == e { line(degree, node[e], x[e]).1 } else { line(degree, node[e], x[e]).0 })
+                .product();
         }
     }
 }

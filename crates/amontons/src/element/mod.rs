@@ -81,7 +81,8 @@ impl Element {
         self.shape.dim()
     }
 
-    /// Whether the shape is a segment, triangle or tetrahedron: the functions are then the polynomials of total degree p.
+    /// Whether the shape is a segment, triangle or tetrahedron: the functions are then the polynomials of total degree
+    /// p.
     #[must_use]
     pub fn is_simplex(&self) -> bool {
         matches!(self.shape, Shape::Segment | Shape::Triangle | Shape::Tetrahedron)

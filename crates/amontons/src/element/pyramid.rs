@@ -14,7 +14,8 @@ fn collapsed(x: &Point) -> (f64, f64, f64) {
 /// (Bedrosian, 1992): with s = x/(1 − z), t = y/(1 − z) the functions of the base are those of the square in
 /// (s, t) times 1 − z.
 ///
-/// The gradients at the apex depend on the direction of approach; those along s = t = ½ are taken. Rules have no point there.
+/// The gradients at the apex depend on the direction of approach; those along s = t = ½ are taken. Rules have no point
+/// there.
 pub static P1_PYRAMID: Element = Element {
     name: "P1 pyramid",
     shape: Shape::Pyramid,

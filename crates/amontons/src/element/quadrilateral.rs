@@ -6,8 +6,17 @@ use crate::quadrature::Shape;
 use crate::tensor::Point;
 
 /// Vertices around the cell, middles of its edges, its centre.
-const NODES: [Point; 9] =
-    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [1.0, 0.5, 0.0], [0.5, 1.0, 0.0], [0.0, 0.5, 0.0], [0.5, 0.5, 0.0]];
+const NODES: [Point; 9] = [
+    [0.0, 0.0, 0.0],
+    [1.0, 0.0, 0.0],
+    [1.0, 1.0, 0.0],
+    [0.0, 1.0, 0.0],
+    [0.5, 0.0, 0.0],
+    [1.0, 0.5, 0.0],
+    [0.5, 1.0, 0.0],
+    [0.0, 0.5, 0.0],
+    [0.5, 0.5, 0.0],
+];
 
 /// Bilinear quadrilateral.
 pub static Q1_QUADRILATERAL: Element = Element {

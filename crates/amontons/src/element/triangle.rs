@@ -6,7 +6,8 @@ use crate::quadrature::Shape;
 use crate::tensor::Point;
 
 /// Vertices, then middles of the edges of [`EDGES`].
-pub(super) const NODES: [Point; 6] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.5, 0.0]];
+pub(super) const NODES: [Point; 6] =
+    [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.5, 0.0, 0.0], [0.5, 0.5, 0.0], [0.0, 0.5, 0.0]];
 
 /// Vertices that the middle nodes lie between.
 pub(super) const EDGES: [(usize, usize); 3] = [(0, 1), (1, 2), (2, 0)];
@@ -18,7 +19,11 @@ pub static P1_TRIANGLE: Element = Element {
     degree: 1,
     gradient_degree: 0,
     nodes: &[NODES[0], NODES[1], NODES[2]],
-    facets: &[Facet { element: &P1_SEGMENT, nodes: &[0, 1] }, Facet { element: &P1_SEGMENT, nodes: &[1, 2] }, Facet { element: &P1_SEGMENT, nodes: &[2, 0] }],
+    facets: &[
+        Facet { element: &P1_SEGMENT, nodes: &[0, 1] },
+        Facet { element: &P1_SEGMENT, nodes: &[1, 2] },
+        Facet { element: &P1_SEGMENT, nodes: &[2, 0] },
+    ],
     shape_functions: |x, n| linear(2, x, n),
     gradients: |_, g| linear_gradients(2, g),
     vtk: 5,

@@ -20,7 +20,16 @@ pub(super) fn partials(op: Op, operands: [f64; 3], slopes: [&Partials; 3], value
         Op::Multiply => from_fn(|i| product(a, da[i], db[i]) + product(b, db[i], da[i])),
         Op::Divide => from_fn(|i| quotient(value, b, da[i], db[i])),
         Op::Power => power_slope([a, b], [da, db], value),
-        Op::Less | Op::LessEqual | Op::Greater | Op::GreaterEqual | Op::Equal | Op::NotEqual | Op::Sign | Op::Floor | Op::Ceil | Op::Step => [0.0; 4],
+        Op::Less
+        | Op::LessEqual
+        | Op::Greater
+        | Op::GreaterEqual
+        | Op::Equal
+        | Op::NotEqual
+        | Op::Sign
+        | Op::Floor
+        | Op::Ceil
+        | Op::Step => [0.0; 4],
         Op::Sin => unary(a.cos()),
         Op::Cos => unary(-a.sin()),
         Op::Tan => unary(1.0 + value * value),

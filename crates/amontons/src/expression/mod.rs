@@ -124,7 +124,11 @@ impl Expression {
     /// is too long or too deeply nested.
     pub fn parse(source: &str) -> Result<Expression, ExpressionError> {
         let parsed = parse::parse(source)?;
-        Ok(Expression { source: source.to_owned(), variables: parsed.variables, program: Program::new(&parsed.graph, parsed.root) })
+        Ok(Expression {
+            source: source.to_owned(),
+            variables: parsed.variables,
+            program: Program::new(&parsed.graph, parsed.root),
+        })
     }
 
     /// The text it was compiled from.

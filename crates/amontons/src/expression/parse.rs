@@ -51,7 +51,8 @@ pub(super) const FUNCTIONS: [(&str, Op, Arity); 25] = [
     ("if", Op::If, Arity::Exactly(3)),
 ];
 
-const VARIABLES: [(&str, Variable); 4] = [("x", Variable::X), ("y", Variable::Y), ("z", Variable::Z), ("t", Variable::T)];
+const VARIABLES: [(&str, Variable); 4] =
+    [("x", Variable::X), ("y", Variable::Y), ("z", Variable::Z), ("t", Variable::T)];
 
 const CONSTANTS: [(&str, f64); 2] = [("pi", std::f64::consts::PI), ("e", std::f64::consts::E)];
 
@@ -128,8 +129,16 @@ pub(super) fn parse(source: &str) -> Result<Parsed, ExpressionError> {
             hint: None,
         });
     }
-    let mut parser =
-        Parser { source, token: Token::End, span: 0..0, previous: Token::End, previous_span: 0..0, depth: 0, graph: Graph::default(), variables: [false; 4] };
+    let mut parser = Parser {
+        source,
+        token: Token::End,
+        span: 0..0,
+        previous: Token::End,
+        previous_span: 0..0,
+        depth: 0,
+        graph: Graph::default(),
+        variables: [false; 4],
+    };
     parser.advance()?;
     let root = parser.comparison()?;
     if parser.token != Token::End {
@@ -169,7 +178,9 @@ impl<'a> Parser<'a> {
         let right = self.sum()?;
         if let Token::Compare(_) = self.token {
             // `a < b < c` would compare the outcome 0 or 1 of the first with c.
-            return Err(self.error("a single comparison", Some("write (a < b)*(b < c) where both must hold".to_owned())));
+            return Err(
+                self.error("a single comparison", Some("write (a < b)*(b < c) where both must hold".to_owned()))
+            );
         }
         Ok(self.graph.binary(op, left, right))
     }
@@ -205,9 +216,10 @@ impl<'a> Parser<'a> {
     /// Every recursion passes through here, so here it is bounded.
     fn signed(&mut self) -> Result<NodeId, ExpressionError> {
         if self.depth >= MAX_DEPTH {
-            return Err(
-                self.error(&format!("at most {MAX_DEPTH} levels of nesting"), Some("remove parentheses, signs or powers that are not needed".to_owned()))
-            );
+            return Err(self.error(
+                &format!("at most {MAX_DEPTH} levels of nesting"),
+                Some("remove parentheses, signs or powers that are not needed".to_owned()),
+            ));
         }
         self.depth += 1;
         let node = match self.token {

@@ -141,7 +141,13 @@ pub(super) struct Program {
 }
 
 /// The instructions that are evaluated at every point. Slots are numbered as they are needed, and used again.
-fn body(nodes: &[Node], stages: &[Stage], last_use: &[Option<usize>], slot: &mut [usize], slots: &mut usize) -> Vec<Instruction> {
+fn body(
+    nodes: &[Node],
+    stages: &[Stage],
+    last_use: &[Option<usize>],
+    slot: &mut [usize],
+    slots: &mut usize,
+) -> Vec<Instruction> {
     let mut body = Vec::new();
     let mut free = Vec::new();
     for (i, node) in nodes.iter().enumerate() {
@@ -251,7 +257,8 @@ impl Program {
                     file[slot] = value;
                 }
                 let value = canonical(file[self.result]);
-                let [x, y, z, t] = slopes[self.result].map(|slope| if value.is_nan() { value } else { canonical(slope) });
+                let [x, y, z, t] =
+                    slopes[self.result].map(|slope| if value.is_nan() { value } else { canonical(slope) });
                 Derivatives { value, by_x: [x, y, z], by_t: t }
             })
         })
@@ -311,7 +318,11 @@ impl Program {
 
 /// Lends `count` slots, from the stack where they are few.
 fn with_slots<S: Copy + Default, T>(count: usize, run: impl FnOnce(&mut [S]) -> T) -> T {
-    if count <= STACK_SLOTS { run(&mut [S::default(); STACK_SLOTS][..count]) } else { run(&mut vec![S::default(); count]) }
+    if count <= STACK_SLOTS {
+        run(&mut [S::default(); STACK_SLOTS][..count])
+    } else {
+        run(&mut vec![S::default(); count])
+    }
 }
 
 fn run(instructions: &[Instruction], file: &mut [f64]) {

@@ -2,7 +2,7 @@
 
 mod table;
 
-pub use table::{TimeTable, TableError};
+pub use table::{TableError, TimeTable};
 
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;

@@ -144,7 +144,11 @@ impl TimeTable {
         let (value, slope) = self.at(t);
         let Some(factor) = &self.factor else { return Derivatives { value, by_t: slope, ..Derivatives::default() } };
         let factor = factor.derivatives(x, t);
-        Derivatives { value: value * factor.value, by_x: factor.by_x.map(|d| value * d), by_t: slope * factor.value + value * factor.by_t }
+        Derivatives {
+            value: value * factor.value,
+            by_x: factor.by_x.map(|d| value * d),
+            by_t: slope * factor.value + value * factor.by_t,
+        }
     }
 }
 
@@ -185,11 +189,19 @@ mod tests {
 
     #[test]
     fn what_is_no_function_of_time_is_refused() {
-        let of = |times: &[f64], values: &[f64]| TimeTable::new(times.to_vec(), values.to_vec()).map(|_| ()).map_err(|e| e.to_string());
+        let of = |times: &[f64], values: &[f64]| {
+            TimeTable::new(times.to_vec(), values.to_vec()).map(|_| ()).map_err(|e| e.to_string())
+        };
         let told = |message: &str| Err(message.to_owned());
         assert_eq!(of(&[], &[]), told("the table has no rows, expected at least one"));
         assert_eq!(of(&[0.0], &[]), told("the table has 1 times and 0 values, expected one value per time"));
-        assert_eq!(of(&[0.0, f64::NAN], &[1.0, 2.0]), told("row 2 of the table has the time NaN and the value 2, expected finite numbers"));
-        assert_eq!(of(&[0.0, 1.0, 1.0], &[1.0; 3]), told("row 3 of the table has the time 1 after 1, expected a later one"));
+        assert_eq!(
+            of(&[0.0, f64::NAN], &[1.0, 2.0]),
+            told("row 2 of the table has the time NaN and the value 2, expected finite numbers")
+        );
+        assert_eq!(
+            of(&[0.0, 1.0, 1.0], &[1.0; 3]),
+            told("row 3 of the table has the time 1 after 1, expected a later one")
+        );
     }
 }

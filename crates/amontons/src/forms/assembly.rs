@@ -187,7 +187,8 @@ pub(super) fn by_cells(
     }
 }
 
-/// The matrix that sums `form(cell, blocks of the cell)` over all cells; block (i, j) of a cell of n nodes is number i n + j.
+/// The matrix that sums `form(cell, blocks of the cell)` over all cells; block (i, j) of a cell of n nodes is number i
+/// n + j.
 pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -197,6 +198,13 @@ pub(super) fn assemble(
     form: impl Fn(&mut Cell, &mut [f64]) + Sync,
 ) -> BlockMatrix {
     let mut matrix = BlockMatrix::zero(graph, shape.0, shape.1);
-    by_cells(mesh, degree, strains, |e| e.nodes.len() * e.nodes.len() * shape.0 * shape.1, form, |nodes, n, kept| matrix.add_cells(nodes, n, kept));
+    by_cells(
+        mesh,
+        degree,
+        strains,
+        |e| e.nodes.len() * e.nodes.len() * shape.0 * shape.1,
+        form,
+        |nodes, n, kept| matrix.add_cells(nodes, n, kept),
+    );
     matrix
 }

@@ -54,25 +54,41 @@ fn stiffness(support: &Support, map: &FacetMap) -> [Point; 3] {
             let k = value(k);
             map.normal.map(|nu| map.normal.map(|mu| k * nu * mu))
         }
-        Support::Components(k) => std::array::from_fn(|r| std::array::from_fn(|c| if r == c { k.get(c).map_or(0.0, value) } else { 0.0 })),
+        Support::Components(k) => {
+            std::array::from_fn(|r| std::array::from_fn(|c| if r == c { k.get(c).map_or(0.0, value) } else { 0.0 }))
+        }
     }
 }
 
 /// ∫ (κ u)·v of the springs at the boundary, whose traction is −κu.
 #[must_use]
 pub fn springs(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
-    assemble(mesh, graph, mesh.dim, boundary.iter().filter_map(|b| Some((b.on.as_str(), b.spring.as_ref()?))), stiffness)
+    assemble(
+        mesh,
+        graph,
+        mesh.dim,
+        boundary.iter().filter_map(|b| Some((b.on.as_str(), b.spring.as_ref()?))),
+        stiffness,
+    )
 }
 
 /// ∫ (κ w)·v of the dashpots at the boundary, whose traction is −κu̇.
 #[must_use]
 pub fn dashpots(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
-    assemble(mesh, graph, mesh.dim, boundary.iter().filter_map(|b| Some((b.on.as_str(), b.dashpot.as_ref()?))), stiffness)
+    assemble(
+        mesh,
+        graph,
+        mesh.dim,
+        boundary.iter().filter_map(|b| Some((b.on.as_str(), b.dashpot.as_ref()?))),
+        stiffness,
+    )
 }
 
 /// ∫ h θ η of the heat exchange −q·ν = h (θ_a − θ); its other part is a load, see [`super::q`].
 #[must_use]
 pub fn convection(mesh: &Mesh, graph: &Arc<Graph>, boundary: &[BoundaryCondition]) -> Option<BlockMatrix> {
     let sides = boundary.iter().filter_map(|b| Some((b.on.as_str(), b.convection.as_ref()?)));
-    assemble(mesh, graph, 1, sides, |convection, map| [[convection.coefficient.value(&map.position, 0.0), 0.0, 0.0], [0.0; 3], [0.0; 3]])
+    assemble(mesh, graph, 1, sides, |convection, map| {
+        [[convection.coefficient.value(&map.position, 0.0), 0.0, 0.0], [0.0; 3], [0.0; 3]]
+    })
 }

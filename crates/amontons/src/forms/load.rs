@@ -80,8 +80,9 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
             for q in 0..table.len() {
                 map.at(nodes, q);
                 points.push(map.position);
-                entries
-                    .extend(nodes.iter().zip(map.values()).map(|(&node, value)| (node * components as u32 + c as u32, table.weights[q] * map.measure * value)));
+                entries.extend(nodes.iter().zip(map.values()).map(|(&node, value)| {
+                    (node * components as u32 + c as u32, table.weights[q] * map.measure * value)
+                }));
             }
         }
         load.add(field, block.element.nodes.len(), points, entries);
@@ -89,7 +90,14 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
 }
 
 /// ∫ field direction·v over a side, v of `components` components.
-fn facet_terms(mesh: &Mesh, load: &mut Load, on: &str, field: &Field, components: usize, direction: impl Fn(&FacetMap) -> Point) {
+fn facet_terms(
+    mesh: &Mesh,
+    load: &mut Load,
+    on: &str,
+    field: &Field,
+    components: usize,
+    direction: impl Fn(&FacetMap) -> Point,
+) {
     let Some(set) = mesh.facets.get(on).filter(|_| !field.is_zero()) else { return };
     for block in &set.blocks {
         let table = Table::new(block.element, data_degree(block.element));
@@ -102,7 +110,9 @@ fn facet_terms(mesh: &Mesh, load: &mut Load, on: &str, field: &Field, components
                 let direction = direction(&map);
                 for (&node, value) in nodes.iter().zip(map.values()) {
                     let first = node * components as u32;
-                    entries.extend((0..components).map(|c| (first + c as u32, table.weights[q] * map.area * value * direction[c])));
+                    entries.extend(
+                        (0..components).map(|c| (first + c as u32, table.weights[q] * map.area * value * direction[c])),
+                    );
                 }
             }
         }
@@ -142,7 +152,9 @@ pub fn q(mesh: &Mesh, heat_source: &Field, boundary: &[BoundaryCondition]) -> Lo
             facet_terms(mesh, &mut load, &condition.on, field, 1, |_| unit(0));
         }
         if let Some(Convection { coefficient, ambient }) = &condition.convection {
-            facet_terms(mesh, &mut load, &condition.on, ambient, 1, |map| [coefficient.value(&map.position, 0.0), 0.0, 0.0]);
+            facet_terms(mesh, &mut load, &condition.on, ambient, 1, |map| {
+                [coefficient.value(&map.position, 0.0), 0.0, 0.0]
+            });
         }
     }
     load

@@ -134,7 +134,9 @@ pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&Sym]) -> BlockMatrix {
             let Some(expansion) = of_region(expansion, cell.region) else { return };
             cell.integrate(|cell, weight| {
                 let values = cell.map.values();
-                for (row, work) in out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(expansion).chunks_exact(mesh.dim)) {
+                for (row, work) in
+                    out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(expansion).chunks_exact(mesh.dim))
+                {
                     for (block, value) in row.chunks_exact_mut(mesh.dim).zip(values) {
                         for (out, work) in block.iter_mut().zip(work) {
                             *out += weight * work * value;
@@ -187,7 +189,11 @@ mod tests {
                 let graph = Arc::new(Graph::of_mesh(&mesh));
                 let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
                 let [a, h] = [a(&mesh, &graph, &[&law]), inner_h(&mesh, &graph)];
-                let blocks = |m: &BlockMatrix| (0..graph.len()).flat_map(|i| m.row(i).flat_map(|(_, b)| b.to_vec()).collect::<Vec<_>>()).collect::<Vec<f64>>();
+                let blocks = |m: &BlockMatrix| {
+                    (0..graph.len())
+                        .flat_map(|i| m.row(i).flat_map(|(_, b)| b.to_vec()).collect::<Vec<_>>())
+                        .collect::<Vec<f64>>()
+                };
                 let u: Vec<f64> = (0..3 * graph.len()).map(|i| (i as f64).sin()).collect();
                 Ok([blocks(&a), blocks(&h), residual(&mesh, &[&law], Dilatation::Full, &u)].concat())
             })

@@ -79,6 +79,12 @@ pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &
 
 /// The derivative of [`residual`]: the form ∫ D𝓔(ε(u)) ε(w):ε(v), rows v and columns w.
 #[must_use]
-pub fn tangent(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64]) -> BlockMatrix {
+pub fn tangent(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    laws: &[&dyn TensorLaw],
+    dilatation: Dilatation,
+    u: &[f64],
+) -> BlockMatrix {
     stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| law.tangent(&cell.map.position, &strain(cell, u)))
 }

@@ -17,8 +17,11 @@ struct Stiffness {
 
 impl Stiffness {
     fn new(map: &SymMap) -> Stiffness {
-        let entry = |q, s, r, c| map.0[mandel_index(r, s)][mandel_index(c, q)] / (mandel_weight(r, s) * mandel_weight(c, q));
-        let full = std::array::from_fn(|q| std::array::from_fn(|s| std::array::from_fn(|r| std::array::from_fn(|c| entry(q, s, r, c)))));
+        let entry =
+            |q, s, r, c| map.0[mandel_index(r, s)][mandel_index(c, q)] / (mandel_weight(r, s) * mandel_weight(c, q));
+        let full = std::array::from_fn(|q| {
+            std::array::from_fn(|s| std::array::from_fn(|r| std::array::from_fn(|c| entry(q, s, r, c))))
+        });
         Stiffness { map: *map, full }
     }
 
@@ -35,7 +38,8 @@ pub(super) fn assemble(
     laws: &[&dyn TensorLaw],
     tangent: impl Fn(&dyn TensorLaw, &Cell) -> SymMap + Sync,
 ) -> BlockMatrix {
-    let known: Vec<Option<Stiffness>> = laws.iter().map(|law| law.is_linear().then(|| Stiffness::new(&law.tangent(&[0.0; 3], &Sym::ZERO)))).collect();
+    let known: Vec<Option<Stiffness>> =
+        laws.iter().map(|law| law.is_linear().then(|| Stiffness::new(&law.tangent(&[0.0; 3], &Sym::ZERO)))).collect();
     // Half of a symmetric matrix is enough; a law that is not linear may have any tangent.
     let is_symmetric = known.iter().all(|map| map.as_ref().is_some_and(Stiffness::is_symmetric));
     // Without a mean and without a hoop strain the strain of N e_c is that of the gradient alone; a tangent that
@@ -113,7 +117,8 @@ fn strain_products<const M: usize>(cell: &Cell, weight: f64, map: &SymMap, is_sy
     let rows: [&[f64]; M] = std::array::from_fn(|m| cell.strain_row(m));
     for j in 0..n {
         for c in 0..d {
-            let stress: [f64; M] = std::array::from_fn(|k| weight * (0..M).map(|m| map.0[k][m] * rows[m][j * d + c]).sum::<f64>());
+            let stress: [f64; M] =
+                std::array::from_fn(|k| weight * (0..M).map(|m| map.0[k][m] * rows[m][j * d + c]).sum::<f64>());
             for i in 0..if is_symmetric { j + 1 } else { n } {
                 for r in 0..d {
                     out[((i * n + j) * d + r) * d + c] += (0..M).map(|m| stress[m] * rows[m][i * d + r]).sum::<f64>();

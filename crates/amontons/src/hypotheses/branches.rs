@@ -24,7 +24,10 @@ pub(super) struct Falls {
 impl Falls {
     /// Those of a contact with points at `places`; `stress` is the largest pressure to ask friction at, Pa.
     fn of(contact: &Contact, places: &[Point], stress: f64) -> Falls {
-        let pressure = places.iter().map(|x| -contact.normal.least_slope(x, f64::NEG_INFINITY, f64::INFINITY).min(0.0)).fold(0.0, f64::max);
+        let pressure = places
+            .iter()
+            .map(|x| -contact.normal.least_slope(x, f64::NEG_INFINITY, f64::INFINITY).min(0.0))
+            .fold(0.0, f64::max);
         let mut falls = Falls { pressure, ..Falls::default() };
         if contact.friction.is_frictionless() {
             return falls;
@@ -34,7 +37,8 @@ impl Falls {
             for _ in 0..SAMPLES {
                 let at = ContactPoint { x: *x, pressure: random.spread(stress, 12.0).abs(), ..ContactPoint::default() };
                 let bound = |slip_speed: f64| contact.friction.bound(&ContactPoint { slip_speed, ..at }).value;
-                falls.with_speed = falls.with_speed.max(-contact.friction.least_slope(&at, 0.0, f64::INFINITY) / at.pressure);
+                falls.with_speed =
+                    falls.with_speed.max(-contact.friction.least_slope(&at, 0.0, f64::INFINITY) / at.pressure);
                 falls.at_start = falls.at_start.max((bound(0.0) - bound(f64::MIN_POSITIVE)) / at.pressure);
             }
         }
@@ -48,7 +52,8 @@ impl Falls {
 
 /// The falls of the laws of every contact.
 pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
-    let stiffness = problem.materials.iter().flat_map(|m| [m.elasticity.constants().lipschitz, m.viscosity.constants().lipschitz]);
+    let stiffness =
+        problem.materials.iter().flat_map(|m| [m.elasticity.constants().lipschitz, m.viscosity.constants().lipschitz]);
     let stress = stiffness.filter(|s| s.is_finite()).fold(0.0, f64::max);
     let stress = if stress > 0.0 { stress } else { 1.0 };
     tests(problem).map(|test| Falls::of(test.contact, &test.places, stress)).collect()
@@ -66,7 +71,10 @@ pub(super) fn branches(problem: &Problem) -> Option<Finding> {
         causes.push(format!("the pressure decreases by up to s = {:.6e} Pa/m", falls.pressure));
     }
     if falls.with_speed > 0.0 {
-        causes.push(format!("friction decreases with the slip speed by up to {:.6e} s/m of the pressure", falls.with_speed));
+        causes.push(format!(
+            "friction decreases with the slip speed by up to {:.6e} s/m of the pressure",
+            falls.with_speed
+        ));
     }
     if falls.at_start > 0.0 {
         let drop = falls.at_start;
@@ -79,7 +87,10 @@ pub(super) fn branches(problem: &Problem) -> Option<Finding> {
         message += ". A run follows the branch of the previous step. Steps in which the laws soften by more than the stiffness of the body are halved up to 5 times; those that remain ambiguous are counted in solver.ambiguous_steps. A step that is not counted has no other solution between its ends with the friction bounds found; with other bounds it may have one";
     }
     let part = if falls.pressure > 0.0 { "normal" } else { "friction" };
-    let value = [falls.pressure, falls.with_speed, falls.at_start].into_iter().find(|fall| *fall > 0.0).filter(|fall| fall.is_finite());
+    let value = [falls.pressure, falls.with_speed, falls.at_start]
+        .into_iter()
+        .find(|fall| *fall > 0.0)
+        .filter(|fall| fall.is_finite());
     let place = format!("{}.{part}", problem.contact_path(side));
     Some(Finding::new(FindingId::Branches, FindingStatus::NotCovered, message, &place).numbers(value, Some(0.0)))
 }

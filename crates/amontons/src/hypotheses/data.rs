@@ -23,8 +23,8 @@ struct Clause {
     repair: &'static str,
 }
 
-/// (H6): the verdict is that of its worst part. Data are looked at on the nodes of the mesh and at time levels; what they do in
-/// between is not known.
+/// (H6): the verdict is that of its worst part. Data are looked at on the nodes of the mesh and at time levels; what
+/// they do in between is not known.
 pub(super) fn h6(problem: &Problem) -> Finding {
     let parts = parts(problem);
     let worst = parts.iter().map(|p| p.status).max().unwrap_or(FindingStatus::Holds);
@@ -47,22 +47,41 @@ fn parts(problem: &Problem) -> Vec<Clause> {
     parts
 }
 
-/// What of (H6) Theorem 1 needs and these data do not satisfy: data that are finite, and u₀ ∈ V. A negative gap does no harm, and of u̇₀
-/// it is enough that it is square integrable.
+/// What of (H6) Theorem 1 needs and these data do not satisfy: data that are finite, and u₀ ∈ V. A negative gap does no
+/// harm, and of u̇₀ it is enough that it is square integrable.
 pub(super) fn not_in_v(problem: &Problem) -> Option<String> {
     let harmless = |part: &Clause| part.value.is_some() && !part.place.starts_with("initial.displacement");
-    parts(problem).into_iter().find(|part| part.status == FindingStatus::Fails && !harmless(part)).map(|part| part.message)
+    parts(problem)
+        .into_iter()
+        .find(|part| part.status == FindingStatus::Fails && !harmless(part))
+        .map(|part| part.message)
 }
 
 /// Loads are finite: bounded data are square integrable.
 fn finite(problem: &Problem) -> Clause {
-    for datum in problem.data().into_iter().chain(problem.initial_data()).filter(|d| !matches!(d.field, Field::Constant(v) if v.is_finite())) {
+    for datum in problem
+        .data()
+        .into_iter()
+        .chain(problem.initial_data())
+        .filter(|d| !matches!(d.field, Field::Constant(v) if v.is_finite()))
+    {
         let (points, place, field) = (problem.nodes_of(&datum), datum.key, datum.field);
         for t in [0.0, problem.end] {
             let values = field.values(&points, t);
             if let Some(i) = values.iter().position(|v| !v.is_finite()) {
-                let message = format!("{place} is {} at {}, t = {}", values[i], at(&points[i]), problem.units().exact(t, Measure::Time));
-                return Clause { status: FindingStatus::Fails, value: None, message, place, repair: "data that are finite everywhere" };
+                let message = format!(
+                    "{place} is {} at {}, t = {}",
+                    values[i],
+                    at(&points[i]),
+                    problem.units().exact(t, Measure::Time)
+                );
+                return Clause {
+                    status: FindingStatus::Fails,
+                    value: None,
+                    message,
+                    place,
+                    repair: "data that are finite everywhere",
+                };
             }
         }
     }
@@ -76,13 +95,26 @@ fn gap(problem: &Problem) -> Option<Clause> {
     let least = problem.contacts.iter().enumerate().filter_map(|(side, contact)| {
         let points: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
         let levels = if contact.gap_depends_on_time() { times(problem, LEVELS) } else { vec![0.0] };
-        let values = levels.iter().flat_map(|&t| contact.gaps(&points, t).into_iter().zip(&points).map(move |(g, x)| (g, *x, t)));
+        let values = levels
+            .iter()
+            .flat_map(|&t| contact.gaps(&points, t).into_iter().zip(&points).map(move |(g, x)| (g, *x, t)));
         let (least, x, t) = values.min_by(|a, b| a.0.total_cmp(&b.0))?;
-        Some((least, x, t, levels, format!("{}.{}", problem.contact_path(side), if contact.obstacle.is_some() { "obstacle" } else { "gap" })))
+        Some((
+            least,
+            x,
+            t,
+            levels,
+            format!("{}.{}", problem.contact_path(side), if contact.obstacle.is_some() { "obstacle" } else { "gap" }),
+        ))
     });
     let (least, x, t, levels, place) = least.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let (status, sign) = if least >= 0.0 { (FindingStatus::Holds, "g ≥ 0") } else { (FindingStatus::Fails, "the gap is negative") };
-    let when = if levels.len() > 1 { format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len()) } else { String::new() };
+    let (status, sign) =
+        if least >= 0.0 { (FindingStatus::Holds, "g ≥ 0") } else { (FindingStatus::Fails, "the gap is negative") };
+    let when = if levels.len() > 1 {
+        format!(", t = {}, of {} time levels", problem.units().exact(t, Measure::Time), levels.len())
+    } else {
+        String::new()
+    };
     let message = format!("{sign}: its least value is {least:.6e} at {}{when}", at(&x));
     Some(Clause {
         status,
@@ -96,7 +128,8 @@ fn gap(problem: &Problem) -> Option<Clause> {
 /// The largest mismatch of an initial field on the boundary: how much, what was expected, where, and the key.
 type Mismatch = Option<(f64, f64, Point, String)>;
 
-/// The largest mismatches of u₀, u̇₀ and θ₀ with prescribed values, and of u̇₀ with their rate; without inertia u̇₀ has no effect.
+/// The largest mismatches of u₀, u̇₀ and θ₀ with prescribed values, and of u̇₀ with their rate; without inertia u̇₀ has
+/// no effect.
 fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mesh = &problem.mesh;
     let start = &problem.initial;
@@ -118,10 +151,22 @@ fn mismatches(problem: &Problem) -> [Mismatch; 3] {
                 if c == mesh.dim {
                     keep(&mut worst[2], start.temperature.value(x, 0.0), value, x, "initial.temperature".to_owned());
                 } else {
-                    keep(&mut worst[0], component(&start.displacement, c, x), value, x, format!("initial.displacement[{c}]"));
+                    keep(
+                        &mut worst[0],
+                        component(&start.displacement, c, x),
+                        value,
+                        x,
+                        format!("initial.displacement[{c}]"),
+                    );
                     if is_inert {
                         let rate = factor * prescribed.derivatives(x, 0.0).by_t;
-                        keep(&mut worst[1], component(&start.velocity, c, x), rate, x, format!("initial.velocity[{c}]"));
+                        keep(
+                            &mut worst[1],
+                            component(&start.velocity, c, x),
+                            rate,
+                            x,
+                            format!("initial.velocity[{c}]"),
+                        );
                     }
                 }
             }
@@ -133,19 +178,34 @@ fn mismatches(problem: &Problem) -> [Mismatch; 3] {
 /// u₀, u̇₀ and θ₀ have the prescribed values, u̇₀ their rate. (H6) requires it of u₀ and u̇₀ only.
 fn initial(problem: &Problem) -> Vec<Clause> {
     let mut parts: Vec<Clause> = Vec::new();
-    for (worst, status) in mismatches(problem).into_iter().zip([FindingStatus::Fails, FindingStatus::Fails, FindingStatus::NotCovered]) {
+    for (worst, status) in
+        mismatches(problem).into_iter().zip([FindingStatus::Fails, FindingStatus::Fails, FindingStatus::NotCovered])
+    {
         let Some((mismatch, expected, x, place)) = worst else { continue };
         let what = if status == FindingStatus::Fails {
             "the first step has a jump"
         } else {
             "enough for a solution, but the errors of the first steps do not have the order of (4.4)"
         };
-        let message = format!("{place} differs by {mismatch:.6e} from the prescribed {expected:.6e} at {}: {what}", at(&x));
-        parts.push(Clause { status, value: Some(mismatch), message, place, repair: "initial data that have the prescribed values, and rates, at t = 0" });
+        let message =
+            format!("{place} differs by {mismatch:.6e} from the prescribed {expected:.6e} at {}: {what}", at(&x));
+        parts.push(Clause {
+            status,
+            value: Some(mismatch),
+            message,
+            place,
+            repair: "initial data that have the prescribed values, and rates, at t = 0",
+        });
     }
     if parts.is_empty() {
         let message = "initial and prescribed values agree".to_owned();
-        parts.push(Clause { status: FindingStatus::Holds, value: Some(0.0), message, place: "initial".to_owned(), repair: "" });
+        parts.push(Clause {
+            status: FindingStatus::Holds,
+            value: Some(0.0),
+            message,
+            place: "initial".to_owned(),
+            repair: "",
+        });
     }
     parts
 }
@@ -161,7 +221,8 @@ fn keep(worst: &mut Mismatch, found: f64, expected: f64, x: &Point, place: Strin
 /// (2.5), (2.7): prescribed values are zero.
 fn homogeneous(problem: &Problem) -> Option<Clause> {
     for (i, b) in problem.boundary.iter().enumerate() {
-        let displacement = b.displacement.iter().flatten().flatten().chain(&b.normal_displacement).any(|f| !f.is_zero());
+        let displacement =
+            b.displacement.iter().flatten().flatten().chain(&b.normal_displacement).any(|f| !f.is_zero());
         if !displacement && b.temperature.as_ref().is_none_or(Field::is_zero) {
             continue;
         }

@@ -7,9 +7,10 @@
 //! | s₁ | ‖v‖_{L²(Γ_C)} ≤ s₁ ‖ε(v)‖ | s₁² = sup ∫_{Γ_C} ‖v‖² / ‖ε(v)‖² |
 //! | s₂ | ‖η‖_{L²(Γ_C)} ≤ s₂ ‖∇η‖ | s₂² = sup ∫_{Γ_C} η² / ‖∇η‖² |
 //!
-//! The suprema are those over V^h and Q^h. Where the mesh fills Ω these are subspaces of V and Q, **c^h ≥ c and s^h ≤ s**; curved
-//! sides are approximated, and the inequalities need not hold. Both tend to the constants of the domain under refinement. What holds for the discrete problem follows from the constants on its own mesh;
-//! what is said of Ω needs their limit.
+//! The suprema are those over V^h and Q^h. Where the mesh fills Ω these are subspaces of V and Q, **c^h ≥ c and
+//! s^h ≤ s**; curved sides are approximated, and the inequalities need not hold. Both tend to the constants of the
+//! domain under refinement. What holds for the discrete problem follows from the constants on its own mesh; what is
+//! said of Ω needs their limit.
 //!
 //! With the contact unknowns last the factor gives the least energy of a trace, x·Sx, so that the suprema over Γ_C are
 //! eigenvalues of the trace's mass matrix against the condensed operator S: exact, without the interior.
@@ -20,7 +21,9 @@ use serde::Serialize;
 
 use crate::element::Table;
 use crate::forms;
-use crate::linalg::{BlockMatrix, Eigenpair, Entry, FactorError, Graph, Pencil, Quotient, System, Unknowns, dot, largest};
+use crate::linalg::{
+    BlockMatrix, Eigenpair, Entry, FactorError, Graph, Pencil, Quotient, System, Unknowns, dot, largest,
+};
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
@@ -32,8 +35,8 @@ use crate::tensor::Sym;
 pub struct Constant {
     /// The constant.
     pub value: f64,
-    /// Bound of the distance to the constant of the discrete spaces: the residual of the eigenvector and the round-off seen in
-    /// its quotient.
+    /// Bound of the distance to the constant of the discrete spaces: the residual of the eigenvector and the round-off
+    /// seen in its quotient.
     pub error: f64,
 }
 
@@ -72,7 +75,14 @@ impl DomainConstants {
     /// The constants with their names: `c_k c_f s1 s1_normal s1_tangential s2`.
     #[must_use]
     pub fn named(&self) -> [(&'static str, Option<Constant>); 6] {
-        [("c_k", self.c_k), ("c_f", self.c_f), ("s1", self.s1), ("s1_normal", self.s1_normal), ("s1_tangential", self.s1_tangential), ("s2", self.s2)]
+        [
+            ("c_k", self.c_k),
+            ("c_f", self.c_f),
+            ("s1", self.s1),
+            ("s1_normal", self.s1_normal),
+            ("s1_tangential", self.s1_tangential),
+            ("s2", self.s2),
+        ]
     }
 }
 
@@ -90,7 +100,8 @@ pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, FactorErro
     let mechanics = || {
         let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.
-        let strain = || forms::a(mesh, &graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
+        let strain =
+            || forms::a(mesh, &graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
         constants_of(mesh, &v, &mass, strain, contact, [Part::Whole, Part::Normal, Part::Tangential])
     };
     let heat = || {
@@ -148,7 +159,8 @@ fn constants_of<const N: usize>(
 
 /// Whether every node is joined by cells to one with a prescribed value.
 fn is_held(graph: &Graph, space: &Space) -> bool {
-    let mut reached: Vec<bool> = space.free.chunks_exact(space.components).map(|node| !node.iter().all(|&free| free)).collect();
+    let mut reached: Vec<bool> =
+        space.free.chunks_exact(space.components).map(|node| !node.iter().all(|&free| free)).collect();
     let mut open: Vec<usize> = (0..reached.len()).filter(|&i| reached[i]).collect();
     while let Some(i) = open.pop() {
         for &j in graph.row(i) {
@@ -167,7 +179,8 @@ fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: 
         position[dof as usize] = Some(k as u32);
     }
     let mut entries = Vec::new();
-    let tables: Vec<Table> = contact.blocks.iter().map(|block| Table::new(block.element, 2 * block.element.degree)).collect();
+    let tables: Vec<Table> =
+        contact.blocks.iter().map(|block| Table::new(block.element, 2 * block.element.degree)).collect();
     let maps = contact.blocks.iter().zip(&tables).flat_map(|(block, table)| {
         let mut map = FacetMap::new(mesh, table);
         block.nodes.chunks_exact(block.element.nodes.len()).map(move |facet| {

@@ -230,7 +230,16 @@ pub struct Finding {
 
 impl Finding {
     pub(super) fn new(id: FindingId, status: FindingStatus, message: impl Into<String>, place: &str) -> Finding {
-        Finding { id, status, value: None, needed: None, message: message.into(), place: place.to_owned(), repair: None, kind: id.kind() }
+        Finding {
+            id,
+            status,
+            value: None,
+            needed: None,
+            message: message.into(),
+            place: place.to_owned(),
+            repair: None,
+            kind: id.kind(),
+        }
     }
 
     /// With the number found and the one needed.

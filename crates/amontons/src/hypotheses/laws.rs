@@ -1,7 +1,7 @@
 //! (H1)–(H5), (H7), (H8): the operators of the material and the laws of contact.
 //!
-//! Constants of linear operators are eigenvalues. What a nonlinear law declares cannot be proved by evaluating it, but it can be
-//! refuted: two arguments that contradict a declared constant make the hypothesis fail.
+//! Constants of linear operators are eigenvalues. What a nonlinear law declares cannot be proved by evaluating it, but
+//! it can be refuted: two arguments that contradict a declared constant make the hypothesis fail.
 
 use super::sample::{Samples, diameter, some};
 use super::{Constants, Finding, FindingId, FindingStatus};
@@ -35,13 +35,17 @@ pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding>
         findings
     });
     let worst = |worst: Vec<Finding>, found: Vec<Finding>| {
-        worst.into_iter().zip(found).map(|(worst, found)| if is_worse(&found, &worst) { found } else { worst }).collect()
+        worst
+            .into_iter()
+            .zip(found)
+            .map(|(worst, found)| if is_worse(&found, &worst) { found } else { worst })
+            .collect()
     };
     each.reduce(worst).unwrap_or_default()
 }
 
-/// Whether a finding on a material represents the body instead of another finding: by its status, then by its constant, which is a lower
-/// bound in (H1)–(H3) and an upper one in (H4), (H5).
+/// Whether a finding on a material represents the body instead of another finding: by its status, then by its constant,
+/// which is a lower bound in (H1)–(H3) and an upper one in (H4), (H5).
 fn is_worse(found: &Finding, other: &Finding) -> bool {
     let upper = matches!(found.id, FindingId::H4 | FindingId::H5);
     let by_value = if upper { found.value > other.value } else { found.value < other.value };
@@ -71,19 +75,33 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
     let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {
-        (FindingStatus::NotCovered, format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"))
+        (
+            FindingStatus::NotCovered,
+            format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"),
+        )
     } else if !lipschitz.is_finite() {
         (FindingStatus::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
     } else if !positive {
-        (FindingStatus::Fails, format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"))
+        (
+            FindingStatus::Fails,
+            format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"),
+        )
     } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
         (FindingStatus::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
     } else {
         let how = if law.is_linear() { "eigenvalues" } else { "declared, not refuted by samples" };
-        (FindingStatus::Holds, format!("{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"))
+        (
+            FindingStatus::Holds,
+            format!(
+                "{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"
+            ),
+        )
     };
-    let repair =
-        if id == FindingId::H1 { "give the material some viscosity, with both eigenvalues positive" } else { "give the law a positive stiffness in every direction" };
+    let repair = if id == FindingId::H1 {
+        "give the material some viscosity, with both eigenvalues positive"
+    } else {
+        "give the law a positive stiffness in every direction"
+    };
     let value = if positive { least } else { least.min(0.0) };
     Finding::new(id, status, message, place).numbers(Some(value), Some(0.0)).repair(repair)
 }
@@ -99,7 +117,12 @@ pub(super) fn not_lipschitz(problem: &Problem, law: &dyn TensorLaw, upper: &str)
 }
 
 /// Two arguments that contradict the constants of a law, or a value at zero that is not zero.
-fn refuted(problem: &Problem, law: &dyn TensorLaw, constants: crate::material::Constants, [m, upper]: [&str; 2]) -> Option<String> {
+fn refuted(
+    problem: &Problem,
+    law: &dyn TensorLaw,
+    constants: crate::material::Constants,
+    [m, upper]: [&str; 2],
+) -> Option<String> {
     let dim = problem.mesh.tensor_dim();
     let mut random = Samples::default();
     // Only the d-dimensional part does work and is what the constants speak of.
@@ -123,10 +146,20 @@ fn refuted(problem: &Problem, law: &dyn TensorLaw, constants: crate::material::C
             let noise = 8.0 * f64::EPSILON * constants.lipschitz * (a.norm() + b.norm());
             let (work, length) = (change.dot(&difference), change.norm());
             if work < constants.monotonicity * squared * (1.0 - SLACK) - noise * difference.norm() {
-                return Some(format!("{m} = {:.6e}, but two arguments give {:.6e} at {}", constants.monotonicity, work / squared, at(x)));
+                return Some(format!(
+                    "{m} = {:.6e}, but two arguments give {:.6e} at {}",
+                    constants.monotonicity,
+                    work / squared,
+                    at(x)
+                ));
             }
             if length > constants.lipschitz * difference.norm() * (1.0 + SLACK) + noise || length.is_nan() {
-                return Some(format!("{upper} = {:.6e}, but two arguments give {:.6e} at {}", constants.lipschitz, length / difference.norm(), at(x)));
+                return Some(format!(
+                    "{upper} = {:.6e}, but two arguments give {:.6e} at {}",
+                    constants.lipschitz,
+                    length / difference.norm(),
+                    at(x)
+                ));
             }
         }
     }
@@ -138,11 +171,17 @@ fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
     let eigenvalues = tensor.eigenvalues(problem.mesh.dim);
     let (least, largest) = (eigenvalues.first().copied().unwrap_or(0.0), eigenvalues.last().copied().unwrap_or(0.0));
     let positive = least > ROUND_OFF * largest.abs();
-    let list = eigenvalues.iter().map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 })).collect::<Vec<_>>().join(", ");
+    let list = eigenvalues
+        .iter()
+        .map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 }))
+        .collect::<Vec<_>>()
+        .join(", ");
     let message = if positive {
         format!("𝓚 has the eigenvalues {list}")
     } else {
-        format!("𝓚 has the eigenvalues {list}: it is not positive definite, heat flows in some directions only and the result depends on the mesh")
+        format!(
+            "𝓚 has the eigenvalues {list}: it is not positive definite, heat flows in some directions only and the result depends on the mesh"
+        )
     };
     let value = if positive { least } else { least.max(0.0) };
     Finding::new(FindingId::H3, FindingStatus::of(positive), message, "material.conductivity")
@@ -151,12 +190,22 @@ fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
 }
 
 /// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
-fn coupling(problem: &Problem, tensor: &Sym, bound: Option<f64>, id: FindingId, [name, upper, place]: [&str; 3]) -> Finding {
+fn coupling(
+    problem: &Problem,
+    tensor: &Sym,
+    bound: Option<f64>,
+    id: FindingId,
+    [name, upper, place]: [&str; 3],
+) -> Finding {
     let norm = norm(tensor, problem.mesh.tensor_dim());
     let message = match bound {
         _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}"),
-        Some(bound) => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so {upper} = {bound:.6e} by (2.13)"),
-        None => format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"),
+        Some(bound) => {
+            format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so {upper} = {bound:.6e} by (2.13)")
+        }
+        None => format!(
+            "{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"
+        ),
     };
     Finding::new(id, FindingStatus::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
 }
@@ -171,11 +220,21 @@ pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> 
         findings
     });
     let worst = |worst: Vec<Finding>, found: Vec<Finding>| {
-        worst.into_iter().zip(found).map(|(worst, found)| if found.status > worst.status { found } else { worst }).collect()
+        worst
+            .into_iter()
+            .zip(found)
+            .map(|(worst, found)| if found.status > worst.status { found } else { worst })
+            .collect()
     };
     each.reduce(worst).unwrap_or_else(|| {
-        let none = |id: FindingId, what: &str| Finding::new(id, FindingStatus::Holds, format!("there is no contact: {what}"), "contact");
-        vec![none(FindingId::H7, "k_c = 0"), none(FindingId::H8, "p_ν = p_τ = 0"), none(FindingId::PhiL, "φ_L does not enter")]
+        let none = |id: FindingId, what: &str| {
+            Finding::new(id, FindingStatus::Holds, format!("there is no contact: {what}"), "contact")
+        };
+        vec![
+            none(FindingId::H7, "k_c = 0"),
+            none(FindingId::H8, "p_ν = p_τ = 0"),
+            none(FindingId::PhiL, "φ_L does not enter"),
+        ]
     })
 }
 
@@ -196,16 +255,25 @@ pub(super) struct Test<'a> {
 }
 
 impl Test<'_> {
-    /// The arguments of a law at a penetration with the pressure of the normal law; none if that pressure is not unique.
+    /// The arguments of a law at a penetration with the pressure of the normal law; none if that pressure is not
+    /// unique.
     fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
-        let pressure = self.contact.normal.lipschitz().map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0, 0.0).value);
+        let pressure = self
+            .contact
+            .normal
+            .lipschitz()
+            .map_or(0.0, |_| self.contact.normal.pressure(x, penetration, 0.0, 0.0).value);
         ContactPoint { x: *x, penetration, pressure, ..ContactPoint::default() }
     }
 
-    /// Whether samples of the penetration keep L_ν, L_τ and L_kc, the friction bound is not negative, and the flux does not fall with θ.
+    /// Whether samples of the penetration keep L_ν, L_τ and L_kc, the friction bound is not negative, and the flux does
+    /// not fall with θ.
     pub(super) fn keeps_its_constants(&self) -> bool {
         let contact = self.contact;
-        let (nu, kc) = (contact.normal.lipschitz().unwrap_or(f64::INFINITY), contact.heat.conductance_lipschitz().unwrap_or(f64::INFINITY));
+        let (nu, kc) = (
+            contact.normal.lipschitz().unwrap_or(f64::INFINITY),
+            contact.heat.conductance_lipschitz().unwrap_or(f64::INFINITY),
+        );
         // A bound that is given whatever the penetration has none.
         let tau = contact.friction.lipschitz(Some(nu)).unwrap_or(0.0);
         let mut random = Samples::default();
@@ -213,10 +281,15 @@ impl Test<'_> {
             let r = random.spread(self.length, 12.0);
             let s = r + random.spread(self.length, 12.0);
             let (theta, other) = (random.spread(1e3, 6.0), random.spread(1e3, 6.0));
-            let near = |a: f64, b: f64, l: f64| (a - b).abs() <= l * (r - s).abs() * (1.0 + SLACK) + 16.0 * f64::EPSILON * (a.abs() + b.abs());
+            let near = |a: f64, b: f64, l: f64| {
+                (a - b).abs() <= l * (r - s).abs() * (1.0 + SLACK) + 16.0 * f64::EPSILON * (a.abs() + b.abs())
+            };
             let [at_r, at_s] = [r, s].map(|r| self.at(x, r));
-            let bound = |at: &ContactPoint| contact.friction.bound(&ContactPoint { pressure: at.pressure.max(0.0), ..*at }).value;
-            let flux = |at: &ContactPoint, temperature: f64| contact.heat.flux(&ContactPoint { temperature, ..*at }).value;
+            let bound = |at: &ContactPoint| {
+                contact.friction.bound(&ContactPoint { pressure: at.pressure.max(0.0), ..*at }).value
+            };
+            let flux =
+                |at: &ContactPoint, temperature: f64| contact.heat.flux(&ContactPoint { temperature, ..*at }).value;
             near(at_r.pressure, at_s.pressure, nu)
                 && bound(&at_r) >= 0.0
                 && near(bound(&at_r), bound(&at_s), tau)
@@ -227,23 +300,39 @@ impl Test<'_> {
     }
 
     /// A contradiction to: f ≥ 0, f = 0 for r ≤ 0, |f(r) − f(s)| ≤ L |r − s|, f ≤ `bound`.
-    fn refute(&self, [name, lipschitz]: [&str; 2], l: f64, bound: f64, f: impl Fn(&ContactPoint) -> f64) -> Option<String> {
+    fn refute(
+        &self,
+        [name, lipschitz]: [&str; 2],
+        l: f64,
+        bound: f64,
+        f: impl Fn(&ContactPoint) -> f64,
+    ) -> Option<String> {
         let mut random = Samples::default();
         for x in &self.places {
             for _ in 0..PAIRS {
                 let r = random.spread(self.length, 12.0);
-                let s = if random.number() < 0.0 { random.spread(self.length, 12.0) } else { r + random.spread(r.abs(), 6.0) };
+                let s = if random.number() < 0.0 {
+                    random.spread(self.length, 12.0)
+                } else {
+                    r + random.spread(r.abs(), 6.0)
+                };
                 let (fr, fs) = (f(&self.at(x, r)), f(&self.at(x, s)));
                 if r <= 0.0 && fr != 0.0 {
                     return Some(format!("{name} = {fr:.3e} at the penetration {r:.3e}, expected zero, at {}", at(x)));
                 }
                 if fr < 0.0 || fr.is_nan() || fr > bound * (1.0 + SLACK) {
-                    return Some(format!("{name} = {fr:.6e} at the penetration {r:.3e}, expected a number from 0 to {bound:.6e}, at {}", at(x)));
+                    return Some(format!(
+                        "{name} = {fr:.6e} at the penetration {r:.3e}, expected a number from 0 to {bound:.6e}, at {}",
+                        at(x)
+                    ));
                 }
                 let noise = 8.0 * f64::EPSILON * (fr.abs() + fs.abs());
                 if (fr - fs).abs() > l * (r - s).abs() * (1.0 + SLACK) + noise {
                     let found = ((fr - fs) / (r - s)).abs();
-                    return Some(format!("{lipschitz} = {l:.6e}, but the penetrations {r:.3e} and {s:.3e} give {found:.6e} at {}", at(x)));
+                    return Some(format!(
+                        "{lipschitz} = {l:.6e}, but the penetrations {r:.3e} and {s:.3e} give {found:.6e} at {}",
+                        at(x)
+                    ));
                 }
             }
         }
@@ -257,27 +346,47 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
     let bound = heat.conductance_bound();
     // φ_L has the slope 1 at 0.
     let k_c = |at: &ContactPoint| heat.flux(at).by_temperature;
-    let finding = |status, message: String| Finding::new(FindingId::H7, status, message, "contact.heat").numbers(constants.bound_kc, None);
+    let finding = |status, message: String| {
+        Finding::new(FindingId::H7, status, message, "contact.heat").numbers(constants.bound_kc, None)
+    };
     if bound > 0.0 && test.heat_sees_level() {
-        return finding(FindingStatus::NotCovered, "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10): its slope depends on the temperatures".to_owned());
+        return finding(
+            FindingStatus::NotCovered,
+            "the flux is not a product k_c(r) φ_L(θ − θ_F) as in (2.10): its slope depends on the temperatures"
+                .to_owned(),
+        );
     }
     if bound > 0.0 && test.heat_sees_pressure() {
-        return finding(FindingStatus::NotCovered, "the conductance depends on the pressure, in (2.10) on the penetration".to_owned());
+        return finding(
+            FindingStatus::NotCovered,
+            "the conductance depends on the pressure, in (2.10) on the penetration".to_owned(),
+        );
     }
     let (lipschitz, bound) = match (heat.conductance_lipschitz().filter(|l| l.is_finite()), bound.is_finite()) {
         (Some(lipschitz), true) => (lipschitz, bound),
         (lipschitz, is_bounded) => {
-            let bounded = if is_bounded { format!("bounded by M_kc = {bound:.6e}") } else { "not bounded, M_kc = ∞".to_owned() };
-            let slope = lipschitz.map_or_else(|| "has no Lipschitz constant".to_owned(), |l| format!("Lipschitz with L_kc = {l:.6e}"));
+            let bounded = if is_bounded {
+                format!("bounded by M_kc = {bound:.6e}")
+            } else {
+                "not bounded, M_kc = ∞".to_owned()
+            };
+            let slope = lipschitz
+                .map_or_else(|| "has no Lipschitz constant".to_owned(), |l| format!("Lipschitz with L_kc = {l:.6e}"));
             return finding(FindingStatus::Fails, format!("k_c is {bounded}, and {slope}"))
                 .repair("a law whose conductance grows gradually up to a bound, such as \"ramp\"");
         }
     };
     match test.refute(["k_c", "L_kc"], lipschitz, bound, k_c) {
         Some(contradiction) => {
-            finding(FindingStatus::Fails, format!("k_c violates the constants that it declares: {contradiction}")).repair("correct the constants of the law")
+            finding(FindingStatus::Fails, format!("k_c violates the constants that it declares: {contradiction}"))
+                .repair("correct the constants of the law")
         }
-        None => finding(FindingStatus::Holds, format!("k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration")),
+        None => finding(
+            FindingStatus::Holds,
+            format!(
+                "k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration"
+            ),
+        ),
     }
 }
 
@@ -285,13 +394,17 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
 fn pressure(test: &Test, constants: &Constants) -> Finding {
     let contact = test.contact;
     let finding = |status, message: String, place: &str| {
-        Finding::new(FindingId::H8, status, message, place).numbers(constants.lipschitz_nu.zip(constants.lipschitz_tau).map(|(n, t)| n + t), None)
+        Finding::new(FindingId::H8, status, message, place)
+            .numbers(constants.lipschitz_nu.zip(constants.lipschitz_tau).map(|(n, t)| n + t), None)
     };
     let Some(nu) = contact.normal.lipschitz().filter(|l| l.is_finite()) else {
         let (status, message) = if contact.normal.graph() == GraphKind::Function {
             (FindingStatus::Fails, "p_ν is not a Lipschitz function of the penetration")
         } else {
-            (FindingStatus::NotCovered, "the pressure is not a function of the penetration, which (2.8) assumes: a rigid foundation has no L_ν")
+            (
+                FindingStatus::NotCovered,
+                "the pressure is not a function of the penetration, which (2.8) assumes: a rigid foundation has no L_ν",
+            )
         };
         return finding(status, message.to_owned(), "contact.normal").repair("use normal compliance with a stiffness");
     };
@@ -301,53 +414,83 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         } else {
             "p_τ is not a Lipschitz function of the penetration"
         };
-        return finding(FindingStatus::Fails, message.to_owned(), "contact.friction").repair("a friction bound that grows gradually from zero");
+        return finding(FindingStatus::Fails, message.to_owned(), "contact.friction")
+            .repair("a friction bound that grows gradually from zero");
     };
     let wrong = "correct the constants of the law";
     if let Some(contradiction) = test.refute(["p_ν", "L_ν"], nu, f64::INFINITY, |at| at.pressure) {
-        return finding(FindingStatus::Fails, format!("p_ν violates the constants that it declares: {contradiction}"), "contact.normal").repair(wrong);
+        return finding(
+            FindingStatus::Fails,
+            format!("p_ν violates the constants that it declares: {contradiction}"),
+            "contact.normal",
+        )
+        .repair(wrong);
     }
-    if let Some(contradiction) = test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value) {
-        return finding(FindingStatus::Fails, format!("p_τ violates the constants that it declares: {contradiction}"), "contact.friction").repair(wrong);
+    if let Some(contradiction) =
+        test.refute(["p_τ", "L_τ"], tau, f64::INFINITY, |at| contact.friction.bound(at).value)
+    {
+        return finding(
+            FindingStatus::Fails,
+            format!("p_τ violates the constants that it declares: {contradiction}"),
+            "contact.friction",
+        )
+        .repair(wrong);
     }
     if let Some((what, place)) = beyond(test) {
-        return finding(FindingStatus::NotCovered, what.to_owned(), place).repair("use a pressure and a friction bound that depend on the penetration alone");
+        return finding(FindingStatus::NotCovered, what.to_owned(), place)
+            .repair("use a pressure and a friction bound that depend on the penetration alone");
     }
-    let message = format!("p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration");
+    let message = format!(
+        "p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration"
+    );
     finding(FindingStatus::Holds, message, "contact")
 }
 
 /// What pressure and friction depend on besides the penetration that (2.8), (2.9) give them, and the place.
 pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
     if test.rate_matters() {
-        Some(("the pressure depends on the rate of the penetration, which (2.8) does not provide for", "contact.normal"))
+        Some((
+            "the pressure depends on the rate of the penetration, which (2.8) does not provide for",
+            "contact.normal",
+        ))
     } else if test.friction_sees_slip() {
         Some(("the friction bound depends on the slip speed, which (2.9) does not provide for", "contact.friction"))
     } else if test.friction_sees_heat() {
         Some(("the friction bound depends on the temperature, which (2.9) does not provide for", "contact.friction"))
     } else if test.contact.wear.is_some() {
-        Some(("wear makes pressure and friction depend on the history, which (2.8), (2.9) do not provide for", "contact.wear"))
+        Some((
+            "wear makes pressure and friction depend on the history, which (2.8), (2.9) do not provide for",
+            "contact.wear",
+        ))
     } else {
         None
     }
 }
 
-/// `contact-heat`: that a foundation which gives no way has a conductance of the penetration, which is zero or round-off there; none elsewhere.
+/// `contact-heat`: that a foundation which gives no way has a conductance of the penetration, which is zero or
+/// round-off there; none elsewhere.
 pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
     let side = tests(problem).position(|test| {
         let heat = test.contact.heat.as_ref();
         // Of any pressure, at rest: what a closed contact has without penetration.
         let closed = |x: &Point| {
-            (-12..=12).all(|decade| heat.flux(&ContactPoint { x: *x, pressure: 10f64.powi(decade), ..ContactPoint::default() }).by_temperature == 0.0)
+            (-12..=12).all(|decade| {
+                heat.flux(&ContactPoint { x: *x, pressure: 10f64.powi(decade), ..ContactPoint::default() })
+                    .by_temperature
+                    == 0.0
+            })
         };
         // p ∈ G(z − λp) leaves no penetration, however small λ.
         let rigid = |x: &Point| {
             (-12..=12).all(|decade| {
                 let lambda = 10f64.powi(decade);
-                test.length - lambda * test.contact.normal.pressure(x, test.length, 0.0, lambda).value <= 1e-9 * test.length
+                test.length - lambda * test.contact.normal.pressure(x, test.length, 0.0, lambda).value
+                    <= 1e-9 * test.length
             })
         };
-        test.contact.normal.graph() != GraphKind::Function && heat.conductance_bound() > 0.0 && test.places.iter().any(|x| rigid(x) && closed(x))
+        test.contact.normal.graph() != GraphKind::Function
+            && heat.conductance_bound() > 0.0
+            && test.places.iter().any(|x| rigid(x) && closed(x))
     })?;
     let message = "the foundation is rigid and the conductance depends on the penetration, which is round-off in closed contact: the heat flow is meaningless";
     let place = format!("{}.heat", problem.contact_path(side));
@@ -361,7 +504,9 @@ pub(super) fn rigid_conductance(problem: &Problem) -> Option<Finding> {
 fn cut_off(test: &Test) -> Finding {
     let heat = &test.contact.heat;
     let (bound, cut) = (heat.conductance_bound(), heat.truncation());
-    let finding = |status, message: String| Finding::new(FindingId::PhiL, status, message, "contact.heat.truncation").numbers(cut, None);
+    let finding = |status, message: String| {
+        Finding::new(FindingId::PhiL, status, message, "contact.heat.truncation").numbers(cut, None)
+    };
     match cut {
         _ if bound == 0.0 && test.friction_makes_heat() => {
             finding(FindingStatus::Holds, "no heat is conducted: φ_L does not enter; friction heat is not part of (2.10)".to_owned())

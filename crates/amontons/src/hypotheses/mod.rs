@@ -14,8 +14,8 @@
 //! | `energy`, `heat` | the audit of a run | the run |
 //! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!
-//! The proofs are in `book/src/theory.md`. [`findings`] takes negligible time, [`certificate`] a few factorizations, and
-//! [`advice`] as many as its search needs.
+//! The proofs are in `book/src/theory.md`. [`findings`] takes negligible time, [`certificate`] a few factorizations,
+//! and [`advice`] as many as its search needs.
 
 mod branches;
 mod data;
@@ -102,13 +102,17 @@ impl Constants {
         let materials = &problem.materials;
         let extremes = |law: fn(&Material) -> crate::material::Constants| {
             let all = || materials.iter().map(law);
-            (all().fold(f64::INFINITY, |least, c| least.min(c.monotonicity)), all().fold(0.0, |most: f64, c| most.max(c.lipschitz)))
+            (
+                all().fold(f64::INFINITY, |least, c| least.min(c.monotonicity)),
+                all().fold(0.0, |most: f64, c| most.max(c.lipschitz)),
+            )
         };
         let (a, b) = (extremes(|m| m.elasticity.constants()), extremes(|m| m.viscosity.constants()));
         let d: Vec<f64> = materials.iter().flat_map(|m| m.conductivity.eigenvalues(problem.mesh.dim)).collect();
         // The largest of several contacts; none if one of them has none.
-        let largest =
-            |constant: &dyn Fn(&crate::contact::Contact) -> Option<f64>| problem.contacts.iter().map(constant).reduce(|a, b| Some(a?.max(b?))).flatten();
+        let largest = |constant: &dyn Fn(&crate::contact::Contact) -> Option<f64>| {
+            problem.contacts.iter().map(constant).reduce(|a, b| Some(a?.max(b?))).flatten()
+        };
         Constants {
             m_a: a.0,
             lipschitz_a: a.1,
@@ -130,7 +134,9 @@ impl Constants {
         let value = |constant: Option<Constant>| constant.map(|c| c.value);
         // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
         let poincare = value(domain.c_f).map(|c| (1.0 - c * c).max(0.0).sqrt() / c);
-        let norm = |tensor: fn(&Material) -> &Sym| problem.materials.iter().map(|m| laws::norm(tensor(m), problem.mesh.tensor_dim())).fold(0.0, f64::max);
+        let norm = |tensor: fn(&Material) -> &Sym| {
+            problem.materials.iter().map(|m| laws::norm(tensor(m), problem.mesh.tensor_dim())).fold(0.0, f64::max)
+        };
         Constants {
             bound_m: poincare.map(|p| p * norm(|m| &m.expansion)),
             bound_e: poincare.map(|p| p * norm(|m| &m.coupling)),
@@ -174,8 +180,9 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of the mechanical system
-/// and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a. Constants are those of V^h and Q^h.
+/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of
+/// the mechanical system and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two
+/// of a. Constants are those of V^h and Q^h.
 ///
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
@@ -231,8 +238,8 @@ pub fn full(problem: &Problem) -> Certificate {
 
 /// Largest closing error of an identity of the audit that round-off explains.
 pub const CLOSING: f64 = 1e-10;
-/// Closing error above which results cannot be trusted: accepted steps may leave forces of 1e-4 of what drives the body unbalanced where
-/// these are round-off, so that an identity that misses by ten times as much has another cause.
+/// Closing error above which results cannot be trusted: accepted steps may leave forces of 1e-4 of what drives the body
+/// unbalanced where these are round-off, so that an identity that misses by ten times as much has another cause.
 pub const GROSS: f64 = 1e-3;
 
 /// Whether the identities that a problem has close: that of energy and that of heat.
@@ -243,9 +250,12 @@ pub fn audit(physics: Physics, energy: f64, heat: f64) -> Vec<Finding> {
         let message = if holds {
             format!("the {name} identity closes to {error:.1e} of what was turned over")
         } else {
-            format!("the {name} identity closes only to {error:.1e} of what was turned over: round-off has grown, check the results")
+            format!(
+                "the {name} identity closes only to {error:.1e} of what was turned over: round-off has grown, check the results"
+            )
         };
-        Finding::new(id, FindingStatus::of(holds), message, "the audit of every step").numbers(Some(error.abs()), Some(CLOSING))
+        Finding::new(id, FindingStatus::of(holds), message, "the audit of every step")
+            .numbers(Some(error.abs()), Some(CLOSING))
     };
     let both = [one(FindingId::Energy, "energy", energy), one(FindingId::Heat, "heat", heat)];
     both.into_iter().filter(|finding| finding.id.concerns(physics)).collect()

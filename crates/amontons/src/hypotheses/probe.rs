@@ -1,4 +1,5 @@
-//! What samples tell about the laws of a contact: which arguments they depend on, and whether they act over an open gap.
+//! What samples tell about the laws of a contact: which arguments they depend on, and whether they act over an open
+//! gap.
 
 use super::laws::Test;
 use super::sample::Samples;
@@ -28,7 +29,8 @@ impl Test<'_> {
 
     /// Contact points over all decades of the pressure, at rest.
     fn pressed(&self) -> impl Iterator<Item = ContactPoint> {
-        let at = |x: &Point, decade: i32| ContactPoint { x: *x, pressure: 10f64.powi(decade), ..ContactPoint::default() };
+        let at =
+            |x: &Point, decade: i32| ContactPoint { x: *x, pressure: 10f64.powi(decade), ..ContactPoint::default() };
         self.places.iter().flat_map(move |x| DECADES.map(move |decade| at(x, decade)))
     }
 
@@ -45,8 +47,11 @@ impl Test<'_> {
     /// Whether the friction bound depends on the slip speed.
     pub(super) fn friction_sees_slip(&self) -> bool {
         let law = &self.contact.friction;
-        self.pressed()
-            .any(|at| DECADES.step_by(2).any(|speed| differ(law.bound(&at).value, law.bound(&ContactPoint { slip_speed: 10f64.powi(speed), ..at }).value)))
+        self.pressed().any(|at| {
+            DECADES.step_by(2).any(|speed| {
+                differ(law.bound(&at).value, law.bound(&ContactPoint { slip_speed: 10f64.powi(speed), ..at }).value)
+            })
+        })
     }
 
     /// Whether the friction bound depends on the temperature.
@@ -66,7 +71,11 @@ impl Test<'_> {
         let law = &self.contact.friction;
         let given = |at: &ContactPoint| law.bound(&ContactPoint { x: at.x, ..ContactPoint::default() }).value;
         let penetrations = [0.0, -self.length, 1e-6 * self.length, self.length];
-        let varies = |at: ContactPoint| penetrations.into_iter().any(|penetration| differ(law.bound(&ContactPoint { penetration, ..at }).value, given(&at)));
+        let varies = |at: ContactPoint| {
+            penetrations
+                .into_iter()
+                .any(|penetration| differ(law.bound(&ContactPoint { penetration, ..at }).value, given(&at)))
+        };
         !self.pressed().any(varies) && !self.friction_sees_slip() && !self.friction_sees_heat()
     }
 
@@ -85,19 +94,34 @@ impl Test<'_> {
         let warm = |at: ContactPoint| ContactPoint { temperature: 1.0, ..at };
         self.pressed().any(|at| {
             law.flux(&warm(at)).by_pressure != 0.0
-                || differ(law.flux(&warm(at)).value, law.flux(&warm(ContactPoint { x: at.x, ..ContactPoint::default() })).value)
+                || differ(
+                    law.flux(&warm(at)).value,
+                    law.flux(&warm(ContactPoint { x: at.x, ..ContactPoint::default() })).value,
+                )
         })
     }
 
-    /// Whether the flux is no product k_c φ_L(θ − θ_F) as (2.10) has it: its slope at θ = θ_F depends on θ, as that of radiation does.
+    /// Whether the flux is no product k_c φ_L(θ − θ_F) as (2.10) has it: its slope at θ = θ_F depends on θ, as that of
+    /// radiation does.
     pub(super) fn heat_sees_level(&self) -> bool {
         let law = &self.contact.heat;
         let slope = |x: &Point, r: f64, theta: f64| {
-            law.flux(&ContactPoint { x: *x, penetration: r, pressure: 1.0, temperature: theta, foundation_temperature: theta, ..ContactPoint::default() })
-                .by_temperature
+            law.flux(&ContactPoint {
+                x: *x,
+                penetration: r,
+                pressure: 1.0,
+                temperature: theta,
+                foundation_temperature: theta,
+                ..ContactPoint::default()
+            })
+            .by_temperature
         };
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
-        self.places.iter().any(|x| [-self.length, self.length].into_iter().any(|r| temperatures().any(|theta| !near(slope(x, r, theta), slope(x, r, 0.0)))))
+        self.places.iter().any(|x| {
+            [-self.length, self.length]
+                .into_iter()
+                .any(|r| temperatures().any(|theta| !near(slope(x, r, theta), slope(x, r, 0.0))))
+        })
     }
 
     /// What a law does over an open gap, and the part of the contact that it is.
@@ -109,8 +133,13 @@ impl Test<'_> {
         // Openings over all decades, and rates of either sign.
         let openings = || (-1000..=40).step_by(5).map(|power| -self.length * 2f64.powi(power));
         let lambda = if contact.normal.graph() == GraphKind::Function { 0.0 } else { 1.0 };
-        let pulls =
-            |x: &Point| openings().any(|r| [-self.length, 0.0, self.length].into_iter().any(|rate| contact.normal.pressure(x, r, rate, lambda).value != 0.0));
+        let pulls = |x: &Point| {
+            openings().any(|r| {
+                [-self.length, 0.0, self.length]
+                    .into_iter()
+                    .any(|rate| contact.normal.pressure(x, r, rate, lambda).value != 0.0)
+            })
+        };
         let open = |x: &Point, r: f64| ContactPoint { x: *x, penetration: r, ..ContactPoint::default() };
         let rubs = |x: &Point| openings().any(|r| contact.friction.bound(&open(x, r)).value != 0.0);
         let warmed = |x: &Point, r: f64| {
@@ -133,9 +162,21 @@ impl Test<'_> {
     /// Whether nothing passes through the contact, open or closed: no pressure, no friction, no heat.
     pub(super) fn does_nothing(&self) -> bool {
         let contact = self.contact;
-        let closed = |x: &Point, r: f64, temperature: f64| ContactPoint { x: *x, penetration: r, temperature, ..ContactPoint::default() };
+        let closed = |x: &Point, r: f64, temperature: f64| ContactPoint {
+            x: *x,
+            penetration: r,
+            temperature,
+            ..ContactPoint::default()
+        };
         let acts = |at: &ContactPoint| contact.heat.flux(at).value != 0.0 || contact.friction.bound(at).value != 0.0;
-        let closed = |x: &Point| (-1000..=40).step_by(20).any(|power| [-1.0, 1.0].into_iter().any(|t| acts(&closed(x, self.length * 2f64.powi(power), t))));
-        contact.normal.lipschitz() == Some(0.0) && !self.rate_matters() && self.acts_open().is_none() && !self.places.iter().any(closed)
+        let closed = |x: &Point| {
+            (-1000..=40)
+                .step_by(20)
+                .any(|power| [-1.0, 1.0].into_iter().any(|t| acts(&closed(x, self.length * 2f64.powi(power), t))))
+        };
+        contact.normal.lipschitz() == Some(0.0)
+            && !self.rate_matters()
+            && self.acts_open().is_none()
+            && !self.places.iter().any(closed)
     }
 }

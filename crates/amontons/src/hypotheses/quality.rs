@@ -6,15 +6,15 @@ use crate::element::{Element, Table};
 use crate::mesh::{CellMap, Mesh};
 use crate::tensor::Point;
 
-/// Quality of a triangle whose map from the regular one stretches ten times more in one direction than across: 2·10/(1 + 10²). Errors of
-/// interpolation and condition numbers grow by about that factor.
+/// Quality of a triangle whose map from the regular one stretches ten times more in one direction than across:
+/// 2·10/(1 + 10²). Errors of interpolation and condition numbers grow by about that factor.
 const NEEDED: f64 = 20.0 / 101.0;
 
 /// The worst quality over all cells, where 1 is a regular cell and 0 a flat one.
 ///
-/// Mean ratio (Liu and Joe, 1994): d (det T)^{1/d} / tr T with T = J R Jᵀ, J the map from the reference cell and R the second
-/// moment of its nodes. R takes the place of the map to the regular cell, whose moment is a multiple of the identity, so the
-/// measure serves every element.
+/// Mean ratio (Liu and Joe, 1994): d (det T)^{1/d} / tr T with T = J R Jᵀ, J the map from the reference cell and R the
+/// second moment of its nodes. R takes the place of the map to the regular cell, whose moment is a multiple of the
+/// identity, so the measure serves every element.
 pub(super) fn cells(mesh: &Mesh) -> Finding {
     let mut worst = (f64::INFINITY, [0.0; 3]);
     for block in &mesh.blocks {
@@ -38,7 +38,9 @@ pub(super) fn cells(mesh: &Mesh) -> Finding {
     let holds = quality >= NEEDED;
     let what = if holds { "the cells are well shaped" } else { "slender cells reduce the accuracy" };
     let message = format!("{what}: the worst, about {}, has the quality {quality:.4} (1: regular, 0: flat)", at(&x));
-    Finding::new(FindingId::MeshQuality, FindingStatus::of(holds), message, "mesh").numbers(Some(quality), Some(NEEDED)).repair("use cells with edges of similar length")
+    Finding::new(FindingId::MeshQuality, FindingStatus::of(holds), message, "mesh")
+        .numbers(Some(quality), Some(NEEDED))
+        .repair("use cells with edges of similar length")
 }
 
 /// Second moment of the nodes of the reference cell about their centre.
@@ -47,7 +49,11 @@ fn moment(element: &Element, dim: usize) -> [[f64; 3]; 3] {
     let centre: Point = std::array::from_fn(|d| element.nodes.iter().map(|n| n[d]).sum::<f64>() / count);
     std::array::from_fn(|r| {
         std::array::from_fn(|c| {
-            if r < dim && c < dim { element.nodes.iter().map(|n| (n[r] - centre[r]) * (n[c] - centre[c])).sum() } else { f64::from(u8::from(r == c)) }
+            if r < dim && c < dim {
+                element.nodes.iter().map(|n| (n[r] - centre[r]) * (n[c] - centre[c])).sum()
+            } else {
+                f64::from(u8::from(r == c))
+            }
         })
     })
 }
@@ -63,7 +69,14 @@ fn quality(mesh: &Mesh, jacobian: f64, gradients: &[Point], cell: &[u32], moment
             }
         }
     }
-    let trace: f64 = (0..dim).map(|r| (0..dim).flat_map(|a| (0..dim).map(move |b| (a, b))).map(|(a, b)| j[r][a] * moment[a][b] * j[r][b]).sum::<f64>()).sum();
+    let trace: f64 = (0..dim)
+        .map(|r| {
+            (0..dim)
+                .flat_map(|a| (0..dim).map(move |b| (a, b)))
+                .map(|(a, b)| j[r][a] * moment[a][b] * j[r][b])
+                .sum::<f64>()
+        })
+        .sum();
     let [m0, m1, m2] = moment;
     let cross: Point = [m1[1] * m2[2] - m1[2] * m2[1], m1[2] * m2[0] - m1[0] * m2[2], m1[0] * m2[1] - m1[1] * m2[0]];
     let determinant = jacobian * jacobian * crate::tensor::dot(m0, &cross);

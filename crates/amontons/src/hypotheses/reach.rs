@@ -1,7 +1,7 @@
 //! `contact-possible`: whether the body can reach the foundation at all.
 //!
-//! Until it does, (4.1), (4.2) are linear and free of contact. With u*_n the static answer to the load f_n and y² = ρ‖w‖² + ‖u − u*‖²_a, testing a
-//! step with w_n and using m(θ, w) ≤ m_b‖ε(w)‖² + ‖𝓜‖²‖θ‖²/(4 m_b) gives
+//! Until it does, (4.1), (4.2) are linear and free of contact. With u*_n the static answer to the load f_n and
+//! y² = ρ‖w‖² + ‖u − u*‖²_a, testing a step with w_n and using m(θ, w) ≤ m_b‖ε(w)‖² + ‖𝓜‖²‖θ‖²/(4 m_b) gives
 //!
 //! ```text
 //!     y_n² ≤ (y_{n−1} + ‖u*_n − u*_{n−1}‖_a)² + k ‖𝓜‖² ‖θ_{n−1}‖²/(2 m_b),
@@ -9,8 +9,9 @@
 //!     u_ν(x, t_n) ≤ u*_ν(x, t_n) + y_n √G(x),                                G(x) = sup v_ν(x)²/‖v‖²_a,
 //! ```
 //!
-//! and G is the diagonal of the inverse of the condensed a. The laws of contact are to do nothing for r ≤ 0; a is the form of the scheme, with
-//! its dilatation and its springs; branches that relax add their energy, zero at the start, to y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof:
+//! and G is the diagonal of the inverse of the condensed a. The laws of contact are to do nothing for r ≤ 0; a is the
+//! form of the scheme, with its dilatation and its springs; branches that relax add their energy, zero at the start, to
+//! y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof:
 //! `book/src/theory.md`.
 
 use super::laws::{Test, at, norm, tests};
@@ -52,10 +53,15 @@ pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
 fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
     let contact = test.contact;
     if test.does_nothing() {
-        let message = "the stiffness of the foundation is zero, and neither friction nor heat passes: [contact] has no effect";
-        return Finding::new(ID, FindingStatus::Fails, message, "contact.normal.stiffness").numbers(Some(0.0), Some(0.0)).repair("a positive stiffness");
+        let message =
+            "the stiffness of the foundation is zero, and neither friction nor heat passes: [contact] has no effect";
+        return Finding::new(ID, FindingStatus::Fails, message, "contact.normal.stiffness")
+            .numbers(Some(0.0), Some(0.0))
+            .repair("a positive stiffness");
     }
-    let not_judged = |why: &str, place: &str| Finding::new(ID, FindingStatus::NotCovered, format!("whether contact can occur is not checked: {why}"), place);
+    let not_judged = |why: &str, place: &str| {
+        Finding::new(ID, FindingStatus::NotCovered, format!("whether contact can occur is not checked: {why}"), place)
+    };
     let (Some(material), Some(facets)) = (problem.materials.first(), problem.mesh.facets.get(&contact.on)) else {
         return not_judged("the body has no material, or does not have this side", "material");
     };
@@ -98,14 +104,22 @@ impl Bound {
         let place = format!("{}, t = {}", at(&self.x), units.exact(self.t, Measure::Time));
         let numbers = |finding: Finding| finding.numbers(Some(self.normal), Some(self.gap));
         if self.normal <= self.gap {
-            let (which, other) = if self.of_every_motion { ("", "") } else { (" in the motion that starts without contact", ", where step-unique holds,") };
+            let (which, other) = if self.of_every_motion {
+                ("", "")
+            } else {
+                (" in the motion that starts without contact", ", where step-unique holds,")
+            };
             let message = format!(
                 "contact cannot occur{which}: u_ν stays below {:.6e}, the gap is {:.6e} (nearest at {place}), so [contact] has{other} no effect",
                 self.normal, self.gap
             );
-            return numbers(Finding::new(ID, FindingStatus::Fails, message, "contact.gap")).repair("a smaller gap, or larger loads; or leave [contact] out");
+            return numbers(Finding::new(ID, FindingStatus::Fails, message, "contact.gap"))
+                .repair("a smaller gap, or larger loads; or leave [contact] out");
         }
-        let message = format!("contact is not excluded: u_ν is bounded by {:.6e} where the gap is {:.6e}, at {place}", self.normal, self.gap);
+        let message = format!(
+            "contact is not excluded: u_ν is bounded by {:.6e} where the gap is {:.6e}, at {place}",
+            self.normal, self.gap
+        );
         numbers(Finding::new(ID, FindingStatus::Holds, message, "contact.gap"))
     }
 }
@@ -141,10 +155,12 @@ impl<'a> Body<'a> {
     /// Coefficients of the normal component at each contact point: degree of freedom and factor.
     fn normals(&self) -> impl Iterator<Item = Vec<(usize, f64)>> {
         let dim = self.problem.mesh.dim;
-        self.boundary
-            .points
-            .iter()
-            .map(move |p| p.nodes.iter().flat_map(|&(i, n)| (0..dim).map(move |c| (self.boundary.nodes[i] as usize * dim + c, n * p.normal[c]))).collect())
+        self.boundary.points.iter().map(move |p| {
+            p.nodes
+                .iter()
+                .flat_map(|&(i, n)| (0..dim).map(move |c| (self.boundary.nodes[i] as usize * dim + c, n * p.normal[c])))
+                .collect()
+        })
     }
 
     /// The place of largest penetration at t = 0, if the gap is closed somewhere.
@@ -176,13 +192,16 @@ impl<'a> Body<'a> {
         }
         let heat_acts = norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0;
         if heat_acts && problem.dilatation == Dilatation::Mean {
-            return Some(("a and b control the mean dilatation only, and heat acts on the whole", "material.dilatation".to_owned()));
+            return Some((
+                "a and b control the mean dilatation only, and heat acts on the whole",
+                "material.dilatation".to_owned(),
+            ));
         }
         if heat_acts
-            && let Some(i) = problem
-                .boundary
-                .iter()
-                .position(|b| [&b.temperature, &b.heat_inflow].into_iter().flatten().any(|field| !field.is_zero()) || b.convection.is_some())
+            && let Some(i) = problem.boundary.iter().position(|b| {
+                [&b.temperature, &b.heat_inflow].into_iter().flatten().any(|field| !field.is_zero())
+                    || b.convection.is_some()
+            })
         {
             return Some(("heat from a side expands the body", format!("boundary[{i}]")));
         }
@@ -190,7 +209,11 @@ impl<'a> Body<'a> {
     }
 
     /// The bound over all steps, or what stands in its way.
-    fn bound(&self, contact: &Contact, c_f: Option<f64>) -> Result<Result<Bound, (&'static str, &'static str)>, FactorError> {
+    fn bound(
+        &self,
+        contact: &Contact,
+        c_f: Option<f64>,
+    ) -> Result<Result<Bound, (&'static str, &'static str)>, FactorError> {
         let (problem, m) = (self.problem, self.material);
         let mesh = &problem.mesh;
         let discrete = Discretization::new(problem);
@@ -213,7 +236,9 @@ impl<'a> Body<'a> {
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
         let k = problem.k();
         let mut statics = static_answer(&mut system, &load.at(problem.time(1)));
-        let mut y = (m.density * dot(&self.w, &mass.apply(&self.w)) + energy(&a, &difference(&self.u, &statics))).max(0.0).sqrt();
+        let mut y = (m.density * dot(&self.w, &mass.apply(&self.w)) + energy(&a, &difference(&self.u, &statics)))
+            .max(0.0)
+            .sqrt();
         let (mut strain, mut theta) = ((energy(&a, &self.u) / m_a).sqrt(), heat.start);
         let mut worst: Option<Bound> = None;
         let (varies, gap_varies) = (loads_vary(problem), contact.gap_depends_on_time());

@@ -41,7 +41,8 @@ impl Samples {
 pub(super) fn diameter(problem: &Problem) -> f64 {
     let points = &problem.mesh.points;
     let extent = |d: usize| {
-        let bounds = points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[d]), high.max(p[d])));
+        let bounds =
+            points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[d]), high.max(p[d])));
         (bounds.1 - bounds.0).max(0.0)
     };
     crate::tensor::length(&[extent(0), extent(1), extent(2)])

@@ -1,21 +1,23 @@
 //! One discrete step of (4.1): when it has one solution.
 //!
-//! With the bound of friction taken at the unknown u_n a step is a quasi-variational inequality. After condensation, S w + T(w) ∋ r̂
-//! on Γ_C, where T(w) = Σ ω Nᵀ(p_ν(r) ν + p_τ(r) ∂‖w_τ‖), r = r₀ + k w_ν. T loses monotonicity by at most c* k W, W the weights, so that
-//! the step has one solution if
+//! With the bound of friction taken at the unknown u_n a step is a quasi-variational inequality. After condensation, S
+//! w + T(w) ∋ r̂ on Γ_C, where T(w) = Σ ω Nᵀ(p_ν(r) ν + p_τ(r) ∂‖w_τ‖), r = r₀ + k w_ν. T loses monotonicity by at most
+//! c* k W, W the weights, so that the step has one solution if
 //!
 //! ```text
 //!     λ_min(S, W) > c* k,    c* = max{ (√(L_ν² + L_τ²) − L_ν)/2, L_r/2 },
 //! ```
 //!
-//! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν (√(1 + μ²) − 1)/2. It has a
-//! solution in any case. With a pressure that decreases by at most s per length c* is at least (s + √(s² + (μs + L_r)²))/2, and with a
-//! bound that decreases with the slip speed by at most f p, the condition is λ_min(S, W) > c* k + f p for the pressures p of the step.
-//! With several contacts c* W is Σ c*_i W_i. λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that
-//! what holds for k holds for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
+//! where L_r is the part of L_τ that does not come from the pressure: 0 for Coulomb's law, for which c* = L_ν
+//! (√(1 + μ²) − 1)/2. It has a solution in any case. With a pressure that decreases by at most s per length c* is at
+//! least (s + √(s² + (μs + L_r)²))/2, and with a bound that decreases with the slip speed by at most f p, the condition
+//! is λ_min(S, W) > c* k + f p for the pressures p of the step. With several contacts c* W is Σ c*_i W_i.
+//! λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds for k holds
+//! for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
-//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal, which round-off cannot feign; by elimination of
-//! the interior it is positive definite if and only if K_II and S − c* k W are. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
+//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal, which round-off cannot feign; by
+//! elimination of the interior it is positive definite if and only if K_II and S − c* k W are. `fails` rests on a
+//! quotient x·Sx / x·Wx ≤ c* k.
 
 use std::sync::Arc;
 
@@ -37,8 +39,8 @@ const MARGIN: f64 = 9.094_947_017_729_282e-13;
 /// Doublings of the number of steps after which the search for one that ensures a unique step ends.
 const DOUBLINGS: u32 = 20;
 
-/// c* in Pa/m: the loss of monotonicity of the contact forces by friction, for a step of unit length. `l_nu` and `l_tau` are L_ν and L_τ,
-/// `l_r` the Lipschitz constant of the friction bound at fixed pressure.
+/// c* in Pa/m: the loss of monotonicity of the contact forces by friction, for a step of unit length. `l_nu` and
+/// `l_tau` are L_ν and L_τ, `l_r` the Lipschitz constant of the friction bound at fixed pressure.
 #[must_use]
 pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
     // (√(a² + b²) − a)/2 without cancellation.
@@ -48,8 +50,8 @@ pub fn monotonicity_loss(l_nu: f64, l_tau: f64, l_r: f64) -> f64 {
 
 /// c* of the laws of a contact; none if they have no Lipschitz constants.
 ///
-/// Where the pressure falls by s per length at the most, the fall takes s, and with friction (s + √(s² + L²))/2, L the Lipschitz constant of
-/// the bound of a pressure that falls so.
+/// Where the pressure falls by s per length at the most, the fall takes s, and with friction (s + √(s² + L²))/2, L the
+/// Lipschitz constant of the bound of a pressure that falls so.
 fn loss(contact: &Contact, fall: f64) -> Option<f64> {
     if contact.friction.is_frictionless() {
         return Some(fall).filter(|fall| fall.is_finite());
@@ -59,7 +61,8 @@ fn loss(contact: &Contact, fall: f64) -> Option<f64> {
     Some(if fall > 0.0 { rising.max(0.5 * (fall + fall.hypot(bound.lipschitz(Some(fall))?))) } else { rising })
 }
 
-/// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m ‖ξ₁ − ξ₂‖².
+/// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m
+/// ‖ξ₁ − ξ₂‖².
 fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
     if law.is_linear() {
         return Arc::clone(law);
@@ -70,7 +73,11 @@ fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
 /// The same problem with laws of the body that are linear and lie below its own.
 fn minorized(problem: &Problem) -> Problem {
     let dim = problem.mesh.tensor_dim();
-    let below = |m: &Material| Material { elasticity: minorant(&m.elasticity, dim), viscosity: minorant(&m.viscosity, dim), ..m.clone() };
+    let below = |m: &Material| Material {
+        elasticity: minorant(&m.elasticity, dim),
+        viscosity: minorant(&m.viscosity, dim),
+        ..m.clone()
+    };
     problem.with_materials(below)
 }
 
@@ -106,7 +113,11 @@ impl<'a> Step<'a> {
         for point in &discrete.boundary.points {
             let nodes: Vec<u32> = point.nodes.iter().map(|&(i, _)| discrete.boundary.nodes[i]).collect();
             let weight = shares.get(point.side).copied().unwrap_or(1.0) * point.weight;
-            let form: Vec<f64> = point.nodes.iter().flat_map(|&(_, n_i)| point.nodes.iter().map(move |&(_, n_j)| weight * n_i * n_j)).collect();
+            let form: Vec<f64> = point
+                .nodes
+                .iter()
+                .flat_map(|&(_, n_i)| point.nodes.iter().map(move |&(_, n_j)| weight * n_i * n_j))
+                .collect();
             weights.add(&nodes, &form);
         }
         Step { problem, discrete, loss, with_speed, weights }
@@ -129,7 +140,8 @@ impl<'a> Step<'a> {
     /// λ_min(S, W) of K_u = ρM/k + B + kA; infinite without unknowns on Γ_C.
     fn least(&self, k: f64) -> Result<Least, FactorError> {
         let (mesh, matrix) = (&self.problem.mesh, self.discrete.mechanical_matrix(k));
-        let unknowns = Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.discrete.v.free, &self.discrete.boundary.nodes);
+        let unknowns =
+            Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.discrete.v.free, &self.discrete.boundary.nodes);
         let mut system = System::new(&matrix, unknowns)?;
         let mut pencil = TraceQuotient { entries: self.entries(system.unknowns()), system: &mut system };
         // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
@@ -154,7 +166,8 @@ impl<'a> Step<'a> {
         let mut entries = Vec::new();
         for &node in &self.discrete.boundary.nodes {
             for (column, value) in self.weights.row(node as usize) {
-                let pair = |c: usize| Some((position[node as usize * dim + c]?, position[column * dim + c]?, *value.first()?));
+                let pair =
+                    |c: usize| Some((position[node as usize * dim + c]?, position[column * dim + c]?, *value.first()?));
                 entries.extend((0..dim).filter_map(pair).filter(|(.., value)| *value != 0.0));
             }
         }
@@ -162,8 +175,14 @@ impl<'a> Step<'a> {
     }
 }
 
-/// Whether `matrix` less [`MARGIN`] of the diagonal of `size` has a Cholesky factor on the free degrees of freedom of a space.
-fn is_positive_definite(problem: &Problem, space: &Space, size: &BlockMatrix, mut matrix: BlockMatrix) -> Result<bool, FactorError> {
+/// Whether `matrix` less [`MARGIN`] of the diagonal of `size` has a Cholesky factor on the free degrees of freedom of a
+/// space.
+fn is_positive_definite(
+    problem: &Problem,
+    space: &Space,
+    size: &BlockMatrix,
+    mut matrix: BlockMatrix,
+) -> Result<bool, FactorError> {
     let (mesh, components) = (&problem.mesh, space.components);
     for node in 0..mesh.points.len() {
         let mut block = vec![0.0; components * components];
@@ -182,20 +201,28 @@ fn is_positive_definite(problem: &Problem, space: &Space, size: &BlockMatrix, mu
 }
 
 /// Whether a linear form is positive definite beyond round-off on the displacements that are free.
-pub(super) fn holds_the_body(problem: &Problem, discrete: &Discretization, form: &BlockMatrix) -> Result<bool, FactorError> {
+pub(super) fn holds_the_body(
+    problem: &Problem,
+    discrete: &Discretization,
+    form: &BlockMatrix,
+) -> Result<bool, FactorError> {
     is_positive_definite(problem, &discrete.v, form, form.clone())
 }
 
 /// Whether θ_n acts on w_n in the same step by expansion, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
-    problem.coupling != Coupling::Staggered && problem.materials.iter().any(|m| norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0)
+    problem.coupling != Coupling::Staggered
+        && problem.materials.iter().any(|m| norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0)
 }
 
 /// A part of the laws that the condition does not cover, and its place.
 fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'static str, &'static str)> {
     let with_friction = || problem.contacts.iter().any(|contact| !contact.friction.is_frictionless());
     if drops {
-        Some(("the pressure drops from one value to another: a step across the drop may have several solutions, however short it is", "contact.normal"))
+        Some((
+            "the pressure drops from one value to another: a step across the drop may have several solutions, however short it is",
+            "contact.normal",
+        ))
     } else if at_start {
         Some((
             "friction drops when slip starts: a point loaded between kinetic and static friction has two solutions in a step of any length; the run follows the state of the previous step",
@@ -205,8 +232,14 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
         Some(("wear within a step lowers the pressure with the slip speed, which is not checked", "contact.wear"))
     } else if with_friction() && tests(problem).any(|test| test.rate_matters()) {
         Some(("friction that depends on a rate-dependent pressure is not checked", "contact.normal"))
-    } else if problem.coupling != Coupling::Staggered && with_friction() && tests(problem).any(|test| test.friction_sees_heat()) {
-        Some(("u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ", "contact.friction"))
+    } else if problem.coupling != Coupling::Staggered
+        && with_friction()
+        && tests(problem).any(|test| test.friction_sees_heat())
+    {
+        Some((
+            "u_n and θ_n are solved together and friction depends on θ_n: the condition holds for a step with given θ",
+            "contact.friction",
+        ))
     } else {
         None
     }
@@ -215,16 +248,30 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
 /// The system to judge, or the finding that says why there is none.
 fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
     if problem.contacts.is_empty() {
-        return Err(Box::new(Finding::new(id, FindingStatus::Holds, "there is no contact: a step is monotone", "contact")));
+        return Err(Box::new(Finding::new(
+            id,
+            FindingStatus::Holds,
+            "there is no contact: a step is monotone",
+            "contact",
+        )));
     }
     let falls = falls(problem);
-    if let Some((message, place)) = not_judged(problem, falls.iter().any(|f| f.at_start > 0.0), falls.iter().any(|f| f.pressure.is_infinite())) {
+    if let Some((message, place)) =
+        not_judged(problem, falls.iter().any(|f| f.at_start > 0.0), falls.iter().any(|f| f.pressure.is_infinite()))
+    {
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, place)));
     }
-    let losses = problem.contacts.iter().zip(&falls).map(|(contact, falls)| Some([loss(contact, falls.pressure)?, falls.with_speed]));
+    let losses = problem
+        .contacts
+        .iter()
+        .zip(&falls)
+        .map(|(contact, falls)| Some([loss(contact, falls.pressure)?, falls.with_speed]));
     let Some(losses) = losses.collect::<Option<Vec<[f64; 2]>>>() else {
         let message = "the condition is known for laws with Lipschitz constants L_ν, L_τ only: see (H8)";
-        return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "contact").repair("normal compliance with a stiffness, or no friction")));
+        return Err(Box::new(
+            Finding::new(id, FindingStatus::NotCovered, message, "contact")
+                .repair("normal compliance with a stiffness, or no friction"),
+        ));
     };
     if heat_acts_at_once(problem) {
         let message = "u_n and θ_n are solved together: the condition holds for a step with given θ";
@@ -235,7 +282,10 @@ fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
         Ok(true) => Ok(step),
         Ok(false) => {
             let message = "the heat equation of a step is not positive definite, and the theory does not say how many solutions it has";
-            Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material.conductivity").repair("a heat capacity, or a prescribed temperature")))
+            Err(Box::new(
+                Finding::new(id, FindingStatus::NotCovered, message, "material.conductivity")
+                    .repair("a heat capacity, or a prescribed temperature"),
+            ))
         }
         Err(error) => Err(Box::new(not_factorized(id, &error))),
     }
@@ -246,8 +296,8 @@ fn suffix(units: Units, measure: Measure) -> String {
     format!(" {}", units.of(measure)).trim_end().to_owned()
 }
 
-/// The verdict if friction decreases with the slip speed by f p and a step has one solution apart from that: it has one solution as long as
-/// f p < λ_min − c* k. No bound of the pressure is known before the run.
+/// The verdict if friction decreases with the slip speed by f p and a step has one solution apart from that: it has one
+/// solution as long as f p < λ_min − c* k. No bound of the pressure is known before the run.
 fn up_to_a_pressure(id: FindingId, [found, needed]: [f64; 2], with_speed: f64, steps: f64, units: Units) -> Finding {
     let (most, unit) = ((found - needed) / with_speed, suffix(units, Measure::Stress));
     let message = format!(
@@ -257,20 +307,27 @@ fn up_to_a_pressure(id: FindingId, [found, needed]: [f64; 2], with_speed: f64, s
 }
 
 fn not_factorized(id: FindingId, error: &FactorError) -> Finding {
-    Finding::new(id, FindingStatus::NotCovered, format!("the mechanical system of a step cannot be factorized: {error}"), "boundary")
+    Finding::new(
+        id,
+        FindingStatus::NotCovered,
+        format!("the mechanical system of a step cannot be factorized: {error}"),
+        "boundary",
+    )
 }
 
 /// What is said where K_u is not positive definite, as Theorem 2 asks.
 fn not_held(id: FindingId) -> Finding {
     let message = "the mechanical system of a step is not positive definite beyond round-off: only contact holds the body in some direction, which the theory does not cover";
-    Finding::new(id, FindingStatus::NotCovered, message, "boundary")
-        .repair("add a support, a density, or springs that are weaker than the body by at most twelve orders of magnitude")
+    Finding::new(id, FindingStatus::NotCovered, message, "boundary").repair(
+        "add a support, a density, or springs that are weaker than the body by at most twelve orders of magnitude",
+    )
 }
 
 /// `step-unique`: λ_min(S, W) > c* k.
 pub(super) fn unique(problem: &Problem) -> Finding {
     let id = FindingId::StepUnique;
-    prepare(problem, id).map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
+    prepare(problem, id)
+        .map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
 fn judge(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
@@ -281,9 +338,17 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
         return Ok(not_held(id));
     }
     let Least { above: found, below } = step.least(k)?;
-    let numbers = |finding: Finding| finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step");
+    let numbers = |finding: Finding| {
+        finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step")
+    };
     if holds && step.with_speed > 0.0 {
-        return Ok(numbers(up_to_a_pressure(id, [below, needed], step.with_speed, step.problem.steps as f64, step.problem.units())));
+        return Ok(numbers(up_to_a_pressure(
+            id,
+            [below, needed],
+            step.with_speed,
+            step.problem.steps as f64,
+            step.problem.units(),
+        )));
     }
     let (status, message) = if holds {
         let message = format!(
@@ -296,7 +361,9 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
         );
         (FindingStatus::Fails, message)
     } else {
-        let message = format!("λ_min(S, W) = {found:.4} and the {needed:.4} that the contact laws require differ by less than round-off");
+        let message = format!(
+            "λ_min(S, W) = {found:.4} and the {needed:.4} that the contact laws require differ by less than round-off"
+        );
         (FindingStatus::NotCovered, message)
     };
     Ok(numbers(Finding::new(id, status, message, "time.steps")))
@@ -305,7 +372,8 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
 pub(super) fn time_step(problem: &Problem) -> Finding {
     let id = FindingId::TimeStep;
-    prepare(problem, id).map_or_else(|finding| *finding, |step| search(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
+    prepare(problem, id)
+        .map_or_else(|finding| *finding, |step| search(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
 fn search(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
@@ -333,13 +401,23 @@ fn search(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
     let (steps, k) = (steps(doubling), k(doubling));
     let numbers = |finding: Finding| finding.numbers(Some(problem.steps as f64), Some(steps));
     if step.with_speed > 0.0 {
-        return Ok(numbers(up_to_a_pressure(id, [step.least(k)?.below, step.loss * k], step.with_speed, steps, problem.units())));
+        return Ok(numbers(up_to_a_pressure(
+            id,
+            [step.least(k)?.below, step.loss * k],
+            step.with_speed,
+            steps,
+            problem.units(),
+        )));
     }
     let unit = suffix(problem.units(), Measure::Time);
     let message = if doubling == 0 {
         format!("with {steps} steps, k = {k:.6e}{unit}, each step has one solution")
     } else {
-        format!("with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}", problem.steps)
+        format!(
+            "with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}",
+            problem.steps
+        )
     };
-    Ok(numbers(Finding::new(id, FindingStatus::of(doubling == 0), message, "time.steps")).repair(format!("time.steps = {steps}")))
+    Ok(numbers(Finding::new(id, FindingStatus::of(doubling == 0), message, "time.steps"))
+        .repair(format!("time.steps = {steps}")))
 }

@@ -13,14 +13,29 @@ use crate::space::Space;
 pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     let id = FindingId::Printed;
     if problem.contacts.is_empty() {
-        return Finding::new(id, FindingStatus::NotCovered, "there is no contact, and no constant of a trace to compare with", "contact");
+        return Finding::new(
+            id,
+            FindingStatus::NotCovered,
+            "there is no contact, and no constant of a trace to compare with",
+            "contact",
+        );
     }
     let (Some(nu), Some(tau)) = (constants.lipschitz_nu, constants.lipschitz_tau) else {
-        return Finding::new(id, FindingStatus::NotCovered, "the contact laws have no Lipschitz constants L_ν, L_τ: see (H8)", "contact")
-            .repair("normal compliance with a stiffness");
+        return Finding::new(
+            id,
+            FindingStatus::NotCovered,
+            "the contact laws have no Lipschitz constants L_ν, L_τ: see (H8)",
+            "contact",
+        )
+        .repair("normal compliance with a stiffness");
     };
     let Some(kc) = constants.bound_kc.filter(|kc| kc.is_finite()) else {
-        return Finding::new(id, FindingStatus::NotCovered, "the heat through the contact has no bound M_kc: see (H7)", "contact.heat");
+        return Finding::new(
+            id,
+            FindingStatus::NotCovered,
+            "the heat through the contact has no bound M_kc: see (H7)",
+            "contact.heat",
+        );
     };
     let Some(s1) = constants.s1 else {
         let message = "there is no s₁ of (2.14): no displacement is prescribed that holds the body";
@@ -42,11 +57,13 @@ pub(super) fn printed(problem: &Problem, constants: &Constants) -> Finding {
     );
     let numbers = if first && !second { (constants.m_d, heat) } else { (constants.m_a, force) };
     let place = if first && !second { "contact.heat" } else { "material.elasticity" };
-    Finding::new(id, FindingStatus::of(first && second), message, place).numbers(Some(numbers.0), Some(numbers.1)).repair(if first {
-        "a smaller conductance, or none: the proof does not need this inequality"
-    } else {
-        "none: the proof does not need this inequality"
-    })
+    Finding::new(id, FindingStatus::of(first && second), message, place)
+        .numbers(Some(numbers.0), Some(numbers.1))
+        .repair(if first {
+            "a smaller conductance, or none: the proof does not need this inequality"
+        } else {
+            "none: the proof does not need this inequality"
+        })
 }
 
 /// `2.23-needed`: no inequality between constants, but the hypotheses of Theorem 1 of the book.
@@ -56,12 +73,19 @@ pub(super) fn needed(problem: &Problem, constants: &Constants, findings: &[Findi
     let id = FindingId::Needed;
     let numbers = |finding: Finding| finding.numbers(Some(constants.m_b), Some(0.0));
     if let Some((what, place)) = outside(problem) {
-        return numbers(Finding::new(id, FindingStatus::NotCovered, format!("the theorem does not cover these data: {what}"), &place));
+        return numbers(Finding::new(
+            id,
+            FindingStatus::NotCovered,
+            format!("the theorem does not cover these data: {what}"),
+            &place,
+        ));
     }
     let missing = missing(problem, findings);
     if let Some((_, place)) = missing.first() {
         let list = missing.iter().map(|(what, _)| what.as_str()).collect::<Vec<_>>().join("; ");
-        let message = format!("the proof needs no inequality between constants, but it needs a hypothesis that fails here: {list}");
+        let message = format!(
+            "the proof needs no inequality between constants, but it needs a hypothesis that fails here: {list}"
+        );
         return numbers(Finding::new(id, FindingStatus::Fails, message, place)).repair("repair the hypotheses named");
     }
     let message = "no inequality between constants is needed: Problem 2.2 has one solution. m_b > 0 with Young's and Gronwall's inequalities absorbs the terms of a, p_ν and p_τ whatever their size, and the flux through Γ_C is monotone in θ";
@@ -109,12 +133,14 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     match (density, capacity) {
         ((true, false), _) => Some(("a density that is zero in a part of the body only", place("density"))),
         (_, (true, false)) => Some(("a heat capacity that is zero in a part of the body only", place("heat_capacity"))),
-        ((true, _), _) if !is_held(problem, &problem.displacement_space()) => {
-            Some(("without inertia every part of the body must be held by displacements in all directions", place("density")))
-        }
-        (_, (true, _)) if !is_held(problem, &problem.temperature_space()) => {
-            Some(("without a heat capacity every part of the body must have a side with a prescribed temperature", place("heat_capacity")))
-        }
+        ((true, _), _) if !is_held(problem, &problem.displacement_space()) => Some((
+            "without inertia every part of the body must be held by displacements in all directions",
+            place("density"),
+        )),
+        (_, (true, _)) if !is_held(problem, &problem.temperature_space()) => Some((
+            "without a heat capacity every part of the body must have a side with a prescribed temperature",
+            place("heat_capacity"),
+        )),
         _ => None,
     }
 }
@@ -133,13 +159,22 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
         return Some(("the friction bound is no Lipschitz function of the penetration", "contact.friction"));
     }
     if contact.obstacle.as_ref().is_some_and(|obstacle| obstacle.updated) {
-        return Some(("the normal of an obstacle with geometry = \"updated\" depends on the displacement", "contact.obstacle"));
+        return Some((
+            "the normal of an obstacle with geometry = \"updated\" depends on the displacement",
+            "contact.obstacle",
+        ));
     }
     if test.friction_makes_heat() {
-        return Some(("friction heat is a product of pressure and slip, for which no estimate is known", "contact.heat"));
+        return Some((
+            "friction heat is a product of pressure and slip, for which no estimate is known",
+            "contact.heat",
+        ));
     }
     if contact.foundation_heat.is_some() && !contact.friction.is_frictionless() {
-        return Some(("friction heats the foundation by a product of pressure and slip, for which no estimate is known", "contact.foundation"));
+        return Some((
+            "friction heats the foundation by a product of pressure and slip, for which no estimate is known",
+            "contact.foundation",
+        ));
     }
     if contact.heat.conductance_bound() > 0.0 && test.heat_sees_pressure() {
         return Some(("the conductance depends on the pressure", "contact.heat"));
@@ -152,7 +187,8 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
 
 /// Whether every part of the body has a facet on which all values of a space are prescribed.
 fn is_held(problem: &Problem, space: &Space) -> bool {
-    let fixed: Vec<bool> = space.free.chunks_exact(space.components).map(|node| !node.iter().any(|&free| free)).collect();
+    let fixed: Vec<bool> =
+        space.free.chunks_exact(space.components).map(|node| !node.iter().any(|&free| free)).collect();
     let held = |nodes: &[u32]| nodes.iter().all(|&node| fixed.get(node as usize) == Some(&true));
     let mut anchored = vec![false; fixed.len()];
     for set in problem.mesh.facets.values() {

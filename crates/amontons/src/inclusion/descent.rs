@@ -1,4 +1,5 @@
-//! Where a step starts whose iteration did not end, and the solution itself where there is no friction: the minimum of a convex energy.
+//! Where a step starts whose iteration did not end, and the solution itself where there is no friction: the minimum of
+//! a convex energy.
 //!
 //! With pressures that do not fall and q = ρ w_τ in place of friction,
 //!
@@ -6,9 +7,10 @@
 //!     F(w) = S (w − ŵ) − r + Σ ω Nᵀ (p ν + ρ w_τ)
 //! ```
 //!
-//! is the gradient of a convex energy. Newton's direction d goes down it, whatever the contact pattern, and along d the rate of the energy, F·d, rises: where it
-//! changes its sign is found by bisection. Where nothing holds the body, as when all points are open, a small multiple of the diagonal of S
-//! gives a direction, as long as it may be, and the search along it ends where the body touches.
+//! is the gradient of a convex energy. Newton's direction d goes down it, whatever the contact pattern, and along d the
+//! rate of the energy, F·d, rises: where it changes its sign is found by bisection. Where nothing holds the body, as
+//! when all points are open, a small multiple of the diagonal of S gives a direction, as long as it may be, and the
+//! search along it ends where the body touches.
 
 use super::mechanical::Mechanical;
 use super::newton::Right;
@@ -20,17 +22,20 @@ use crate::linalg::{Condensed, Entry, dot, max_abs};
 
 /// Share of the diagonal of S that holds a body that nothing holds.
 const HOLD: f64 = 1.0 / STIFF;
-/// Residual relative to the largest term at which the minimum is found well enough to start from: which points are open is then known. Pressures of
-/// a very stiff layer, as functions of the penetration, do not have as many digits: there it ends where the residual no longer falls by half.
+/// Residual relative to the largest term at which the minimum is found well enough to start from: which points are open
+/// is then known. Pressures of a very stiff layer, as functions of the penetration, do not have as many digits: there
+/// it ends where the residual no longer falls by half.
 const FOUND: f64 = 1e-6;
 /// Shares of λ in series with the layers, in turn.
 const SOFTENED: [f64; 4] = [1.0, 1e-2, 1e-4, STIFFEST];
 const STIFFEST: f64 = 1e-6;
-/// Residual at which the minimum with softer layers is found, and from which on a residual that stalls is all that can be reached.
+/// Residual at which the minimum with softer layers is found, and from which on a residual that stalls is all that can
+/// be reached.
 const NEAR: f64 = 1e-2;
 /// Iterations in which the residual has not fallen by half after which it stalls.
 const STALLED: usize = 3;
-/// Shares of the rate of the energy at the start of a search between which it ends: still falling by half, and as good as not rising.
+/// Shares of the rate of the energy at the start of a search between which it ends: still falling by half, and as good
+/// as not rising.
 const ENOUGH: [f64; 2] = [-0.5, 1e-3];
 /// Evaluations in a search; the first 60 decades and more of step lengths go in tenths.
 const SEARCH: usize = 100;
@@ -39,11 +44,13 @@ impl Mechanical<'_> {
     /// Whether no pressure falls with the penetration.
     pub(super) fn rises(&self) -> bool {
         let points = self.step.boundary.points.iter().enumerate();
-        points.into_iter().all(|(i, p)| self.contact(i).normal.least_slope(&p.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0)
+        points
+            .into_iter()
+            .all(|(i, p)| self.contact(i).normal.least_slope(&p.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0)
     }
 
-    /// The minimum of the energy, or what is reached of it, and the Newton iterations. Layers are taken as softer than they are at first: then few
-    /// points open and close in each iteration, however stiff the layers are.
+    /// The minimum of the energy, or what is reached of it, and the Newton iterations. Layers are taken as softer than
+    /// they are at first: then few points open and close in each iteration, however stiff the layers are.
     pub(super) fn descend(&self, condensed: &mut Condensed, right: &Right) -> (Vec<f64>, usize) {
         let mut reached = (right.guess.to_vec(), 0);
         for soft in SOFTENED.map(Some).into_iter().filter(|soft| self.is_softer(*soft)).chain([None]) {
@@ -55,13 +62,21 @@ impl Mechanical<'_> {
     /// Whether a layer in series makes one of the layers much softer.
     fn is_softer(&self, soft: Option<f64>) -> bool {
         (0..self.interface.len()).any(|i| match (soft, self.response[i]) {
-            (Some(share), Response::Multiplier { lambda }) => self.contact(i).normal.lipschitz().is_none_or(|c| c * lambda * share > 1.0),
+            (Some(share), Response::Multiplier { lambda }) => {
+                self.contact(i).normal.lipschitz().is_none_or(|c| c * lambda * share > 1.0)
+            }
             _ => false,
         })
     }
 
     /// The same for layers with λ times this share in series.
-    fn descend_from(&self, condensed: &mut Condensed, right: &Right, (mut w, before): (Vec<f64>, usize), soft: Option<f64>) -> (Vec<f64>, usize) {
+    fn descend_from(
+        &self,
+        condensed: &mut Condensed,
+        right: &Right,
+        (mut w, before): (Vec<f64>, usize),
+        soft: Option<f64>,
+    ) -> (Vec<f64>, usize) {
         let mut now = self.gradient(condensed, right, &w, soft);
         let (mut least, mut stalled) = (f64::INFINITY, 0);
         let enough = if soft.is_some() { NEAR } else { FOUND };
@@ -71,13 +86,16 @@ impl Mechanical<'_> {
             least = left.min(least);
             let is_found = left <= enough * now.scale || (left <= NEAR * now.scale && stalled >= STALLED);
             // In series the rates of both layers would differ, too.
-            let is_rated = soft.is_some() && now.laws.iter().any(|laws| laws.normal.depends_on_rate(self.step.rule.gamma));
+            let is_rated =
+                soft.is_some() && now.laws.iter().any(|laws| laws.normal.depends_on_rate(self.step.rule.gamma));
             if is_found || is_rated || right.is_round_off(condensed, &w, left) {
                 return (w, iteration);
             }
             let Some(step) = self.downhill(condensed, &now) else { return (w, iteration) };
             let start = dot(&now.f, &step);
-            let Some((next, there)) = self.search(condensed, right, [&w, &step], start, soft) else { return (w, iteration) };
+            let Some((next, there)) = self.search(condensed, right, [&w, &step], start, soft) else {
+                return (w, iteration);
+            };
             (w, now) = (next, there);
         }
         (w, before + ITERATIONS)
@@ -96,7 +114,14 @@ impl Mechanical<'_> {
     }
 
     /// The point on a direction where the energy has fallen far enough.
-    fn search(&self, condensed: &Condensed, right: &Right, [w, step]: [&[f64]; 2], start: f64, soft: Option<f64>) -> Option<(Vec<f64>, Gradient)> {
+    fn search(
+        &self,
+        condensed: &Condensed,
+        right: &Right,
+        [w, step]: [&[f64]; 2],
+        start: f64,
+        soft: Option<f64>,
+    ) -> Option<(Vec<f64>, Gradient)> {
         let (mut low, mut high, mut alpha) = (0.0, f64::INFINITY, 1.0);
         for _ in 0..SEARCH {
             let there: Vec<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
@@ -122,7 +147,8 @@ impl Mechanical<'_> {
 
     fn gradient(&self, condensed: &Condensed, right: &Right, w: &[f64], soft: Option<f64>) -> Gradient {
         let free = Multiplier::default();
-        let laws: Vec<Laws> = (0..self.interface.len()).map(|i| self.laws_with(i, w, &free, self.in_energy(i, soft))).collect();
+        let laws: Vec<Laws> =
+            (0..self.interface.len()).map(|i| self.laws_with(i, w, &free, self.in_energy(i, soft))).collect();
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let mut f = condensed.apply(&increment);
         let mut scale = max_abs(&f).max(max_abs(right.r));
@@ -137,11 +163,16 @@ impl Mechanical<'_> {
         Gradient { f, scale, laws }
     }
 
-    /// How the energy takes a pressure: as the function that it is, or with a layer in series; a graph always with a layer, which makes it smooth.
+    /// How the energy takes a pressure: as the function that it is, or with a layer in series; a graph always with a
+    /// layer, which makes it smooth.
     fn in_energy(&self, i: usize, soft: Option<f64>) -> Response {
         match (soft, self.response[i]) {
-            (None, Response::Multiplier { .. }) if self.contact(i).normal.graph() == GraphKind::Function => Response::Function,
-            (soft, Response::Multiplier { lambda }) => Response::Multiplier { lambda: lambda * soft.unwrap_or(STIFFEST) },
+            (None, Response::Multiplier { .. }) if self.contact(i).normal.graph() == GraphKind::Function => {
+                Response::Function
+            }
+            (soft, Response::Multiplier { lambda }) => {
+                Response::Multiplier { lambda: lambda * soft.unwrap_or(STIFFEST) }
+            }
             (_, response) => response,
         }
     }

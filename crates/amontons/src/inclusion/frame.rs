@@ -6,7 +6,8 @@ use crate::tensor::Point;
 /// What the foundation is at one contact point in a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Frame {
-    /// Unit normal ν of the contact, towards the foundation: that of the body, or the opposite of the normal of the obstacle.
+    /// Unit normal ν of the contact, towards the foundation: that of the body, or the opposite of the normal of the
+    /// obstacle.
     pub normal: Point,
     /// g(t_n) in m, with what has worn off before the step.
     pub gap: f64,

@@ -105,19 +105,20 @@ impl Friction {
         self.shape.map_or(n, |s| map(&s.factor, &n))
     }
 
-    /// q of the linearised law at an unchanged velocity, and its derivative in the slip at a fixed bound. `change` is what the linearised
-    /// normal law adds to the bound, `in_space` says that slip has more than one direction.
+    /// q of the linearised law at an unchanged velocity, and its derivative in the slip at a fixed bound. `change` is
+    /// what the linearised normal law adds to the bound, `in_space` says that slip has more than one direction.
     ///
-    /// A point that sticks is held by the stiffness 2²⁷ ρ that starts from the multiplier of the last iterate, exact in the limit. Across the
-    /// direction n of slip the projection turns: δq = s/‖z‖ (δq + ρ δw) is solved for δq.
+    /// A point that sticks is held by the stiffness 2²⁷ ρ that starts from the multiplier of the last iterate, exact in
+    /// the limit. Across the direction n of slip the projection turns: δq = s/‖z‖ (δq + ρ δw) is solved for δq.
     pub fn linear(&self, change: f64, in_space: bool) -> (Tangential, [Tangential; 2]) {
-        let (q, slip, projected) = self
-            .shape
-            .map_or((self.q, self.slip, self.projected), |s| (map(&s.inverse, &self.q), map(&s.factor, &self.slip), map(&s.inverse, &self.projected)));
+        let (q, slip, projected) = self.shape.map_or((self.q, self.slip, self.projected), |s| {
+            (map(&s.inverse, &self.q), map(&s.factor, &self.slip), map(&s.inverse, &self.projected))
+        });
         let (mut force, mut tangent) = ([0.0; 2], [[0.0; 2]; 2]);
         if self.is_smooth {
-            // That of q √(‖w̃‖² + ε²) = s w̃ in q and w̃ (Chan, Golub and Mulet, SIAM J. Sci. Comput. 20 (1999) 1964), symmetric and with
-            // ‖q‖ ≤ s. The derivative of q = s w̃/√(…) in w̃ alone knows nothing of q, and Newton's method with it circles.
+            // That of q √(‖w̃‖² + ε²) = s w̃ in q and w̃ (Chan, Golub and Mulet, SIAM J. Sci. Comput. 20 (1999) 1964),
+            // symmetric and with ‖q‖ ≤ s. The derivative of q = s w̃/√(…) in w̃ alone knows nothing of q, and Newton's
+            // method with it circles.
             let n = self.z.map(|c| c / self.z_length);
             let within = q[0].hypot(q[1]).max(self.bound);
             let dual = q.map(|q| q / within);
@@ -154,7 +155,9 @@ impl Friction {
         let Some(shape) = &self.shape else { return (force, tangent) };
         // D T D: rows, then columns; D is symmetric.
         let columns: [Tangential; 2] = tangent.map(|row| map(&shape.factor, &row));
-        let rows: [Tangential; 2] = std::array::from_fn(|a| std::array::from_fn(|b| shape.factor[a][0] * columns[0][b] + shape.factor[a][1] * columns[1][b]));
+        let rows: [Tangential; 2] = std::array::from_fn(|a| {
+            std::array::from_fn(|b| shape.factor[a][0] * columns[0][b] + shape.factor[a][1] * columns[1][b])
+        });
         (map(&shape.factor, &force), rows)
     }
 }

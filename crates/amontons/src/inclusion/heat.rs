@@ -1,7 +1,7 @@
 //! The heat step on Γ_C: conductance, radiation, heat of friction and foundations with a heat capacity.
 //!
-//! The flux Q = q·ν of a point is a multiplier as the pressure is: Q = H(θ + λ (Q − H)), H the law, so that a perfect conductance is no
-//! harder than a small one, and its round-off is that of S θ and not that of h (θ − θ_F).
+//! The flux Q = q·ν of a point is a multiplier as the pressure is: Q = H(θ + λ (Q − H)), H the law, so that a perfect
+//! conductance is no harder than a small one, and its round-off is that of S θ and not that of h (θ − θ_F).
 
 use super::frame::PointState;
 use super::interface::Interface;
@@ -80,11 +80,16 @@ struct Law {
 }
 
 impl Law {
-    /// Flux of the linearised law at an unchanged temperature, and its slopes in θ and θ_F: δQ = (J − Q + ∂J/∂θ δθ + ∂J/∂θ_F δθ_F)/(1 − λ ∂J/∂θ).
+    /// Flux of the linearised law at an unchanged temperature, and its slopes in θ and θ_F: δQ = (J − Q + ∂J/∂θ
+    /// δθ + ∂J/∂θ_F δθ_F)/(1 − λ ∂J/∂θ).
     fn linear(&self) -> [f64; 3] {
         let yielding = self.softening.max(STIFF.recip());
         let slope = self.softening / yielding;
-        [self.flux + (self.passed - self.flux) / yielding, slope * self.curve.by_temperature, slope * self.curve.by_foundation]
+        [
+            self.flux + (self.passed - self.flux) / yielding,
+            slope * self.curve.by_temperature,
+            slope * self.curve.by_foundation,
+        ]
     }
 }
 
@@ -103,12 +108,17 @@ impl HeatStep<'_> {
         }
     }
 
-    /// Solves the step: `guess` is where the iteration starts, `r` the reduced right-hand side for the increment of the temperature over the
-    /// guess. Returns the temperatures on Γ_C and the exchange there.
+    /// Solves the step: `guess` is where the iteration starts, `r` the reduced right-hand side for the increment of the
+    /// temperature over the guess. Returns the temperatures on Γ_C and the exchange there.
     ///
     /// # Errors
     /// When the iteration does not end.
-    pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64]) -> Result<(Solved, Exchange), NotConverged> {
+    pub fn solve(
+        &self,
+        condensed: &mut Condensed,
+        r: &[f64],
+        guess: &[f64],
+    ) -> Result<(Solved, Exchange), NotConverged> {
         condensed.turn(&[]);
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
         let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
@@ -116,7 +126,13 @@ impl HeatStep<'_> {
         let term = Thermal { step: self, interface, lambda };
         let right = Right { r, guess, proximal: None };
         let start = Iterate { x: guess.to_vec(), multipliers: term.start(guess) };
-        let outcome = iterate(&term, condensed, &right, start, &Effort { leaps: 0, is_free: false, iterations: ITERATIONS, enough: 0.0 });
+        let outcome = iterate(
+            &term,
+            condensed,
+            &right,
+            start,
+            &Effort { leaps: 0, is_free: false, iterations: ITERATIONS, enough: 0.0 },
+        );
         if let Some(failure) = outcome.failure {
             return Err(failure);
         }
@@ -124,12 +140,13 @@ impl HeatStep<'_> {
         Ok((Solved { x: outcome.end.x, iterations: outcome.iterations }, exchange))
     }
 
-    /// The derivative of Σ ω Nᵀ q·ν in θ at a solution. A foundation with a heat capacity follows all of its contact points: with
-    /// c = Σ ω Nᵀ ∂(q·ν)/∂θ_F and r = Σ ω N ∂(q·ν)/∂θ, it adds c rᵀ over the slope of its balance.
+    /// The derivative of Σ ω Nᵀ q·ν in θ at a solution. A foundation with a heat capacity follows all of its contact
+    /// points: with c = Σ ω Nᵀ ∂(q·ν)/∂θ_F and r = Σ ω N ∂(q·ν)/∂θ, it adds c rᵀ over the slope of its balance.
     #[must_use]
     pub fn tangent(&self, exchange: &Exchange) -> Vec<Entry> {
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
-        let slopes: Vec<[f64; 2]> = exchange.flux.iter().map(|flux| [flux.by_temperature, flux.by_foundation]).collect();
+        let slopes: Vec<[f64; 2]> =
+            exchange.flux.iter().map(|flux| [flux.by_temperature, flux.by_foundation]).collect();
         let mut entries = Vec::new();
         self.add_entries(&interface, &slopes, &mut entries);
         entries
@@ -146,7 +163,9 @@ impl HeatStep<'_> {
             let Some(lumped) = lumped else { continue };
             let slope = lumped.slope(interface, side, slopes);
             let (mut by_foundation, mut by_body): (Vec<(u32, f64)>, Vec<(u32, f64)>) = Default::default();
-            for (i, [of_body, of_foundation]) in slopes.iter().enumerate().filter(|(i, _)| interface.rows[*i].side == side) {
+            for (i, [of_body, of_foundation]) in
+                slopes.iter().enumerate().filter(|(i, _)| interface.rows[*i].side == side)
+            {
                 if *of_body != 0.0 || *of_foundation != 0.0 {
                     by_foundation.extend(interface.scaled_row(i, *of_foundation));
                     by_body.extend(interface.scaled_row(i, *of_body));
@@ -173,7 +192,9 @@ impl Thermal<'_> {
         let of = |(side, lumped): (usize, &Option<Lumped>)| {
             let Lumped { storage, before, exchange, surroundings } = (*lumped)?;
             let rows = self.interface.rows.iter().enumerate().filter(|(_, row)| row.side == side);
-            let received: f64 = rows.map(|(i, row)| row.weight * (flux[i] + dot(&self.step.states[i].q, &self.step.states[i].slip))).sum();
+            let received: f64 = rows
+                .map(|(i, row)| row.weight * (flux[i] + dot(&self.step.states[i].q, &self.step.states[i].slip)))
+                .sum();
             // Increments, so that a foundation that receives nothing keeps its temperature to the bit.
             Some(before + (received + exchange * (surroundings - before)) / (storage + exchange))
         };
@@ -194,7 +215,11 @@ impl Thermal<'_> {
                 let excess = (at - z) + lambda * law.value;
                 *(if excess > 0.0 { &mut high } else { &mut low }) = at;
                 let newton = at - excess / (1.0 + lambda * law.by_temperature);
-                let next = if newton > low && newton < high || iteration % 3 < 2 { newton.clamp(low, high) } else { 0.5 * (low + high) };
+                let next = if newton > low && newton < high || iteration % 3 < 2 {
+                    newton.clamp(low, high)
+                } else {
+                    0.5 * (low + high)
+                };
                 if excess == 0.0 || (next - at).abs() <= f64::EPSILON * (at.abs() + z.abs()) || !next.is_finite() {
                     break;
                 }
@@ -232,8 +257,8 @@ impl Thermal<'_> {
         }
     }
 
-    /// Σ ω of the fluxes of the linearised laws that a foundation receives beyond Q at an unchanged temperature of the body and of itself, over
-    /// the slope of its balance: by how much θ_F changes. `beyond` is by point.
+    /// Σ ω of the fluxes of the linearised laws that a foundation receives beyond Q at an unchanged temperature of the
+    /// body and of itself, over the slope of its balance: by how much θ_F changes. `beyond` is by point.
     fn warming(&self, slopes: &[[f64; 2]], beyond: &[f64]) -> Vec<f64> {
         let of = |(side, lumped): (usize, &Option<Lumped>)| {
             let Some(lumped) = lumped else { return 0.0 };
@@ -263,8 +288,9 @@ impl Term for Thermal<'_> {
     }
 
     fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
-        let of =
-            |(row, law): (&super::interface::Row, &Law)| row.weight * law.softening * law.curve.by_temperature * (law.temperature.abs() + law.foundation.abs());
+        let of = |(row, law): (&super::interface::Row, &Law)| {
+            row.weight * law.softening * law.curve.by_temperature * (law.temperature.abs() + law.foundation.abs())
+        };
         self.interface.rows.iter().zip(laws).map(of).fold(0.0, f64::max)
     }
 
@@ -283,11 +309,20 @@ impl Term for Thermal<'_> {
     fn after(&self, laws: &Vec<Law>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {
         let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
         let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
-        let after: Vec<f64> = linear.iter().enumerate().map(|(i, [value, body, _])| value + body * self.interface.change(i, step)[0]).collect();
+        let after: Vec<f64> = linear
+            .iter()
+            .enumerate()
+            .map(|(i, [value, body, _])| value + body * self.interface.change(i, step)[0])
+            .collect();
         let beyond: Vec<f64> = after.iter().zip(laws).map(|(after, law)| after - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);
         let warming = |i: usize| warmer.get(self.interface.rows[i].side).copied().unwrap_or(0.0);
-        after.iter().zip(&linear).enumerate().map(|(i, (after, [_, _, by_foundation]))| after + by_foundation * warming(i)).collect()
+        after
+            .iter()
+            .zip(&linear)
+            .enumerate()
+            .map(|(i, (after, [_, _, by_foundation]))| after + by_foundation * warming(i))
+            .collect()
     }
 
     fn towards(from: &Vec<f64>, to: &Vec<f64>, alpha: f64) -> Vec<f64> {

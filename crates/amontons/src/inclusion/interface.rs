@@ -1,10 +1,12 @@
 //! The rows of N: what a contact point sees of the unknowns on Γ_C, in a basis of its own.
 //!
-//! Each contact point has the basis (ν, t₁, t₂) of its normal and d − 1 tangents, so that no direction of space is preferred: the normal
-//! velocity, the slip and the tangential traction are numbers, and what happens in one direction leaves no round-off in another.
+//! Each contact point has the basis (ν, t₁, t₂) of its normal and d − 1 tangents, so that no direction of space is
+//! preferred: the normal velocity, the slip and the tangential traction are numbers, and what happens in one direction
+//! leaves no round-off in another.
 //!
-//! Where a point sees one node alone, and no other point sees that node (nodal quadrature, inside a side), the unknowns of the node are taken
-//! in the basis of the point as well. Its row is then the identity, and the systems on Γ_C are the same whatever way the body is turned.
+//! Where a point sees one node alone, and no other point sees that node (nodal quadrature, inside a side), the unknowns
+//! of the node are taken in the basis of the point as well. Its row is then the identity, and the systems on Γ_C are
+//! the same whatever way the body is turned.
 
 use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Entry, Turn};
@@ -70,10 +72,16 @@ pub struct Interface {
 }
 
 impl Interface {
-    /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, the first with the unknown on Γ_C, none where the
-    /// value is prescribed, the second with that value. `normals` has ν of each point.
+    /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, the first with the unknown
+    /// on Γ_C, none where the value is prescribed, the second with that value. `normals` has ν of each point.
     #[must_use]
-    pub fn of_vectors(boundary: &ContactBoundary, unknown: &[Option<u32>], prescribed: &[f64], normals: &[Point], dim: usize) -> Interface {
+    pub fn of_vectors(
+        boundary: &ContactBoundary,
+        unknown: &[Option<u32>],
+        prescribed: &[f64],
+        normals: &[Point],
+        dim: usize,
+    ) -> Interface {
         let mut seen = vec![0usize; boundary.nodes.len()];
         for &(node, _) in boundary.points.iter().flat_map(|point| &point.nodes) {
             seen[node] += 1;
@@ -204,9 +212,10 @@ impl Interface {
         !self.rows[i].entries.is_empty()
     }
 
-    /// ρ of each point, the scale of S per area: the mean of `diagonal` (of S, by unknown) over the nodes that the point sees, over their
-    /// weights. Absolute values of the shape functions weigh and average: those of quadratic facets take either sign, and at the vertices
-    /// of a triangle they integrate to zero, so that ∫ N would leave the sign of ρ to round-off.
+    /// ρ of each point, the scale of S per area: the mean of `diagonal` (of S, by unknown) over the nodes that the
+    /// point sees, over their weights. Absolute values of the shape functions weigh and average: those of quadratic
+    /// facets take either sign, and at the vertices of a triangle they integrate to zero, so that ∫ N would leave the
+    /// sign of ρ to round-off.
     #[must_use]
     pub fn stiffness(&self, boundary: &ContactBoundary, unknown: &[Option<u32>], diagonal: &[f64]) -> Vec<f64> {
         let mut weight = vec![0.0; boundary.nodes.len()];
@@ -247,7 +256,14 @@ fn own_node(point: &PointOnBoundary, seen: &[usize], unknown: &[Option<u32>], di
     Some(unknowns)
 }
 
-fn vector_row(point: &PointOnBoundary, basis: [Point; 3], turn: Option<&Turn>, unknown: &[Option<u32>], prescribed: &[f64], dim: usize) -> Row {
+fn vector_row(
+    point: &PointOnBoundary,
+    basis: [Point; 3],
+    turn: Option<&Turn>,
+    unknown: &[Option<u32>],
+    prescribed: &[f64],
+    dim: usize,
+) -> Row {
     let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len() * dim), [0.0; 3]);
     if let Some(turn) = turn {
         entries.extend((0..dim).map(|a| (turn.unknowns[a], std::array::from_fn(|b| f64::from(u8::from(a == b))))));

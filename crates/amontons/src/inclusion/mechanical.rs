@@ -11,7 +11,8 @@ use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
 use crate::linalg::{Condensed, Entry, is_positive_definite, max_abs};
 use crate::tensor::{Point, dot, length};
 
-/// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is 1 + λ G′ times the defect p − J.
+/// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is 1 + λ
+/// G′ times the defect p − J.
 const SHARPEST: f64 = 1024.0;
 /// Relative change of a pressure within the round-off of the penetration above which the law jumps there.
 const JUMP: f64 = 1e-3;
@@ -19,7 +20,8 @@ const JUMP: f64 = 1e-3;
 /// State of the contact points that a step starts from and ends with.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct Multipliers {
-    /// Pressure p at each contact point in Pa; zero where the normal law falls and the pressure is taken as a function of the penetration.
+    /// Pressure p at each contact point in Pa; zero where the normal law falls and the pressure is taken as a function
+    /// of the penetration.
     pub p: Vec<f64>,
     /// q = −σ_τ at each contact point, Pa.
     pub q: Vec<Point>,
@@ -89,15 +91,20 @@ impl<'a> Mechanical<'a> {
     pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&Condensed>) -> Mechanical<'a> {
         let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
         let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.dim);
-        let rho = condensed.map_or_else(|| vec![0.0; interface.len()], |c| interface.stiffness(step.boundary, step.unknown, c.scale()));
+        let rho = condensed.map_or_else(
+            || vec![0.0; interface.len()],
+            |c| interface.stiffness(step.boundary, step.unknown, c.scale()),
+        );
         let response = rho.iter().enumerate().map(|(i, &rho)| match step.has_multiplier(i) {
             false => Response::Function,
             true if rho > 0.0 => Response::Multiplier { lambda: step.rule.gamma / rho },
             true => Response::Given,
         });
         let response = response.collect();
-        let opening = step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
-        let foundation = interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
+        let opening =
+            step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
+        let foundation =
+            interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
         Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation }
     }
 
@@ -146,8 +153,9 @@ impl<'a> Mechanical<'a> {
         s1.hypot(s2)
     }
 
-    /// The laws at a point of a solution: the pressure of a soft function is that at the penetration, so that (2.8) holds to the last bit; that
-    /// of a stiff one, which the last bits of the penetration would change, of a graph and of a function at a jump is the multiplier.
+    /// The laws at a point of a solution: the pressure of a soft function is that at the penetration, so that (2.8)
+    /// holds to the last bit; that of a stiff one, which the last bits of the penetration would change, of a graph and
+    /// of a function at a jump is the multiplier.
     fn laws_found(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
         let given = self.laws_with(i, w, multiplier, Response::Given);
         let Response::Multiplier { lambda } = self.response[i] else { return self.laws_at(i, w, multiplier) };
@@ -163,20 +171,29 @@ impl<'a> Mechanical<'a> {
     /// The multipliers by their components at each point.
     pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
         let rows = self.interface.rows.iter().enumerate();
-        rows.map(|(i, row)| Multiplier { p: multipliers.p[i], q: tail(row.local(&multipliers.q[i])), sticks: multipliers.sticks[i] }).collect()
+        rows.map(|(i, row)| Multiplier {
+            p: multipliers.p[i],
+            q: tail(row.local(&multipliers.q[i])),
+            sticks: multipliers.sticks[i],
+        })
+        .collect()
     }
 
     /// The multipliers as vectors.
     pub fn global(&self, multipliers: &[Multiplier]) -> Multipliers {
         Multipliers {
-            p: multipliers.iter().zip(&self.response).map(|(m, response)| if *response == Response::Function { 0.0 } else { m.p }).collect(),
+            p: multipliers
+                .iter()
+                .zip(&self.response)
+                .map(|(m, response)| if *response == Response::Function { 0.0 } else { m.p })
+                .collect(),
             q: self.interface.rows.iter().zip(multipliers).map(|(row, m)| row.tangential(&m.q)).collect(),
             sticks: multipliers.iter().map(|m| m.sticks).collect(),
         }
     }
 
-    /// Whether the bound of a point drops when slip starts: then the iteration stays on the branch that it starts on, because what its
-    /// iterates overshoot would let a point go that can stick.
+    /// Whether the bound of a point drops when slip starts: then the iteration stays on the branch that it starts on,
+    /// because what its iterates overshoot would let a point go that can stick.
     pub fn drops(&self, i: usize) -> bool {
         self.contact(i).friction.drops_from_rest()
     }
@@ -222,9 +239,14 @@ impl MechanicalStep<'_> {
         (0..term.interface.len()).map(of).collect()
     }
 
-    /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at each point. The entries are
-    /// in the basis that `condensed` has.
-    pub fn tangent(&self, condensed: &mut Condensed, w: &[f64], multipliers: &Multipliers) -> (Vec<Entry>, Vec<PointDerivative>) {
+    /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at
+    /// each point. The entries are in the basis that `condensed` has.
+    pub fn tangent(
+        &self,
+        condensed: &mut Condensed,
+        w: &[f64],
+        multipliers: &Multipliers,
+    ) -> (Vec<Entry>, Vec<PointDerivative>) {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
@@ -238,8 +260,8 @@ impl MechanicalStep<'_> {
         (entries, points)
     }
 
-    /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the cone, in Pa. At a solution
-    /// that is the force p ν + q.
+    /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the
+    /// cone, in Pa. At a solution that is the force p ν + q.
     #[must_use]
     pub fn forces(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
         let term = Mechanical::new(self, Some(condensed));
@@ -251,16 +273,23 @@ impl MechanicalStep<'_> {
         (0..local.len()).map(of).collect()
     }
 
-    /// Whether the step with its friction bounds frozen has no other solution between two velocities: S with the least slopes that the laws have
-    /// between them, friction at the larger of the pressures of both ends, is positive definite. Of friction, the fall with the slip speed
-    /// counts, and not the drop from rest, after which a point that sticks goes on sticking as long as it can. Proof:
-    /// `book/src/theory.md`, section 3.5.
+    /// Whether the step with its friction bounds frozen has no other solution between two velocities: S with the least
+    /// slopes that the laws have between them, friction at the larger of the pressures of both ends, is positive
+    /// definite. Of friction, the fall with the slip speed counts, and not the drop from rest, after which a point that
+    /// sticks goes on sticking as long as it can. Proof: `book/src/theory.md`, section 3.5.
     #[must_use]
-    pub fn is_unique(&self, condensed: &mut Condensed, [from, to]: [&[f64]; 2], multipliers: [&Multipliers; 2]) -> bool {
+    pub fn is_unique(
+        &self,
+        condensed: &mut Condensed,
+        [from, to]: [&[f64]; 2],
+        multipliers: [&Multipliers; 2],
+    ) -> bool {
         let term = Mechanical::new(self, None);
         let [from, to] = [from, to].map(|w| term.interface.turned(w));
         let local = term.local(multipliers[1]);
-        let slopes: Vec<[f64; 2]> = (0..local.len()).map(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i]))).collect();
+        let slopes: Vec<[f64; 2]> = (0..local.len())
+            .map(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i])))
+            .collect();
         if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
             return true;
         }
@@ -288,7 +317,8 @@ impl Mechanical<'_> {
         let [before, after] = [from, to].map(|w| self.laws_at(i, w, multiplier));
         // Penetration at t_{n−1}: that of `from` is what the step would lead to without a change of velocity.
         let start = before.penetration - self.step.rule.gamma * (self.interface.jump(i, from)[0] - frame.gap_rate);
-        let normal = self.step.rule.gamma * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
+        let normal = self.step.rule.gamma
+            * contact.normal.least_slope(&point.x, start.min(after.penetration), start.max(after.penetration));
         // The larger of the pressures of both ends: a fall with the slip speed grows with it.
         let at_end = after.normal.pressed;
         let pressure = match contact.normal.graph() {
@@ -296,7 +326,13 @@ impl Mechanical<'_> {
             GraphKind::Multivalued => at_end.max(0.0),
             GraphKind::Bilateral => at_end.abs(),
         };
-        let seen = ContactPoint { x: point.x, penetration: after.penetration, pressure, temperature: self.step.temperature[i], ..ContactPoint::default() };
+        let seen = ContactPoint {
+            x: point.x,
+            penetration: after.penetration,
+            pressure,
+            temperature: self.step.temperature[i],
+            ..ContactPoint::default()
+        };
         // The slip of a point that sticks is round-off, or the change of v_F that it follows.
         let slip = |laws: &Laws, sticks: bool| if sticks { [0.0; 2] } else { laws.friction.slip };
         let [before, after] = [slip(&before, sticks[0]), slip(&after, sticks[1])].map(|[a, b]| [a, b, 0.0]);
@@ -369,17 +405,22 @@ impl Term for Mechanical<'_> {
 
     fn towards(from: &Vec<Multiplier>, to: &Vec<Multiplier>, alpha: f64) -> Vec<Multiplier> {
         let part = |a: f64, b: f64| a + alpha * (b - a);
-        let of = |(a, b): (&Multiplier, &Multiplier)| Multiplier { p: part(a.p, b.p), q: std::array::from_fn(|c| part(a.q[c], b.q[c])), sticks: b.sticks };
+        let of = |(a, b): (&Multiplier, &Multiplier)| Multiplier {
+            p: part(a.p, b.p),
+            q: std::array::from_fn(|c| part(a.q[c], b.q[c])),
+            sticks: b.sticks,
+        };
         from.iter().zip(to).map(of).collect()
     }
 
-    /// Takes points that stuck as sticking: where the foundation has changed its velocity the iterate slips by the change, which says
-    /// nothing of the solution.
+    /// Takes points that stuck as sticking: where the foundation has changed its velocity the iterate slips by the
+    /// change, which says nothing of the solution.
     fn begin(&self, laws: &mut Vec<Laws>, multipliers: &Vec<Multiplier>) {
         laws.iter_mut().zip(multipliers).filter(|(_, multiplier)| multiplier.sticks).for_each(|(laws, _)| laws.hold());
     }
 
-    /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that were found.
+    /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that
+    /// were found.
     fn settled(&self, x: &[f64], laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         for (i, (multiplier, laws)) in multipliers.iter_mut().zip(laws).enumerate() {
             multiplier.p = laws.normal.pressed;

@@ -1,16 +1,17 @@
 //! The inclusion K x + N(x_C) ∋ r of a half-step: a constant matrix and a nonsmooth term that lives on Γ_C.
 //!
-//! After condensation, a half-step is a small nonsmooth problem on Γ_C. In mechanics, with r = ū_ν + γ w_ν − g and the slip w_τ against the
-//! foundation at each contact point,
+//! After condensation, a half-step is a small nonsmooth problem on Γ_C. In mechanics, with r = ū_ν + γ w_ν − g and the
+//! slip w_τ against the foundation at each contact point,
 //!
 //! ```text
 //!     S w + Σ ω Nᵀ (p ν + q) = r̂,      p = J(r + λ p),      q = Π_{‖·‖ ≤ s}(q + ρ w_τ),  s = p_τ(r, p, ‖w_τ‖)
 //! ```
 //!
-//! where J(z) solves p ∈ G(z − λ p, ṙ) for the graph G of the normal law. The pressure is a multiplier of every law that does not fall, soft,
-//! stiff or rigid; a law that falls is taken as the function p = G(r, ṙ) that it is. The semismooth Newton iteration (Alart and Curnier, 1988) with
-//! p and q eliminated point by point needs linear systems in w only. ρ is the diagonal of S over the weight of the point and λ = γ/ρ, so
-//! decisions do not depend on units. In heat, S θ + Σ ω Nᵀ Q = r̂ with Q = k_c φ_L(θ − θ_F) is the same without friction.
+//! where J(z) solves p ∈ G(z − λ p, ṙ) for the graph G of the normal law. The pressure is a multiplier of every law
+//! that does not fall, soft, stiff or rigid; a law that falls is taken as the function p = G(r, ṙ) that it is. The
+//! semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated point by point needs linear systems in
+//! w only. ρ is the diagonal of S over the weight of the point and λ = γ/ρ, so decisions do not depend on units. In
+//! heat, S θ + Σ ω Nᵀ Q = r̂ with Q = k_c φ_L(θ − θ_F) is the same without friction.
 //!
 //! | module | holds |
 //! |---|---|
@@ -45,8 +46,8 @@ pub const TOLERANCE: f64 = 1e-12;
 /// Iterations after which, and step length below which, an iteration has failed.
 const ITERATIONS: usize = 200;
 const SHORTEST_STEP: f64 = 1e-4;
-/// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ. The error of one iteration is of the order of its inverse and
-/// vanishes with the iterations, because each starts from the multiplier of the one before.
+/// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ. The error of one iteration is of the order
+/// of its inverse and vanishes with the iterations, because each starts from the multiplier of the one before.
 const STIFF: f64 = (1u64 << 27) as f64;
 
 /// A nonsmooth iteration that ended.

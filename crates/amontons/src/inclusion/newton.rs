@@ -1,7 +1,8 @@
-//! The semismooth Newton iteration for S (x − x̂) + Σ ω Nᵀ f = r on Γ_C, f the contact forces that a term makes of x and its multipliers.
+//! The semismooth Newton iteration for S (x − x̂) + Σ ω Nᵀ f = r on Γ_C, f the contact forces that a term makes of x
+//! and its multipliers.
 //!
-//! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved until the residual decreases; where
-//! that ends at a kink, a full step leaves it.
+//! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved until the
+//! residual decreases; where that ends at a kink, a full step leaves it.
 
 use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::linalg::{Condensed, Entry, max_abs};
@@ -39,8 +40,8 @@ pub(super) trait Term {
     fn pattern(&self, laws: &Self::Laws) -> [usize; 3];
 }
 
-/// S (x − x̂) + Σ ω Nᵀ f = r: the increment is solved for, so that the round-off of the sweeps is relative to the change within a step and
-/// not to x.
+/// S (x − x̂) + Σ ω Nᵀ f = r: the increment is solved for, so that the round-off of the sweeps is relative to the
+/// change within a step and not to x.
 #[derive(Clone)]
 pub(super) struct Right<'a> {
     pub r: &'a [f64],
@@ -50,7 +51,8 @@ pub(super) struct Right<'a> {
 }
 
 impl Right<'_> {
-    /// Whether a residual is no more than the round-off of S (x − x̂): a sum of n terms has √n/2 last bits of theirs, and never less than one.
+    /// Whether a residual is no more than the round-off of S (x − x̂): a sum of n terms has √n/2 last bits of theirs,
+    /// and never less than one.
     pub fn is_round_off(&self, condensed: &Condensed, x: &[f64], residual: f64) -> bool {
         let sizes = self.sizes(x);
         let bits = f64::EPSILON * (0.5 * (x.len() as f64).sqrt()).max(1.0);
@@ -66,7 +68,11 @@ impl Right<'_> {
     fn round_off(&self, condensed: &Condensed, x: &[f64], residual: f64) -> f64 {
         let sizes = self.sizes(x);
         // A residual beyond the bound is no round-off, whatever the product, which costs as much as S (x − x̂).
-        if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) { 0.0 } else { f64::EPSILON * condensed.magnitude(&sizes) }
+        if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) {
+            0.0
+        } else {
+            f64::EPSILON * condensed.magnitude(&sizes)
+        }
     }
 }
 
@@ -111,9 +117,17 @@ impl<T: Term> Evaluation<T> {
         errors.extend(term.defects(&laws));
         let residual = max_abs(&errors);
         // Scaled, so that squares neither under- nor overflow.
-        let norm = if residual > 0.0 { residual * errors.iter().map(|e| (e / residual).powi(2)).sum::<f64>().sqrt() } else { 0.0 };
+        let norm = if residual > 0.0 {
+            residual * errors.iter().map(|e| (e / residual).powi(2)).sum::<f64>().sqrt()
+        } else {
+            0.0
+        };
         let tight = TOLERANCE * scale;
-        let tolerance = if residual > tight { tight.max(right.round_off(condensed, x, residual)).max(f64::EPSILON * term.round_off(x, &laws)) } else { tight };
+        let tolerance = if residual > tight {
+            tight.max(right.round_off(condensed, x, residual)).max(f64::EPSILON * term.round_off(x, &laws))
+        } else {
+            tight
+        };
         let is_sharp = residual > tolerance || term.is_sharp(x, &laws, tight);
         Evaluation { at, laws, rest, norm, residual, scale, tolerance, is_sharp }
     }
@@ -132,7 +146,8 @@ impl<T: Term> Evaluation<T> {
 
     /// The end of an iteration that has not.
     fn fail(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
-        let failure = NotConverged { iterations, residual: self.residual / self.scale, pattern: term.pattern(&self.laws) };
+        let failure =
+            NotConverged { iterations, residual: self.residual / self.scale, pattern: term.pattern(&self.laws) };
         Outcome { end: self.at, iterations, failure: Some(failure) }
     }
 }
@@ -159,7 +174,13 @@ pub(super) struct Outcome<M> {
 }
 
 /// Newton's method from an iterate.
-pub(super) fn iterate<T: Term>(term: &T, condensed: &mut Condensed, right: &Right, start: Iterate<T::Multipliers>, effort: &Effort) -> Outcome<T::Multipliers> {
+pub(super) fn iterate<T: Term>(
+    term: &T,
+    condensed: &mut Condensed,
+    right: &Right,
+    start: Iterate<T::Multipliers>,
+    effort: &Effort,
+) -> Outcome<T::Multipliers> {
     let mut now = Evaluation::<T>::new(term, condensed, right, start);
     let (mut left, mut leap) = (effort.leaps.saturating_sub(1), effort.leaps > 0);
     for iteration in 0..effort.iterations {
@@ -179,7 +200,10 @@ pub(super) fn iterate<T: Term>(term: &T, condensed: &mut Condensed, right: &Righ
             let x = now.at.x.iter().zip(&step).map(|(x, step)| x + alpha * step).collect();
             let multipliers = T::towards(&now.at.multipliers, &after, alpha);
             let trial = Evaluation::new(term, condensed, right, Iterate { x, multipliers });
-            if trial.converged() || trial.norm < now.norm * (1.0 - 5e-5 * alpha) || ((leap || effort.is_free) && trial.norm.is_finite()) {
+            if trial.converged()
+                || trial.norm < now.norm * (1.0 - 5e-5 * alpha)
+                || ((leap || effort.is_free) && trial.norm.is_finite())
+            {
                 (now, leap) = (trial, false);
                 break;
             }

@@ -7,7 +7,8 @@ use crate::tensor::Point;
 /// How the pressure of a point is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Response {
-    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p): laws that do not fall, of any stiffness.
+    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p): laws that do not fall,
+    /// of any stiffness.
     Multiplier {
         /// λ in m/Pa.
         lambda: f64,
@@ -51,7 +52,9 @@ impl Normal {
     /// Evaluates the law at the multiplier `p`.
     pub fn new(at: &Approach, p: f64) -> Normal {
         let (z, lambda) = match at.response {
-            Response::Given => return Normal { pressure: p, pressed: p, slope: 0.0, by_penetration: 0.0, yielding: 1.0 },
+            Response::Given => {
+                return Normal { pressure: p, pressed: p, slope: 0.0, by_penetration: 0.0, yielding: 1.0 };
+            }
             Response::Function => (at.penetration, 0.0),
             Response::Multiplier { lambda } => (at.penetration + lambda * p, lambda),
         };

@@ -85,11 +85,16 @@ impl Laws {
     pub fn new(site: &Site, at: &Kinematics, multiplier: &Multiplier) -> Laws {
         let contact = site.contact;
         let speed = at.slip[0].hypot(at.slip[1]);
-        let seen = ContactPoint { x: site.x, penetration: at.penetration, temperature: at.temperature, ..ContactPoint::default() };
-        let wear = contact
-            .wear
-            .as_ref()
-            .map_or_else(Wear::default, |law| Wear { rate: site.gamma * law.coefficient(&seen), by_temperature: site.gamma * law.by_temperature(&seen) });
+        let seen = ContactPoint {
+            x: site.x,
+            penetration: at.penetration,
+            temperature: at.temperature,
+            ..ContactPoint::default()
+        };
+        let wear = contact.wear.as_ref().map_or_else(Wear::default, |law| Wear {
+            rate: site.gamma * law.coefficient(&seen),
+            by_temperature: site.gamma * law.by_temperature(&seen),
+        });
         let by_wear = wear.rate * speed;
         let approach = Approach {
             law: contact.normal.as_ref(),
@@ -104,7 +109,12 @@ impl Laws {
         let (load, sign) = load(contact.normal.graph(), normal.pressed);
         let worn = by_wear * normal.pressure.max(0.0);
         let penetration = at.penetration - worn;
-        let seen = ContactPoint { penetration, pressure: load, slip_speed: if multiplier.sticks { 0.0 } else { speed }, ..seen };
+        let seen = ContactPoint {
+            penetration,
+            pressure: load,
+            slip_speed: if multiplier.sticks { 0.0 } else { speed },
+            ..seen
+        };
         let s: Bound = contact.friction.bound(&seen);
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
@@ -115,8 +125,10 @@ impl Laws {
             (false, _) if normal.pressed == 0.0 => Status::Open,
             (false, _) => Status::Slip,
         };
-        // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no direction.
-        let by_depth = if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_penetration / normal.yielding };
+        // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no
+        // direction.
+        let by_depth =
+            if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_penetration / normal.yielding };
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); the bound follows p + δp.
         let follows = sign * s.by_pressure;
         let slopes = Slopes {
@@ -144,7 +156,8 @@ impl Laws {
         [self.normal.pressure, self.friction.q[0], self.friction.q[1]]
     }
 
-    /// What the laws make of the state, which is the force at a solution: the pressure on the graph and q + ρ w_τ projected onto the cone.
+    /// What the laws make of the state, which is the force at a solution: the pressure on the graph and q + ρ w_τ
+    /// projected onto the cone.
     pub fn projected(&self) -> Local {
         [self.normal.pressed, self.friction.projected[0], self.friction.projected[1]]
     }
@@ -185,9 +198,15 @@ impl Laws {
             let along = self.friction.along();
             let in_slip = [0.0, self.normal.pressure * along[0], self.normal.pressure * along[1]];
             wear = std::array::from_fn(|e| self.wear.rate * (in_slip[e] + speed * tangent[0][e]));
-            wear_by_temperature = self.wear.by_temperature * speed * self.normal.pressure + self.wear.rate * speed * slopes.pressure_by_temperature;
+            wear_by_temperature = self.wear.by_temperature * speed * self.normal.pressure
+                + self.wear.rate * speed * slopes.pressure_by_temperature;
         }
-        PointDerivative { force: row.global_tangent(&tangent), force_by_temperature: row.global(&by_temperature), wear: row.global(&wear), wear_by_temperature }
+        PointDerivative {
+            force: row.global_tangent(&tangent),
+            force_by_temperature: row.global(&by_temperature),
+            wear: row.global(&wear),
+            wear_by_temperature,
+        }
     }
 
     /// The state of the point.

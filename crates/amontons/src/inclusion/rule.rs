@@ -1,6 +1,7 @@
 //! The rule in time: how the unknown of a step enters displacements and accelerations.
 
-/// u = ū + γ w and ẇ = (w − w̄)/δ, w the unknown velocity of the step. Backward Euler has γ = δ = k with ū = u_{n−1} and w̄ = w_{n−1}.
+/// u = ū + γ w and ẇ = (w − w̄)/δ, w the unknown velocity of the step. Backward Euler has γ = δ = k with ū = u_{n−1}
+/// and w̄ = w_{n−1}.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rule {
     /// γ in s.

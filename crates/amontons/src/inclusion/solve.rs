@@ -8,13 +8,14 @@ use super::point::Multiplier;
 use super::{ITERATIONS, NotConverged, Solved};
 use crate::linalg::{Condensed, max_abs};
 
-/// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the path.
+/// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the
+/// path.
 const FIRST: Effort = Effort { leaps: 4, is_free: false, iterations: 14, enough: 0.0 };
 const SECOND: Effort = Effort { leaps: 8, is_free: false, iterations: 60, enough: 0.0 };
 const NEAR: Effort = Effort { leaps: 8, is_free: false, iterations: ITERATIONS, enough: 0.0 };
 const SMOOTH: Effort = Effort { leaps: 0, is_free: true, iterations: 12, enough: 1e-3 };
-/// How much sharper friction is in each step of the path than in the one before, how much sharper than in the first it is as good as exact, and how
-/// much sharper it is made then from step to step until the step is accepted.
+/// How much sharper friction is in each step of the path than in the one before, how much sharper than in the first it
+/// is as good as exact, and how much sharper it is made then from step to step until the step is accepted.
 const SHARPER: f64 = 1e-3;
 const SHARP: f64 = 1e-12;
 const SHARPEST: f64 = 0.1;
@@ -25,12 +26,18 @@ const APPROACH: usize = 20 * ITERATIONS;
 type Mechanics = Iterate<Vec<Multiplier>>;
 
 impl MechanicalStep<'_> {
-    /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for the increment of the
-    /// velocity over the guess.
+    /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for
+    /// the increment of the velocity over the guess.
     ///
     /// # Errors
     /// When the iteration does not end; the multipliers are then as they were.
-    pub fn solve(&self, condensed: &mut Condensed, r: &[f64], guess: &[f64], multipliers: &mut Multipliers) -> Result<Solved, NotConverged> {
+    pub fn solve(
+        &self,
+        condensed: &mut Condensed,
+        r: &[f64],
+        guess: &[f64],
+        multipliers: &mut Multipliers,
+    ) -> Result<Solved, NotConverged> {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let [r, guess] = [r, guess].map(|v| term.interface.turned(v));
@@ -43,10 +50,13 @@ impl MechanicalStep<'_> {
 }
 
 impl Mechanical<'_> {
-    /// Where the pressures of functions start: at J(r + λ p) of the guess, which is G(r) for a soft law and p for a stiff one.
+    /// Where the pressures of functions start: at J(r + λ p) of the guess, which is G(r) for a soft law and p for a
+    /// stiff one.
     fn predicted(&self, guess: &[f64], mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
         for (i, multiplier) in multipliers.iter_mut().enumerate() {
-            if self.contact(i).normal.graph() == crate::contact::GraphKind::Function && self.response[i] != Response::Function {
+            if self.contact(i).normal.graph() == crate::contact::GraphKind::Function
+                && self.response[i] != Response::Function
+            {
                 multiplier.p = self.laws_at(i, guess, multiplier).normal.pressed;
             }
         }
@@ -54,7 +64,12 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step, with bounds that drop when slip starts on the right branches.
-    fn solve(&self, condensed: &mut Condensed, right: &Right, mut start: Mechanics) -> Result<(Mechanics, usize), NotConverged> {
+    fn solve(
+        &self,
+        condensed: &mut Condensed,
+        right: &Right,
+        mut start: Mechanics,
+    ) -> Result<(Mechanics, usize), NotConverged> {
         let before = start.multipliers.clone();
         let mut iterations = 0;
         let mut let_go = vec![false; self.rho.len()];
@@ -62,9 +77,10 @@ impl Mechanical<'_> {
             let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
             let (mut end, done) = self.on_branches(condensed, right, start)?;
             iterations += done;
-            let sticks: Vec<bool> = end.multipliers.iter().enumerate().map(|(i, m)| self.laws_at(i, &end.x, m).sticks).collect();
-            // A point is held at most once in a step, at first or when its slip has turned round through rest, and let go at most once, when it
-            // slips under its static bound.
+            let sticks: Vec<bool> =
+                end.multipliers.iter().enumerate().map(|(i, m)| self.laws_at(i, &end.x, m).sticks).collect();
+            // A point is held at most once in a step, at first or when its slip has turned round through rest, and let
+            // go at most once, when it slips under its static bound.
             let mut branches = sticks.clone();
             let mut changed = false;
             for i in (0..sticks.len()).filter(|&i| self.drops(i)) {
@@ -85,9 +101,15 @@ impl Mechanical<'_> {
         }
     }
 
-    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method; where that does not end, from the
-    /// end of a path of steps with smooth friction; and where that does not either, by proximal steps.
-    fn on_branches(&self, condensed: &mut Condensed, right: &Right, start: Mechanics) -> Result<(Mechanics, usize), NotConverged> {
+    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method; where
+    /// that does not end, from the end of a path of steps with smooth friction; and where that does not either, by
+    /// proximal steps.
+    fn on_branches(
+        &self,
+        condensed: &mut Condensed,
+        right: &Right,
+        start: Mechanics,
+    ) -> Result<(Mechanics, usize), NotConverged> {
         let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
         let mut made = iterate(self, condensed, right, start, &FIRST);
         let mut iterations = made.iterations;
@@ -102,8 +124,9 @@ impl Mechanical<'_> {
         }
     }
 
-    /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and then with smooth friction, ever
-    /// sharper. Where the step has one solution, so has each of these (book, Theorem 2), and smooth steps are what Newton's method is made for.
+    /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
+    /// then with smooth friction, ever sharper. Where the step has one solution, so has each of these (book, Theorem
+    /// 2), and smooth steps are what Newton's method is made for.
     fn path(&self, condensed: &mut Condensed, right: &Right, held: &[bool]) -> (Mechanics, usize) {
         let (x, mut iterations) = if self.rises() { self.descend(condensed, right) } else { (right.guess.to_vec(), 0) };
         let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
@@ -121,7 +144,8 @@ impl Mechanical<'_> {
             if is_sharp || speed <= least {
                 // What moves no faster than smooth friction lets a point creep sticks.
                 for (i, multiplier) in now.multipliers.iter_mut().enumerate() {
-                    multiplier.sticks = if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed / SHARPER };
+                    multiplier.sticks =
+                        if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed / SHARPER };
                 }
                 if speed <= least || Evaluation::new(self, condensed, right, now.clone()).converged() {
                     break;
@@ -132,9 +156,15 @@ impl Mechanical<'_> {
         (now, iterations)
     }
 
-    /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one solution when β is large; the anchor
-    /// follows it, and β falls as the steps succeed.
-    fn approach(&self, condensed: &mut Condensed, right: &Right, mut reached: Mechanics, mut why: NotConverged) -> Result<(Mechanics, usize), NotConverged> {
+    /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one solution when β
+    /// is large; the anchor follows it, and β falls as the steps succeed.
+    fn approach(
+        &self,
+        condensed: &mut Condensed,
+        right: &Right,
+        mut reached: Mechanics,
+        mut why: NotConverged,
+    ) -> Result<(Mechanics, usize), NotConverged> {
         let mut beta = 1.0;
         while why.iterations < APPROACH {
             let before = why.iterations;

@@ -19,8 +19,8 @@ const LARGE: usize = 2000;
 /// Residual of the iteration, and most products with S that it makes. Newton's method meets what is left.
 const TOLERANCE: f64 = 1e-13;
 const PRODUCTS: usize = 400;
-/// Passes of the iteration over what the one before has left, and what each leaves of it: to ask for all in one pass would be to iterate on the round-off
-/// of the residuals.
+/// Passes of the iteration over what the one before has left, and what each leaves of it: to ask for all in one pass
+/// would be to iterate on the round-off of the residuals.
 const PASSES: usize = 3;
 const PASS: f64 = 1e-7;
 
@@ -37,9 +37,9 @@ pub type Entry = (u32, u32, f64);
 /// slipping, so a step with an unchanged contact pattern costs no factorization. The key is J
 /// itself: no law has to say that it is piecewise linear.
 ///
-/// On a large Γ_C the systems are solved by GMRES with the blocks of the nodes on the diagonal of S + J as preconditioner. S acts like a
-/// derivative of first order along Γ_C, so its condition is that of 1/h, and J couples the unknowns of a node (with Gauss quadrature, of
-/// a facet): a few dozen products, whatever the contact pattern.
+/// On a large Γ_C the systems are solved by GMRES with the blocks of the nodes on the diagonal of S + J as
+/// preconditioner. S acts like a derivative of first order along Γ_C, so its condition is that of 1/h, and J couples
+/// the unknowns of a node (with Gauss quadrature, of a facet): a few dozen products, whatever the contact pattern.
 #[derive(Debug)]
 pub struct Condensed {
     /// S in the axes of space, and in the bases of the nodes that are turned.
@@ -64,7 +64,17 @@ impl Condensed {
         let s = s.into();
         let scale = scale(&s, &nodes);
         let (is_large, largest) = (s.nrows() >= LARGE, s.norm_max());
-        Condensed { is_large, largest, scale, straight: Arc::clone(&s), s, turns: Vec::new(), nodes, kept: VecDeque::new(), factorizations: 0 }
+        Condensed {
+            is_large,
+            largest,
+            scale,
+            straight: Arc::clone(&s),
+            s,
+            turns: Vec::new(),
+            nodes,
+            kept: VecDeque::new(),
+            factorizations: 0,
+        }
     }
 
     /// Goes over to another operator; factors of the one before are of no use.
@@ -80,7 +90,8 @@ impl Condensed {
     pub fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
             self.turns = turns.to_vec();
-            self.s = if turns.is_empty() { Arc::clone(&self.straight) } else { Arc::new(turned(&self.straight, turns)) };
+            self.s =
+                if turns.is_empty() { Arc::clone(&self.straight) } else { Arc::new(turned(&self.straight, turns)) };
             self.kept.clear();
         }
     }
@@ -166,8 +177,8 @@ impl Condensed {
         y
     }
 
-    /// Solves (S + J) x = b in place, J the sum of the entries. Returns whether it did: a solution that leaves much of b is that of a
-    /// singular matrix.
+    /// Solves (S + J) x = b in place, J the sum of the entries. Returns whether it did: a solution that leaves much of
+    /// b is that of a singular matrix.
     pub fn solve(&mut self, entries: &[Entry], b: &mut [f64]) -> bool {
         let right = b.to_vec();
         self.solve_unchecked(entries, b);
@@ -186,8 +197,10 @@ impl Condensed {
             b.copy_from_slice(&self.iterate(entries, b));
             return;
         }
-        let same =
-            |kept: &[Entry]| kept.len() == entries.len() && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits());
+        let same = |kept: &[Entry]| {
+            kept.len() == entries.len()
+                && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits())
+        };
         let lu = match self.kept.iter().position(|(key, _)| same(key)) {
             Some(0) => &self.kept[0].1,
             Some(found) => {
@@ -241,12 +254,16 @@ impl Condensed {
             .nodes
             .iter()
             .enumerate()
-            .map(|(node, &first)| (first, self.s.submatrix(first, first, end(node) - first, end(node) - first).to_owned()))
+            .map(|(node, &first)| {
+                (first, self.s.submatrix(first, first, end(node) - first, end(node) - first).to_owned())
+            })
             .collect();
         for &(i, j, value) in entries {
             let (i, j) = (i as usize, j as usize);
             let node = self.nodes.partition_point(|&first| first <= i).saturating_sub(1);
-            if let Some((first, block)) = blocks.get_mut(node).filter(|(first, block)| j >= *first && j < *first + block.ncols()) {
+            if let Some((first, block)) =
+                blocks.get_mut(node).filter(|(first, block)| j >= *first && j < *first + block.ncols())
+            {
                 block[(i - *first, j - *first)] += value;
             }
         }
@@ -278,13 +295,14 @@ fn precondition(blocks: &[(usize, Lu)], y: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// A matrix like S, of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a nonsymmetric coupling, as
-    /// pressed and sliding points make them, the iteration agrees with the factor.
+    /// A matrix like S, of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a
+    /// nonsymmetric coupling, as pressed and sliding points make them, the iteration agrees with the factor.
     #[test]
     fn the_iteration_agrees_with_the_factor() {
         let (nodes, dim) = (60, 3);
         let n = nodes * dim;
-        let mode = |k: usize, i: usize| (std::f64::consts::PI * (k as f64 + 0.5) * (i as f64 + 0.5) / nodes as f64).cos();
+        let mode =
+            |k: usize, i: usize| (std::f64::consts::PI * (k as f64 + 0.5) * (i as f64 + 0.5) / nodes as f64).cos();
         let s = Mat::from_fn(n, n, |i, j| {
             let scalar: f64 = (0..nodes).map(|k| (k as f64 + 1.0) * mode(k, i / dim) * mode(k, j / dim)).sum();
             scalar * if i % dim == j % dim { 2.0 } else { 0.3 }

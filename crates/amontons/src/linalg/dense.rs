@@ -76,7 +76,8 @@ impl Factor for DenseFactor {
     }
 }
 
-/// Columns of L Lᵀ that are computed at once, whatever the number of threads: the order of summation must not depend on it.
+/// Columns of L Lᵀ that are computed at once, whatever the number of threads: the order of summation must not depend on
+/// it.
 const PART: usize = 256;
 /// Rows of the lower half that are copied at once.
 const STRIP: usize = 64;
@@ -91,7 +92,14 @@ pub(super) fn gram(l: &Mat<f64>) -> Mat<f64> {
     s.par_col_chunks_mut(PART).enumerate().for_each(|(part, columns)| {
         let (first, width) = (part * PART, columns.ncols());
         let right = l.submatrix(first, 0, width, first + width).transpose();
-        matmul(columns.subrows_mut(first, n - first), Accum::Replace, l.submatrix(first, 0, n - first, first + width), right, 1.0, Par::Seq);
+        matmul(
+            columns.subrows_mut(first, n - first),
+            Accum::Replace,
+            l.submatrix(first, 0, n - first, first + width),
+            right,
+            1.0,
+            Par::Seq,
+        );
     });
     for strip in (0..n).step_by(STRIP) {
         for i in 0..n {
@@ -107,7 +115,8 @@ pub(super) fn gram(l: &Mat<f64>) -> Mat<f64> {
 mod tests {
     use super::*;
 
-    /// Of whole numbers, whose product is exact, it is the product; of others it has the same bits on one thread and on three.
+    /// Of whole numbers, whose product is exact, it is the product; of others it has the same bits on one thread and on
+    /// three.
     #[test]
     fn the_product_with_the_transpose() -> Result<(), rayon::ThreadPoolBuildError> {
         for n in [0, 1, 5, PART, 2 * PART + 37] {
@@ -118,7 +127,11 @@ mod tests {
                 assert!((s[(i, j)] - exact).abs() == 0.0, "n = {n}, ({i}, {j}): {}, expected {exact}", s[(i, j)]);
             }
             let l = Mat::from_fn(n, n, |i, j| if i >= j { ((i + 3 * j) as f64).sin() } else { 0.0 });
-            let on = |threads: usize| Ok::<_, rayon::ThreadPoolBuildError>(rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(|| gram(&l)));
+            let on = |threads: usize| {
+                Ok::<_, rayon::ThreadPoolBuildError>(
+                    rayon::ThreadPoolBuilder::new().num_threads(threads).build()?.install(|| gram(&l)),
+                )
+            };
             assert_eq!(on(1)?, on(3)?, "n = {n}");
         }
         Ok(())

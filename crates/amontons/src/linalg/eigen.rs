@@ -210,7 +210,8 @@ impl System {
         &self.unknowns
     }
 
-    /// The condensed operator S on the contact unknowns: x·Sx is the least energy of all vectors with these contact entries.
+    /// The condensed operator S on the contact unknowns: x·Sx is the least energy of all vectors with these contact
+    /// entries.
     #[must_use]
     pub fn condensed(&self) -> &Condensed {
         &self.condensed
@@ -307,7 +308,12 @@ mod tests {
             (vec![3.0, 3.0, 1.0, 0.0, 3.0, 2.0], 3.0),
         ] {
             let pair = largest(&mut Diagonal(values.clone()));
-            assert!((pair.value - expected).abs() <= 1e-15 * expected && pair.error <= 1e-12 * expected, "{values:?}: {} ± {:e}", pair.value, pair.error);
+            assert!(
+                (pair.value - expected).abs() <= 1e-15 * expected && pair.error <= 1e-12 * expected,
+                "{values:?}: {} ± {:e}",
+                pair.value,
+                pair.error
+            );
         }
     }
 
@@ -317,6 +323,11 @@ mod tests {
     fn crowded_eigenvalues_are_reached_with_a_reduced_basis() {
         let values: Vec<f64> = (0..2000).map(|j| 1.0 / (1.0 + (f64::from(j) / 50.0).powi(2))).collect();
         let pair = largest(&mut Diagonal(values));
-        assert!((pair.value - 1.0).abs() < 1e-14 && pair.error < 2.0 * TOLERANCE, "{:e} ± {:e}", pair.value - 1.0, pair.error);
+        assert!(
+            (pair.value - 1.0).abs() < 1e-14 && pair.error < 2.0 * TOLERANCE,
+            "{:e} ± {:e}",
+            pair.value - 1.0,
+            pair.error
+        );
     }
 }

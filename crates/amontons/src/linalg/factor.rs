@@ -1,8 +1,8 @@
 //! Factorizations of a system whose contact unknowns are last: what one gives, and who makes one.
 //!
 //! With the unknowns ordered (I, C), interior before contact, the condensed operator is
-//! S = K_CC − K_CI K_II⁻¹ K_IC. The forward sweep over the interior columns reduces the right-hand side to Γ_C; with the contact
-//! unknowns found there, the backward sweep expands them to the body.
+//! S = K_CC − K_CI K_II⁻¹ K_IC. The forward sweep over the interior columns reduces the right-hand side to Γ_C; with
+//! the contact unknowns found there, the backward sweep expands them to the body.
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -78,7 +78,8 @@ impl Unknowns {
         &self.dofs[self.interior..]
     }
 
-    /// The first contact unknown of each contact node, counted from the first of all, with `components` degrees of freedom a node.
+    /// The first contact unknown of each contact node, counted from the first of all, with `components` degrees of
+    /// freedom a node.
     #[must_use]
     pub fn contact_nodes(&self, components: usize) -> Vec<usize> {
         let node = |dof: u32| dof as usize / components.max(1);

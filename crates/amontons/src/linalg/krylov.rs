@@ -13,9 +13,9 @@ pub struct Krylov {
     pub residual: f64,
 }
 
-/// Solves A x = b by the generalized minimal residual method without restart (Saad and Schultz, 1986): `apply` is the product
-/// with A. Ends when the residual is `tolerance` times that of x = 0 or after `limit` products; the caller looks at
-/// [`Krylov::residual`]. Sums are taken in a fixed order, so the bits do not depend on the number of threads.
+/// Solves A x = b by the generalized minimal residual method without restart (Saad and Schultz, 1986): `apply` is the
+/// product with A. Ends when the residual is `tolerance` times that of x = 0 or after `limit` products; the caller
+/// looks at [`Krylov::residual`]. Sums are taken in a fixed order, so the bits do not depend on the number of threads.
 #[must_use]
 pub fn gmres(mut apply: impl FnMut(&[f64]) -> Vec<f64>, b: &[f64], tolerance: f64, limit: usize) -> Krylov {
     let norm = dot(b, b).sqrt();
@@ -24,7 +24,8 @@ pub fn gmres(mut apply: impl FnMut(&[f64]) -> Vec<f64>, b: &[f64], tolerance: f6
     }
     let mut basis: Vec<Vec<f64>> = vec![b.iter().map(|b| b / norm).collect()];
     // The triangular factor of the Hessenberg matrix by columns, its rotations, and the rotated right-hand side.
-    let (mut columns, mut rotations, mut rotated): (Vec<Vec<f64>>, Vec<(f64, f64)>, Vec<f64>) = (Vec::new(), Vec::new(), vec![norm]);
+    let (mut columns, mut rotations, mut rotated): (Vec<Vec<f64>>, Vec<(f64, f64)>, Vec<f64>) =
+        (Vec::new(), Vec::new(), vec![norm]);
     while columns.len() < limit {
         let k = columns.len();
         let mut next = apply(&basis[k]);
@@ -81,7 +82,9 @@ mod tests {
     #[test]
     fn a_system_of_n_unknowns_takes_at_most_n_products() {
         let n = 30;
-        let entry = |i: usize, j: usize| if i == j { if i.is_multiple_of(2) { 3.0 } else { -2.0 } } else { ((i * 7 + j * 3) % 11) as f64 / 40.0 };
+        let entry = |i: usize, j: usize| {
+            if i == j { if i.is_multiple_of(2) { 3.0 } else { -2.0 } } else { ((i * 7 + j * 3) % 11) as f64 / 40.0 }
+        };
         let apply = |x: &[f64]| (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect::<Vec<f64>>();
         let exact: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
         let solved = gmres(apply, &apply(&exact), 1e-14, n);

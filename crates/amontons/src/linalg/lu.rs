@@ -1,4 +1,5 @@
-//! Dense factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on the number of threads.
+//! Dense factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on
+//! the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
@@ -17,12 +18,20 @@ pub(super) struct Lu {
 }
 
 impl Lu {
-    /// Factorizes a square matrix; a singular one has solutions that are not finite, or leave much of the right-hand side.
+    /// Factorizes a square matrix; a singular one has solutions that are not finite, or leave much of the right-hand
+    /// side.
     pub fn new(mut factors: Mat<f64>) -> Lu {
         let n = factors.nrows();
         let (mut forward, mut backward) = (vec![0; n], vec![0; n]);
         let mut buffer = MemBuffer::new(factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()));
-        factor::lu_in_place(factors.as_mut(), &mut forward, &mut backward, Par::Seq, MemStack::new(&mut buffer), Spec::default());
+        factor::lu_in_place(
+            factors.as_mut(),
+            &mut forward,
+            &mut backward,
+            Par::Seq,
+            MemStack::new(&mut buffer),
+            Spec::default(),
+        );
         Lu { factors, forward, backward }
     }
 
@@ -37,15 +46,30 @@ impl Lu {
         let rows = PermRef::new_checked(&self.forward, &self.backward, n);
         let mut buffer = MemBuffer::new(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
         let x = MatMut::from_column_major_slice_mut(b, n, 1);
-        solve::solve_in_place(self.factors.as_ref(), self.factors.as_ref(), rows, x, Par::Seq, MemStack::new(&mut buffer));
+        solve::solve_in_place(
+            self.factors.as_ref(),
+            self.factors.as_ref(),
+            rows,
+            x,
+            Par::Seq,
+            MemStack::new(&mut buffer),
+        );
     }
 }
 
 /// Whether a symmetric matrix, its lower half given, is positive definite.
 #[must_use]
 pub fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
-    let mut buffer = MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Spec::default()));
-    llt::factor::cholesky_in_place(matrix.as_mut(), llt::factor::LltRegularization::default(), Par::Seq, MemStack::new(&mut buffer), Spec::default()).is_ok()
+    let mut buffer =
+        MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Spec::default()));
+    llt::factor::cholesky_in_place(
+        matrix.as_mut(),
+        llt::factor::LltRegularization::default(),
+        Par::Seq,
+        MemStack::new(&mut buffer),
+        Spec::default(),
+    )
+    .is_ok()
 }
 
 #[cfg(test)]

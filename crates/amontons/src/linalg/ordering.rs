@@ -106,7 +106,8 @@ fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], side: &mut [u8], 
     // Ties are broken by the node number: the order is total, hence the same on every machine.
     let key = |i: &u32| (points[*i as usize][axis], *i);
     let middle = nodes.len() / 2;
-    let (_, median, _) = nodes.select_nth_unstable_by(middle, |a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
+    let (_, median, _) =
+        nodes.select_nth_unstable_by(middle, |a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
     let cut = points[*median as usize][axis];
     // All nodes on the cutting plane belong to the lower half, so the separator of a grid is one line.
     let lower = |i: u32| points[i as usize][axis] <= cut;

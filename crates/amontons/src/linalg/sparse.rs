@@ -98,7 +98,13 @@ impl BlockMatrix {
     /// The zero matrix of `rows` × `cols` blocks.
     #[must_use]
     pub fn zero(graph: &Arc<Graph>, rows: usize, cols: usize) -> BlockMatrix {
-        BlockMatrix { graph: Arc::clone(graph), rows, cols, values: vec![0.0; graph.columns.len() * rows * cols], of_differences: false }
+        BlockMatrix {
+            graph: Arc::clone(graph),
+            rows,
+            cols,
+            values: vec![0.0; graph.columns.len() * rows * cols],
+            of_differences: false,
+        }
     }
 
     /// States that the form depends on differences of x only (x enters by its gradient). Products are
@@ -138,7 +144,8 @@ impl BlockMatrix {
     }
 
     /// Adds the matrices of many cells of `n` nodes each, one after the other, by blocks: block (i, j) of a cell is its
-    /// number i n + j. Every thread takes some rows: an entry is summed in the order of the cells, whatever the number of threads.
+    /// number i n + j. Every thread takes some rows: an entry is summed in the order of the cells, whatever the number
+    /// of threads.
     pub fn add_cells(&mut self, nodes: &[u32], n: usize, cells: &[f64]) {
         let (size, graph) = (self.rows * self.cols, &*self.graph);
         let add = |first: usize, last: usize, values: &mut [f64]| {
@@ -166,7 +173,8 @@ impl BlockMatrix {
                 } else {
                     graph.start.partition_point(|&s| s < graph.columns.len() / parts * part).clamp(first, graph.len())
                 };
-                let (own, others) = std::mem::take(&mut rest).split_at_mut((graph.start[last] - graph.start[first]) * size);
+                let (own, others) =
+                    std::mem::take(&mut rest).split_at_mut((graph.start[last] - graph.start[first]) * size);
                 rest = others;
                 scope.spawn(move |_| add(first, last, own));
                 first = last;
@@ -239,7 +247,9 @@ impl BlockMatrix {
         let (rows, cols) = (self.rows, self.cols);
         for (k, y) in y.chunks_exact_mut((rows * components).max(1)).enumerate() {
             let origin = if self.of_differences { first + k } else { usize::MAX };
-            let at = |node: usize, c: usize| x.get(node.wrapping_mul(cols * components).wrapping_add(c)).copied().unwrap_or(0.0);
+            let at = |node: usize, c: usize| {
+                x.get(node.wrapping_mul(cols * components).wrapping_add(c)).copied().unwrap_or(0.0)
+            };
             for (j, block) in self.row(first + k) {
                 for (r, c) in (0..rows).flat_map(|r| (0..cols).map(move |c| (r, c))) {
                     for part in 0..components {
@@ -287,8 +297,8 @@ impl BlockMatrix {
         }
     }
 
-    /// What the last bits of x make of A x: the largest sum of ε |A| |x| in a row. Where large terms cancel, as those of a body that has moved
-    /// far, A x is known to this and no better.
+    /// What the last bits of x make of A x: the largest sum of ε |A| |x| in a row. Where large terms cancel, as those
+    /// of a body that has moved far, A x is known to this and no better.
     #[must_use]
     pub fn round_off(&self, x: &[f64]) -> f64 {
         f64::EPSILON * max_abs(&self.magnitude(x))
@@ -302,7 +312,9 @@ impl BlockMatrix {
         let mut sizes = Vec::with_capacity(self.graph.len() * self.rows * components);
         for i in 0..self.graph.len() {
             for (r, part) in (0..self.rows).flat_map(|r| (0..components).map(move |part| (r, part))) {
-                let term = |(j, block): (usize, &[f64])| (0..self.cols).map(|c| block[r * self.cols + c].abs() * at(j, c * components + part)).sum::<f64>();
+                let term = |(j, block): (usize, &[f64])| {
+                    (0..self.cols).map(|c| block[r * self.cols + c].abs() * at(j, c * components + part)).sum::<f64>()
+                };
                 sizes.push(self.row(i).map(term).sum());
             }
         }
@@ -332,7 +344,13 @@ impl BlockMatrix {
 ///
 /// The bits are those of [`BlockMatrix::apply`].
 #[must_use]
-pub fn mechanical_products(mass: &BlockMatrix, a: &BlockMatrix, b: &BlockMatrix, u: &[f64], w: &[f64]) -> [Vec<f64>; 4] {
+pub fn mechanical_products(
+    mass: &BlockMatrix,
+    a: &BlockMatrix,
+    b: &BlockMatrix,
+    u: &[f64],
+    w: &[f64],
+) -> [Vec<f64>; 4] {
     match a.block_shape() {
         (2, 2) if a.of_differences && b.of_differences => products_of::<2, 4>(mass, a, b, u, w),
         (3, 3) if a.of_differences && b.of_differences => products_of::<3, 9>(mass, a, b, u, w),
@@ -340,14 +358,23 @@ pub fn mechanical_products(mass: &BlockMatrix, a: &BlockMatrix, b: &BlockMatrix,
     }
 }
 
-fn products_of<const C: usize, const B: usize>(mass: &BlockMatrix, a: &BlockMatrix, b: &BlockMatrix, u: &[f64], w: &[f64]) -> [Vec<f64>; 4] {
+fn products_of<const C: usize, const B: usize>(
+    mass: &BlockMatrix,
+    a: &BlockMatrix,
+    b: &BlockMatrix,
+    u: &[f64],
+    w: &[f64],
+) -> [Vec<f64>; 4] {
     let graph = &*a.graph;
     let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; graph.len() * C]);
     let (u, w) = (u.as_chunks::<C>().0, w.as_chunks::<C>().0);
     let (a_blocks, b_blocks) = (a.values.as_chunks::<B>().0, b.values.as_chunks::<B>().0);
     let [mass_w, a_u, a_w, b_w] = &mut out;
     let chunk = CHUNK * C;
-    let rows = mass_w.par_chunks_mut(chunk).zip(a_u.par_chunks_mut(chunk)).zip(a_w.par_chunks_mut(chunk).zip(b_w.par_chunks_mut(chunk)));
+    let rows = mass_w
+        .par_chunks_mut(chunk)
+        .zip(a_u.par_chunks_mut(chunk))
+        .zip(a_w.par_chunks_mut(chunk).zip(b_w.par_chunks_mut(chunk)));
     rows.enumerate().for_each(|(chunk, ((mass_w, a_u), (a_w, b_w)))| {
         let first = chunk * CHUNK;
         for k in 0..mass_w.len() / C {
@@ -414,7 +441,8 @@ mod tests {
             let mut a = BlockMatrix::zero(&graph, rows, cols);
             for (s, block) in mesh.blocks.iter().enumerate() {
                 for (k, cell) in block.cells().enumerate() {
-                    let values: Vec<f64> = (0..9 * rows * cols).map(|v| ((v * 7 + k * 3 + s) % 11) as f64 - 4.0).collect();
+                    let values: Vec<f64> =
+                        (0..9 * rows * cols).map(|v| ((v * 7 + k * 3 + s) % 11) as f64 - 4.0).collect();
                     a.add(cell, &values);
                 }
             }
@@ -422,7 +450,10 @@ mod tests {
             let y = a.apply(&x);
             for i in 0..graph.len() {
                 for r in 0..rows {
-                    let sum: f64 = (0..graph.len()).flat_map(|j| (0..cols).map(move |c| (j, c))).map(|(j, c)| a.get(i, r, j, c) * x[j * cols + c]).sum();
+                    let sum: f64 = (0..graph.len())
+                        .flat_map(|j| (0..cols).map(move |c| (j, c)))
+                        .map(|(j, c)| a.get(i, r, j, c) * x[j * cols + c])
+                        .sum();
                     assert!((sum - y[i * rows + r]).abs() < 1e-12);
                 }
             }

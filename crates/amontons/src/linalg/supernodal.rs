@@ -1,13 +1,15 @@
 //! One factorization K = L Lᵀ, contact unknowns last, and the two sweeps of a step.
 //!
-//! The trailing block of the factor is the condensed operator for free: S = L_CC L_CCᵀ. Together the two sweeps read the factor
-//! twice, which is the bound on the time of a step.
+//! The trailing block of the factor is the condensed operator for free: S = L_CC L_CCᵀ. Together the two sweeps read
+//! the factor twice, which is the bound on the time of a step.
 
 use std::sync::Arc;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
-use faer::sparse::linalg::cholesky::{CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky};
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering, factorize_symbolic_cholesky,
+};
 use faer::sparse::linalg::{SupernodalThreshold, SymbolicSupernodalParams};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Par, Side};
@@ -70,18 +72,23 @@ struct SupernodalFactor {
 }
 
 impl SupernodalFactor {
-    /// The factor; of a body that only contact holds, that of K with a multiple of the identity added at the contact unknowns. These are
-    /// last, so the multiple is in S as it is, and is taken off again: S is singular then, S + J with the contact forces is not.
+    /// The factor; of a body that only contact holds, that of K with a multiple of the identity added at the contact
+    /// unknowns. These are last, so the multiple is in S as it is, and is taken off again: S is singular then, S + J
+    /// with the contact forces is not.
     fn held(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<SupernodalFactor, FactorError> {
         let free = match SupernodalFactor::new(matrix, unknowns, 0.0) {
             Err(error @ FactorError::NotPositive { .. }) if unknowns.interior < unknowns.len() => error,
             done => return done,
         };
         let (components, _) = matrix.block_shape();
-        let diagonal = unknowns
-            .contact()
-            .iter()
-            .map(|&dof| matrix.get(dof as usize / components, dof as usize % components, dof as usize / components, dof as usize % components));
+        let diagonal = unknowns.contact().iter().map(|&dof| {
+            matrix.get(
+                dof as usize / components,
+                dof as usize % components,
+                dof as usize / components,
+                dof as usize % components,
+            )
+        });
         let shift = diagonal.sum::<f64>() / (unknowns.len() - unknowns.interior) as f64;
         let mut factor = SupernodalFactor::new(matrix, unknowns, shift).map_err(|_| free)?;
         let condensed = Arc::make_mut(&mut factor.condensed);
@@ -95,7 +102,13 @@ impl SupernodalFactor {
     fn new(matrix: &BlockMatrix, unknowns: &Unknowns, shift: f64) -> Result<SupernodalFactor, FactorError> {
         let size = unknowns.len();
         if size == 0 {
-            return Ok(SupernodalFactor { values: Vec::new(), root: Task::default(), size, interior: 0, condensed: Arc::new(Mat::new()) });
+            return Ok(SupernodalFactor {
+                values: Vec::new(),
+                root: Task::default(),
+                size,
+                interior: 0,
+                condensed: Arc::new(Mat::new()),
+            });
         }
         let memory = || FactorError::Memory { size };
         let mut upper = upper_columns(matrix, unknowns);
@@ -147,7 +160,8 @@ fn symbolic(upper: &UpperColumns, size: usize) -> Result<SymbolicCholesky<u32>, 
         supernodal_params: SymbolicSupernodalParams { relax: Some(RELAX) },
         ..CholeskySymbolicParams::default()
     };
-    factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params).map_err(|_| FactorError::Memory { size })
+    factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params)
+        .map_err(|_| FactorError::Memory { size })
 }
 
 /// What a factor of [`Supernodal`] stores and costs.
@@ -163,8 +177,8 @@ pub struct Fill {
 
 /// Counts the fill of the factor of a matrix with this pattern, without its values.
 ///
-/// A supernode of n columns with m rows below them costs n³/3 for its own factor, m n² for the rows below, and m² n for what it takes from
-/// the columns to come.
+/// A supernode of n columns with m rows below them costs n³/3 for its own factor, m n² for the rows below, and m² n for
+/// what it takes from the columns to come.
 ///
 /// # Errors
 /// When the pattern does not fit into memory.
@@ -219,7 +233,10 @@ struct Tree<'a> {
 }
 
 impl<'a> Tree<'a> {
-    fn new(symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>, interior: usize) -> Tree<'a> {
+    fn new(
+        symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
+        interior: usize,
+    ) -> Tree<'a> {
         let begin = symbolic.supernode_begin();
         let count = (0..symbolic.n_supernodes()).take_while(|&s| (begin[s] as usize) < interior).count();
         let mut owner = vec![u32::MAX; interior];
@@ -228,8 +245,15 @@ impl<'a> Tree<'a> {
                 owner[column] = s as u32;
             }
         }
-        let mut tree =
-            Tree { symbolic, interior, count, children: vec![Vec::new(); count], roots: Vec::new(), first: (0..count).collect(), work: vec![0; count] };
+        let mut tree = Tree {
+            symbolic,
+            interior,
+            count,
+            children: vec![Vec::new(); count],
+            roots: Vec::new(),
+            first: (0..count).collect(),
+            work: vec![0; count],
+        };
         for s in 0..count {
             let view = symbolic.supernode(s);
             let columns = symbolic.supernode_end()[s] as usize - view.start();
@@ -280,10 +304,20 @@ impl<'a> Tree<'a> {
         groups
     }
 
-    fn task(&self, groups: Vec<(usize, usize)>, own: std::ops::Range<usize>, panels: std::ops::Range<usize>, ancestors: &[u32]) -> Task {
+    fn task(
+        &self,
+        groups: Vec<(usize, usize)>,
+        own: std::ops::Range<usize>,
+        panels: std::ops::Range<usize>,
+        ancestors: &[u32],
+    ) -> Task {
         // Where a row of the matrix stands in the vector of this task.
         let local = |row: u32| {
-            if (row as usize) < own.end { row - own.start as u32 } else { (own.len() + ancestors.partition_point(|&a| a < row)) as u32 }
+            if (row as usize) < own.end {
+                row - own.start as u32
+            } else {
+                (own.len() + ancestors.partition_point(|&a| a < row)) as u32
+            }
         };
         let begin = self.symbolic.supernode_begin();
         let end = self.symbolic.supernode_end();
@@ -295,13 +329,20 @@ impl<'a> Tree<'a> {
                 for s in first..=last {
                     let straddling = (self.interior as u32).max(begin[s])..end[s].max(self.interior as u32);
                     touched.extend(straddling);
-                    touched.extend(self.symbolic.supernode(s).pattern().iter().copied().filter(|&r| r as usize >= whole.end));
+                    touched.extend(
+                        self.symbolic.supernode(s).pattern().iter().copied().filter(|&r| r as usize >= whole.end),
+                    );
                 }
                 touched.sort_unstable();
                 touched.dedup();
                 let single = self.first[last] == first;
                 let mut task = if single && self.work[last] > self.grain() && !self.children[last].is_empty() {
-                    self.task(self.tasks(&self.children[last]), begin[last] as usize..whole.end, last..last + 1, &touched)
+                    self.task(
+                        self.tasks(&self.children[last]),
+                        begin[last] as usize..whole.end,
+                        last..last + 1,
+                        &touched,
+                    )
                 } else {
                     self.task(Vec::new(), whole, first..last + 1, &touched)
                 };
@@ -315,7 +356,8 @@ impl<'a> Tree<'a> {
                 let view = self.symbolic.supernode(s);
                 let (first, last) = (view.start(), end[s] as usize);
                 let columns = last.min(self.interior) - first;
-                let below = ((first + columns) as u32..last as u32).chain(view.pattern().iter().copied()).map(&local).collect();
+                let below =
+                    ((first + columns) as u32..last as u32).chain(view.pattern().iter().copied()).map(&local).collect();
                 Panel {
                     first: first - own.start,
                     columns,
@@ -340,7 +382,8 @@ impl<'a> Tree<'a> {
             let offset = self.symbolic.col_ptr_for_val()[s] as usize;
             for column in first.max(self.interior)..last {
                 for (k, &row) in rows.iter().enumerate().skip(column - first) {
-                    l[(row - self.interior, column - self.interior)] = values[offset + (column - first) * rows.len() + k];
+                    l[(row - self.interior, column - self.interior)] =
+                        values[offset + (column - first) * rows.len() + k];
                 }
             }
         }
@@ -358,7 +401,8 @@ impl Task {
             slices.push((child, slice));
             inner = rest;
         }
-        let updates: Vec<Vec<f64>> = slices.into_par_iter().map(|(child, slice)| child.forward(values, slice)).collect();
+        let updates: Vec<Vec<f64>> =
+            slices.into_par_iter().map(|(child, slice)| child.forward(values, slice)).collect();
         let width = self.own.len();
         let mut vector = vec![0.0; width + self.touched];
         vector[..width].copy_from_slice(own);

@@ -48,7 +48,8 @@ pub(super) fn turned(matrix: &Mat<f64>, turns: &[Turn]) -> Mat<f64> {
     // The rows: of the columns of each node their combinations.
     for turn in turns {
         for i in 0..s.nrows() {
-            let v: [f64; 3] = std::array::from_fn(|c| if c < turn.dim { s[(i, turn.unknowns[c] as usize)] } else { 0.0 });
+            let v: [f64; 3] =
+                std::array::from_fn(|c| if c < turn.dim { s[(i, turn.unknowns[c] as usize)] } else { 0.0 });
             for a in 0..turn.dim {
                 s[(i, turn.unknowns[a] as usize)] = (0..turn.dim).map(|c| turn.basis[a][c] * v[c]).sum();
             }

@@ -5,13 +5,15 @@ use crate::tensor::{Point, Sym, SymMap};
 
 /// ξ ↦ κ tr(ξ) I + c(‖ξ^D‖) ξ^D in three dimensions, c a [`ShearLaw`]; [`super::Reduced`] makes it plane.
 ///
-/// As 𝓔 the Hencky material (deformation theory; Zeidler 1988, *Nonlinear Functional Analysis* IV, chapter 62; Han and Sofonea
-/// 2002), as 𝓥 a generalized Newtonian viscosity. ξ^D is the deviator in three dimensions: that of a plane strain has a component 33.
+/// As 𝓔 the Hencky material (deformation theory; Zeidler 1988, *Nonlinear Functional Analysis* IV, chapter 62; Han and
+/// Sofonea 2002), as 𝓥 a generalized Newtonian viscosity. ξ^D is the deviator in three dimensions: that of a plane
+/// strain has a component 33.
 ///
-/// With s = ‖ξ^D‖, τ(s) = c(s) s and n = ξ^D/s the tangent is κ I⊗I + c (Id^D − n⊗n) + τ′ n⊗n. As c(s) is the mean of τ′ over
-/// (0, s), both lie between r = inf τ′ and R = sup τ′, so that κ I⊗I + r Id^D ≤ D ≤ κ I⊗I + R Id^D, and the law is
-/// the gradient of κ/2 tr(ξ)² + ∫₀^s τ. Hence (mean value theorem) m = min(3κ, r) and M = max(3κ, R) in (H1), (H2), the least and
-/// largest possible: D takes the value τ′ along n. In plane strain and in one dimension the same holds of the restricted forms.
+/// With s = ‖ξ^D‖, τ(s) = c(s) s and n = ξ^D/s the tangent is κ I⊗I + c (Id^D − n⊗n) + τ′ n⊗n. As c(s) is the mean of
+/// τ′ over (0, s), both lie between r = inf τ′ and R = sup τ′, so that κ I⊗I + r Id^D ≤ D ≤ κ I⊗I + R Id^D, and the law
+/// is the gradient of κ/2 tr(ξ)² + ∫₀^s τ. Hence (mean value theorem) m = min(3κ, r) and M = max(3κ, R) in (H1), (H2),
+/// the least and largest possible: D takes the value τ′ along n. In plane strain and in one dimension the same holds of
+/// the restricted forms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hencky<S> {
     bulk: f64,
@@ -103,8 +105,9 @@ mod tests {
         }
     }
 
-    /// Uniaxial tension by its scalar equation, the norm s of the deviator as parameter: τ(s) = √(2/3) σ and tr ξ = σ/(3κ), so
-    /// ξ₁₁ = σ/(9κ) + √(2/3) s and across σ/(9κ) − s/√6. On a line, in a sheet and, with its transverse strains, in space.
+    /// Uniaxial tension by its scalar equation, the norm s of the deviator as parameter: τ(s) = √(2/3) σ and tr
+    /// ξ = σ/(3κ), so ξ₁₁ = σ/(9κ) + √(2/3) s and across σ/(9κ) − s/√6. On a line, in a sheet and, with its transverse
+    /// strains, in space.
     #[test]
     fn uniaxial_tension_satisfies_the_scalar_equation() -> Result<(), LawError> {
         for (bulk, shear) in shears()? {
@@ -113,7 +116,8 @@ mod tests {
             let space = Hencky::new(bulk, shear.clone())?;
             for s in [1e-7, 1e-4, 0.99e-3, 1.01e-3, 1e-2, 1.0, 1e3] {
                 let sigma = 1.5f64.sqrt() * shear.secant(s) * s;
-                let (along, across) = (sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s, sigma / (9.0 * bulk) - s / 6f64.sqrt());
+                let (along, across) =
+                    (sigma / (9.0 * bulk) + (2.0f64 / 3.0).sqrt() * s, sigma / (9.0 * bulk) - s / 6f64.sqrt());
                 // What round-off of the strain, times the stiffness, does to the stress.
                 let tolerance = 1e-14 * (sigma + space.constants().lipschitz * along);
                 for sign in [1.0, -1.0] {
@@ -121,8 +125,15 @@ mod tests {
                     let mut flat = strain;
                     flat.0[3] = 0.0;
                     let expected = Sym([sign * sigma, 0.0, 0.0, 0.0, 0.0, 0.0]);
-                    for (what, found) in [("line", line.value(&X, &flat)), ("sheet", sheet.value(&X, &flat)), ("space", space.value(&X, &strain))] {
-                        assert!((found - expected).norm() < tolerance, "{shear:?}, {what}, s = {s}: {found:?} {expected:?}");
+                    for (what, found) in [
+                        ("line", line.value(&X, &flat)),
+                        ("sheet", sheet.value(&X, &flat)),
+                        ("space", space.value(&X, &strain)),
+                    ] {
+                        assert!(
+                            (found - expected).norm() < tolerance,
+                            "{shear:?}, {what}, s = {s}: {found:?} {expected:?}"
+                        );
                     }
                 }
             }
@@ -139,7 +150,10 @@ mod tests {
                 for gamma in [1e-5, 1e-3, 0.1, 10.0] {
                     let expected = shear.secant(gamma / 2f64.sqrt()) * gamma / 2.0;
                     let found = law.value(&X, &Sym::from_fn(2, |i, j| if i == j { 0.0 } else { gamma / 2.0 }));
-                    assert!((found.get(0, 1) / expected - 1.0).abs() < 1e-14 && found.trace().abs() < 1e-14 * expected, "{shear:?}: {found:?} {expected}");
+                    assert!(
+                        (found.get(0, 1) / expected - 1.0).abs() < 1e-14 && found.trace().abs() < 1e-14 * expected,
+                        "{shear:?}: {found:?} {expected}"
+                    );
                 }
             }
         }
@@ -154,7 +168,14 @@ mod tests {
             let sheet = reduced(Hencky::new(bulk, shear.clone())?, 2, StressState::PlaneStress);
             for i in 0..20 {
                 let size = 10f64.powi(i % 10 - 6);
-                let xi = Sym([size * f64::from(i).sin(), size * f64::from(2 * i).cos(), size * f64::from(3 * i).sin(), 0.0, 0.0, 0.0]);
+                let xi = Sym([
+                    size * f64::from(i).sin(),
+                    size * f64::from(2 * i).cos(),
+                    size * f64::from(3 * i).sin(),
+                    0.0,
+                    0.0,
+                    0.0,
+                ]);
                 let with = |z: f64| space.value(&X, &Sym([xi.0[0], xi.0[1], xi.0[2], z, 0.0, 0.0]));
                 let (mut low, mut high) = (-4.0 * size, 4.0 * size);
                 for _ in 0..200 {
@@ -168,7 +189,10 @@ mod tests {
                 let (found, expected) = (sheet.value(&X, &xi), with(high));
                 for m in 0..3 {
                     let tolerance = 1e-14 * space.constants().lipschitz * size;
-                    assert!((found.0[m] - expected.0[m]).abs() < tolerance, "{shear:?} at {xi:?}: {found:?} {expected:?}");
+                    assert!(
+                        (found.0[m] - expected.0[m]).abs() < tolerance,
+                        "{shear:?} at {xi:?}: {found:?} {expected:?}"
+                    );
                 }
                 assert!(found.0[3..].iter().all(|&v| v == 0.0));
             }

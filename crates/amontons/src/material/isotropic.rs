@@ -15,8 +15,8 @@ pub struct Isotropic {
 
 impl Isotropic {
     /// 𝓔 of (5.1), `Eν/(1−ν²) tr(τ) I + E/(1+ν) τ`, in plane stress; in plane strain and in three
-    /// dimensions `Eν/((1+ν)(1−2ν))` stands in its first term. In one dimension plane stress is uniaxial stress, Eτ, and plane
-    /// strain uniaxial strain. E is `young` in Pa, ν `poisson`.
+    /// dimensions `Eν/((1+ν)(1−2ν))` stands in its first term. In one dimension plane stress is uniaxial stress, Eτ,
+    /// and plane strain uniaxial strain. E is `young` in Pa, ν `poisson`.
     #[must_use]
     pub fn elastic(dim: usize, young: f64, poisson: f64, state: StressState) -> Isotropic {
         let (lambda, c) = (young * poisson / ((1.0 + poisson) * (1.0 - 2.0 * poisson)), young / (1.0 + poisson));

@@ -4,7 +4,8 @@ use super::reduced::reduce;
 use super::{Constants, LawError, StressState, TensorLaw, in_range};
 use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_index, mandel_len, mandel_weight, symmetric_eigenvalues};
 
-/// A linear operator with up to 21 constants, the same over the body, reduced to `dim` dimensions as [`super::Reduced`] states.
+/// A linear operator with up to 21 constants, the same over the body, reduced to `dim` dimensions as [`super::Reduced`]
+/// states.
 ///
 /// m and M are the extreme eigenvalues on 𝕊^d.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +29,18 @@ pub struct Orthotropic {
 }
 
 impl Linear {
-    /// The law σ = C γ, C = `voigt` in the order 11 22 33 23 13 12 and in the material's axes, which `orientation` turns the
-    /// axes of the body to. Shear entries act on engineering strains: σ₁₂ = … + C₆₆ 2ε₁₂.
+    /// The law σ = C γ, C = `voigt` in the order 11 22 33 23 13 12 and in the material's axes, which `orientation`
+    /// turns the axes of the body to. Shear entries act on engineering strains: σ₁₂ = … + C₆₆ 2ε₁₂.
     ///
     /// # Errors
-    /// Entries that are not finite, a matrix that is not symmetric to 1e-9 of its largest entry, or not positive definite.
-    pub fn new(voigt: &[[f64; 6]; 6], orientation: &Rotation, dim: usize, state: StressState) -> Result<Linear, LawError> {
+    /// Entries that are not finite, a matrix that is not symmetric to 1e-9 of its largest entry, or not positive
+    /// definite.
+    pub fn new(
+        voigt: &[[f64; 6]; 6],
+        orientation: &Rotation,
+        dim: usize,
+        state: StressState,
+    ) -> Result<Linear, LawError> {
         let mut scale = 0.0f64;
         for &entry in voigt.iter().flatten() {
             scale = scale.max(in_range("an entry of the matrix", entry, "a finite number", true)?.abs());
@@ -50,11 +57,18 @@ impl Linear {
     /// The law of an orthotropic material.
     ///
     /// # Errors
-    /// Moduli that are not positive, or Poisson ratios with which the compliance is not positive definite: it is necessary that
+    /// Moduli that are not positive, or Poisson ratios with which the compliance is not positive definite: it is
+    /// necessary that
     /// |ν_ij| < (E_i/E_j)^½.
-    pub fn orthotropic(constants: &Orthotropic, orientation: &Rotation, dim: usize, state: StressState) -> Result<Linear, LawError> {
+    pub fn orthotropic(
+        constants: &Orthotropic,
+        orientation: &Rotation,
+        dim: usize,
+        state: StressState,
+    ) -> Result<Linear, LawError> {
         let Orthotropic { young, poisson, shear } = *constants;
-        for (modulus, name) in young.into_iter().chain(shear).zip(["E₁", "E₂", "E₃", "G₁₂", "G₁₃", "G₂₃"]) {
+        for (modulus, name) in young.into_iter().chain(shear).zip(["E₁", "E₂", "E₃", "G₁₂", "G₁₃", "G₂₃"])
+        {
             in_range(name, modulus, "a positive number", modulus > 0.0)?;
         }
         for (ratio, name) in poisson.into_iter().zip(["ν₁₂", "ν₁₃", "ν₂₃"]) {
@@ -100,7 +114,8 @@ fn mandel(voigt: &[[f64; 6]; 6]) -> SymMap {
     let mut map = SymMap::default();
     for (a, &(i, j)) in VOIGT.iter().enumerate() {
         for (b, &(k, l)) in VOIGT.iter().enumerate() {
-            map.0[mandel_index(i, j)][mandel_index(k, l)] = mandel_weight(i, j) * mandel_weight(k, l) * 0.5 * (voigt[a][b] + voigt[b][a]);
+            map.0[mandel_index(i, j)][mandel_index(k, l)] =
+                mandel_weight(i, j) * mandel_weight(k, l) * 0.5 * (voigt[a][b] + voigt[b][a]);
         }
     }
     map
@@ -130,7 +145,8 @@ mod tests {
     use crate::material::{Carreau, Hencky, Isotropic, reduced};
 
     const X: Point = [0.0; 3];
-    const PINE: Orthotropic = Orthotropic { young: [9.6, 0.77, 0.43], poisson: [0.31, 0.36, 0.64], shear: [0.8, 0.76, 0.08] };
+    const PINE: Orthotropic =
+        Orthotropic { young: [9.6, 0.77, 0.43], poisson: [0.31, 0.36, 0.64], shear: [0.8, 0.76, 0.08] };
 
     fn states() -> impl Iterator<Item = (usize, StressState)> {
         (1..=3).flat_map(|dim| [StressState::PlaneStress, StressState::PlaneStrain].map(|state| (dim, state)))
@@ -147,7 +163,8 @@ mod tests {
         }
     }
 
-    /// Hooke's law by engineering constants, by its Voigt matrix, by bulk and shear modulus, and reduced from three dimensions, in any orientation.
+    /// Hooke's law by engineering constants, by its Voigt matrix, by bulk and shear modulus, and reduced from three
+    /// dimensions, in any orientation.
     #[test]
     fn isotropic_constants_give_the_isotropic_law() -> Result<(), LawError> {
         let (e, nu) = (2.1e11, 0.3);
@@ -168,12 +185,16 @@ mod tests {
             let newton = Hencky::new(e / (3.0 * (1.0 - 2.0 * nu)), Carreau::new(shear, 0.0, 1.0, 1.0)?)?;
             assert_same(reduced(newton, dim, state).as_ref(), &expected, "bulk and shear modulus");
             let (found, expected) = (reduced(newton, dim, state).constants(), expected.constants());
-            assert!((found.monotonicity / expected.monotonicity - 1.0).abs() < 1e-13 && (found.lipschitz / expected.lipschitz - 1.0).abs() < 1e-13);
+            assert!(
+                (found.monotonicity / expected.monotonicity - 1.0).abs() < 1e-13
+                    && (found.lipschitz / expected.lipschitz - 1.0).abs() < 1e-13
+            );
         }
         Ok(())
     }
 
-    /// Reduced stiffness Q and the turned Q̄ of laminate theory (Jones 1999, *Mechanics of Composite Materials*, section 2.6).
+    /// Reduced stiffness Q and the turned Q̄ of laminate theory (Jones 1999, *Mechanics of Composite Materials*,
+    /// section 2.6).
     #[test]
     fn plane_stress_is_the_reduced_stiffness_of_laminates() -> Result<(), LawError> {
         let Orthotropic { young: [e1, e2, _], poisson: [nu12, ..], shear: [g, ..] } = PINE;
@@ -198,7 +219,10 @@ mod tests {
             for i in 0..3 {
                 for j in i..3 {
                     let (found, expected) = (map.0[i][j] / (weight(i) * weight(j)), q[i][j]);
-                    assert!((found - expected).abs() < 1e-13 * q11 && (map.0[i][j] - map.0[j][i]).abs() < 1e-13 * q11, "Q̄ {i} {j}: {found} {expected}");
+                    assert!(
+                        (found - expected).abs() < 1e-13 * q11 && (map.0[i][j] - map.0[j][i]).abs() < 1e-13 * q11,
+                        "Q̄ {i} {j}: {found} {expected}"
+                    );
                 }
             }
         }
@@ -210,17 +234,26 @@ mod tests {
     #[test]
     fn compliance_in_space_plane_strain_and_along_a_line() -> Result<(), LawError> {
         let Orthotropic { young: [e1, e2, e3], poisson: [nu12, nu13, nu23], shear: [g12, g13, g23] } = PINE;
-        let s = [[1.0 / e1, -nu12 / e1, -nu13 / e1], [-nu12 / e1, 1.0 / e2, -nu23 / e2], [-nu13 / e1, -nu23 / e2, 1.0 / e3]];
-        let close = |found: &Sym, expected: &Sym| assert!((*found - *expected).norm() < 1e-13 * expected.norm(), "found {found:?}, expected {expected:?}");
+        let s = [
+            [1.0 / e1, -nu12 / e1, -nu13 / e1],
+            [-nu12 / e1, 1.0 / e2, -nu23 / e2],
+            [-nu13 / e1, -nu23 / e2, 1.0 / e3],
+        ];
+        let close = |found: &Sym, expected: &Sym| {
+            assert!((*found - *expected).norm() < 1e-13 * expected.norm(), "found {found:?}, expected {expected:?}")
+        };
         let space = Linear::orthotropic(&PINE, &Rotation::IDENTITY, 3, StressState::PlaneStress)?;
         let stress = [[0.7, 0.4, -0.3], [0.4, -0.2, 0.5], [-0.3, 0.5, 0.9]];
         let shear = [[0.0, g12, g13], [g12, 0.0, g23], [g13, g23, 0.0]];
-        let strain = Sym::from_fn(3, |i, j| if i == j { (0..3).map(|k| s[i][k] * stress[k][k]).sum() } else { stress[i][j] / (2.0 * shear[i][j]) });
+        let strain = Sym::from_fn(3, |i, j| {
+            if i == j { (0..3).map(|k| s[i][k] * stress[k][k]).sum() } else { stress[i][j] / (2.0 * shear[i][j]) }
+        });
         close(&space.value(&X, &strain), &Sym::from_fn(3, |i, j| stress[i][j]));
 
         let plane = Linear::orthotropic(&PINE, &Rotation::IDENTITY, 2, StressState::PlaneStrain)?;
         let held = |i: usize, j: usize| s[i][j] - s[i][2] * s[j][2] / s[2][2];
-        let strain = Sym::from_fn(2, |i, j| if i == j { held(i, 0) * 0.7 - held(i, 1) * 0.2 } else { 0.4 / (2.0 * g12) });
+        let strain =
+            Sym::from_fn(2, |i, j| if i == j { held(i, 0) * 0.7 - held(i, 1) * 0.2 } else { 0.4 / (2.0 * g12) });
         let mut expected = Sym::from_fn(2, |i, j| stress[i][j]);
         expected.0[3] = -(s[0][2] * 0.7 - s[1][2] * 0.2) / s[2][2];
         close(&plane.value(&X, &strain), &expected);
@@ -233,8 +266,8 @@ mod tests {
         Ok(())
     }
 
-    /// Young's moduli of a copper crystal along ⟨100⟩ and ⟨111⟩, 1/E = s₁₁ − 2 (s₁₁ − s₁₂ − s₄₄/2)(l²m² + m²n² + n²l²) (Nye 1985, *Physical
-    /// Properties of Crystals*, p. 145; stiffness in GPa).
+    /// Young's moduli of a copper crystal along ⟨100⟩ and ⟨111⟩, 1/E = s₁₁ − 2 (s₁₁ − s₁₂ − s₄₄/2)(l²m² + m²n² + n²l²)
+    /// (Nye 1985, *Physical Properties of Crystals*, p. 145; stiffness in GPa).
     #[test]
     fn moduli_of_a_crystal_along_its_directions() -> Result<(), Box<dyn std::error::Error>> {
         let (c11, c12, c44) = (168.4, 121.4, 75.4);
@@ -265,9 +298,16 @@ mod tests {
         };
         assert!(law(|_| ()).is_ok());
         // ν = 0.5 in all three: incompressible, the eigenvalue 1 − 2ν of the scaled compliance is zero.
-        assert!(matches!(law(|c| c.poisson = [0.5; 3]), Err(LawError::NotPositive { least, .. }) if least.abs() < 1e-15));
-        assert!(matches!(law(|c| c.poisson = [1.5, 0.0, 0.0]), Err(LawError::NotPositive { least, .. }) if (least + 0.5).abs() < 1e-14));
-        assert_eq!(law(|c| c.young[1] = -3.0), Err(LawError::Range { name: "E₂", found: -3.0, expected: "a positive number" }));
+        assert!(
+            matches!(law(|c| c.poisson = [0.5; 3]), Err(LawError::NotPositive { least, .. }) if least.abs() < 1e-15)
+        );
+        assert!(
+            matches!(law(|c| c.poisson = [1.5, 0.0, 0.0]), Err(LawError::NotPositive { least, .. }) if (least + 0.5).abs() < 1e-14)
+        );
+        assert_eq!(
+            law(|c| c.young[1] = -3.0),
+            Err(LawError::Range { name: "E₂", found: -3.0, expected: "a positive number" })
+        );
         assert!(matches!(law(|c| c.shear[2] = f64::NAN), Err(LawError::Range { name: "G₂₃", .. })));
         let matrix = |change: fn(&mut [[f64; 6]; 6])| {
             let mut voigt = std::array::from_fn(|i| std::array::from_fn(|j| if i == j { 2.0 } else { 0.0 }));
@@ -275,10 +315,15 @@ mod tests {
             Linear::new(&voigt, &Rotation::IDENTITY, 3, StressState::PlaneStress)
         };
         assert!(matrix(|_| ()).is_ok());
-        assert_eq!(matrix(|m| m[3][1] = 0.5), Err(LawError::NotSymmetric { row: 4, column: 2, found: 0.5, mirrored: 0.0 }));
+        assert_eq!(
+            matrix(|m| m[3][1] = 0.5),
+            Err(LawError::NotSymmetric { row: 4, column: 2, found: 0.5, mirrored: 0.0 })
+        );
         // The leading block [[2, 3], [3, 2]] has the eigenvalues −1 and 5.
         let indefinite = matrix(|m| (m[0][1], m[1][0]) = (3.0, 3.0));
-        assert!(matches!(indefinite, Err(LawError::NotPositive { least, most, .. }) if (least + 1.0).abs() < 1e-14 && (most - 5.0).abs() < 1e-14));
+        assert!(
+            matches!(indefinite, Err(LawError::NotPositive { least, most, .. }) if (least + 1.0).abs() < 1e-14 && (most - 5.0).abs() < 1e-14)
+        );
         assert!(matches!(matrix(|m| m[5][5] = f64::INFINITY), Err(LawError::Range { .. })));
     }
 }

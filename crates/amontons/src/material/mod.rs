@@ -52,7 +52,9 @@ pub enum LawError {
         expected: &'static str,
     },
     /// A matrix that is not symmetric.
-    #[error("the matrix is not symmetric: {found:?} in row {row}, column {column} but {mirrored:?} in row {column}, column {row}")]
+    #[error(
+        "the matrix is not symmetric: {found:?} in row {row}, column {column} but {mirrored:?} in row {column}, column {row}"
+    )]
     NotSymmetric {
         /// Row, from 1.
         row: usize,
@@ -64,7 +66,9 @@ pub enum LawError {
         mirrored: f64,
     },
     /// A stiffness or compliance for which some strain has no positive energy.
-    #[error("the {what} is not positive definite: its eigenvalues reach from {least:e} to {most:e}, expected all positive")]
+    #[error(
+        "the {what} is not positive definite: its eigenvalues reach from {least:e} to {most:e}, expected all positive"
+    )]
     NotPositive {
         /// Which matrix, and in which scaling.
         what: &'static str,
@@ -157,8 +161,8 @@ pub struct Material {
 }
 
 impl Material {
-    /// A material with this law 𝓔 on bodies of `dim` dimensions. Density, heat capacity, conductivity and couplings are zero, and
-    /// there is no viscosity.
+    /// A material with this law 𝓔 on bodies of `dim` dimensions. Density, heat capacity, conductivity and couplings are
+    /// zero, and there is no viscosity.
     #[must_use]
     pub fn new(dim: usize, elasticity: impl TensorLaw + 'static) -> Material {
         Material {
@@ -200,10 +204,22 @@ pub fn isotropic_samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
             laws.push((dim, Arc::new(Isotropic::lame(dim, 10.0, 10.0, state))));
             // Kinks and bends lie at the size of the arguments that the contract samples.
             for excess in [5.0, -1.5] {
-                laws.extend(VonMisesProjection::new(1.0, excess, 1e-3).and_then(|s| Hencky::new(2.0, s)).map(|law| (dim, reduced(law, dim, state))));
+                laws.extend(
+                    VonMisesProjection::new(1.0, excess, 1e-3)
+                        .and_then(|s| Hencky::new(2.0, s))
+                        .map(|law| (dim, reduced(law, dim, state))),
+                );
             }
-            laws.extend(Carreau::new(3.0, 0.1, 2e3, 0.4).and_then(|s| Hencky::new(1.5, s)).map(|law| (dim, reduced(law, dim, state))));
-            laws.extend(Carreau::power_law(0.1, 0.25, 1e-4, 0.2).and_then(|s| Hencky::new(20.0, s)).map(|law| (dim, reduced(law, dim, state))));
+            laws.extend(
+                Carreau::new(3.0, 0.1, 2e3, 0.4)
+                    .and_then(|s| Hencky::new(1.5, s))
+                    .map(|law| (dim, reduced(law, dim, state))),
+            );
+            laws.extend(
+                Carreau::power_law(0.1, 0.25, 1e-4, 0.2)
+                    .and_then(|s| Hencky::new(20.0, s))
+                    .map(|law| (dim, reduced(law, dim, state))),
+            );
         }
     }
     debug_assert!(laws.iter().all(|(dim, _)| mandel_len(*dim) <= 6));
@@ -215,12 +231,16 @@ pub fn isotropic_samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
 pub fn samples() -> Vec<(usize, Arc<dyn TensorLaw>)> {
     let mut laws = isotropic_samples();
     // Pine and a carbon-fibre ply, in Pa.
-    let pine = Orthotropic { young: [9.6e9, 0.77e9, 0.43e9], poisson: [0.31, 0.36, 0.64], shear: [0.8e9, 0.76e9, 0.08e9] };
+    let pine =
+        Orthotropic { young: [9.6e9, 0.77e9, 0.43e9], poisson: [0.31, 0.36, 0.64], shear: [0.8e9, 0.76e9, 0.08e9] };
     let ply = Orthotropic { young: [140e9, 10e9, 10e9], poisson: [0.3, 0.3, 0.45], shear: [5e9, 5e9, 3.4e9] };
     for dim in 1..=3 {
         for state in [StressState::PlaneStress, StressState::PlaneStrain] {
             for (constants, angles) in [(&pine, [0.4, 0.0, 0.0]), (&ply, [0.3, 0.9, -0.5])] {
-                laws.extend(Linear::orthotropic(constants, &Rotation::euler(angles), dim, state).map(|law| (dim, Arc::new(law) as Arc<dyn TensorLaw>)));
+                laws.extend(
+                    Linear::orthotropic(constants, &Rotation::euler(angles), dim, state)
+                        .map(|law| (dim, Arc::new(law) as Arc<dyn TensorLaw>)),
+                );
             }
         }
     }

@@ -5,22 +5,25 @@ use crate::tensor::{Point, Sym, SymMap};
 
 /// Maxwell branches beside 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
 ///
-/// A branch is a spring 𝓖_i in series with a dashpot τ_i 𝓖_i (Simo and Hughes 1998, *Computational Inelasticity*, chapter 10).
-/// 𝓔 is the long-term law: under a constant strain the stress relaxes to it, from 𝓔 + Σ 𝓖_i, the instantaneous one. The state of
-/// a branch is the strain e_i of its spring, q_i = 𝓖_i e_i, so that no 𝓖_i has to be inverted (one may act on deviators only):
+/// A branch is a spring 𝓖_i in series with a dashpot τ_i 𝓖_i (Simo and Hughes 1998, *Computational Inelasticity*,
+/// chapter 10). 𝓔 is the long-term law: under a constant strain the stress relaxes to it, from 𝓔 + Σ 𝓖_i, the
+/// instantaneous one. The state of a branch is the strain e_i of its spring, q_i = 𝓖_i e_i, so that no 𝓖_i has to be
+/// inverted (one may act on deviators only):
 ///
 /// ```text
 /// ė_i + e_i/τ_i = ε̇        e_i^n = (e_i^{n−1} + ε_n − ε_{n−1})/(1 + k/τ_i)          backward Euler
 /// ```
 ///
-/// Multiplied by q_i^n this is the energy identity of the step, exact, with three terms that are never negative beside the stored energy:
+/// Multiplied by q_i^n this is the energy identity of the step, exact, with three terms that are never negative beside
+/// the stored energy:
 ///
 /// ```text
 /// q_i^n:(ε_n − ε_{n−1}) = [½ e_i:𝓖_i e_i]_{n−1}^n + (k/τ_i) e_i^n:𝓖_i e_i^n + ½ (e_i^n − e_i^{n−1}):𝓖_i (e_i^n − e_i^{n−1})
 ///        work                    stored                   dissipated                      dissipated by the scheme
 /// ```
 ///
-/// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔 ([`Prony::ratios`]).
+/// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔
+/// ([`Prony::ratios`]).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prony {
     terms: Vec<Branch>,
@@ -76,14 +79,22 @@ impl Prony {
             let c = law.constants();
             // Round-off of an eigenvalue is relative to the largest; a branch may resist deviators only.
             if c.monotonicity.is_nan() || c.monotonicity < -1e-14 * c.lipschitz {
-                return Err(LawError::NotPositive { what: "modulus of a branch", least: c.monotonicity, most: c.lipschitz });
+                return Err(LawError::NotPositive {
+                    what: "modulus of a branch",
+                    least: c.monotonicity,
+                    most: c.lipschitz,
+                });
             }
-            Ok(Branch { modulus: law.tangent(&[0.0; 3], &Sym::ZERO), time: in_range("a relaxation time", time, "a positive number", time > 0.0)? })
+            Ok(Branch {
+                modulus: law.tangent(&[0.0; 3], &Sym::ZERO),
+                time: in_range("a relaxation time", time, "a positive number", time > 0.0)?,
+            })
         };
         Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
     }
 
-    /// Branches 𝓖_i = g_i 𝓔 by pairs (g_i, τ_i), g_i > 0 the ratio to the long-term modulus (not to the instantaneous 𝓔 (1 + Σ g_i)).
+    /// Branches 𝓖_i = g_i 𝓔 by pairs (g_i, τ_i), g_i > 0 the ratio to the long-term modulus (not to the instantaneous 𝓔
+    /// (1 + Σ g_i)).
     ///
     /// # Errors
     /// An 𝓔 that is not linear, or a ratio or time that is not positive.
@@ -135,7 +146,8 @@ impl Prony {
         self.terms.iter().zip(springs).fold(Sym::ZERO, |sum, (term, e)| sum + term.factor(k) * term.modulus.apply(e))
     }
 
-    /// ∂(Σ q_i^n)/∂ε_n = Σ 𝓖_i/(1 + k/τ_i), so that Σ q_i^n = history + tangent (ε_n − ε_{n−1}); with respect to ε(w_n) it is k times that.
+    /// ∂(Σ q_i^n)/∂ε_n = Σ 𝓖_i/(1 + k/τ_i), so that Σ q_i^n = history + tangent (ε_n − ε_{n−1}); with respect to ε(w_n)
+    /// it is k times that.
     #[must_use]
     pub fn tangent(&self, k: f64) -> SymMap {
         let entry = |i: usize, j: usize| self.terms.iter().map(|term| term.factor(k) * term.modulus.0[i][j]).sum();
@@ -221,7 +233,8 @@ mod tests {
         Ok(())
     }
 
-    /// Work = stored + dissipated + scheme to round-off, the last two not negative and the scheme's of first order in k over a time.
+    /// Work = stored + dissipated + scheme to round-off, the last two not negative and the scheme's of first order in k
+    /// over a time.
     #[test]
     fn the_energy_identity_closes() -> Result<(), LawError> {
         let (_, prony) = body()?;
@@ -239,7 +252,10 @@ mod tests {
                 let b = prony.balance(&before, &springs, &increment, k);
                 // Round-off of the strains e_i weighs as the energy they hold.
                 let held = prony.energy(&before) + prony.energy(&springs);
-                assert!((b.work - b.stored - b.dissipated - b.scheme).abs() <= 4.0 * f64::EPSILON * held, "{b:?}, {held}");
+                assert!(
+                    (b.work - b.stored - b.dissipated - b.scheme).abs() <= 4.0 * f64::EPSILON * held,
+                    "{b:?}, {held}"
+                );
                 assert!(b.dissipated >= 0.0 && b.scheme >= 0.0);
                 total += b.stored;
                 scheme += b.scheme;
@@ -258,7 +274,9 @@ mod tests {
         let law = Isotropic::lame(1, 0.0, 4.0, StressState::PlaneStrain);
         let prony = Prony::new(&[(&law, 1.0)])?;
         let springs = [Sym([0.25, 0.0, 0.0, 0.0, 0.0, 0.0])];
-        assert!((prony.stress(&springs).0[0] - 1.0).abs() < 1e-15 && (prony.energy(&springs) - 1.0 / 8.0).abs() < 1e-15);
+        assert!(
+            (prony.stress(&springs).0[0] - 1.0).abs() < 1e-15 && (prony.energy(&springs) - 1.0 / 8.0).abs() < 1e-15
+        );
         Ok(())
     }
 
@@ -267,7 +285,10 @@ mod tests {
         let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
         assert!(matches!(Prony::ratios(&law, &[(0.5, 0.0)]), Err(LawError::Range { found: 0.0, .. })));
         assert!(matches!(Prony::ratios(&law, &[(-0.5, 1.0)]), Err(LawError::Range { found: -0.5, .. })));
-        assert!(matches!(Prony::new(&[(&Isotropic::lame(3, 0.0, -1.0, StressState::PlaneStrain), 1.0)]), Err(LawError::NotPositive { least: -1.0, .. })));
+        assert!(matches!(
+            Prony::new(&[(&Isotropic::lame(3, 0.0, -1.0, StressState::PlaneStrain), 1.0)]),
+            Err(LawError::NotPositive { least: -1.0, .. })
+        ));
         let curved = Hencky::new(1.0, Carreau::new(1.0, 0.5, 1.0, 0.5)?)?;
         assert_eq!(Prony::ratios(&curved, &[(0.5, 1.0)]), Err(LawError::NotLinear));
         // Relaxation of deviators only: λ + c/3 = 0.

@@ -10,7 +10,8 @@ use crate::tensor::{Point, Sym, SymMap, mandel_len};
 /// The argument has the first n = d (d + 1)/2 Mandel components. With `PlaneStrain` the others are zero, and the
 /// value keeps all of its components: those beyond n hold the strain. With `PlaneStress` the others, ζ, are such
 /// that the value has no components beyond n. They minimise the strictly convex W(ξ, ζ) (or solve the monotone
-/// equation, where there is no W), so they are unique; the tangent is the Schur complement of the three-dimensional one.
+/// equation, where there is no W), so they are unique; the tangent is the Schur complement of the three-dimensional
+/// one.
 ///
 /// In a Kelvin–Voigt body in plane stress both 𝓔 and 𝓥 are reduced on their own, as in (5.1): σ₃₃ = 0 then
 /// holds with the ε₃₃ of 𝓔, whose rate is the ε̇₃₃ of 𝓥 only where their Poisson ratios agree.
@@ -48,9 +49,9 @@ impl<L: TensorLaw> Reduced<L> {
 
     /// The three-dimensional argument and the value there.
     ///
-    /// With the residual r(ζ) in the metric r·U⁻¹r: Newton's step α, the largest of 1, ½, … 2⁻⁸ that brings the residual down by
-    /// 1 − α/2, else ζ ← ζ − U⁻¹r. The latter makes r to (1 − D̄U⁻¹) r with a mean tangent L ≤ D̄ ≤ U, a contraction by 1 − m/M at
-    /// least, so the iteration converges from everywhere. It ends at round-off.
+    /// With the residual r(ζ) in the metric r·U⁻¹r: Newton's step α, the largest of 1, ½, … 2⁻⁸ that brings the
+    /// residual down by 1 − α/2, else ζ ← ζ − U⁻¹r. The latter makes r to (1 − D̄U⁻¹) r with a mean tangent L ≤ D̄ ≤ U,
+    /// a contraction by 1 − m/M at least, so the iteration converges from everywhere. It ends at round-off.
     fn complete(&self, x: &Point, xi: &Sym) -> (Sym, Sym) {
         let mut full = *xi;
         full.0[self.kept..].fill(0.0);
@@ -92,7 +93,8 @@ impl<L: TensorLaw> Reduced<L> {
     }
 }
 
-/// More steps than the contraction needs to reach round-off at m/M = 1e-3, had it to do all the work; Newton takes a handful.
+/// More steps than the contraction needs to reach round-off at m/M = 1e-3, had it to do all the work; Newton takes a
+/// handful.
 const MAX_STEPS: usize = 100_000;
 
 impl<L: TensorLaw> TensorLaw for Reduced<L> {
@@ -227,7 +229,13 @@ mod tests {
                 ("thinning", counts(Hencky::new(2.0, Carreau::new(3.0, 0.1, 2e3, 0.4)?)?, dim)),
                 ("saturating", counts(Hencky::new(2.0, Carreau::new(1.0, 1e-6, 1e3, 0.0)?)?, dim)),
                 ("nearly incompressible", counts(Hencky::new(1e5, Carreau::new(1.0, 1e-2, 1e3, 0.1)?)?, dim)),
-                ("ply", counts(Linear::orthotropic(&ply, &Rotation::euler([0.3, 0.9, -0.5]), 3, StressState::PlaneStress)?, dim)),
+                (
+                    "ply",
+                    counts(
+                        Linear::orthotropic(&ply, &Rotation::euler([0.3, 0.9, -0.5]), 3, StressState::PlaneStress)?,
+                        dim,
+                    ),
+                ),
             ];
             // Stiffness in shear that changes by six orders of magnitude, with a volume that is as soft.
             let hard = [

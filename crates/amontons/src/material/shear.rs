@@ -22,10 +22,11 @@ pub trait ShearLaw: Debug + Send + Sync {
 ///
 /// With β > 0 the elasticity operator 𝓒ξ + β (ξ − P_K ξ) of the literature on frictional contact (Han and Sofonea 2002;
 /// Sofonea and Matei 2012, *Mathematical Models in Contact Mechanics*, on elastic laws that are not linear). With
-/// −2μ < β < 0 the body softens from 2μ to 2μ + β once ‖ξ^D‖ exceeds κ: Hencky's deformation theory with linear hardening.
+/// −2μ < β < 0 the body softens from 2μ to 2μ + β once ‖ξ^D‖ exceeds κ: Hencky's deformation theory with linear
+/// hardening.
 ///
-/// I − P_K is the gradient of ½ dist(·, K)², hence monotone and 1-Lipschitz; in terms of s it is τ′ ∈ {2μ, 2μ + β}. At the
-/// kink s = κ the tangent of the inside is taken, an element of the generalized derivative: the law is semismooth.
+/// I − P_K is the gradient of ½ dist(·, K)², hence monotone and 1-Lipschitz; in terms of s it is τ′ ∈ {2μ, 2μ + β}. At
+/// the kink s = κ the tangent of the inside is taken, an element of the generalized derivative: the law is semismooth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VonMisesProjection {
     twice_shear: f64,
@@ -64,12 +65,13 @@ impl ShearLaw for VonMisesProjection {
 
 /// c = 2η, η(s) = η_∞ + (η₀ − η_∞)(1 + (λs)²)^((n−1)/2), 0 ≤ n ≤ 1 (Carreau 1972).
 ///
-/// As a viscosity in Pa s, with s = ‖ε(u̇)^D‖ (rheology's γ̇ is √2 s, so its λ is λ/√2 here), or as the shear modulus of a
-/// Hencky solid in Pa, with 1/λ the strain at which it softens; n = 0 lets its stress saturate up to the part of η_∞.
+/// As a viscosity in Pa s, with s = ‖ε(u̇)^D‖ (rheology's γ̇ is √2 s, so its λ is λ/√2 here), or as the shear modulus
+/// of a Hencky solid in Pa, with 1/λ the strain at which it softens; n = 0 lets its stress saturate up to the part of
+/// η_∞.
 ///
-/// τ′(s) = 2η_∞ + 2(η₀ − η_∞) h(λs) with h(y) = (1 + y²)^((n−3)/2) (1 + n y²), and h′(y) = (n − 1) y (3 + n y²)(1 + y²)^((n−5)/2) ≤ 0:
-/// τ′ decreases from 2η₀ at 0 to its infimum 2η_∞, reached at infinity (2η₀ if n = 1). So with η_∞ = 0 and n < 1 the law is
-/// monotone but not strongly, and (H1) fails.
+/// τ′(s) = 2η_∞ + 2(η₀ − η_∞) h(λs) with h(y) = (1 + y²)^((n−3)/2) (1 + n y²), and h′(y) = (n − 1) y (3 + n
+/// y²)(1 + y²)^((n−5)/2) ≤ 0: τ′ decreases from 2η₀ at 0 to its infimum 2η_∞, reached at infinity (2η₀ if n = 1). So
+/// with η_∞ = 0 and n < 1 the law is monotone but not strongly, and (H1) fails.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Carreau {
     zero: f64,
@@ -91,11 +93,13 @@ impl Carreau {
         Ok(Carreau { zero, infinite, time, index })
     }
 
-    /// The power law η = K s^(n−1) regularised as η_∞ + K (δ² + s²)^((n−1)/2) (Bercovier and Engelman 1980): Carreau's law with
-    /// η₀ = η_∞ + K δ^(n−1), λ = 1/δ. K is `consistency` > 0, n `index` in [0, 1], δ `threshold` > 0, η_∞ `floor` ≥ 0.
+    /// The power law η = K s^(n−1) regularised as η_∞ + K (δ² + s²)^((n−1)/2) (Bercovier and Engelman 1980): Carreau's
+    /// law with η₀ = η_∞ + K δ^(n−1), λ = 1/δ. K is `consistency` > 0, n `index` in [0, 1], δ `threshold` > 0, η_∞
+    /// `floor` ≥ 0.
     ///
-    /// The pure power law with n < 1 breaks (H1) twice: η grows without bound as s → 0, so it is not Lipschitz, and vanishes as
-    /// s → ∞, so it is not strongly monotone. δ repairs the first (M = 2η₀), a positive floor the second (m = 2η_∞).
+    /// The pure power law with n < 1 breaks (H1) twice: η grows without bound as s → 0, so it is not Lipschitz, and
+    /// vanishes as s → ∞, so it is not strongly monotone. δ repairs the first (M = 2η₀), a positive floor the second
+    /// (m = 2η_∞).
     ///
     /// # Errors
     /// The number outside its range.
@@ -110,11 +114,16 @@ impl Carreau {
 
 impl ShearLaw for Carreau {
     fn secant(&self, s: f64) -> f64 {
-        2.0 * self.infinite + 2.0 * (self.zero - self.infinite) * (1.0 + (self.time * s).powi(2)).powf(0.5 * (self.index - 1.0))
+        2.0 * self.infinite
+            + 2.0 * (self.zero - self.infinite) * (1.0 + (self.time * s).powi(2)).powf(0.5 * (self.index - 1.0))
     }
     fn tangent(&self, s: f64) -> f64 {
         let y = (self.time * s).powi(2);
-        2.0 * self.infinite + 2.0 * (self.zero - self.infinite) * (1.0 + y).powf(0.5 * (self.index - 1.0)) * ((1.0 + self.index * y) / (1.0 + y))
+        2.0 * self.infinite
+            + 2.0
+                * (self.zero - self.infinite)
+                * (1.0 + y).powf(0.5 * (self.index - 1.0))
+                * ((1.0 + self.index * y) / (1.0 + y))
     }
     fn potential(&self, s: f64) -> f64 {
         let (y, p) = ((self.time * s).powi(2), 0.5 * (self.index + 1.0));
@@ -157,7 +166,8 @@ mod tests {
         Ok(())
     }
 
-    /// Carreau's plateaus and his power law between; the regularised power law has the pure one's stress 2K sⁿ for s ≫ δ.
+    /// Carreau's plateaus and his power law between; the regularised power law has the pure one's stress 2K sⁿ for s ≫
+    /// δ.
     #[test]
     fn plateaus_and_slope_of_carreau_s_law() -> Result<(), LawError> {
         let law = Carreau::new(5.0, 0.0, 2.0, 0.4)?;
@@ -188,8 +198,13 @@ mod tests {
                 let s = 2.0 * 10f64.powi(decade);
                 let h = 1e-5 * s;
                 let tau = |s: f64| law.secant(s) * s;
-                let (slope, force) = ((tau(s + h) - tau(s - h)) / (2.0 * h), (law.potential(s + h) - law.potential(s - h)) / (2.0 * h));
-                assert!((slope - law.tangent(s)).abs() < 1e-8 * law.range()[1], "{law:?} at {s}: {slope} {}", law.tangent(s));
+                let (slope, force) =
+                    ((tau(s + h) - tau(s - h)) / (2.0 * h), (law.potential(s + h) - law.potential(s - h)) / (2.0 * h));
+                assert!(
+                    (slope - law.tangent(s)).abs() < 1e-8 * law.range()[1],
+                    "{law:?} at {s}: {slope} {}",
+                    law.tangent(s)
+                );
                 assert!((force / tau(s) - 1.0).abs() < 1e-8, "{law:?} at {s}: {force} {}", tau(s));
             }
         }
@@ -204,6 +219,9 @@ mod tests {
         assert!(matches!(Carreau::new(1.0, 2.0, 1.0, 0.5), Err(LawError::Range { name: "η_∞", found: 2.0, .. })));
         assert!(matches!(Carreau::new(1.0, 0.0, 1.0, 1.1), Err(LawError::Range { name: "n", found: 1.1, .. })));
         assert!(matches!(Carreau::power_law(1.0, 0.5, 0.0, 0.0), Err(LawError::Range { name: "the threshold δ", .. })));
-        assert!(matches!(Hencky::new(-1.0, Carreau { zero: 1.0, infinite: 0.0, time: 1.0, index: 1.0 }), Err(LawError::Range { found: -1.0, .. })));
+        assert!(matches!(
+            Hencky::new(-1.0, Carreau { zero: 1.0, infinite: 0.0, time: 1.0, index: 1.0 }),
+            Err(LawError::Range { found: -1.0, .. })
+        ));
     }
 }

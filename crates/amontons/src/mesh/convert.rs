@@ -45,27 +45,28 @@ impl Mesh {
     pub(super) fn quadratic_by(&self, place: impl Fn(&[u32], &[Point]) -> Point) -> Result<Mesh, MeshError> {
         let mut points = self.points.clone();
         let mut known: HashMap<Middle, u32> = HashMap::new();
-        let mut convert = |element: &'static Element, nodes: &[u32]| -> Result<(&'static Element, Vec<u32>), MeshError> {
-            let (quadratic, middles) = quadratic_of(element)?;
-            let mut out = Vec::with_capacity(nodes.len() / element.nodes.len() * quadratic.nodes.len());
-            for cell in nodes.chunks_exact(element.nodes.len()) {
-                out.extend_from_slice(cell);
-                for middle in &middles {
-                    let mut key = [u32::MAX; 8];
-                    for (slot, &i) in key.iter_mut().zip(middle) {
-                        *slot = cell[i];
+        let mut convert =
+            |element: &'static Element, nodes: &[u32]| -> Result<(&'static Element, Vec<u32>), MeshError> {
+                let (quadratic, middles) = quadratic_of(element)?;
+                let mut out = Vec::with_capacity(nodes.len() / element.nodes.len() * quadratic.nodes.len());
+                for cell in nodes.chunks_exact(element.nodes.len()) {
+                    out.extend_from_slice(cell);
+                    for middle in &middles {
+                        let mut key = [u32::MAX; 8];
+                        for (slot, &i) in key.iter_mut().zip(middle) {
+                            *slot = cell[i];
+                        }
+                        key.sort_unstable();
+                        out.push(*known.entry(key).or_insert_with(|| {
+                            let vertices = &key[..middle.len()];
+                            let corners: Vec<Point> = vertices.iter().map(|&n| self.points[n as usize]).collect();
+                            points.push(place(vertices, &corners));
+                            points.len() as u32 - 1
+                        }));
                     }
-                    key.sort_unstable();
-                    out.push(*known.entry(key).or_insert_with(|| {
-                        let vertices = &key[..middle.len()];
-                        let corners: Vec<Point> = vertices.iter().map(|&n| self.points[n as usize]).collect();
-                        points.push(place(vertices, &corners));
-                        points.len() as u32 - 1
-                    }));
                 }
-            }
-            Ok((quadratic, out))
-        };
+                Ok((quadratic, out))
+            };
         let mut blocks = Vec::new();
         for block in &self.blocks {
             let (element, nodes) = convert(block.element, &block.nodes)?;
@@ -90,7 +91,8 @@ impl Mesh {
     /// triangles and hexahedra of quadrilaterals. Sides keep their names; `ends` name those at 0 and at `height`.
     ///
     /// # Errors
-    /// When the height is not positive and finite, there are no layers, the mesh is too large, or not a linear one of d = 2.
+    /// When the height is not positive and finite, there are no layers, the mesh is too large, or not a linear one of
+    /// d = 2.
     pub fn extruded(&self, height: f64, layers: usize, ends: [&str; 2]) -> Result<Mesh, MeshError> {
         let size = self.points.len();
         check(&[height], &[layers], size as f64 * (layers as f64 + 1.0)).map_err(|error| match error {
@@ -99,7 +101,9 @@ impl Mesh {
             other => other,
         })?;
         let up = |nodes: &[u32], layer: usize| nodes.iter().map(|&n| n + (layer * size) as u32).collect::<Vec<u32>>();
-        let points = (0..=layers).flat_map(|l| self.points.iter().map(move |p| [p[0], p[1], height * (l as f64 / layers as f64)])).collect();
+        let points = (0..=layers)
+            .flat_map(|l| self.points.iter().map(move |p| [p[0], p[1], height * (l as f64 / layers as f64)]))
+            .collect();
         let (mut blocks, mut bottom, mut top) = (Vec::new(), FacetSet::default(), FacetSet::default());
         for block in &self.blocks {
             let element = match block.element.shape {
@@ -169,7 +173,11 @@ impl Mesh {
         let cut = |set: &FacetSet| {
             let mut cut = FacetSet::default();
             for (element, nodes) in set.facets() {
-                if element.vtk == 9 { cut.push(&P1_TRIANGLE, triangles(nodes)) } else { cut.push(element, nodes.iter().copied()) }
+                if element.vtk == 9 {
+                    cut.push(&P1_TRIANGLE, triangles(nodes))
+                } else {
+                    cut.push(element, nodes.iter().copied())
+                }
             }
             cut
         };
@@ -187,7 +195,14 @@ fn triangles(cell: &[u32]) -> [u32; 6] {
 
 /// The three tetrahedra of a prism, each of its quadrilateral faces cut through its vertex of the least number.
 fn tetrahedra(cell: &[u32]) -> [u32; 12] {
-    const TURNED: [[usize; 6]; 6] = [[0, 1, 2, 3, 4, 5], [1, 2, 0, 4, 5, 3], [2, 0, 1, 5, 3, 4], [3, 5, 4, 0, 2, 1], [4, 3, 5, 1, 0, 2], [5, 4, 3, 2, 1, 0]];
+    const TURNED: [[usize; 6]; 6] = [
+        [0, 1, 2, 3, 4, 5],
+        [1, 2, 0, 4, 5, 3],
+        [2, 0, 1, 5, 3, 4],
+        [3, 5, 4, 0, 2, 1],
+        [4, 3, 5, 1, 0, 2],
+        [5, 4, 3, 2, 1, 0],
+    ];
     let first = (0..6).min_by_key(|&i| cell[i]).unwrap_or(0);
     let [a, b, c, d, e, f] = TURNED[first].map(|i| cell[i]);
     if b.min(f) < c.min(e) { [a, b, c, f, a, b, f, e, a, e, f, d] } else { [a, b, c, e, a, e, c, f, a, e, f, d] }

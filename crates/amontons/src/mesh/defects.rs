@@ -40,7 +40,9 @@ pub enum Defect {
         at: Point,
     },
     /// The map of a cell inverts the reference cell, somewhere or everywhere.
-    #[error("cell {cell} with nodes {nodes:?} at {centre:?} is inverted: the smallest Jacobian is {jacobian:e}, expected a positive one")]
+    #[error(
+        "cell {cell} with nodes {nodes:?} at {centre:?} is inverted: the smallest Jacobian is {jacobian:e}, expected a positive one"
+    )]
     Inverted {
         /// The cell.
         cell: usize,
@@ -52,7 +54,9 @@ pub enum Defect {
         jacobian: f64,
     },
     /// A cell whose measure is zero to rounding, somewhere or everywhere.
-    #[error("cell {cell} with nodes {nodes:?} at {centre:?} is degenerate: the smallest Jacobian is {jacobian:e}, zero to rounding")]
+    #[error(
+        "cell {cell} with nodes {nodes:?} at {centre:?} is degenerate: the smallest Jacobian is {jacobian:e}, zero to rounding"
+    )]
     Degenerate {
         /// The cell.
         cell: usize,
@@ -86,7 +90,9 @@ pub enum Defect {
         cells: Vec<usize>,
     },
     /// A node lies on a facet without being one of its nodes.
-    #[error("node {node} at {at:?} lies on a facet of cell {cell}, which has the nodes {facet:?} only: the mesh is not conforming there")]
+    #[error(
+        "node {node} at {at:?} lies on a facet of cell {cell}, which has the nodes {facet:?} only: the mesh is not conforming there"
+    )]
     Hanging {
         /// The node.
         node: u32,
@@ -97,7 +103,8 @@ pub enum Defect {
         /// Nodes of the facet.
         facet: Vec<u32>,
     },
-    /// Two facets overlap that are not the same: a quadrilateral and a triangle, or two halves of one by different diagonals.
+    /// Two facets overlap that are not the same: a quadrilateral and a triangle, or two halves of one by different
+    /// diagonals.
     #[error(
         "the facet with nodes {facet:?} of cell {cell} at {centre:?} overlaps that with nodes {other_facet:?} of cell {other}: the mesh is not conforming there"
     )]
@@ -214,8 +221,8 @@ impl List {
 
 /// All defects of a mesh by kind; none if it is sound. The work is nearly linear in the number of cells.
 ///
-/// A node or facet counts as lying on another facet if it is within 1e-6 of the facet's size from it. Faces of a crack or of parts that touch
-/// without a common node are no defects: see [`coincident`].
+/// A node or facet counts as lying on another facet if it is within 1e-6 of the facet's size from it. Faces of a crack
+/// or of parts that touch without a common node are no defects: see [`coincident`].
 #[must_use]
 pub fn defects(mesh: &Mesh) -> Vec<Defects> {
     let mut list = List::default();
@@ -282,7 +289,11 @@ fn determinant(mesh: &Mesh, cell: &[u32], gradients: &[Point]) -> f64 {
 
 /// The table of an element at the points where its cells must have a positive Jacobian: one if it is constant.
 fn points_of(element: &'static Element) -> Table {
-    if element.gradient_degree == 0 { Table::at(element, &[element.centre()]) } else { Table::new(element, 2 * element.degree) }
+    if element.gradient_degree == 0 {
+        Table::at(element, &[element.centre()])
+    } else {
+        Table::new(element, 2 * element.degree)
+    }
 }
 
 fn jacobians(mesh: &Mesh, list: &mut List) {
@@ -311,10 +322,15 @@ fn duplicates(mesh: &Mesh, list: &mut List) {
     let mut marks: Vec<(u32, u64, u32)> = Vec::with_capacity(mesh.cell_count());
     for cell in mesh.blocks.iter().flat_map(Block::cells) {
         let lowest = cell.iter().copied().min().unwrap_or(0);
-        marks.push((lowest, cell.iter().map(|&n| u64::from(n) * u64::from(n)).fold(0, u64::wrapping_add), marks.len() as u32));
+        marks.push((
+            lowest,
+            cell.iter().map(|&n| u64::from(n) * u64::from(n)).fold(0, u64::wrapping_add),
+            marks.len() as u32,
+        ));
     }
     marks.sort_unstable();
-    let candidates: Vec<&[(u32, u64, u32)]> = marks.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|group| group.len() > 1).collect();
+    let candidates: Vec<&[(u32, u64, u32)]> =
+        marks.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).filter(|group| group.len() > 1).collect();
     if candidates.is_empty() {
         return;
     }
@@ -369,12 +385,19 @@ fn facets(mesh: &Mesh, list: &mut List) -> Vec<Owner> {
             boundary.push(*owner);
         } else if owners.len() > 2 {
             let nodes: Vec<u32> = owners[0].facet(mesh).1.collect();
-            list.add(Defect::Overlap { centre: centre(mesh, &nodes), nodes, cells: owners.iter().map(|o| o.number(mesh)).collect() });
+            list.add(Defect::Overlap {
+                centre: centre(mesh, &nodes),
+                nodes,
+                cells: owners.iter().map(|o| o.number(mesh)).collect(),
+            });
         }
         if on_side[key[0] as usize] {
             for (side, found) in sides.iter().zip(&mut found) {
                 if side.contains_key(key) {
-                    found.insert(*key, if let [a, b, ..] = owners { Some([a.number(mesh), b.number(mesh)]) } else { None });
+                    found.insert(
+                        *key,
+                        if let [a, b, ..] = owners { Some([a.number(mesh), b.number(mesh)]) } else { None },
+                    );
                 }
             }
         }
@@ -455,8 +478,8 @@ fn labels(mesh: &Mesh) -> Vec<u32> {
     (0..parent.len() as u32).map(|node| root(&mut parent, node)).collect()
 }
 
-/// The parts of the body, in the order of their lowest node. A part whose rigid motions nothing holds makes the problem singular where the
-/// density is zero.
+/// The parts of the body, in the order of their lowest node. A part whose rigid motions nothing holds makes the problem
+/// singular where the density is zero.
 ///
 /// Nodes must be below the number of nodes, see [`defects`]; nodes of no cell belong to no part.
 #[must_use]

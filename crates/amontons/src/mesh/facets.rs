@@ -39,7 +39,9 @@ impl FacetSet {
 
     /// Element and nodes of each facet.
     pub fn facets(&self) -> impl Iterator<Item = (&'static Element, &[u32])> {
-        self.blocks.iter().flat_map(|block| block.nodes.chunks_exact(block.element.nodes.len()).map(|nodes| (block.element, nodes)))
+        self.blocks
+            .iter()
+            .flat_map(|block| block.nodes.chunks_exact(block.element.nodes.len()).map(|nodes| (block.element, nodes)))
     }
 
     /// Number of facets.
@@ -92,16 +94,19 @@ impl Mesh {
         (0..regions).map(|region| boundary_of(&blocks(region)).node_list()).collect()
     }
 
-    /// The cell that each facet of a set bounds, as block and cell in the block; none for a facet that bounds no cell, and the
-    /// first of both cells where the facet lies inside the body.
+    /// The cell that each facet of a set bounds, as block and cell in the block; none for a facet that bounds no cell,
+    /// and the first of both cells where the facet lies inside the body.
     #[must_use]
     pub fn cells_of(&self, set: &FacetSet) -> Vec<Option<(usize, usize)>> {
-        let keys: Vec<FacetKey> = set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied())).collect();
+        let keys: Vec<FacetKey> =
+            set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied())).collect();
         let mut cells: HashMap<FacetKey, Option<(usize, usize)>> = keys.iter().map(|key| (*key, None)).collect();
         for (b, block) in self.blocks.iter().enumerate() {
             for (c, cell) in block.cells().enumerate() {
                 for facet in block.element.facets {
-                    if let Some(found @ None) = cells.get_mut(&facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))) {
+                    if let Some(found @ None) =
+                        cells.get_mut(&facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local])))
+                    {
                         *found = Some((b, c));
                     }
                 }
@@ -113,9 +118,15 @@ impl Mesh {
     /// Facets of the boundary that belong to no facet set.
     #[must_use]
     pub fn unnamed_boundary_facets(&self) -> usize {
-        let named: HashSet<FacetKey> =
-            self.facets.values().flat_map(|set| set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied()))).collect();
-        self.boundary().facets().filter(|(element, nodes)| !named.contains(&facet_key(element, nodes.iter().copied()))).count()
+        let named: HashSet<FacetKey> = self
+            .facets
+            .values()
+            .flat_map(|set| set.facets().map(|(element, nodes)| facet_key(element, nodes.iter().copied())))
+            .collect();
+        self.boundary()
+            .facets()
+            .filter(|(element, nodes)| !named.contains(&facet_key(element, nodes.iter().copied())))
+            .count()
     }
 }
 
@@ -124,7 +135,13 @@ fn boundary_of(blocks: &[&Block]) -> FacetSet {
     let mut keys: Vec<FacetKey> = Vec::new();
     for block in blocks {
         for cell in block.cells() {
-            keys.extend(block.element.facets.iter().map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))));
+            keys.extend(
+                block
+                    .element
+                    .facets
+                    .iter()
+                    .map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))),
+            );
         }
     }
     let mut sorted = keys.clone();

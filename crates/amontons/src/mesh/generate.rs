@@ -59,9 +59,19 @@ impl Mesh {
         check(&[length], &[cells], cells as f64 * elements.degree() as f64 + 1.0)?;
         let n = cells as u32;
         let points = (0..=cells).map(|i| [length * (i as f64 / cells as f64), 0.0, 0.0]).collect();
-        let facets = BTreeMap::from([("left".to_owned(), FacetSet::of(&POINT_LEFT, vec![0])), ("right".to_owned(), FacetSet::of(&POINT_RIGHT, vec![n]))]);
+        let facets = BTreeMap::from([
+            ("left".to_owned(), FacetSet::of(&POINT_LEFT, vec![0])),
+            ("right".to_owned(), FacetSet::of(&POINT_RIGHT, vec![n])),
+        ]);
         let blocks = vec![Block { element: &P1_SEGMENT, region: 0, nodes: (0..n).flat_map(|i| [i, i + 1]).collect() }];
-        elements.complete(Mesh { dim: 1, axisymmetric: false, points, blocks, regions: vec!["body".to_owned()], facets })
+        elements.complete(Mesh {
+            dim: 1,
+            axisymmetric: false,
+            points,
+            blocks,
+            regions: vec!["body".to_owned()],
+            facets,
+        })
     }
 
     /// The rectangle (0, size₀) × (0, size₁) cut into cells₀ × cells₁ squares, each cut into
@@ -77,9 +87,18 @@ impl Mesh {
     ///
     /// # Errors
     /// As those of [`Mesh::rectangle`].
-    pub fn rectangle_of(elements: Elements, size: [f64; 2], cells: [usize; 2], diagonal: Diagonal) -> Result<Mesh, MeshError> {
+    pub fn rectangle_of(
+        elements: Elements,
+        size: [f64; 2],
+        cells: [usize; 2],
+        diagonal: Diagonal,
+    ) -> Result<Mesh, MeshError> {
         let degree = elements.degree();
-        let middles = if elements.are_simplices() { rectangle_nodes(cells.map(|n| n.saturating_mul(degree)), diagonal) } else { 0.0 };
+        let middles = if elements.are_simplices() {
+            rectangle_nodes(cells.map(|n| n.saturating_mul(degree)), diagonal)
+        } else {
+            0.0
+        };
         check(&size, &cells, middles.max(cells.iter().map(|&n| n as f64 * degree as f64 + 1.0).product()))?;
         let [nx, ny] = cells;
         let at = |i: usize, j: usize| (j * (nx + 1) + i) as u32;
@@ -114,8 +133,19 @@ impl Mesh {
             ("top".to_owned(), side((0..nx).rev().flat_map(|i| [at(i + 1, ny), at(i, ny)]).collect())),
             ("left".to_owned(), side((0..ny).rev().flat_map(|j| [at(0, j + 1), at(0, j)]).collect())),
         ]);
-        let blocks = vec![Block { element: if elements.are_simplices() { &P1_TRIANGLE } else { &Q1_QUADRILATERAL }, region: 0, nodes }];
-        elements.complete(Mesh { dim: 2, axisymmetric: false, points, blocks, regions: vec!["body".to_owned()], facets })
+        let blocks = vec![Block {
+            element: if elements.are_simplices() { &P1_TRIANGLE } else { &Q1_QUADRILATERAL },
+            region: 0,
+            nodes,
+        }];
+        elements.complete(Mesh {
+            dim: 2,
+            axisymmetric: false,
+            points,
+            blocks,
+            regions: vec!["body".to_owned()],
+            facets,
+        })
     }
 
     /// The box (0, size₀) × (0, size₁) × (0, size₂) cut into cells₀ × cells₁ × cells₂ cubes, each cut into six

@@ -41,10 +41,19 @@ pub struct CellMap<'a> {
 }
 
 impl<'a> CellMap<'a> {
-    /// A map for the cells of a mesh that have the element of the table. It means nothing before the first [`CellMap::at`].
+    /// A map for the cells of a mesh that have the element of the table. It means nothing before the first
+    /// [`CellMap::at`].
     #[must_use]
     pub fn new(mesh: &'a Mesh, table: &'a Table) -> CellMap<'a> {
-        CellMap { position: [0.0; 3], jacobian: 0.0, measure: 0.0, gradients: vec![[0.0; 3]; table.element.nodes.len()], mesh, table, q: 0 }
+        CellMap {
+            position: [0.0; 3],
+            jacobian: 0.0,
+            measure: 0.0,
+            gradients: vec![[0.0; 3]; table.element.nodes.len()],
+            mesh,
+            table,
+            q: 0,
+        }
     }
 
     /// Goes to point `q` of the table in the cell with these nodes.
@@ -103,7 +112,8 @@ pub struct FacetMap<'a> {
 }
 
 impl<'a> FacetMap<'a> {
-    /// A map for the facets of a mesh that have the element of the table. It means nothing before the first [`FacetMap::at`].
+    /// A map for the facets of a mesh that have the element of the table. It means nothing before the first
+    /// [`FacetMap::at`].
     #[must_use]
     pub fn new(mesh: &'a Mesh, table: &'a Table) -> FacetMap<'a> {
         FacetMap { position: [0.0; 3], area: 0.0, normal: [0.0; 3], mesh, table, q: 0 }

@@ -247,13 +247,19 @@ impl Mesh {
     /// square cut into n × n squares by diagonals.
     #[must_use]
     pub fn spacing(&self) -> f64 {
-        self.blocks.iter().flat_map(|block| block.cells().map(|cell| self.edges(block.element, cell).0)).fold(0.0, f64::max)
+        self.blocks
+            .iter()
+            .flat_map(|block| block.cells().map(|cell| self.edges(block.element, cell).0))
+            .fold(0.0, f64::max)
     }
 
     /// Longest distance of two vertices of a cell, the diameter of the estimates.
     #[must_use]
     pub fn h(&self) -> f64 {
-        self.blocks.iter().flat_map(|block| block.cells().map(|cell| self.edges(block.element, cell).1)).fold(0.0, f64::max)
+        self.blocks
+            .iter()
+            .flat_map(|block| block.cells().map(|cell| self.edges(block.element, cell).1))
+            .fold(0.0, f64::max)
     }
 }
 

@@ -57,7 +57,9 @@ fn ring([inner, outer]: [f64; 2], sector: Option<f64>, [radial, around]: [usize;
             points.push([r * c, r * s, 0.0]);
         }
     }
-    let cells = (0..around).flat_map(|j| (0..radial).flat_map(move |i| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)])).collect();
+    let cells = (0..around)
+        .flat_map(|j| (0..radial).flat_map(move |i| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]))
+        .collect();
     let side = |nodes: Vec<u32>| FacetSet::of(&P1_SEGMENT, nodes);
     let mut facets = BTreeMap::from([
         ("outer".to_owned(), side((0..around).flat_map(|j| [at(radial, j), at(radial, j + 1)]).collect())),
@@ -84,17 +86,28 @@ fn disc(radius: f64, [radial, around]: [usize; 2]) -> Section {
         let (x, y) = [(n, i), (n - i, n), (0, n - i), (i, 0)][p / n];
         y * (n + 1) + x
     };
-    let at = |l: usize, p: usize| (if l == 0 { on_square(p % around) } else { (n + 1) * (n + 1) + (l - 1) * around + p % around }) as u32;
+    let at = |l: usize, p: usize| {
+        (if l == 0 { on_square(p % around) } else { (n + 1) * (n + 1) + (l - 1) * around + p % around }) as u32
+    };
     for l in 1..=radial {
         for p in 0..around {
             let [c, s] = unit(FRAC_PI_2 * (p as f64 / n as f64) - FRAC_PI_4);
             let (share, from) = (l as f64 / radial as f64, points[on_square(p)]);
-            points.push([from[0] * (1.0 - share) + radius * c * share, from[1] * (1.0 - share) + radius * s * share, 0.0]);
+            points.push([
+                from[0] * (1.0 - share) + radius * c * share,
+                from[1] * (1.0 - share) + radius * s * share,
+                0.0,
+            ]);
         }
     }
-    let cell = |i: usize, j: usize| [j * (n + 1) + i, j * (n + 1) + i + 1, (j + 1) * (n + 1) + i + 1, (j + 1) * (n + 1) + i].map(|n| n as u32);
+    let cell = |i: usize, j: usize| {
+        [j * (n + 1) + i, j * (n + 1) + i + 1, (j + 1) * (n + 1) + i + 1, (j + 1) * (n + 1) + i].map(|n| n as u32)
+    };
     let mut cells: Vec<u32> = (0..n).flat_map(|j| (0..n).flat_map(move |i| cell(i, j))).collect();
-    cells.extend((0..radial).flat_map(|l| (0..around).flat_map(move |p| [at(l, p), at(l + 1, p), at(l + 1, p + 1), at(l, p + 1)])));
+    cells.extend(
+        (0..radial)
+            .flat_map(|l| (0..around).flat_map(move |p| [at(l, p), at(l + 1, p), at(l + 1, p + 1), at(l, p + 1)])),
+    );
     let outer = FacetSet::of(&P1_SEGMENT, (0..around).flat_map(|p| [at(radial, p), at(radial, p + 1)]).collect());
     let curved = points.len() - around;
     Section { mesh: plane(points, cells, BTreeMap::from([("outer".to_owned(), outer)])), curved }
@@ -121,7 +134,11 @@ impl Section {
         }
         mesh.quadratic_by(|nodes, points| {
             let round = nodes.iter().all(|&n| n as usize % size >= curved);
-            if round { polar_mean(points) } else { std::array::from_fn(|d| points.iter().map(|p| p[d]).sum::<f64>() / points.len() as f64) }
+            if round {
+                polar_mean(points)
+            } else {
+                std::array::from_fn(|d| points.iter().map(|p| p[d]).sum::<f64>() / points.len() as f64)
+            }
         })
     }
 }
@@ -147,12 +164,18 @@ impl Mesh {
         disc(radius, cells).into_mesh(elements, None)
     }
 
-    /// The ring between two radii `[inner, outer]` around the origin, `[radial, around]` cells, or a sector of it from the
-    /// x-axis over an angle in rad; facet sets `inner`, `outer`, and `start`, `end` of a sector.
+    /// The ring between two radii `[inner, outer]` around the origin, `[radial, around]` cells, or a sector of it from
+    /// the x-axis over an angle in rad; facet sets `inner`, `outer`, and `start`, `end` of a sector.
     ///
     /// # Errors
-    /// When 0 < inner < outer does not hold, the angle is not in (0, 2π), a number of cells is zero, or the mesh too large.
-    pub fn ring(radii: [f64; 2], sector: Option<f64>, cells: [usize; 2], elements: Elements) -> Result<Mesh, MeshError> {
+    /// When 0 < inner < outer does not hold, the angle is not in (0, 2π), a number of cells is zero, or the mesh too
+    /// large.
+    pub fn ring(
+        radii: [f64; 2],
+        sector: Option<f64>,
+        cells: [usize; 2],
+        elements: Elements,
+    ) -> Result<Mesh, MeshError> {
         check_radii(radii[0], radii[1])?;
         check(&radii, &cells, plane_nodes(cells, false, elements))?;
         match sector {
@@ -174,7 +197,11 @@ impl Mesh {
         let solid = inner == 0.0;
         check_radii(inner, outer)?;
         let across = [cells[0], cells[1]];
-        check(&[outer, outer, height], &cells, plane_nodes(across, solid, elements) * (cells[2] as f64 * elements.degree() as f64 + 1.0))?;
+        check(
+            &[outer, outer, height],
+            &cells,
+            plane_nodes(across, solid, elements) * (cells[2] as f64 * elements.degree() as f64 + 1.0),
+        )?;
         check_around(cells[1], solid)?;
         let section = if solid { disc(outer, across) } else { ring(radii, None, across) };
         section.into_mesh(elements, Some((height, cells[2])))

@@ -59,14 +59,22 @@ fn intervals_rectangles_and_boxes_have_their_measures() -> Result<(), MeshError>
         let what = format!("{elements:?}");
         let line = Mesh::interval(2.5, 7, elements)?;
         assert_closed(&line, &what);
-        assert_eq!((line.points.len(), line.facets["left"].node_list(), line.facets["right"].node_list()), (7 * elements.degree() + 1, vec![0], vec![7]));
+        assert_eq!(
+            (line.points.len(), line.facets["left"].node_list(), line.facets["right"].node_list()),
+            (7 * elements.degree() + 1, vec![0], vec![7])
+        );
         assert!((volume_integral(&line, |x| x[0] * x[0]) - 2.5f64.powi(3) / 3.0).abs() < 1e-13);
 
         let plane = Mesh::rectangle_of(elements, [2.0, 3.0], [4, 5], Diagonal::Right)?;
         assert_closed(&plane, &what);
         assert_eq!(plane.points.len(), (4 * elements.degree() + 1) * (5 * elements.degree() + 1));
         assert!((volume_integral(&plane, |x| x[0] * x[1]) - 9.0).abs() < 1e-12);
-        for (side, length, normal) in [("left", 3.0, [-1.0, 0.0]), ("right", 3.0, [1.0, 0.0]), ("bottom", 2.0, [0.0, -1.0]), ("top", 2.0, [0.0, 1.0])] {
+        for (side, length, normal) in [
+            ("left", 3.0, [-1.0, 0.0]),
+            ("right", 3.0, [1.0, 0.0]),
+            ("bottom", 2.0, [0.0, -1.0]),
+            ("top", 2.0, [0.0, 1.0]),
+        ] {
             let found = surface_integral(&plane, &plane.facets[side], |_, n| n[0] * normal[0] + n[1] * normal[1]);
             assert!((found - length).abs() < 1e-13, "{what} {side}");
         }
@@ -76,12 +84,20 @@ fn intervals_rectangles_and_boxes_have_their_measures() -> Result<(), MeshError>
         assert_eq!(body.cell_count(), 24 * if elements.are_simplices() { 6 } else { 1 });
         assert_eq!(body.points.len(), [3, 4, 2].iter().map(|n| n * elements.degree() + 1).product::<usize>());
         assert!((volume_integral(&body, |x| x[0] * x[1] * x[2]) - 1.125).abs() < 1e-12);
-        for (side, area, normal) in [("left", 1.5, [-1.0, 0.0, 0.0]), ("right", 1.5, [1.0, 0.0, 0.0]), ("bottom", 1.0, [0.0, -1.0, 0.0])] {
-            assert!((surface_integral(&body, &body.facets[side], |_, n| dot(n, &normal)) - area).abs() < 1e-13, "{what} {side}");
+        for (side, area, normal) in
+            [("left", 1.5, [-1.0, 0.0, 0.0]), ("right", 1.5, [1.0, 0.0, 0.0]), ("bottom", 1.0, [0.0, -1.0, 0.0])]
+        {
+            assert!(
+                (surface_integral(&body, &body.facets[side], |_, n| dot(n, &normal)) - area).abs() < 1e-13,
+                "{what} {side}"
+            );
         }
         for (side, normal) in [("top", [0.0, 1.0, 0.0]), ("back", [0.0, 0.0, -1.0]), ("front", [0.0, 0.0, 1.0])] {
             let area = if side == "top" { 1.0 } else { 6.0 };
-            assert!((surface_integral(&body, &body.facets[side], |_, n| dot(n, &normal)) - area).abs() < 1e-13, "{what} {side}");
+            assert!(
+                (surface_integral(&body, &body.facets[side], |_, n| dot(n, &normal)) - area).abs() < 1e-13,
+                "{what} {side}"
+            );
         }
     }
     Ok(())
@@ -124,7 +140,8 @@ fn round_bodies_converge_to_their_measures() -> Result<(), MeshError> {
                     _ => PI,
                 };
                 arc.next();
-                let errors = [0, 1].map(|i| (surface_integral(&meshes[i], &meshes[i].facets[name], |_, _| 1.0) - exact).abs());
+                let errors =
+                    [0, 1].map(|i| (surface_integral(&meshes[i], &meshes[i].facets[name], |_, _| 1.0) - exact).abs());
                 assert!((slope(errors) - order).abs() < 0.15, "{what}: errors of the side {name} {errors:?}");
                 // Every node of the side lies on the circle.
                 let radius = if name == "outer" { 2.0 } else { 1.0 };
@@ -185,7 +202,10 @@ fn bad_numbers_are_named() {
     assert!(matches!(Mesh::rectangle([1.0, -1.0], [1, 1], Diagonal::Right), Err(MeshError::Size { direction: 1, .. })));
     assert!(matches!(Mesh::rectangle([1.0, f64::NAN], [1, 1], Diagonal::Right), Err(MeshError::Size { .. })));
     assert!(matches!(Mesh::rectangle([1.0, 1.0], [0, 1], Diagonal::Right), Err(MeshError::Cells { direction: 0, .. })));
-    assert!(matches!(Mesh::rectangle([1.0, 1.0], [1 << 20, 1 << 20], Diagonal::Right), Err(MeshError::TooLarge { .. })));
+    assert!(matches!(
+        Mesh::rectangle([1.0, 1.0], [1 << 20, 1 << 20], Diagonal::Right),
+        Err(MeshError::TooLarge { .. })
+    ));
     assert!(matches!(Mesh::interval(f64::INFINITY, 1, Elements::P1), Err(MeshError::Size { direction: 0, .. })));
     assert!(matches!(Mesh::interval(1.0, 0, Elements::P1), Err(MeshError::Cells { direction: 0, found: 0 })));
     assert!(matches!(Mesh::box_([1.0, 1.0, 0.0], [1, 1, 1], Elements::P1), Err(MeshError::Size { direction: 2, .. })));
@@ -195,7 +215,10 @@ fn bad_numbers_are_named() {
     assert!(matches!(Mesh::ring([2.0, 1.0], None, [2, 6], Elements::P1), Err(MeshError::Radii { .. })));
     assert!(matches!(Mesh::ring([1.0, 2.0], Some(7.0), [2, 6], Elements::P1), Err(MeshError::Angle { .. })));
     assert!(matches!(Mesh::ring([1.0, 2.0], None, [2, 2], Elements::P1), Err(MeshError::Around { found: 2, .. })));
-    assert!(matches!(Mesh::cylinder([0.0, 1.0], -1.0, [1, 4, 1], Elements::P1), Err(MeshError::Size { direction: 2, .. })));
+    assert!(matches!(
+        Mesh::cylinder([0.0, 1.0], -1.0, [1, 4, 1], Elements::P1),
+        Err(MeshError::Size { direction: 2, .. })
+    ));
     assert!(matches!(Mesh::cylinder([f64::NAN, 1.0], 1.0, [1, 4, 1], Elements::P1), Err(MeshError::Size { .. })));
 }
 
@@ -209,7 +232,8 @@ fn inverted_and_folded_cells_are_named() -> Result<(), MeshError> {
     let n = mesh.blocks[0].nodes[8..12].to_vec();
     for d in 0..3 {
         // The last vertex into the plane of the others.
-        mesh.points[n[3] as usize][d] = (mesh.points[n[0] as usize][d] + mesh.points[n[1] as usize][d] + mesh.points[n[2] as usize][d]) / 3.0;
+        mesh.points[n[3] as usize][d] =
+            (mesh.points[n[0] as usize][d] + mesh.points[n[1] as usize][d] + mesh.points[n[2] as usize][d]) / 3.0;
     }
     assert!(matches!(mesh.check(), Err(MeshError::Cell { .. })));
     // A middle node beyond the quarter of the edge folds a quadratic triangle near one vertex.
@@ -231,6 +255,9 @@ fn nodes_that_there_are_not_are_named() -> Result<(), MeshError> {
     let text = |mesh: &Mesh| mesh.check().err().map(|error| error.to_string());
     assert_eq!(text(&sound), None);
     assert_eq!(text(&cell).as_deref(), Some("a cell names node 99, expected one below 9, the number of nodes"));
-    assert_eq!(text(&facet).as_deref(), Some("a facet of \"top\" names node 9, expected one below 9, the number of nodes"));
+    assert_eq!(
+        text(&facet).as_deref(),
+        Some("a facet of \"top\" names node 9, expected one below 9, the number of nodes")
+    );
     Ok(())
 }

@@ -1,8 +1,8 @@
 //! Meshes of VTK: unstructured grids in XML (`.vtu`), as ParaView, meshio and this program write them.
 //!
-//! Integers of the cell data `region` become regions, named by their digits; without them the body is one region. Cells of dimension d − 1 with the
-//! cell data `facet` or `boundary` become sides, named likewise; without them they are the side `boundary`. The name `gmsh:physical`, which
-//! meshio gives to the groups of Gmsh, serves for both.
+//! Integers of the cell data `region` become regions, named by their digits; without them the body is one region. Cells
+//! of dimension d − 1 with the cell data `facet` or `boundary` become sides, named likewise; without them they are the
+//! side `boundary`. The name `gmsh:physical`, which meshio gives to the groups of Gmsh, serves for both.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,7 +29,8 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
 }
 
 fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
-    let kinds = grid.types.iter().enumerate().map(|(cell, &code)| kind(cell, code)).collect::<Result<Vec<Kind>, _>>()?;
+    let kinds =
+        grid.types.iter().enumerate().map(|(cell, &code)| kind(cell, code)).collect::<Result<Vec<Kind>, _>>()?;
     let dim = kinds.iter().map(|kind| kind.dim).max().unwrap_or(0);
     let (regions, sides) = (ids(&grid, &REGION)?, ids(&grid, &SIDE)?);
     let mut names = BTreeMap::new();
@@ -46,7 +47,8 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
             _ => continue,
         };
         if nodes.len() != kind.nodes {
-            let message = format!("cell {cell} has {} nodes, expected the {} of a {}", nodes.len(), kind.nodes, kind.name);
+            let message =
+                format!("cell {cell} has {} nodes, expected the {} of a {}", nodes.len(), kind.nodes, kind.name);
             return Err(MeshFileError::Grid { message });
         }
         let block = *index.entry((grid.types[cell], group)).or_insert_with(|| {
@@ -61,7 +63,12 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
 /// The element of a cell; the library numbers nodes as VTK does.
 fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
     if POINTS.contains(&code) {
-        return Ok(Kind { name: "vertex", dim: 0, nodes: 1, element: element::ALL.iter().copied().find(|e| e.vtk == 1) });
+        return Ok(Kind {
+            name: "vertex",
+            dim: 0,
+            nodes: 1,
+            element: element::ALL.iter().copied().find(|e| e.vtk == 1),
+        });
     }
     let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
         let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
@@ -72,11 +79,18 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
 
 /// The first of some cell data, as integers.
 fn ids(grid: &Grid, names: &[&str]) -> Result<Option<Vec<i64>>, MeshFileError> {
-    let Some((name, Array { components, values })) = names.iter().find_map(|name| grid.cell_data.get_key_value(*name)) else { return Ok(None) };
+    let Some((name, Array { components, values })) = names.iter().find_map(|name| grid.cell_data.get_key_value(*name))
+    else {
+        return Ok(None);
+    };
     let integer = |v: &f64| (v.fract() == 0.0 && v.abs() < 1e15).then_some(*v as i64);
     let ids: Option<Vec<i64>> = values.iter().map(integer).collect();
     match ids {
         Some(ids) if *components == 1 => Ok(Some(ids)),
-        _ => Err(MeshFileError::Grid { message: format!("the array {name} has {components} components or fractions, expected one integer per cell") }),
+        _ => Err(MeshFileError::Grid {
+            message: format!(
+                "the array {name} has {components} components or fractions, expected one integer per cell"
+            ),
+        }),
     }
 }

@@ -77,7 +77,10 @@ pub fn thermal_layers(problem: &Problem) -> Vec<ThermalLayer> {
             let conductivity = dot(&cell.normal, &m.conductivity.apply(&cell.normal));
             (m.heat_capacity > 0.0 && conductivity > 0.0).then(|| (conductivity / m.heat_capacity).sqrt())
         };
-        let worst = cells.iter().filter_map(|cell| Some((cell, depth(cell)?))).max_by(|a, b| (a.0.height / a.1).total_cmp(&(b.0.height / b.1)));
+        let worst = cells
+            .iter()
+            .filter_map(|cell| Some((cell, depth(cell)?)))
+            .max_by(|a, b| (a.0.height / a.1).total_cmp(&(b.0.height / b.1)));
         let (cell, depth) = worst?;
         let [step, end] = [problem.k(), problem.end].map(|t| t.sqrt() * depth);
         Some(ThermalLayer { side: contact.on.clone(), x: cell.x, cell: cell.height, step, end })

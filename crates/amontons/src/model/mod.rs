@@ -20,7 +20,8 @@ use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
-/// The size of a model. In two dimensions volume, mass and areas are per metre of thickness; those of a body of revolution are of the whole body.
+/// The size of a model. In two dimensions volume, mass and areas are per metre of thickness; those of a body of
+/// revolution are of the whole body.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Model {
     /// Least and largest coordinates, m.
@@ -49,7 +50,9 @@ impl Model {
     #[must_use]
     pub fn new(problem: &Problem) -> Model {
         let mesh = &*problem.mesh;
-        let bound = |fold: fn(f64, f64) -> f64, start: f64| (0..mesh.dim).map(|d| mesh.points.iter().map(|p| p[d]).fold(start, fold)).collect();
+        let bound = |fold: fn(f64, f64) -> f64, start: f64| {
+            (0..mesh.dim).map(|d| mesh.points.iter().map(|p| p[d]).fold(start, fold)).collect()
+        };
         let volumes = volumes(mesh);
         let density = |region: usize| problem.material_of(region).map_or(0.0, |m| m.density);
         let boundary = problem.contact_boundary();
@@ -60,7 +63,12 @@ impl Model {
             mass: mesh.blocks.iter().zip(&volumes).map(|(block, volume)| density(block.region) * volume).sum(),
             parts: components(mesh).len(),
             sides: mesh.facets.iter().map(|(name, set)| (name.clone(), area(mesh, set))).collect(),
-            contact_points: problem.contacts.iter().enumerate().map(|(side, contact)| (contact.on.clone(), points(side))).collect(),
+            contact_points: problem
+                .contacts
+                .iter()
+                .enumerate()
+                .map(|(side, contact)| (contact.on.clone(), points(side)))
+                .collect(),
             times: Times::new(problem),
             thermal_layers: thermal_layers(problem),
             cost: Cost::new(problem),

@@ -6,7 +6,8 @@ use crate::problem::{Problem, Support};
 use crate::space::Space;
 use crate::tensor::Point;
 
-/// Number of independent motions without strain of each part of the body that supports and springs do not hold; contact is not counted.
+/// Number of independent motions without strain of each part of the body that supports and springs do not hold; contact
+/// is not counted.
 #[must_use]
 pub fn rigid_motions(problem: &Problem, parts: &[Component]) -> Vec<usize> {
     let (space, springs) = (problem.displacement_space(), sprung(problem));
@@ -16,7 +17,8 @@ pub fn rigid_motions(problem: &Problem, parts: &[Component]) -> Vec<usize> {
 /// Whether each part of the body has a side whose temperature is held, by a prescribed value or the surroundings.
 #[must_use]
 pub(super) fn holds_temperature(problem: &Problem, parts: &[Component]) -> bool {
-    let sides = problem.boundary.iter().filter(|b| b.holds_temperature()).filter_map(|b| problem.mesh.facets.get(&b.on));
+    let sides =
+        problem.boundary.iter().filter(|b| b.holds_temperature()).filter_map(|b| problem.mesh.facets.get(&b.on));
     let held: Vec<u32> = sides.flat_map(FacetSet::node_list).collect();
     parts.iter().all(|part| held.iter().any(|node| part.nodes.binary_search(node).is_ok()))
 }
@@ -30,7 +32,11 @@ fn sprung(problem: &Problem) -> Vec<(u32, Point)> {
         match spring {
             Support::Components(fields) => {
                 for (c, _) in fields.iter().enumerate().take(mesh.dim).filter(|(_, field)| !field.is_zero()) {
-                    held.extend(set.node_list().into_iter().map(|node| (node, std::array::from_fn(|d| f64::from(u8::from(d == c))))));
+                    held.extend(
+                        set.node_list()
+                            .into_iter()
+                            .map(|node| (node, std::array::from_fn(|d| f64::from(u8::from(d == c))))),
+                    );
                 }
             }
             Support::Normal(field) if field.is_zero() => {}
@@ -51,14 +57,15 @@ fn sprung(problem: &Problem) -> Vec<(u32, Point)> {
     held
 }
 
-/// Number of independent motions without strain that the supports of a part leave free: 1, 3 or 6, in a body of revolution 1, less the rank of
-/// the supports on them.
+/// Number of independent motions without strain that the supports of a part leave free: 1, 3 or 6, in a body of
+/// revolution 1, less the rank of the supports on them.
 fn motions_of(mesh: &Mesh, space: &Space, springs: &[(u32, Point)], part: &Component) -> usize {
     let dim = mesh.dim;
     let [low, high] = part.bounds(mesh);
     let centre: Point = std::array::from_fn(|d| 0.5 * (low[d] + high[d]));
     let size = (0..dim).map(|d| high[d] - low[d]).fold(0.0, f64::max);
-    let motions = if mesh.axisymmetric { vec![5] } else { vec![vec![0], vec![0, 1, 2], (0..6).collect()].swap_remove(dim - 1) };
+    let motions =
+        if mesh.axisymmetric { vec![5] } else { vec![vec![0], vec![0, 1, 2], (0..6).collect()].swap_remove(dim - 1) };
     // A body of revolution only moves along its axis, and a plane one turns about z.
     let value = |motion: usize, x: &Point, direction: &Point| {
         let [x, y, z]: Point = std::array::from_fn(|d| if size > 0.0 { (x[d] - centre[d]) / size } else { 0.0 });

@@ -16,13 +16,14 @@ use crate::space::Space;
 /// Time scales of the body without contact, s.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Times {
-    /// Longest period of the body at rest, held as its supports and springs hold it: 2π √(sup (ρv, v)/a(v, v)). None where the density is zero
-    /// or nothing holds the body.
+    /// Longest period of the body at rest, held as its supports and springs hold it: 2π √(sup (ρv, v)/a(v, v)). None
+    /// where the density is zero or nothing holds the body.
     pub first_period: Option<f64>,
-    /// Time in which the slowest temperature falls by 1/e: sup (cη, η)/d(η, η), convection included. None where the heat is steady or no side
-    /// holds the temperature.
+    /// Time in which the slowest temperature falls by 1/e: sup (cη, η)/d(η, η), convection included. None where the
+    /// heat is steady or no side holds the temperature.
     pub heat: Option<f64>,
-    /// Least and largest ratio of viscosity to elasticity, the time in which a Kelvin–Voigt body follows its load. None without viscosity.
+    /// Least and largest ratio of viscosity to elasticity, the time in which a Kelvin–Voigt body follows its load. None
+    /// without viscosity.
     pub retardation: Option<[f64; 2]>,
     /// Relaxation times of the branches.
     pub relaxation: Vec<f64>,
@@ -35,14 +36,21 @@ impl Times {
         let parts = components(&problem.mesh);
         // The factor of a form that is singular may exist by round-off.
         let held = rigid_motions(problem, &parts).iter().all(|motions| *motions == 0);
-        let (first_period, heat) =
-            rayon::join(|| held.then(|| period(problem, &graph)).flatten(), || holds_temperature(problem, &parts).then(|| heat(problem, &graph)).flatten());
+        let (first_period, heat) = rayon::join(
+            || held.then(|| period(problem, &graph)).flatten(),
+            || holds_temperature(problem, &parts).then(|| heat(problem, &graph)).flatten(),
+        );
         let ratios = problem.materials.iter().flat_map(|m| {
             let (a, b) = (m.elasticity.constants(), m.viscosity.constants());
             [b.monotonicity / a.lipschitz, b.lipschitz / a.monotonicity]
         });
         let retardation = ratios.fold([f64::INFINITY, 0.0f64], |[low, high], ratio| [low.min(ratio), high.max(ratio)]);
-        Times { first_period, heat, retardation: (retardation[1] > 0.0).then_some(retardation), relaxation: problem.relaxation_times() }
+        Times {
+            first_period,
+            heat,
+            retardation: (retardation[1] > 0.0).then_some(retardation),
+            relaxation: problem.relaxation_times(),
+        }
     }
 }
 

@@ -12,8 +12,8 @@ use crate::tensor::{Point, Sym, safe_scale};
 /// Strain, stress and heat flux of a body at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointValues {
-    /// ε(u), with the mean dilatation of the cell where the problem has it so; zero in directions that the body lacks, and the
-    /// hoop strain 33 of a body of revolution.
+    /// ε(u), with the mean dilatation of the cell where the problem has it so; zero in directions that the body lacks,
+    /// and the hoop strain 33 of a body of revolution.
     pub strain: Sym,
     /// Total stress σ of (2.1), Pa: with σ₃₃ in plane strain, and the hoop stress 33 of a body of revolution.
     pub stress: Sym,
@@ -46,7 +46,10 @@ impl Tables {
         let mesh = &problem.mesh;
         let points = mesh.blocks.iter().map(|block| Table::of_rule(block.element, rule(block.element))).collect();
         let means = mesh.blocks.iter().filter(|_| problem.dilatation == Dilatation::Mean);
-        Tables { points, means: means.map(|block| Table::new(block.element, strain_degree(mesh, block.element))).collect() }
+        Tables {
+            points,
+            means: means.map(|block| Table::new(block.element, strain_degree(mesh, block.element))).collect(),
+        }
     }
 }
 
@@ -73,7 +76,13 @@ impl<'a> Evaluator<'a> {
         let mesh = &problem.mesh;
         let material = problem.material_of(mesh.blocks[block].region);
         let times = problem.relaxation_times();
-        let springs = |branch: &Branch| times.iter().zip(&state.branches).find(|(time, _)| time.to_bits() == branch.time.to_bits()).map(|(_, z)| &z[..]);
+        let springs = |branch: &Branch| {
+            times
+                .iter()
+                .zip(&state.branches)
+                .find(|(time, _)| time.to_bits() == branch.time.to_bits())
+                .map(|(_, z)| &z[..])
+        };
         let branches = material.and_then(|m| m.prony.as_ref()).map_or(&[][..], Prony::branches).iter();
         Evaluator {
             problem,
@@ -85,8 +94,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// At point `q` of the table in the cell with these nodes: strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖ε(z) − θ𝓜 with the branches
-    /// that relax, heat flux.
+    /// At point `q` of the table in the cell with these nodes: strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖ε(z) − θ𝓜 with the
+    /// branches that relax, heat flux.
     pub fn at(&mut self, cell: &[u32], q: usize) -> PointValues {
         self.map.at(cell, q);
         let (mut theta, mut gradient) = (0.0, [0.0; 3]);
@@ -171,7 +180,8 @@ pub fn largest_strain(mesh: &Mesh, v: &[f64]) -> (f64, Point) {
                 if strain.norm() <= worst.0 {
                     continue;
                 }
-                let largest = strain.eigenvalues(mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+                let largest =
+                    strain.eigenvalues(mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
                 if largest > worst.0 || strain.norm().is_nan() {
                     worst = (if strain.norm().is_nan() { f64::NAN } else { largest }, map.position);
                 }

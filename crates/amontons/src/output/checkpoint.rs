@@ -219,7 +219,11 @@ impl Body {
                     })
                     .collect(),
                 temperature: report.points.iter().map(|p| p.temperature).collect(),
-                flux: report.points.iter().map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature, ..Flux::default() }).collect(),
+                flux: report
+                    .points
+                    .iter()
+                    .map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature, ..Flux::default() })
+                    .collect(),
                 force: report.force,
                 heat_flow: report.heat_flow,
             },
@@ -255,7 +259,9 @@ impl Checkpoint {
     /// Whether the checkpoint is one of a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
         let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
-        let same = |what, found, expected| if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) };
+        let same = |what, found, expected| {
+            if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
+        };
         same("displacements", self.state.u.len(), nodes * dim)?;
         same("velocities", self.state.w.len(), nodes * dim)?;
         same("temperatures", self.state.theta.len(), nodes)?;
@@ -281,7 +287,8 @@ impl Checkpoint {
 /// Writes a checkpoint into a results folder, in place of the one before.
 pub(super) fn write(folder: &Path, case: &str, now: &Snapshot) -> Result<(), OutputError> {
     let path = folder.join(FILE);
-    let body = postcard::to_stdvec(&Body::new(now)).map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
+    let body = postcard::to_stdvec(&Body::new(now))
+        .map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
     let bytes = seal(case, &body);
     write_atomically(&path, |out| out.write_all(&bytes))
 }
@@ -302,7 +309,8 @@ fn seal(case: &str, body: &[u8]) -> Vec<u8> {
 /// States of a level of a study, to be found again for a case of the same fingerprint.
 pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<(), OutputError> {
     let bodies: Vec<Body> = states.iter().map(Body::of_state).collect();
-    let body = postcard::to_stdvec(&bodies).map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
+    let body = postcard::to_stdvec(&bodies)
+        .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
     let bytes = seal(case, &body);
     write_atomically(path, |out| out.write_all(&bytes))
 }
@@ -318,7 +326,9 @@ pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, Checkpo
 fn decode<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8], case: &str) -> Result<T, CheckpointError> {
     let damaged = |found: String, expected: String| CheckpointError::Damaged { path: path.to_owned(), found, expected };
     let too_short = || damaged(format!("{} bytes", bytes.len()), "the whole file".to_owned());
-    let rest = bytes.strip_prefix(MAGIC).ok_or_else(|| damaged("another file".to_owned(), "a checkpoint of amontons".to_owned()))?;
+    let rest = bytes
+        .strip_prefix(MAGIC)
+        .ok_or_else(|| damaged("another file".to_owned(), "a checkpoint of amontons".to_owned()))?;
     let (version, rest) = rest.split_first_chunk::<4>().ok_or_else(too_short)?;
     let version = u32::from_le_bytes(*version);
     if version != VERSION {
@@ -328,7 +338,10 @@ fn decode<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8], case: &str)
     let (length, rest) = rest.split_first_chunk::<8>().ok_or_else(too_short)?;
     let (body, checksum) = rest.split_last_chunk::<HASH>().ok_or_else(too_short)?;
     if u64::from_le_bytes(*length) != body.len() as u64 {
-        return Err(damaged(format!("a body of {} bytes", body.len()), format!("one of {}", u64::from_le_bytes(*length))));
+        return Err(damaged(
+            format!("a body of {} bytes", body.len()),
+            format!("one of {}", u64::from_le_bytes(*length)),
+        ));
     }
     if Sha256::digest(&bytes[..bytes.len() - HASH]).as_slice() != checksum {
         return Err(damaged("a checksum that does not match".to_owned(), "the one written with the file".to_owned()));

@@ -84,7 +84,8 @@ impl<T: Rows> Column<T> {
         names.into_iter().map(|name| (name, self.measure)).collect()
     }
 
-    /// The side that a column of this name belongs to: `left` of `foundation_temperature@left`, and no word of the column of an only contact.
+    /// The side that a column of this name belongs to: `left` of `foundation_temperature@left`, and no word of the
+    /// column of an only contact.
     #[must_use]
     pub fn side_of<'a>(&self, name: &'a str) -> Option<&'a str> {
         match name.strip_prefix(self.name)? {
@@ -222,7 +223,8 @@ const OF_SIDE: &[&Column<History>] = &[
     &WEAR_VOLUME,
 ];
 
-/// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several contacts.
+/// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
+/// contacts.
 fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static Column<History>> + use<> {
     let warms_up = problem.contacts.get(side).is_some_and(|contact| contact.foundation_heat.is_some());
     let several = problem.contacts.len() > 1;
@@ -230,8 +232,8 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
     foundation.into_iter().chain(if several { OF_SIDE } else { &[] }.iter().copied())
 }
 
-/// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own, ending with `@` and the
-/// name of its side.
+/// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own,
+/// ending with `@` and the name of its side.
 #[must_use]
 pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
     let dim = problem.mesh.dim;
@@ -293,7 +295,9 @@ impl PointRow<'_> {
     fn node(&self) -> usize {
         let nodal = self.now.problem.contacts.get(self.point.side).is_some_and(|c| c.quadrature == Quadrature::Nodal);
         let on_node = self.point.nodes.first().filter(|_| nodal);
-        on_node.and_then(|(node, _)| self.now.discretization.boundary.nodes.get(*node)).map_or(self.number, |&node| node as usize)
+        on_node
+            .and_then(|(node, _)| self.now.discretization.boundary.nodes.get(*node))
+            .map_or(self.number, |&node| node as usize)
     }
 
     /// Without heat the body has no temperature.
@@ -371,7 +375,8 @@ fn quoted(name: &str) -> String {
     if name.contains([',', '"', '\n', '\r']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }
 
-/// Every name that a column of the two tables can have, in space, with what it measures; those of sides without the name of the side.
+/// Every name that a column of the two tables can have, in space, with what it measures; those of sides without the
+/// name of the side.
 #[must_use]
 pub fn all_measures() -> Vec<(String, Option<Measure>)> {
     let of_sides = std::iter::once(&FOUNDATION_TEMPERATURE as &Column<History>).chain(OF_SIDE.iter().copied());

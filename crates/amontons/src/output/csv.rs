@@ -31,7 +31,8 @@ impl Rows {
     /// The file of a run that goes on after `steps` steps: rows behind them are cut off.
     pub fn reopen(path: PathBuf, columns: &[String], steps: usize) -> Result<Rows, OutputError> {
         let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
-        let inconsistent = |found: String, expected: String| OutputError::Inconsistent { path: path.clone(), found, expected };
+        let inconsistent =
+            |found: String, expected: String| OutputError::Inconsistent { path: path.clone(), found, expected };
         // A line that a crash cut short has no line end; it is behind the rows that count, or missing from them.
         let mut lines = text.split_inclusive('\n').filter(|line| line.ends_with('\n'));
         let header = columns.join(",");
@@ -39,9 +40,13 @@ impl Rows {
             return Err(inconsistent("another header".to_owned(), format!("\"{header}\"")));
         }
         let rows: Vec<&str> = lines.take(steps).collect();
-        let in_order = rows.iter().enumerate().all(|(i, row)| row.split(',').next() == Some((i + 1).to_string().as_str()));
+        let in_order =
+            rows.iter().enumerate().all(|(i, row)| row.split(',').next() == Some((i + 1).to_string().as_str()));
         if rows.len() < steps || !in_order {
-            return Err(inconsistent(format!("{} rows", rows.len()), format!("a row for each of the {steps} steps of the checkpoint")));
+            return Err(inconsistent(
+                format!("{} rows", rows.len()),
+                format!("a row for each of the {steps} steps of the checkpoint"),
+            ));
         }
         write_atomically(&path, |out| {
             writeln!(out, "{header}")?;

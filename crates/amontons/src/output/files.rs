@@ -9,7 +9,10 @@ use super::OutputError;
 
 /// Writes a file under a temporary name and gives it its own when it is complete and on the disk:
 /// a crash leaves the old file or the new one, never a part.
-pub(super) fn write_atomically(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> Result<(), OutputError> {
+pub(super) fn write_atomically(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> Result<(), OutputError> {
     let temporary = temporary(path);
     let result = (|| {
         let mut out = BufWriter::new(File::create(&temporary)?);

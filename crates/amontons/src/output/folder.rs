@@ -12,7 +12,9 @@ use super::files::{copy, create_folder, remove, write_atomically, write_json};
 use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
 use super::vtu::{write_collection, write_fields};
-use super::{OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary, checkpoint, manifest};
+use super::{
+    OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary, checkpoint, manifest,
+};
 use crate::problem::Problem;
 use crate::units::Measure;
 
@@ -148,7 +150,17 @@ impl Folder {
 
     fn new(path: PathBuf, options: FolderOptions, replaces: bool) -> Folder {
         let last_checkpoint = Instant::now();
-        Folder { path, options, replaces, history: None, probes: None, manifest: None, recovery: None, snapshots: Vec::new(), last_checkpoint }
+        Folder {
+            path,
+            options,
+            replaces,
+            history: None,
+            probes: None,
+            manifest: None,
+            recovery: None,
+            snapshots: Vec::new(),
+            last_checkpoint,
+        }
     }
 
     /// Where results go at present.
@@ -165,7 +177,9 @@ impl Folder {
         for name in RESULTS {
             let (from, to) = (staging.join(name), self.path.join(name));
             match fs::rename(&from, &to) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(OutputError::io("move", &from)(error)),
+                Err(error) if error.kind() != io::ErrorKind::NotFound => {
+                    return Err(OutputError::io("move", &from)(error));
+                }
                 _ => {}
             }
         }
@@ -210,12 +224,19 @@ impl Folder {
     }
 
     /// The probes of the run, if it has any, with their table.
-    fn probe_rows(&self, problem: &Problem, open: impl FnOnce(&[String]) -> Result<Rows, OutputError>) -> Result<Option<(ProbeSet, Rows)>, OutputError> {
+    fn probe_rows(
+        &self,
+        problem: &Problem,
+        open: impl FnOnce(&[String]) -> Result<Rows, OutputError>,
+    ) -> Result<Option<(ProbeSet, Rows)>, OutputError> {
         let probes = &self.options.probes;
         if probes.is_empty() {
             return Ok(None);
         }
-        let named = |(i, source): (usize, _)| OutputError::Probe { name: probes.get(i).map(|probe| probe.name.clone()).unwrap_or_default(), source };
+        let named = |(i, source): (usize, _)| OutputError::Probe {
+            name: probes.get(i).map(|probe| probe.name.clone()).unwrap_or_default(),
+            source,
+        };
         let set = ProbeSet::new(problem, probes).map_err(named)?;
         let mut columns = vec!["step".to_owned(), "t".to_owned()];
         columns.extend_from_slice(set.columns());
@@ -231,7 +252,8 @@ impl Folder {
         write_inputs(&root, &self.options.inputs)?;
         self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);
         self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
-        let settings = Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
+        let settings =
+            Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
         let mut manifest = Manifest::new(&problem.name, &self.options.fingerprint(), settings);
         manifest.units(problem.units(), &self.tables(problem));
         self.manifest = Some(manifest);
@@ -243,7 +265,10 @@ impl Folder {
 
     /// The tables of the run, and what their columns measure where it is known.
     fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 3] {
-        let of_points = contact_measures(problem.mesh.dim).into_iter().filter_map(|(name, measure)| Some((name, measure?))).collect();
+        let of_points = contact_measures(problem.mesh.dim)
+            .into_iter()
+            .filter_map(|(name, measure)| Some((name, measure?)))
+            .collect();
         let probes = self.options.probes.iter().filter_map(|probe| Some((probe, probe.measure()?)));
         let columns = |(probe, measure): (&Probe, Measure)| {
             let endings = probe.quantity.columns(problem.mesh.dim);

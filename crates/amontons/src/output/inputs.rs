@@ -41,5 +41,7 @@ pub(super) fn write_inputs(folder: &Path, inputs: &[Input]) -> Result<(), Output
     if !inputs.is_empty() {
         create_folder(&folder.join(INPUTS))?;
     }
-    inputs.iter().try_for_each(|input| write_atomically(&folder.join(&input.path), |out| std::io::Write::write_all(out, &input.bytes)))
+    inputs.iter().try_for_each(|input| {
+        write_atomically(&folder.join(&input.path), |out| std::io::Write::write_all(out, &input.bytes))
+    })
 }

@@ -13,9 +13,11 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
     let mesh = &problem.mesh;
     let (strain, strain_at) = largest_strain(mesh, &state.u);
     let of_side = |(side, contact): (usize, &Contact)| {
-        let cell = cell_heights(mesh, mesh.facets.get(&contact.on)?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
+        let cell =
+            cell_heights(mesh, mesh.facets.get(&contact.on)?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
         let states = last.discretization.boundary.points.iter().zip(&report?.contact.states);
-        let depth = states.filter(|(point, _)| point.side == side).fold(0.0, |max, (_, state)| state.penetration.max(max));
+        let depth =
+            states.filter(|(point, _)| point.side == side).fold(0.0, |max, (_, state)| state.penetration.max(max));
         Some(Penetration { side, depth, cell })
     };
     let sides = problem.contacts.iter().enumerate().filter_map(of_side);
@@ -28,16 +30,20 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
     }
 }
 
-/// By how much temperatures are below and above the maximum principle of (2.4): without sinks no temperature falls below all of the data, without
-/// sources none rises above. The heat 𝓡:ε(u) counts with the strain of the last step.
+/// By how much temperatures are below and above the maximum principle of (2.4): without sinks no temperature falls
+/// below all of the data, without sources none rises above. The heat 𝓡:ε(u) counts with the strain of the last step.
 fn outside(problem: &Problem, [low, high]: [f64; 2], strain: f64, t: f64) -> [Option<f64>; 2] {
     let [least, largest] = problem.temperature_bounds();
     let [sinks, sources] = problem.heat_signs();
     let rubbing = ContactPoint { friction_power: 1.0, ..ContactPoint::default() };
-    let rubs = problem.contacts.iter().any(|contact| contact.heat.flux(&rubbing).value < 0.0 || contact.foundation_heat.is_some());
+    let rubs = problem
+        .contacts
+        .iter()
+        .any(|contact| contact.heat.flux(&rubbing).value < 0.0 || contact.foundation_heat.is_some());
     let dim = problem.mesh.tensor_dim();
     let norm = |tensor: &Sym| tensor.eigenvalues(dim).into_iter().map(f64::abs).sum::<f64>();
-    let rates = problem.materials.iter().map(|m| (norm(&m.coupling), m.heat_capacity)).filter(|(coupling, _)| *coupling > 0.0);
+    let rates =
+        problem.materials.iter().map(|m| (norm(&m.coupling), m.heat_capacity)).filter(|(coupling, _)| *coupling > 0.0);
     let coupled = rates.map(|(coupling, capacity)| coupling * strain * t / capacity).fold(0.0, f64::max);
     let beyond = |by: f64, unbounded: bool| (!unbounded && coupled.is_finite()).then(|| (by - coupled).max(0.0));
     [beyond(least - low, sinks), beyond(high - largest, sources || rubs)]

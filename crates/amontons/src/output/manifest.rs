@@ -102,14 +102,20 @@ impl Manifest {
 
     /// Whether it is that of a run with these inputs, made and ended by this version of the program.
     pub fn is_of(&self, fingerprint: &str) -> bool {
-        self.version == version() && self.input_sha256 == hexadecimal(&Sha256::digest(fingerprint)) && self.end.is_some()
+        self.version == version()
+            && self.input_sha256 == hexadecimal(&Sha256::digest(fingerprint))
+            && self.end.is_some()
     }
 
     /// Reads the manifest of a results folder.
     pub fn read(folder: &Path) -> Result<Manifest, OutputError> {
         let path = folder.join(FILE);
         let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
-        serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent { path, found: error.to_string(), expected: "the manifest of a run".to_owned() })
+        serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent {
+            path,
+            found: error.to_string(),
+            expected: "the manifest of a run".to_owned(),
+        })
     }
 
     /// Notes the units of the tables, given by their names and columns.

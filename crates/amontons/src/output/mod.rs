@@ -5,8 +5,8 @@
 //! | [`Memory`] | keeps states and reports for tests and studies |
 //! | [`Folder`] | writes the results folder |
 //!
-//! What is computed from a state beside the unknowns: [`cell_values`] (strain, stress, heat flux of the cells), [`nodal_stress`]
-//! (stresses recovered at the nodes), and [`ProbeSet`] (numbers at points, over sides and regions).
+//! What is computed from a state beside the unknowns: [`cell_values`] (strain, stress, heat flux of the cells),
+//! [`nodal_stress`] (stresses recovered at the nodes), and [`ProbeSet`] (numbers at points, over sides and regions).
 
 mod cells;
 pub mod checkpoint;

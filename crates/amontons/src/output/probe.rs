@@ -28,9 +28,9 @@ pub struct Probe {
 
 /// Where a probe reads.
 ///
-/// Stresses, strains and heat fluxes at points and on sides are the recovered ones ([`super::nodal_stress`]), interpolated from
-/// the nodes of the cell, so that they do not reach over the boundary of a region. Means and integrals over a region are those of
-/// the values in the cells themselves.
+/// Stresses, strains and heat fluxes at points and on sides are the recovered ones ([`super::nodal_stress`]),
+/// interpolated from the nodes of the cell, so that they do not reach over the boundary of a region. Means and
+/// integrals over a region are those of the values in the cells themselves.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbePlace {
     /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.
@@ -48,9 +48,11 @@ pub enum Take {
     Mean,
     /// Largest value at a node; of contact pressures and tractions on quadratic facets the largest mean about a vertex.
     Max,
-    /// Smallest value at a node; of contact pressures and tractions on quadratic facets the smallest mean about a vertex.
+    /// Smallest value at a node; of contact pressures and tractions on quadratic facets the smallest mean about a
+    /// vertex.
     Min,
-    /// Integral: over length or area of a side (per unit of thickness in two dimensions), 2πr included in a body of revolution.
+    /// Integral: over length or area of a side (per unit of thickness in two dimensions), 2πr included in a body of
+    /// revolution.
     Integral,
 }
 
@@ -157,10 +159,14 @@ impl ProbeSet {
             prepared.push(Prepared { quantity: probe.quantity, take, contact, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
-        let samples: BTreeSet<Sample> = prepared.iter().flat_map(|p| &p.spots).flat_map(|spot| &spot.samples).map(|(sample, _)| *sample).collect();
+        let samples: BTreeSet<Sample> =
+            prepared.iter().flat_map(|p| &p.spots).flat_map(|spot| &spot.samples).map(|(sample, _)| *sample).collect();
         let samples: Vec<Sample> = samples.into_iter().collect();
         for spot in prepared.iter_mut().flat_map(|p| &mut p.spots) {
-            let numbered = spot.samples.drain(..).filter_map(|(sample, weight)| Some((samples.binary_search(&sample).ok()?, weight)));
+            let numbered = spot
+                .samples
+                .drain(..)
+                .filter_map(|(sample, weight)| Some((samples.binary_search(&sample).ok()?, weight)));
             spot.numbers = numbered.collect();
         }
         Ok(ProbeSet { dim: mesh.dim, names, probes: prepared, tables: Tables::new(problem, points), samples })
@@ -197,9 +203,15 @@ impl Prepared {
                     std::array::from_fn(|c| sum[c] + share * value[c])
                 })
             };
-            let all: Vec<(f64, Vec<f64>)> = self.contact.iter().map(|(shares, weight)| (*weight, self.quantity.parts(dim, &mean(shares)))).collect();
+            let all: Vec<(f64, Vec<f64>)> = self
+                .contact
+                .iter()
+                .map(|(shares, weight)| (*weight, self.quantity.parts(dim, &mean(shares))))
+                .collect();
             let count = self.quantity.columns(dim).len();
-            return (0..count).map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c])))).collect();
+            return (0..count)
+                .map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c]))))
+                .collect();
         }
         let mut all: Vec<(f64, Vec<f64>)> = Vec::with_capacity(self.spots.len());
         for spot in &self.spots {
@@ -239,9 +251,14 @@ fn on_contact(now: &Snapshot, quantity: OnContact, i: usize) -> Point {
 
 /// Mean, extreme or integral of values with their weights; of a single point its value.
 fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
-    let sums = |values: &mut dyn Iterator<Item = (f64, f64)>| values.fold((0.0, 0.0), |(w, s), (weight, value)| (w + weight, s + weight * value));
+    let sums = |values: &mut dyn Iterator<Item = (f64, f64)>| {
+        values.fold((0.0, 0.0), |(w, s), (weight, value)| (w + weight, s + weight * value))
+    };
     let (mut values, extreme) = (values, |fold: fn(f64, f64) -> f64, values: &mut dyn Iterator<Item = (f64, f64)>| {
-        values.map(|(_, value)| value).reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { fold(a, b) }).unwrap_or(f64::NAN)
+        values
+            .map(|(_, value)| value)
+            .reduce(|a, b| if a.is_nan() || b.is_nan() { f64::NAN } else { fold(a, b) })
+            .unwrap_or(f64::NAN)
     });
     match take {
         None | Some(Take::Integral) => sums(&mut values).1,
@@ -254,7 +271,8 @@ fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
     }
 }
 
-/// The points of a cell: those of the recovery first, then those of a rule for integrals of what is linear in the gradients.
+/// The points of a cell: those of the recovery first, then those of a rule for integrals of what is linear in the
+/// gradients.
 fn points(element: &Element) -> Rule {
     let (mut all, integral) = (sampling(element), rule(element.shape, integral_degree(element)));
     all.points.extend(integral.points);
@@ -292,14 +310,22 @@ struct Builder<'a> {
 
 impl<'a> Builder<'a> {
     fn new(problem: &'a ProblemData) -> Builder<'a> {
-        Builder { problem, mesh: &problem.mesh, locator: None, boundary: None, recovery: None, stencils: BTreeMap::new() }
+        Builder {
+            problem,
+            mesh: &problem.mesh,
+            locator: None,
+            boundary: None,
+            recovery: None,
+            stencils: BTreeMap::new(),
+        }
     }
 
     fn spots(&mut self, probe: &Probe) -> Result<(Vec<(Vec<(usize, f64)>, f64)>, Vec<Spot>), ProbeError> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
             Found::Contact(points) => {
-                // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means about vertices.
+                // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means
+                // about vertices.
                 let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
                 let extremes = match &probe.place {
                     ProbePlace::On(name, Take::Max | Take::Min) if is_traction => self.vertex_means(name),
@@ -323,7 +349,9 @@ impl<'a> Builder<'a> {
         let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux);
         let physics = self.problem.physics;
         match (quantity.base, quantity.part) {
-            _ if !(if of_heat { physics.has_heat() } else { physics.has_mechanics() }) => return Err(ProbeError::Absent(quantity.name())),
+            _ if !(if of_heat { physics.has_heat() } else { physics.has_mechanics() }) => {
+                return Err(ProbeError::Absent(quantity.name()));
+            }
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
             (_, Part::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
             (_, Part::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
@@ -332,22 +360,36 @@ impl<'a> Builder<'a> {
             _ => {}
         }
         match &probe.place {
-            ProbePlace::At(point) if matches!(quantity.base, Base::Contact(_)) => self.on_contact(point).ok_or_else(|| ProbeError::Contact(quantity.name())),
+            ProbePlace::At(point) if matches!(quantity.base, Base::Contact(_)) => {
+                self.on_contact(point).ok_or_else(|| ProbeError::Contact(quantity.name()))
+            }
             ProbePlace::At(point) => self.find(point),
             ProbePlace::On(side, take) => {
-                let set = mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
+                let set =
+                    mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
                 match (quantity.base, self.problem.contacts.iter().position(|contact| contact.on == *side)) {
                     (Base::Contact(_), Some(side)) => {
                         let points = self.boundary().points.iter().enumerate();
-                        Ok(Found::Contact(points.filter(|(_, point)| point.side == side).map(|(i, point)| (i, point.weight)).collect()))
+                        Ok(Found::Contact(
+                            points
+                                .filter(|(_, point)| point.side == side)
+                                .map(|(i, point)| (i, point.weight))
+                                .collect(),
+                        ))
                     }
                     (Base::Contact(_), None) => Err(ProbeError::Contact(quantity.name())),
                     _ => Ok(Found::Side(set, *take)),
                 }
             }
-            ProbePlace::Region(..) if matches!(quantity.base, Base::Contact(_)) => Err(ProbeError::Contact(quantity.name())),
+            ProbePlace::Region(..) if matches!(quantity.base, Base::Contact(_)) => {
+                Err(ProbeError::Contact(quantity.name()))
+            }
             ProbePlace::Region(name, take) => {
-                let region = mesh.regions.iter().position(|known| known == name).ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?;
+                let region = mesh
+                    .regions
+                    .iter()
+                    .position(|known| known == name)
+                    .ok_or_else(|| ProbeError::Region(mesh.regions.clone()))?;
                 Ok(Found::Region(region, *take))
             }
         }
@@ -356,7 +398,8 @@ impl<'a> Builder<'a> {
     /// Means of what is at the contact points of a side about its vertices, with weight 1 each.
     fn vertex_means(&mut self, side: &str) -> Option<Vec<(Vec<(usize, f64)>, f64)>> {
         let mesh = self.mesh;
-        let (set, number) = (mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.on == side)?);
+        let (set, number) =
+            (mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.on == side)?);
         Some(self.boundary().vertex_means(mesh, number, set).into_iter().map(|shares| (shares, 1.0)).collect())
     }
 
@@ -364,8 +407,9 @@ impl<'a> Builder<'a> {
         self.boundary.get_or_insert_with(|| self.problem.contact_boundary())
     }
 
-    /// Contact points that a value at a point of Γ_C is interpolated from: those of the nodes of the cell there, by its shape functions; with Gauss
-    /// quadrature, and where a node has none, the nearest one. None for a point that is not on Γ_C.
+    /// Contact points that a value at a point of Γ_C is interpolated from: those of the nodes of the cell there, by its
+    /// shape functions; with Gauss quadrature, and where a node has none, the nearest one. None for a point that is not
+    /// on Γ_C.
     fn on_contact(&mut self, point: &Point) -> Option<Found<'a>> {
         let mesh = self.mesh;
         let (block, cell, x) = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point)?;
@@ -374,12 +418,18 @@ impl<'a> Builder<'a> {
         (element.shape_functions)(&x, &mut values);
         let boundary = self.boundary();
         let on_contact = |node: u32| boundary.nodes.binary_search(&node).ok();
-        let elsewhere: f64 = nodes.iter().zip(&values).filter(|(node, _)| on_contact(**node).is_none()).map(|(_, value)| value.abs()).sum();
+        let elsewhere: f64 = nodes
+            .iter()
+            .zip(&values)
+            .filter(|(node, _)| on_contact(**node).is_none())
+            .map(|(_, value)| value.abs())
+            .sum();
         if elsewhere > 1e-6 {
             return None;
         }
         // A point of a node alone stands for it.
-        let point_of = |node: usize| boundary.points.iter().position(|point| matches!(point.nodes[..], [(own, _)] if own == node));
+        let point_of =
+            |node: usize| boundary.points.iter().position(|point| matches!(point.nodes[..], [(own, _)] if own == node));
         let weights: Option<Vec<(usize, f64)>> = nodes
             .iter()
             .zip(&values)
@@ -388,14 +438,23 @@ impl<'a> Builder<'a> {
             .map(|(node, value)| Some((point_of(node)?, value)))
             .collect();
         let away = |at: &Point| length(&std::array::from_fn(|c| at[c] - point[c]));
-        let nearest = || boundary.points.iter().enumerate().min_by(|(_, a), (_, b)| away(&a.x).total_cmp(&away(&b.x))).map(|(i, _)| vec![(i, 1.0)]);
+        let nearest = || {
+            boundary
+                .points
+                .iter()
+                .enumerate()
+                .min_by(|(_, a), (_, b)| away(&a.x).total_cmp(&away(&b.x)))
+                .map(|(i, _)| vec![(i, 1.0)])
+        };
         weights.filter(|weights| !weights.is_empty()).or_else(nearest).map(Found::Contact)
     }
 
     fn find(&mut self, point: &Point) -> Result<Found<'a>, ProbeError> {
         let mesh = self.mesh;
         let found = self.locator.get_or_insert_with(|| Locator::new(mesh)).place(point);
-        let reach = |fold: fn(f64, f64) -> f64| (0..mesh.dim).filter_map(|d| mesh.points.iter().map(|p| p[d]).reduce(fold)).collect();
+        let reach = |fold: fn(f64, f64) -> f64| {
+            (0..mesh.dim).filter_map(|d| mesh.points.iter().map(|p| p[d]).reduce(fold)).collect()
+        };
         let outside = || ProbeError::Outside { low: reach(f64::min), high: reach(f64::max) };
         found.map(|(block, cell, x)| Found::Point { block, cell, x }).ok_or_else(outside)
     }
@@ -413,7 +472,8 @@ impl<'a> Builder<'a> {
             if quantity.is_nodal() {
                 spot.nodes.push((node, value));
             } else {
-                spot.samples.extend(self.stencil(region, node).iter().map(|(sample, weight)| (*sample, value * weight)));
+                spot.samples
+                    .extend(self.stencil(region, node).iter().map(|(sample, weight)| (*sample, value * weight)));
             }
         }
         spot
@@ -433,7 +493,9 @@ impl<'a> Builder<'a> {
         let (mesh, cells) = (self.mesh, self.mesh.cells_of(set));
         let table = |element: &'static Element| match take {
             Take::Max | Take::Min => Table::at(element, element.nodes),
-            Take::Mean | Take::Integral => Table::new(element, integral_degree(element) + usize::from(mesh.axisymmetric)),
+            Take::Mean | Take::Integral => {
+                Table::new(element, integral_degree(element) + usize::from(mesh.axisymmetric))
+            }
         };
         let tables: Vec<Table> = set.blocks.iter().map(|block| table(block.element)).collect();
         let (mut spots, mut cells) = (Vec::new(), cells.into_iter());
@@ -453,7 +515,13 @@ impl<'a> Builder<'a> {
 
     /// The nodes of a region.
     fn at_nodes(&mut self, quantity: Quantity, region: usize) -> Vec<Spot> {
-        let nodes = self.recovery.get_or_insert_with(|| Recovery::new(self.mesh)).nodes.get(region).cloned().unwrap_or_default();
+        let nodes = self
+            .recovery
+            .get_or_insert_with(|| Recovery::new(self.mesh))
+            .nodes
+            .get(region)
+            .cloned()
+            .unwrap_or_default();
         nodes.into_iter().map(|node| self.spot(quantity, region, &[node], &[1.0])).collect()
     }
 
@@ -461,14 +529,20 @@ impl<'a> Builder<'a> {
     fn within(&self, quantity: Quantity, region: usize) -> Vec<Spot> {
         let (mut spots, nodal) = (Vec::new(), quantity.is_nodal());
         for (b, block) in self.mesh.blocks.iter().enumerate().filter(|(_, block)| block.region == region) {
-            let (table, first) = (Table::of_rule(block.element, points(block.element)), sampling(block.element).points.len());
+            let (table, first) =
+                (Table::of_rule(block.element, points(block.element)), sampling(block.element).points.len());
             let mut map = CellMap::new(self.mesh, &table);
             for (c, nodes) in block.cells().enumerate() {
                 for q in first..table.len() {
                     map.at(nodes, q);
                     let at_nodes = nodes.iter().copied().zip(map.values().iter().copied()).filter(|_| nodal).collect();
                     let samples = if nodal { Vec::new() } else { vec![((b as u32, c as u32, q as u32), 1.0)] };
-                    spots.push(Spot { weight: table.weights[q] * map.measure, nodes: at_nodes, samples, ..Spot::default() });
+                    spots.push(Spot {
+                        weight: table.weights[q] * map.measure,
+                        nodes: at_nodes,
+                        samples,
+                        ..Spot::default()
+                    });
                 }
             }
         }

@@ -57,7 +57,8 @@ pub enum OnContact {
 pub enum Part {
     /// All components.
     All,
-    /// One component: of a vector x, y, z, of a tensor xx, yy, zz, xy, yz, zx, of principal values the first, second, third.
+    /// One component: of a vector x, y, z, of a tensor xx, yy, zz, xy, yz, zx, of principal values the first, second,
+    /// third.
     Component(usize),
     /// The length of a vector.
     Magnitude,
@@ -82,8 +83,13 @@ const VECTOR: &[(&str, Part)] = &[
     ("_magnitude", Part::Magnitude),
     ("_normal", Part::Normal),
 ];
-const TANGENTIAL: &[(&str, Part)] =
-    &[("", Part::All), ("_x", Part::Component(0)), ("_y", Part::Component(1)), ("_z", Part::Component(2)), ("_magnitude", Part::Magnitude)];
+const TANGENTIAL: &[(&str, Part)] = &[
+    ("", Part::All),
+    ("_x", Part::Component(0)),
+    ("_y", Part::Component(1)),
+    ("_z", Part::Component(2)),
+    ("_magnitude", Part::Magnitude),
+];
 const TENSOR: &[(&str, Part)] = &[
     ("", Part::All),
     ("_xx", Part::Component(0)),
@@ -94,7 +100,8 @@ const TENSOR: &[(&str, Part)] = &[
     ("_zx", Part::Component(5)),
     ("_normal", Part::Normal),
 ];
-const PRINCIPAL: &[(&str, Part)] = &[("", Part::All), ("_1", Part::Component(0)), ("_2", Part::Component(1)), ("_3", Part::Component(2))];
+const PRINCIPAL: &[(&str, Part)] =
+    &[("", Part::All), ("_1", Part::Component(0)), ("_2", Part::Component(1)), ("_3", Part::Component(2))];
 const NUMBER: &[(&str, Part)] = &[("", Part::All)];
 
 /// Names with their endings.
@@ -121,7 +128,9 @@ const BASES: [(&str, Base, &[(&str, Part)]); 17] = [
 impl Quantity {
     /// Every quantity with its name.
     pub fn all() -> impl Iterator<Item = (String, Quantity)> {
-        BASES.iter().flat_map(|&(name, base, parts)| parts.iter().map(move |&(ending, part)| (format!("{name}{ending}"), Quantity { base, part })))
+        BASES.iter().flat_map(|&(name, base, parts)| {
+            parts.iter().map(move |&(ending, part)| (format!("{name}{ending}"), Quantity { base, part }))
+        })
     }
 
     /// The quantity of a name.
@@ -159,7 +168,8 @@ impl Quantity {
         }
         let parts = BASES.iter().find(|(_, base, _)| *base == self.base).map_or(NUMBER, |(.., parts)| parts);
         let most = if self.is_vector() { dim } else { usize::MAX };
-        let components = parts.iter().filter(|(_, part)| matches!(part, Part::Component(c) if *c < most)).map(|(ending, _)| *ending);
+        let components =
+            parts.iter().filter(|(_, part)| matches!(part, Part::Component(c) if *c < most)).map(|(ending, _)| *ending);
         if parts.len() == 1 { vec![""] } else { components.collect() }
     }
 
@@ -170,7 +180,13 @@ impl Quantity {
 
     /// Whether it is a vector of the body, which has as many components as the body has dimensions.
     pub(super) fn is_vector(self) -> bool {
-        matches!(self.base, Base::Displacement | Base::Velocity | Base::HeatFlux | Base::Contact(OnContact::Traction | OnContact::SlipVelocity))
+        matches!(
+            self.base,
+            Base::Displacement
+                | Base::Velocity
+                | Base::HeatFlux
+                | Base::Contact(OnContact::Traction | OnContact::SlipVelocity)
+        )
     }
 
     /// What is taken of a vector, or of a number in its place.
@@ -184,8 +200,8 @@ impl Quantity {
         out
     }
 
-    /// Its value at a place where fields at the nodes have these values, and where the body has these point values; ν is the
-    /// outward normal there.
+    /// Its value at a place where fields at the nodes have these values, and where the body has these point values; ν
+    /// is the outward normal there.
     pub(super) fn values(self, dim: usize, nodal: &Point, point: &PointValues, normal: &Point, out: &mut Vec<f64>) {
         match self.base {
             Base::Displacement | Base::Velocity => self.of_vector(dim, nodal, normal, out),

@@ -1,15 +1,15 @@
 //! Stresses at nodes, recovered from the points of the cells where they are most accurate.
 //!
 //! Superconvergent patch recovery (Zienkiewicz and Zhu 1992, *Int. J. Numer. Methods Eng.* 33, 1331–1364). Around every
-//! vertex inside a region the values of the cells at their sampling points (the centre for linear elements, the Gauss points
-//! of the next lower order for quadratic ones) are fitted by a polynomial of the degree of the element, in the sense of least
-//! squares. The vertex takes the value of its patch. A node on the boundary of the region, or in the middle of an edge, face or
-//! cell, takes the mean of the patches around the inner vertices next to it. For smooth solutions on regular meshes the values
-//! at the nodes converge one order faster than those of the cells.
+//! vertex inside a region the values of the cells at their sampling points (the centre for linear elements, the Gauss
+//! points of the next lower order for quadratic ones) are fitted by a polynomial of the degree of the element, in the
+//! sense of least squares. The vertex takes the value of its patch. A node on the boundary of the region, or in the
+//! middle of an edge, face or cell, takes the mean of the patches around the inner vertices next to it. For smooth
+//! solutions on regular meshes the values at the nodes converge one order faster than those of the cells.
 //!
-//! A patch never reaches over the boundary of a region: where two materials meet, stresses jump, and a node there has a value
-//! for each region. In a region without inner vertices, such as a layer of one cell, a patch around the node itself is fitted
-//! as far as its points determine a polynomial.
+//! A patch never reaches over the boundary of a region: where two materials meet, stresses jump, and a node there has a
+//! value for each region. In a region without inner vertices, such as a layer of one cell, a patch around the node
+//! itself is fitted as far as its points determine a polynomial.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -46,7 +46,11 @@ impl NodalStress {
     #[must_use]
     pub fn get(&self, region: usize, node: u32) -> Option<Sym> {
         let nodes = self.regions.get(region)?;
-        nodes.binary_search_by_key(&node, |(node, _)| *node).ok().and_then(|place| nodes.get(place)).map(|(_, stress)| *stress)
+        nodes
+            .binary_search_by_key(&node, |(node, _)| *node)
+            .ok()
+            .and_then(|place| nodes.get(place))
+            .map(|(_, stress)| *stress)
     }
 
     /// The stress at every node of a mesh with this number of nodes: the mean where several regions meet.
@@ -63,13 +67,15 @@ impl NodalStress {
     }
 }
 
-/// The recovered stress of a state at the nodes of each region. For several states of one mesh, keep a [`StressRecovery`].
+/// The recovered stress of a state at the nodes of each region. For several states of one mesh, keep a
+/// [`StressRecovery`].
 #[must_use]
 pub fn nodal_stress(problem: &Problem, state: &State) -> NodalStress {
     StressRecovery::new(&problem.mesh).stress(problem, state)
 }
 
-/// The patches of a mesh as weights of sampling points at each node. They depend on the mesh only: compute them once per run.
+/// The patches of a mesh as weights of sampling points at each node. They depend on the mesh only: compute them once
+/// per run.
 #[derive(Debug)]
 pub struct StressRecovery {
     /// By region: its nodes, ascending, each with its sampling points, numbered through all blocks, and their weights.
@@ -84,9 +90,13 @@ impl StressRecovery {
         let counts: Vec<usize> = recovery.points.iter().map(|rule| rule.points.len()).collect();
         let sizes = mesh.blocks.iter().zip(&counts).map(|(block, count)| block.len() * count);
         let starts: Vec<usize> = sizes.scan(0, |end, size| Some(std::mem::replace(end, *end + size))).collect();
-        let number = |(block, cell, q): Sample| starts[block as usize] + cell as usize * counts[block as usize] + q as usize;
-        let numbered = |stencil: Stencil| stencil.into_iter().map(|(sample, weight)| (number(sample), weight)).collect();
-        let of_region = |(region, nodes): (usize, &Vec<u32>)| nodes.iter().copied().zip(recovery.stencils(region).into_iter().map(numbered)).collect();
+        let number =
+            |(block, cell, q): Sample| starts[block as usize] + cell as usize * counts[block as usize] + q as usize;
+        let numbered =
+            |stencil: Stencil| stencil.into_iter().map(|(sample, weight)| (number(sample), weight)).collect();
+        let of_region = |(region, nodes): (usize, &Vec<u32>)| {
+            nodes.iter().copied().zip(recovery.stencils(region).into_iter().map(numbered)).collect()
+        };
         StressRecovery { regions: recovery.nodes.iter().enumerate().map(of_region).collect() }
     }
 
@@ -97,10 +107,14 @@ impl StressRecovery {
         let mut values: Vec<Sym> = Vec::new();
         for (b, block) in problem.mesh.blocks.iter().enumerate() {
             let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
-            values.extend(block.cells().flat_map(|cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>()));
+            values.extend(
+                block.cells().flat_map(|cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>()),
+            );
         }
         let value = |(sample, weight): &(usize, f64)| *weight * values.get(*sample).copied().unwrap_or(Sym::ZERO);
-        let at = |(node, stencil): &(u32, Vec<(usize, f64)>)| (*node, stencil.iter().map(value).fold(Sym::ZERO, |sum, term| sum + term));
+        let at = |(node, stencil): &(u32, Vec<(usize, f64)>)| {
+            (*node, stencil.iter().map(value).fold(Sym::ZERO, |sum, term| sum + term))
+        };
         NodalStress { regions: self.regions.iter().map(|nodes| nodes.par_iter().map(at).collect()).collect() }
     }
 }
@@ -109,10 +123,16 @@ impl StressRecovery {
 pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, samples: &[Sample]) -> Vec<PointValues> {
     let mut values = Vec::with_capacity(samples.len());
     for part in samples.chunk_by(|a, b| a.0 == b.0) {
-        let Some(block) = part.first().map(|s| s.0 as usize).filter(|&b| b < problem.mesh.blocks.len()) else { continue };
-        let (mut evaluator, n) = (Evaluator::new(problem, state, tables, block), problem.mesh.blocks[block].element.nodes.len());
+        let Some(block) = part.first().map(|s| s.0 as usize).filter(|&b| b < problem.mesh.blocks.len()) else {
+            continue;
+        };
+        let (mut evaluator, n) =
+            (Evaluator::new(problem, state, tables, block), problem.mesh.blocks[block].element.nodes.len());
         let nodes = &problem.mesh.blocks[block].nodes;
-        values.extend(part.iter().map(|&(_, cell, q)| evaluator.at(&nodes[cell as usize * n..(cell as usize + 1) * n], q as usize)));
+        values.extend(
+            part.iter()
+                .map(|&(_, cell, q)| evaluator.at(&nodes[cell as usize * n..(cell as usize + 1) * n], q as usize)),
+        );
     }
     values
 }
@@ -125,7 +145,9 @@ pub(super) fn sampling(element: &Element) -> Rule {
     let points: Vec<Point> = match element.shape {
         _ if !quadratic => vec![element.centre()],
         Shape::Triangle => TRIANGLE.iter().map(|&[x, y]| [x, y, 0.0]).collect(),
-        Shape::Prism => rule(Shape::Segment, 3).points.iter().flat_map(|z| TRIANGLE.iter().map(|&[x, y]| [x, y, z[0]])).collect(),
+        Shape::Prism => {
+            rule(Shape::Segment, 3).points.iter().flat_map(|z| TRIANGLE.iter().map(|&[x, y]| [x, y, z[0]])).collect()
+        }
         Shape::Tetrahedron => rule(Shape::Tetrahedron, 2).points,
         shape => rule(shape, 3).points,
     };
@@ -197,7 +219,10 @@ impl<'m> Recovery<'m> {
     fn around(&self, region: usize, node: u32) -> impl Iterator<Item = (u32, u32)> {
         let node = node as usize;
         let start = if node == 0 { 0 } else { self.ends[node - 1] };
-        self.cells[start..self.ends[node]].iter().copied().filter(move |&(block, _)| self.mesh.blocks[block as usize].region == region)
+        self.cells[start..self.ends[node]]
+            .iter()
+            .copied()
+            .filter(move |&(block, _)| self.mesh.blocks[block as usize].region == region)
     }
 
     fn is_inner(&self, region: usize, node: u32) -> bool {
@@ -210,11 +235,15 @@ impl<'m> Recovery<'m> {
         if self.is_inner(region, node) && cells.first().is_some_and(|&cell| self.vertices_of(cell).contains(&node)) {
             return vec![node];
         }
-        let inner = |set: &BTreeSet<u32>| set.iter().copied().filter(|&v| self.is_inner(region, v)).collect::<Vec<u32>>();
+        let inner =
+            |set: &BTreeSet<u32>| set.iter().copied().filter(|&v| self.is_inner(region, v)).collect::<Vec<u32>>();
         let all: BTreeSet<u32> = cells.iter().flat_map(|&cell| self.vertices_of(cell)).copied().collect();
         // The ends of the edge, or the vertices of the face or of the cell, that the node is the middle of.
-        let common: BTreeSet<u32> = all.iter().copied().filter(|v| cells.iter().all(|&cell| self.vertices_of(cell).contains(v))).collect();
-        let next = || all.iter().flat_map(|&v| self.around(region, v)).flat_map(|cell| self.vertices_of(cell)).copied().collect();
+        let common: BTreeSet<u32> =
+            all.iter().copied().filter(|v| cells.iter().all(|&cell| self.vertices_of(cell).contains(v))).collect();
+        let next = || {
+            all.iter().flat_map(|&v| self.around(region, v)).flat_map(|cell| self.vertices_of(cell)).copied().collect()
+        };
         [inner(&common), inner(&all)].into_iter().find(|centres| !centres.is_empty()).unwrap_or_else(|| inner(&next()))
     }
 
@@ -233,7 +262,11 @@ impl<'m> Recovery<'m> {
         all.dedup();
         let fits: Vec<Fit> = all.par_iter().map(|&centre| self.patch(region, centre)).collect();
         let fit = |centre: &u32| all.binary_search(centre).ok().and_then(|place| fits.get(place));
-        nodes.par_iter().zip(&centres).map(|(&node, centres)| self.mean(region, node, &centres.iter().filter_map(fit).collect::<Vec<_>>())).collect()
+        nodes
+            .par_iter()
+            .zip(&centres)
+            .map(|(&node, centres)| self.mean(region, node, &centres.iter().filter_map(fit).collect::<Vec<_>>()))
+            .collect()
     }
 
     /// The fit around a vertex inside a region.
@@ -259,7 +292,8 @@ impl<'m> Recovery<'m> {
         sum.into_iter().collect()
     }
 
-    /// The fit around a node without an inner vertex near it: over its cells and, until their points determine the polynomial, their neighbours.
+    /// The fit around a node without an inner vertex near it: over its cells and, until their points determine the
+    /// polynomial, their neighbours.
     fn own_fit(&self, region: usize, node: u32) -> Fit {
         let mut cells: BTreeSet<(u32, u32)> = self.around(region, node).collect();
         let mut fit = self.fit(&cells, node);
@@ -304,13 +338,14 @@ struct Fit {
     /// Reciprocal lengths of the patch by direction: the matrix has no units.
     scale: Point,
     exponents: Vec<[i32; 3]>,
-    /// By column that does not depend on those before it: its number, itself, and its parts along the columns before and itself.
+    /// By column that does not depend on those before it: its number, itself, and its parts along the columns before
+    /// and itself.
     columns: Vec<(usize, Vec<f64>, Vec<f64>)>,
 }
 
 impl Fit {
-    /// A fit of all polynomials of a degree; columns that depend on those before them are left out, and the result says whether
-    /// there are none.
+    /// A fit of all polynomials of a degree; columns that depend on those before them are left out, and the result says
+    /// whether there are none.
     fn new(dim: usize, degree: usize, origin: &Point, samples: Vec<Sample>, points: &[Point]) -> (Fit, bool) {
         let extent = |d: usize| points.iter().fold(0.0f64, |most, p| most.max((p[d] - origin[d]).abs()));
         let scale = std::array::from_fn(|d| Some(extent(d)).filter(|e| *e > 0.0).map_or(1.0, f64::recip));

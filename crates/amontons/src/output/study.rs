@@ -25,7 +25,9 @@ impl StudyFolder {
     /// When it holds a finished study or a run and `force` is not given, or cannot be created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<StudyFolder, OutputError> {
         let path = path.into();
-        let found = ["convergence.csv", "summary.json", "history.csv"].iter().find(|name| path.join(name).symlink_metadata().is_ok());
+        let found = ["convergence.csv", "summary.json", "history.csv"]
+            .iter()
+            .find(|name| path.join(name).symlink_metadata().is_ok());
         if let Some(found) = found.filter(|_| !force) {
             return Err(OutputError::HoldsResults { path, found: (*found).to_owned() });
         }
@@ -71,7 +73,8 @@ impl StudyFolder {
     pub fn load_reference(&self, study: &Study) -> Option<ReferenceProgress> {
         let key = study_hash(study);
         let state = read_states(&self.levels(REFERENCE), &key).ok()?.pop()?;
-        let (step, worst): (usize, _) = serde_json::from_str(&std::fs::read_to_string(self.levels(REFERENCE_ERRORS)).ok()?).ok()?;
+        let (step, worst): (usize, _) =
+            serde_json::from_str(&std::fs::read_to_string(self.levels(REFERENCE_ERRORS)).ok()?).ok()?;
         // The two files are written one after the other.
         (state.step == step).then_some(ReferenceProgress { state, worst })
     }

@@ -24,7 +24,8 @@ pub enum Outcome {
     /// The run was asked to stop.
     #[serde(rename = "interrupted")]
     Interrupted,
-    /// All steps were made, but the results cannot be trusted: a figure is not finite, or an identity of the audit fails grossly.
+    /// All steps were made, but the results cannot be trusted: a figure is not finite, or an identity of the audit
+    /// fails grossly.
     #[serde(rename = "unsound")]
     Unsound,
 }
@@ -78,8 +79,8 @@ pub struct UnknownCounts {
     pub contact: usize,
 }
 
-/// Values at the last good step. A problem without heat has no temperature, one without mechanics no displacement and no stress:
-/// `null` and empty arrays in `summary.json`.
+/// Values at the last good step. A problem without heat has no temperature, one without mechanics no displacement and
+/// no stress: `null` and empty arrays in `summary.json`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Final {
     /// Least nodal displacement, m, by component.
@@ -97,10 +98,12 @@ pub struct Final {
     /// Largest principal strain in magnitude; none without mechanics.
     #[serde(default)]
     pub strain_max: Option<f64>,
-    /// By how much a temperature since the start was below the least value that the data allow, K; none if they allow any.
+    /// By how much a temperature since the start was below the least value that the data allow, K; none if they allow
+    /// any.
     #[serde(default)]
     pub undershoot: Option<f64>,
-    /// By how much a temperature since the start was above the largest value that the data allow, K; none if they allow any.
+    /// By how much a temperature since the start was above the largest value that the data allow, K; none if they allow
+    /// any.
     #[serde(default)]
     pub overshoot: Option<f64>,
     /// Largest penetration over the height of the lowest cell of its side; none without contact.
@@ -168,7 +171,14 @@ impl ContactSummary {
     pub fn new(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> ContactSummary {
         let Snapshot { problem, discretization, state, .. } = *now;
         let (dim, several) = (problem.mesh.dim, problem.contacts.len() > 1);
-        let points = || discretization.boundary.points.iter().enumerate().filter(|(_, point)| side.is_none_or(|side| point.side == side));
+        let points = || {
+            discretization
+                .boundary
+                .points
+                .iter()
+                .enumerate()
+                .filter(|(_, point)| side.is_none_or(|side| point.side == side))
+        };
         let states = || points().filter_map(|(i, point)| Some((point, contact.states.get(i)?)));
         let count = |status| states().filter(|(_, s)| s.status == status).count();
         let of_all = |values: [f64; 3]| values[..dim].to_vec();
@@ -176,7 +186,9 @@ impl ContactSummary {
         let moment = |c: usize| states().map(|(point, s)| point.weight * s.pressure.max(0.0) * point.x[c]).sum::<f64>();
         let wear = || points().filter_map(|(i, point)| Some((point.weight, *state.surface.wear.get(i)?)));
         let (force, heat_flow) = if side.is_some() {
-            let force = |c: usize| 0.0 - states().map(|(point, s)| point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>();
+            let force = |c: usize| {
+                0.0 - states().map(|(point, s)| point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>()
+            };
             let flow = sum(&mut points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)));
             ([0, 1, 2].map(force), flow)
         } else {
@@ -197,7 +209,9 @@ impl ContactSummary {
             wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
             wear_volume: sum(&mut wear().map(|(weight, depth)| weight * depth)),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
-            sides: sides.map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))).collect(),
+            sides: sides
+                .map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side))))
+                .collect(),
         }
     }
 }
@@ -254,7 +268,8 @@ impl Final {
         let Snapshot { problem, discretization, state, report, .. } = *last;
         let (dim, physics) = (problem.mesh.dim, problem.physics);
         let of_motion = |values: Vec<f64>| if physics.has_mechanics() { values } else { Vec::new() };
-        let von_mises = || max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>());
+        let von_mises =
+            || max_abs(&cell_values(problem, state).iter().map(|cell| cell.stress.von_mises()).collect::<Vec<_>>());
         Final {
             displacement_min: of_motion(by_component(&state.u, dim, f64::INFINITY, f64::min)),
             displacement_max: of_motion(by_component(&state.u, dim, f64::NEG_INFINITY, f64::max)),
@@ -272,7 +287,9 @@ impl Final {
                 velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
                 temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
             },
-            contact: report.filter(|_| physics.has_mechanics()).map(|report| ContactSummary::new(last, &report.contact, None)),
+            contact: report
+                .filter(|_| physics.has_mechanics())
+                .map(|report| ContactSummary::new(last, &report.contact, None)),
         }
     }
 }
@@ -280,13 +297,21 @@ impl Final {
 impl Summary {
     /// Sums up a run that ended after `last`; `findings` are those on the data, the audit's are added.
     #[must_use]
-    pub fn new(last: &Snapshot, unknowns: UnknownCounts, findings: Vec<Finding>, outcome: Outcome, error: Option<String>) -> Summary {
+    pub fn new(
+        last: &Snapshot,
+        unknowns: UnknownCounts,
+        findings: Vec<Finding>,
+        outcome: Outcome,
+        error: Option<String>,
+    ) -> Summary {
         let Snapshot { problem, state, work, .. } = *last;
         let counts = &state.counts;
-        let (ledger_energy, ledger_heat) = (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
+        let (ledger_energy, ledger_heat) =
+            (state.ledger.relative_closing_error(), state.ledger.relative_heat_closing_error());
         let figures = limits::figures(last);
         let audit = hypotheses::audit(problem.physics, ledger_energy, ledger_heat);
-        let findings: Vec<Finding> = findings.into_iter().chain(audit).chain(warnings::of_run(problem, &figures)).collect();
+        let findings: Vec<Finding> =
+            findings.into_iter().chain(audit).chain(warnings::of_run(problem, &figures)).collect();
         let energy = Ledger {
             closing_error: state.ledger.relative_closing_error(),
             heat_closing_error: state.ledger.relative_heat_closing_error(),
@@ -325,7 +350,8 @@ impl Summary {
 }
 
 impl Summary {
-    /// Why the results of a run cannot be trusted, if they cannot: a figure that is not finite, or an identity that fails grossly.
+    /// Why the results of a run cannot be trusted, if they cannot: a figure that is not finite, or an identity that
+    /// fails grossly.
     #[must_use]
     pub fn unsound(&self) -> Option<String> {
         if let Some((key, value)) = self.figures().into_iter().find(|(_, value)| !value.is_finite()) {
@@ -333,15 +359,26 @@ impl Summary {
         }
         let identities = [("energy", self.energy.closing_error), ("heat", self.energy.heat_closing_error)];
         let (name, error) = identities.into_iter().find(|(_, error)| error.abs() > hypotheses::GROSS)?;
-        Some(format!("the {name} identity closes to {error:.1e} of what was turned over, expected at most {:.0e}", hypotheses::GROSS))
+        Some(format!(
+            "the {name} identity closes to {error:.1e} of what was turned over, expected at most {:.0e}",
+            hypotheses::GROSS
+        ))
     }
 
     /// The numbers of the run with their keys in `summary.json`.
     fn figures(&self) -> Vec<(String, f64)> {
         let (last, norms) = (&self.last, &self.last.norms);
-        let vectors = [("displacement_min", &last.displacement_min), ("displacement_max", &last.displacement_max), ("velocity_max", &last.velocity_max)];
-        let mut all: Vec<(String, f64)> =
-            vectors.into_iter().flat_map(|(key, values)| values.iter().enumerate().map(move |(c, value)| (format!("final.{key}[{c}]"), *value))).collect();
+        let vectors = [
+            ("displacement_min", &last.displacement_min),
+            ("displacement_max", &last.displacement_max),
+            ("velocity_max", &last.velocity_max),
+        ];
+        let mut all: Vec<(String, f64)> = vectors
+            .into_iter()
+            .flat_map(|(key, values)| {
+                values.iter().enumerate().map(move |(c, value)| (format!("final.{key}[{c}]"), *value))
+            })
+            .collect();
         let some = [
             ("final.temperature_min", last.temperature_min),
             ("final.temperature_max", last.temperature_max),
@@ -356,7 +393,9 @@ impl Summary {
         ];
         all.extend(some.into_iter().filter_map(|(key, value)| Some((key.to_owned(), value?))));
         if let Some(contact) = &last.contact {
-            all.extend(contact.force.iter().enumerate().map(|(c, value)| (format!("final.contact.force[{c}]"), *value)));
+            all.extend(
+                contact.force.iter().enumerate().map(|(c, value)| (format!("final.contact.force[{c}]"), *value)),
+            );
             all.extend(contact.heat_flow.map(|flow| ("final.contact.heat_flow".to_owned(), flow)));
             all.push(("final.contact.pressure_max".to_owned(), contact.pressure_max));
         }

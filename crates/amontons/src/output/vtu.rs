@@ -3,7 +3,9 @@
 use std::io::Write;
 use std::path::Path;
 
-use vtkio::model::{Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk};
+use vtkio::model::{
+    Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk,
+};
 
 use super::files::write_atomically;
 use super::{OutputError, PointValues, Snapshot, StressRecovery, cell_values};
@@ -11,20 +13,22 @@ use crate::material::VTK_COMPONENTS;
 use crate::problem::Physics;
 use crate::tensor::Sym;
 
-/// A field that is written beside those that every file has: displacement, velocity and recovered von Mises stress at the nodes and von Mises
-/// stress of the cells if the problem has mechanics, temperature at the nodes if it has heat, and region of the cells. Values of cells are those at
-/// their centres; tensors have the components xx yy zz xy yz zx.
+/// A field that is written beside those that every file has: displacement, velocity and recovered von Mises stress at
+/// the nodes and von Mises stress of the cells if the problem has mechanics, temperature at the nodes if it has heat,
+/// and region of the cells. Values of cells are those at their centres; tensors have the components xx yy zz xy yz zx.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputField {
     /// Cell data `stress`: σ of (2.1) in Pa.
     Stress,
     /// Cell data `strain`: ε(u).
     Strain,
-    /// Cell data `principal`, the three principal stresses in Pa, the largest first, and `principal_direction_1`, `_2`, `_3`.
+    /// Cell data `principal`, the three principal stresses in Pa, the largest first, and `principal_direction_1`, `_2`,
+    /// `_3`.
     Principal,
     /// Cell data `heat_flux`: q = −𝓚∇θ in W/m².
     HeatFlux,
-    /// Point data `nodal_stress`: the recovered stress ([`super::nodal_stress`]) in Pa, where regions meet the mean of their values.
+    /// Point data `nodal_stress`: the recovered stress ([`super::nodal_stress`]) in Pa, where regions meet the mean of
+    /// their values.
     NodalStress,
 }
 
@@ -38,17 +42,26 @@ impl OutputField {
     }
 }
 
-/// Writes the fields of a state as an unstructured grid, binary, without compression. Stresses at nodes are written with a recovery on the mesh.
-pub(super) fn write_fields(path: &Path, now: &Snapshot, fields: &[OutputField], recovery: Option<&StressRecovery>) -> Result<(), OutputError> {
+/// Writes the fields of a state as an unstructured grid, binary, without compression. Stresses at nodes are written
+/// with a recovery on the mesh.
+pub(super) fn write_fields(
+    path: &Path,
+    now: &Snapshot,
+    fields: &[OutputField],
+    recovery: Option<&StressRecovery>,
+) -> Result<(), OutputError> {
     let grid = grid(now, fields, recovery);
     let mut bytes = Vec::new();
-    grid.write_xml(&mut bytes).map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
+    grid.write_xml(&mut bytes)
+        .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
     write_atomically(path, |out| out.write_all(&bytes))
 }
 
 fn grid(now: &Snapshot, fields: &[OutputField], recovery: Option<&StressRecovery>) -> Vtk {
     let (mesh, state) = (&now.problem.mesh, now.state);
-    let in_space = |values: &[f64]| -> Vec<f64> { values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect() };
+    let in_space = |values: &[f64]| -> Vec<f64> {
+        values.chunks_exact(mesh.dim).flat_map(|v| (0..3).map(|c| v.get(c).copied().unwrap_or(0.0))).collect()
+    };
     let mut cells = Cells::default();
     let (mut connectivity, mut offsets) = (Vec::new(), Vec::new());
     for block in &mesh.blocks {
@@ -75,18 +88,28 @@ fn grid(now: &Snapshot, fields: &[OutputField], recovery: Option<&StressRecovery
         if fields.contains(&OutputField::NodalStress) {
             point.push(tensors("nodal_stress", stresses.iter()));
         }
-        point.push(Attribute::generic("nodal_von_mises", 1).with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()));
+        point.push(
+            Attribute::generic("nodal_von_mises", 1)
+                .with_data(stresses.iter().map(Sym::von_mises).collect::<Vec<f64>>()),
+        );
     }
     if fields.contains(&OutputField::Stress) {
         cell.push(tensors("stress", values.iter().map(|v| &v.stress)));
     }
     if physics.has_mechanics() {
-        cell.push(Attribute::generic("von_mises", 1).with_data(values.iter().map(|v| v.stress.von_mises()).collect::<Vec<f64>>()));
+        cell.push(
+            Attribute::generic("von_mises", 1)
+                .with_data(values.iter().map(|v| v.stress.von_mises()).collect::<Vec<f64>>()),
+        );
     }
     let regions = mesh.blocks.iter().flat_map(|block| std::iter::repeat_n(block.region as u32, block.len()));
     cell.push(Attribute::generic("region", 1).with_data(regions.collect::<Vec<u32>>()));
     cell.extend(more(&values, &fields));
-    let piece = UnstructuredGridPiece { points: mesh.points.iter().flatten().copied().collect::<Vec<f64>>().into(), cells, data: Attributes { point, cell } };
+    let piece = UnstructuredGridPiece {
+        points: mesh.points.iter().flatten().copied().collect::<Vec<f64>>().into(),
+        cells,
+        data: Attributes { point, cell },
+    };
     Vtk {
         version: Version::XML { major: 1, minor: 0 },
         title: now.problem.name.clone(),
@@ -112,14 +135,17 @@ fn more(values: &[PointValues], fields: &[OutputField]) -> Vec<Attribute> {
         }
     }
     if fields.contains(&OutputField::HeatFlux) {
-        cell.push(Attribute::generic("heat_flux", 3).with_data(values.iter().flat_map(|v| v.heat_flux).collect::<Vec<f64>>()));
+        cell.push(
+            Attribute::generic("heat_flux", 3).with_data(values.iter().flat_map(|v| v.heat_flux).collect::<Vec<f64>>()),
+        );
     }
     cell
 }
 
 /// An array of the six components of tensors.
 fn tensors<'a>(name: &str, all: impl Iterator<Item = &'a Sym>) -> Attribute {
-    Attribute::generic(name, 6).with_data(all.flat_map(|tensor| VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))).collect::<Vec<f64>>())
+    Attribute::generic(name, 6)
+        .with_data(all.flat_map(|tensor| VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))).collect::<Vec<f64>>())
 }
 
 /// The cell type of a VTK code of [`crate::element`].

@@ -64,7 +64,8 @@ pub(super) fn labelled(quantity: &str, exponent: i32, units: Units, measure: Mea
 
 /// `quantity (×10^{3} Pa)`.
 pub(super) fn with_unit(quantity: &str, exponent: i32, unit: &str) -> String {
-    let power = if exponent == 0 { String::new() } else { format!("×10^{{{}}}", exponent.to_string().replace('-', "−")) };
+    let power =
+        if exponent == 0 { String::new() } else { format!("×10^{{{}}}", exponent.to_string().replace('-', "−")) };
     match (power.is_empty(), unit.is_empty()) {
         (true, true) => quantity.to_owned(),
         (true, false) => format!("{quantity} ({unit})"),
@@ -77,7 +78,8 @@ pub(super) fn with_unit(quantity: &str, exponent: i32, unit: &str) -> String {
 pub(super) fn x_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: &Ticks, grid: bool, numbers: bool) {
     let stroke = Stroke::new(INK, 0.8);
     if grid {
-        let lines: Vec<_> = ticks.marks.iter().map(|(v, _)| [[scale.at(*v), frame.y], [scale.at(*v), frame.bottom()]]).collect();
+        let lines: Vec<_> =
+            ticks.marks.iter().map(|(v, _)| [[scale.at(*v), frame.y], [scale.at(*v), frame.bottom()]]).collect();
         picture.lines(&lines, Stroke::new(GRID, 0.8));
     }
     let mark = |v: f64, length: f64| [[scale.at(v), frame.bottom()], [scale.at(v), frame.bottom() + length]];
@@ -86,7 +88,13 @@ pub(super) fn x_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: 
     picture.lines(&marks, stroke);
     if numbers {
         for (v, label) in &ticks.marks {
-            picture.text([scale.at(*v), frame.bottom() + MARK + 3.0 + 0.75 * NUMBER], NUMBER, Anchor::Middle, INK, label);
+            picture.text(
+                [scale.at(*v), frame.bottom() + MARK + 3.0 + 0.75 * NUMBER],
+                NUMBER,
+                Anchor::Middle,
+                INK,
+                label,
+            );
         }
     }
 }
@@ -94,7 +102,8 @@ pub(super) fn x_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: 
 /// Draws the horizontal lines of a grid, and left of the frame marks and numbers.
 pub(super) fn y_marks(picture: &mut Picture, frame: Rect, scale: &Scale, ticks: &Ticks, grid: bool) {
     if grid {
-        let lines: Vec<_> = ticks.marks.iter().map(|(v, _)| [[frame.x, scale.at(*v)], [frame.right(), scale.at(*v)]]).collect();
+        let lines: Vec<_> =
+            ticks.marks.iter().map(|(v, _)| [[frame.x, scale.at(*v)], [frame.right(), scale.at(*v)]]).collect();
         picture.lines(&lines, Stroke::new(GRID, 0.8));
     }
     let mark = |v: f64, length: f64| [[frame.x - length, scale.at(v)], [frame.x, scale.at(v)]];

@@ -12,7 +12,10 @@ pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize
         3 => Some((&[0, 1, 2], &[[0, 1, 2]])),
         4 => Some((&[0, 1, 2, 3], &[[0, 1, 2], [0, 2, 3]])),
         6 => Some((&[0, 3, 1, 4, 2, 5], &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])),
-        9 => Some((&[0, 4, 1, 5, 2, 6, 3, 7], &[[8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0]])),
+        9 => Some((
+            &[0, 4, 1, 5, 2, 6, 3, 7],
+            &[[8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0]],
+        )),
         _ => None,
     }
 }
@@ -36,12 +39,20 @@ impl Body {
     /// A body of triangles and quadrilaterals, linear or quadratic, by their nodes in the order of VTK.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when a cell has another number of nodes or a node that does not exist, or a coordinate is not finite.
+    /// [`PlotError::Data`] when a cell has another number of nodes or a node that does not exist, or a coordinate is
+    /// not finite.
     pub fn new<'a>(points: Vec<[f64; 2]>, cells: impl IntoIterator<Item = &'a [u32]>) -> Result<Body, PlotError> {
         if let Some(node) = points.iter().position(|p| !(p[0].is_finite() && p[1].is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
         }
-        let mut body = Body { points, triangles: Vec::new(), owners: Vec::new(), edges: Vec::new(), boundary: Vec::new(), cells: 0 };
+        let mut body = Body {
+            points,
+            triangles: Vec::new(),
+            owners: Vec::new(),
+            edges: Vec::new(),
+            boundary: Vec::new(),
+            cells: 0,
+        };
         let mut sides: HashMap<[u32; 2], ([u32; 2], usize)> = HashMap::new();
         let mut order = Vec::new();
         for (c, cell) in cells.into_iter().enumerate() {
@@ -49,7 +60,10 @@ impl Body {
                 return Err(PlotError::Data(format!("cell {c} has {} nodes, expected 3, 4, 6 or 9", cell.len())));
             };
             if let Some(node) = cell.iter().find(|&&n| n as usize >= body.points.len()) {
-                return Err(PlotError::Data(format!("cell {c} has node {node}, but there are only {} nodes", body.points.len())));
+                return Err(PlotError::Data(format!(
+                    "cell {c} has node {node}, but there are only {} nodes",
+                    body.points.len()
+                )));
             }
             let mut around: Vec<u32> = outline.iter().map(|&i| cell[i]).collect();
             let is_mirrored = body.signed_area(&around) < 0.0;
@@ -76,7 +90,8 @@ impl Body {
             return Err(PlotError::Data("the mesh has no cells".to_owned()));
         }
         // In the order in which the edges came, so that a picture depends on the mesh only.
-        body.boundary = order.iter().filter_map(|key| sides.get(key)).filter(|side| side.1 == 1).map(|side| side.0).collect();
+        body.boundary =
+            order.iter().filter_map(|key| sides.get(key)).filter(|side| side.1 == 1).map(|side| side.0).collect();
         body.edges = order;
         Ok(body)
     }
@@ -125,8 +140,8 @@ impl Body {
         window(&self.points)
     }
 
-    /// Lines of nodes that show the mesh: a selection of grid lines where the nodes lie on a grid, else all edges, or the
-    /// boundary alone if there are too many to distinguish.
+    /// Lines of nodes that show the mesh: a selection of grid lines where the nodes lie on a grid, else all edges, or
+    /// the boundary alone if there are too many to distinguish.
     pub(super) fn lines(&self) -> Vec<Vec<u32>> {
         const MOST_EDGES: usize = 30_000;
         self.grid_lines().unwrap_or_else(|| {
@@ -139,7 +154,8 @@ impl Body {
     fn grid_lines(&self) -> Option<Vec<Vec<u32>>> {
         let [wx, wy] = self.window();
         let near = 1e-9 * (wx[1] - wx[0]).max(wy[1] - wy[0]);
-        let (xs, ys) = (distinct(self.points.iter().map(|p| p[0]), near), distinct(self.points.iter().map(|p| p[1]), near));
+        let (xs, ys) =
+            (distinct(self.points.iter().map(|p| p[0]), near), distinct(self.points.iter().map(|p| p[1]), near));
         if xs.len() * ys.len() > 4 * self.points.len() + 4 {
             return None;
         }
@@ -187,7 +203,8 @@ fn distinct(values: impl Iterator<Item = f64>, near: f64) -> Vec<f64> {
     values
 }
 
-/// Which of `count` grid lines are drawn: at most 33, evenly spaced where the number allows it, the first and the last among them.
+/// Which of `count` grid lines are drawn: at most 33, evenly spaced where the number allows it, the first and the last
+/// among them.
 fn selection(count: usize) -> Vec<usize> {
     const MOST: usize = 32;
     let intervals = count - 1;
@@ -218,7 +235,10 @@ mod tests {
         for [a, b] in &body.boundary {
             let (p, q) = (body.points[*a as usize], body.points[*b as usize]);
             let left = [0.5 * (p[0] + q[0]) - (q[1] - p[1]), 0.5 * (p[1] + q[1]) + (q[0] - p[0])];
-            assert!(left[0] > 0.0 && left[0] < 2.0 && left[1] > 0.0 && left[1] < 1.0, "the body is not on the left of {p:?} → {q:?}");
+            assert!(
+                left[0] > 0.0 && left[0] < 2.0 && left[1] > 0.0 && left[1] < 1.0,
+                "the body is not on the left of {p:?} → {q:?}"
+            );
         }
         Ok(())
     }
@@ -250,7 +270,10 @@ mod tests {
         let points = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
         // Clockwise, to see that the orientation is mended.
         let body = Body::new(points, [[0u32, 3, 2, 1].as_slice()])?;
-        assert_eq!((body.triangles.len(), body.owners.as_slice(), body.edges.len(), body.boundary.len()), (2, [0u32, 0].as_slice(), 4, 4));
+        assert_eq!(
+            (body.triangles.len(), body.owners.as_slice(), body.edges.len(), body.boundary.len()),
+            (2, [0u32, 0].as_slice(), 4, 4)
+        );
         assert!(body.triangles.iter().all(|t| body.signed_area(t) > 0.0));
         Ok(())
     }
@@ -282,7 +305,12 @@ mod tests {
     fn selections_keep_both_ends() {
         for count in 2..300 {
             let chosen = selection(count);
-            assert!(chosen.first() == Some(&0) && chosen.last() == Some(&(count - 1)) && chosen.len() <= 34 && chosen.len() >= count.min(12));
+            assert!(
+                chosen.first() == Some(&0)
+                    && chosen.last() == Some(&(count - 1))
+                    && chosen.len() <= 34
+                    && chosen.len() >= count.min(12)
+            );
         }
         assert_eq!(selection(257).len(), 33);
     }

@@ -88,7 +88,8 @@ impl Chart {
             }
         }
         for series in &self.series {
-            let pieces: Vec<Vec<[f64; 2]>> = series.pieces.iter().map(|piece| piece.iter().map(place).collect()).collect();
+            let pieces: Vec<Vec<[f64; 2]>> =
+                series.pieces.iter().map(|piece| piece.iter().map(place).collect()).collect();
             picture.lines(&pieces, series.stroke.clone());
         }
         axes::border(picture, frame);
@@ -165,9 +166,13 @@ pub(super) fn draw(title: &str, legend: &[(Sign, String)], columns: &[Column], s
     };
     let entries = |c: usize, r: usize| columns[c].charts[r].entries(marks(c, r).exponent);
     let cells = |r: usize| (0..columns.len()).filter(move |&c| r < columns[c].charts.len());
-    let headings: Vec<usize> = (0..rows).map(|r| cells(r).map(|c| axes::flow(&entries(c, r), width).1).max().unwrap_or(1)).collect();
-    let rooms: Vec<f64> =
-        columns.iter().enumerate().map(|(c, column)| (0..column.charts.len()).map(|r| axes::y_room(&marks(c, r))).fold(0.0, f64::max)).collect();
+    let headings: Vec<usize> =
+        (0..rows).map(|r| cells(r).map(|c| axes::flow(&entries(c, r), width).1).max().unwrap_or(1)).collect();
+    let rooms: Vec<f64> = columns
+        .iter()
+        .enumerate()
+        .map(|(c, column)| (0..column.charts.len()).map(|r| axes::y_room(&marks(c, r))).fold(0.0, f64::max))
+        .collect();
 
     let inner = MARGIN + rooms.iter().map(|room| room + width + MARGIN + 8.0).sum::<f64>();
     let total = inner.max(font::width(title, TITLE) + 2.0 * MARGIN);

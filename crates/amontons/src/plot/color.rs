@@ -46,8 +46,8 @@ const INTERVALS: usize = 32;
 
 /// A perceptually uniform colour map.
 ///
-/// The tables are samples at i/32 of the maps of the same names in matplotlib (S. van der Walt and N. Smith, 2015), which
-/// are in the public domain (CC0). Interpolated linearly they differ from the originals by less than 2/255.
+/// The tables are samples at i/32 of the maps of the same names in matplotlib (S. van der Walt and N. Smith, 2015),
+/// which are in the public domain (CC0). Interpolated linearly they differ from the originals by less than 2/255.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColorMap {
     /// From dark violet over green to yellow.
@@ -114,7 +114,10 @@ mod tests {
             let mean = (steps[INTERVALS] - steps[0]) / INTERVALS as f64;
             for (i, pair) in steps.windows(2).enumerate() {
                 let rise = pair[1] - pair[0];
-                assert!(rise > 0.3 * mean && rise < 1.7 * mean, "{map:?} rises by {rise:.2} in interval {i}, the mean is {mean:.2}");
+                assert!(
+                    rise > 0.3 * mean && rise < 1.7 * mean,
+                    "{map:?} rises by {rise:.2} in interval {i}, the mean is {mean:.2}"
+                );
             }
         }
     }

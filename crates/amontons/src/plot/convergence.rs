@@ -42,8 +42,15 @@ impl ConvergencePlot {
     pub fn read(path: &Path, options: &Options) -> Result<ConvergencePlot, PlotError> {
         let table = CsvTable::read(path)?;
         let (h, k) = (table.numbers("h")?, table.numbers("k")?);
-        let names = [("error", "E^{hk}"), ("error_u", "‖u − u^{hk}‖_{V}"), ("error_w", "‖w − w^{hk}‖_{H}"), ("error_theta", "‖θ − θ^{hk}‖_{L²}")];
-        let series = names.into_iter().map(|(name, label)| Ok(ErrorSeries { label: label.to_owned(), errors: table.numbers(name)? }));
+        let names = [
+            ("error", "E^{hk}"),
+            ("error_u", "‖u − u^{hk}‖_{V}"),
+            ("error_w", "‖w − w^{hk}‖_{H}"),
+            ("error_theta", "‖θ − θ^{hk}‖_{L²}"),
+        ];
+        let series = names
+            .into_iter()
+            .map(|(name, label)| Ok(ErrorSeries { label: label.to_owned(), errors: table.numbers(name)? }));
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs();
         let (sizes, x_label) = if h.iter().zip(&k).all(|(h, k)| near(*h, *k)) {
             // Equal as numbers only: a width and a step have no unit in common.
@@ -95,7 +102,8 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
     let widths = || plots.iter().flat_map(|p| p.sizes.iter().copied());
     let errors = || plots.iter().flat_map(|p| &p.series).flat_map(|s| s.errors.iter().copied()).filter(|&e| e > 0.0);
     let nothing = || PlotError::Data("a convergence study has no positive error".to_owned());
-    let ([h_lo, h_hi], [e_lo, e_hi]) = (axes::range(widths()).ok_or_else(nothing)?, axes::range(errors()).ok_or_else(nothing)?);
+    let ([h_lo, h_hi], [e_lo, e_hi]) =
+        (axes::range(widths()).ok_or_else(nothing)?, axes::range(errors()).ok_or_else(nothing)?);
     let x_values = [h_lo / 1.25, h_hi * 1.25];
     // The triangle stands below all errors.
     let triangle = triangle(plots, [h_lo, h_hi]);
@@ -107,11 +115,16 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
     let own_titles = plots.iter().map(|p| &p.title).any(|t| !t.is_empty());
     let head = if title.is_empty() { 0.0 } else { TITLE + 10.0 } + if own_titles { HEADING + 10.0 } else { 0.0 };
     let frame_y = MARGIN + head + 6.0 + LEGEND * lines as f64;
-    let titles = plots.iter().map(|p| font::width(&p.title, if title.is_empty() { TITLE } else { HEADING })).fold(0.0, f64::max);
+    let titles =
+        plots.iter().map(|p| font::width(&p.title, if title.is_empty() { TITLE } else { HEADING })).fold(0.0, f64::max);
     let each = left + WIDTH.max(titles) + MARGIN;
     let total = MARGIN + each * plots.len() as f64;
     let named = if title.is_empty() { plots.first().map_or("", |p| &p.title) } else { title };
-    let mut picture = Picture::new(total.max(font::width(title, TITLE) + 2.0 * MARGIN), frame_y + HEIGHT + 30.0 + LABEL + MARGIN, named);
+    let mut picture = Picture::new(
+        total.max(font::width(title, TITLE) + 2.0 * MARGIN),
+        frame_y + HEIGHT + 30.0 + LABEL + MARGIN,
+        named,
+    );
     picture.text([0.5 * picture.width, MARGIN + 0.8 * TITLE], TITLE, Anchor::Middle, INK, title);
     for (i, (plot, entries)) in plots.iter().zip(&entries).enumerate() {
         let x = MARGIN + each * i as f64 + left;
@@ -120,7 +133,12 @@ pub fn convergence_panels(title: &str, plots: &[ConvergencePlot]) -> Result<Pict
         let scale_y = Scale { values: y_values, places: [frame.bottom(), frame.y], logarithmic: true };
         let size = if title.is_empty() { TITLE } else { HEADING };
         picture.text([x + 0.5 * WIDTH.max(titles), MARGIN + head - 8.0], size, Anchor::Middle, INK, &plot.title);
-        axes::legend(&mut picture, [x, frame_y - 8.0 - LEGEND * (axes::flow(entries, WIDTH).1 - 1) as f64], WIDTH, entries);
+        axes::legend(
+            &mut picture,
+            [x, frame_y - 8.0 - LEGEND * (axes::flow(entries, WIDTH).1 - 1) as f64],
+            WIDTH,
+            entries,
+        );
         axes::x_marks(&mut picture, frame, &scale_x, &level_ticks(&plot.sizes, &scale_x), true, true);
         axes::y_marks(&mut picture, frame, &scale_y, &y_ticks, true);
         axes::border(&mut picture, frame);
@@ -155,7 +173,12 @@ fn check(plot: &ConvergencePlot) -> Result<(), PlotError> {
     }
     for series in &plot.series {
         if series.errors.len() != plot.sizes.len() {
-            return Err(PlotError::Data(format!("{} has {} errors for {} levels", font::plain(&series.label), series.errors.len(), plot.sizes.len())));
+            return Err(PlotError::Data(format!(
+                "{} has {} errors for {} levels",
+                font::plain(&series.label),
+                series.errors.len(),
+                plot.sizes.len()
+            )));
         }
         if let Some(e) = series.errors.iter().find(|e| !e.is_finite()) {
             return Err(PlotError::Data(format!("{} has the error {e}", font::plain(&series.label))));
@@ -172,7 +195,8 @@ fn style(series: usize) -> Stroke {
 
 fn legend(plot: &ConvergencePlot) -> Vec<(Sign, String)> {
     let entry = |(s, series): (usize, &ErrorSeries)| {
-        let order = series.order(&plot.sizes).map_or_else(String::new, |order| format!(", order {order:.2}").replace('-', "−"));
+        let order =
+            series.order(&plot.sizes).map_or_else(String::new, |order| format!(", order {order:.2}").replace('-', "−"));
         (Sign::Line(style(s), Some(MARKERS[s % MARKERS.len()])), format!("{}{order}", series.label))
     };
     plot.series.iter().enumerate().map(entry).collect()
@@ -208,7 +232,8 @@ fn triangle(plots: &[ConvergencePlot], [lo, hi]: [f64; 2]) -> [[f64; 2]; 3] {
     let (a, b) = if hi > lo { (at(0.5), at(0.8)) } else { (lo, lo * 1.2) };
     let lines = plots.iter().flat_map(|p| p.series.iter().map(|s| (&p.sizes, &s.errors)));
     // The slanted side, e = c·h, is to stay below every error from its lower end on.
-    let below = lines.flat_map(|(h, e)| h.iter().zip(e)).filter(|(h, e)| **h >= a / 2.1 && **e > 0.0).map(|(h, e)| e / h);
+    let below =
+        lines.flat_map(|(h, e)| h.iter().zip(e)).filter(|(h, e)| **h >= a / 2.1 && **e > 0.0).map(|(h, e)| e / h);
     let c = 0.55 * axes::range(below).map_or(1.0, |r| r[0]);
     [[a, c * a], [b, c * a], [b, c * b]]
 }

@@ -22,8 +22,15 @@ pub(super) struct Quantity {
 impl Quantity {
     pub(super) fn of(kind: Kind) -> Quantity {
         match kind {
-            Kind::VonMises => Quantity { name: "von Mises stress", symbol: "σ_{vM}", measure: Measure::Stress, map: ColorMap::Viridis },
-            Kind::Deformed => Quantity { name: "displacement", symbol: "‖u‖", measure: Measure::Length, map: ColorMap::Viridis },
+            Kind::VonMises => Quantity {
+                name: "von Mises stress",
+                symbol: "σ_{vM}",
+                measure: Measure::Stress,
+                map: ColorMap::Viridis,
+            },
+            Kind::Deformed => {
+                Quantity { name: "displacement", symbol: "‖u‖", measure: Measure::Length, map: ColorMap::Viridis }
+            }
             _ => Quantity { name: "temperature", symbol: "θ", measure: Measure::Temperature, map: ColorMap::Inferno },
         }
     }
@@ -37,8 +44,9 @@ pub(super) fn extremes(units: Units, extent: [f64; 2], measure: Measure) -> Stri
 
 /// The range that the colours show: all values, but for the few that lie far above the rest.
 ///
-/// Stresses are singular in corners and where conditions change; the triangles there would take most of the colours for themselves.
-/// At most a half per cent of the area is left out, and only if the colours then show less than four fifths of the values.
+/// Stresses are singular in corners and where conditions change; the triangles there would take most of the colours for
+/// themselves. At most a half per cent of the area is left out, and only if the colours then show less than four fifths
+/// of the values.
 pub(super) fn shown(values: &[[f64; 3]], areas: &[f64], [lo, hi]: [f64; 2]) -> [f64; 2] {
     let largest = |corners: &[f64; 3]| corners.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let mut by_value: Vec<(f64, f64)> = values.iter().map(largest).zip(areas.iter().copied()).collect();
@@ -110,7 +118,11 @@ impl Bar {
         picture.image(place, image);
         let mut outline = place.corners();
         if self.pointed {
-            let tip = if self.below { [place.right() + point, place.y + 0.5 * BAR] } else { [place.x + 0.5 * BAR, place.y - point] };
+            let tip = if self.below {
+                [place.right() + point, place.y + 0.5 * BAR]
+            } else {
+                [place.x + 0.5 * BAR, place.y - point]
+            };
             let [red, green, blue, _] = color(STEPS - 1);
             let first = usize::from(self.below);
             picture.polygon(vec![outline[first], tip, outline[first + 1]], Color { red, green, blue, opacity: 1.0 });
@@ -122,10 +134,21 @@ impl Bar {
             picture.text([place.right() + point + 12.0, place.bottom() - 2.0], LABEL, Anchor::Start, INK, &self.label);
         } else {
             let scale = Scale::new(self.range, [place.bottom(), place.y]);
-            let marks: Vec<_> = self.ticks.marks.iter().map(|(v, _)| [[place.right(), scale.at(*v)], [place.right() + 4.0, scale.at(*v)]]).collect();
+            let marks: Vec<_> = self
+                .ticks
+                .marks
+                .iter()
+                .map(|(v, _)| [[place.right(), scale.at(*v)], [place.right() + 4.0, scale.at(*v)]])
+                .collect();
             picture.lines(&marks, Stroke::new(INK, 0.8));
             for (v, text) in &self.ticks.marks {
-                picture.text([place.right() + 7.0, scale.at(*v) + axes::HALF * NUMBER], NUMBER, Anchor::Start, INK, text);
+                picture.text(
+                    [place.right() + 7.0, scale.at(*v) + axes::HALF * NUMBER],
+                    NUMBER,
+                    Anchor::Start,
+                    INK,
+                    text,
+                );
             }
             picture.text([place.x, rect.y - 8.0], LABEL, Anchor::Start, INK, &self.label);
         }

@@ -20,7 +20,8 @@ const PLANE: [u8; 4] = [5, 9, 22, 28];
 const LINES: [u8; 2] = [3, 21];
 
 impl Run {
-    /// Reads the run in a results folder at its latest time: `case.toml`, `fields.pvd` with its latest snapshot, `contact.csv` and `history.csv`.
+    /// Reads the run in a results folder at its latest time: `case.toml`, `fields.pvd` with its latest snapshot,
+    /// `contact.csv` and `history.csv`.
     ///
     /// # Errors
     /// When a file is missing or is not what a run writes; the error names the file.
@@ -29,15 +30,19 @@ impl Run {
         results.run(results.snapshots.len() - 1)
     }
 
-    /// Reads the run at several times, each that of the nearest snapshot, in the order of time; without times at those of a strip that shows what
-    /// happens, or at the latest alone where that is at the end.
+    /// Reads the run at several times, each that of the nearest snapshot, in the order of time; without times at those
+    /// of a strip that shows what happens, or at the latest alone where that is at the end.
     ///
     /// # Errors
     /// As [`Run::read`]; also [`PlotError::Data`] when a time lies beyond the snapshots.
     pub fn frames(folder: &Path, times: &[f64]) -> Result<Vec<Run>, PlotError> {
         let results = Results::read(folder)?;
         let snapshots: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
-        let chosen = if times.is_empty() { frames::choose(&results.history, &snapshots) } else { frames::at(times, &snapshots)? };
+        let chosen = if times.is_empty() {
+            frames::choose(&results.history, &snapshots)
+        } else {
+            frames::at(times, &snapshots)?
+        };
         chosen.into_iter().map(|i| results.run(i)).collect()
     }
 }
@@ -110,7 +115,8 @@ impl Results<'_> {
         Ok(run)
     }
 
-    /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not written.
+    /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not
+    /// written.
     fn contact(&self, snapshot: usize) -> Result<Option<CsvTable>, PlotError> {
         if self.problem.contacts.is_empty() {
             return Ok(None);
@@ -145,7 +151,8 @@ fn optional(data: &BTreeMap<String, vtu::Array>, name: &str) -> Vec<f64> {
 /// The fields of a body in space.
 fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> {
     let solid = Solid {
-        surface: Surface::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells())).map_err(|e| e.to_string())?,
+        surface: Surface::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells()))
+            .map_err(|e| e.to_string())?,
         displacement: displacement(grid)?,
         temperature: temperature(grid)?,
         von_mises: von_mises(grid)?,
@@ -184,7 +191,11 @@ fn displacement(grid: &vtu::Grid) -> Result<Vec<[f64; 3]>, String> {
 
 fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64], String> {
     let array = data.get(name).ok_or_else(|| format!("it has no array {name}"))?;
-    if array.components == components { Ok(&array.values) } else { Err(format!("the array {name} has {} components, expected {components}", array.components)) }
+    if array.components == components {
+        Ok(&array.values)
+    } else {
+        Err(format!("the array {name} has {} components, expected {components}", array.components))
+    }
 }
 
 /// The contact points of a body in space.
@@ -219,7 +230,10 @@ fn on_sides(table: &CsvTable, sides: &[String]) -> Result<Vec<usize>, PlotError>
         return Ok(vec![0; table.rows()]);
     }
     let names: Vec<String> = table.column(columns::SIDE.name)?;
-    let fault = |name: &String| PlotError::Format { path: table.path().to_owned(), what: format!("the side `{name}` is none of {}", sides.join(", ")) };
+    let fault = |name: &String| PlotError::Format {
+        path: table.path().to_owned(),
+        what: format!("the side `{name}` is none of {}", sides.join(", ")),
+    };
     names.iter().map(|name| sides.iter().position(|side| side == name).ok_or_else(|| fault(name))).collect()
 }
 
@@ -228,10 +242,10 @@ fn statuses(table: &CsvTable) -> Result<Vec<Status>, PlotError> {
     let words: Vec<String> = table.column(columns::STATUS.name)?;
     let status = |word: &String| {
         let known = [Status::Open, Status::Stick, Status::Slip];
-        known
-            .into_iter()
-            .find(|s| s.name() == word)
-            .ok_or_else(|| PlotError::Format { path: table.path().to_owned(), what: format!("the status `{word}` is none of open, stick, slip") })
+        known.into_iter().find(|s| s.name() == word).ok_or_else(|| PlotError::Format {
+            path: table.path().to_owned(),
+            what: format!("the status `{word}` is none of open, stick, slip"),
+        })
     };
     words.iter().map(status).collect()
 }
@@ -241,7 +255,8 @@ fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotEr
         let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
         Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
     };
-    let (x, traction, slip_velocity) = (pairs(&columns::POSITION)?, pairs(&columns::TRACTION)?, pairs(&columns::SLIP_VELOCITY)?);
+    let (x, traction, slip_velocity) =
+        (pairs(&columns::POSITION)?, pairs(&columns::TRACTION)?, pairs(&columns::SLIP_VELOCITY)?);
     let (penetration, pressure) = (table.numbers(columns::PENETRATION.name)?, table.numbers(columns::PRESSURE.name)?);
     let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
     let (temperature, heat_flux) = (of_heat(columns::TEMPERATURE.name)?, of_heat(columns::HEAT_FLUX.name)?);

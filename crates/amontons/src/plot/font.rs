@@ -1,7 +1,7 @@
 //! Text as outlines of an embedded font, so that it looks the same with and without fonts on the system.
 //!
-//! The font is DejaVu Sans 2.37 (licence beside it), reduced to Latin, Greek and Cyrillic letters and the signs of mathematics.
-//! Texts have one markup: `_{…}` sets a subscript and `^{…}` a superscript.
+//! The font is DejaVu Sans 2.37 (licence beside it), reduced to Latin, Greek and Cyrillic letters and the signs of
+//! mathematics. Texts have one markup: `_{…}` sets a subscript and `^{…}` a superscript.
 
 use std::sync::OnceLock;
 
@@ -157,14 +157,20 @@ mod tests {
         assert!(face().is_some());
         for c in text.chars().filter(|c| !c.is_whitespace()) {
             let layout = layout(&c.to_string());
-            assert!(layout.glyphs[0].id != 0 && layout.width > 0.0 && !outline(layout.glyphs[0].id).is_empty(), "{c} is missing");
+            assert!(
+                layout.glyphs[0].id != 0 && layout.width > 0.0 && !outline(layout.glyphs[0].id).is_empty(),
+                "{c} is missing"
+            );
         }
         assert_eq!(layout("漢").glyphs[0].id, 0);
     }
 
     #[test]
     fn markup_sets_scripts_and_nothing_else() {
-        assert_eq!(parts("p_{ν} (10^{3} Pa)"), [("p", Place::Base), ("ν", Place::Sub), (" (10", Place::Base), ("3", Place::Super), (" Pa)", Place::Base)]);
+        assert_eq!(
+            parts("p_{ν} (10^{3} Pa)"),
+            [("p", Place::Base), ("ν", Place::Sub), (" (10", Place::Base), ("3", Place::Super), (" Pa)", Place::Base)]
+        );
         assert_eq!(parts("my_case {a} x_{"), [("my_case {a} x_{", Place::Base)]);
         assert_eq!(plain("E^{hk}"), "Ehk");
         assert!(layout("x^{2}").width < layout("x2").width);

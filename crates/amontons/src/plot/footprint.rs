@@ -1,4 +1,5 @@
-//! The contact sides of a body in space, each seen from outside the body: pressure, state and direction of slip of each point, wear.
+//! The contact sides of a body in space, each seen from outside the body: pressure, state and direction of slip of each
+//! point, wear.
 
 use std::collections::{HashMap, HashSet};
 
@@ -41,7 +42,8 @@ struct View {
 }
 
 impl View {
-    /// The view of an eye in this direction: z upwards, or y, so that the eye sees the surface as it is and not through the body.
+    /// The view of an eye in this direction: z upwards, or y, so that the eye sees the surface as it is and not through
+    /// the body.
     fn new(eye: [f64; 3]) -> View {
         const NAMES: [&str; 3] = ["x", "y", "z"];
         const ALONG_AXIS: f64 = 0.985;
@@ -92,7 +94,11 @@ impl Field {
         }
         let work = panels.iter().any(|panel| panel.run.worn()[1]);
         let pressure = field("pressure", "p", Measure::Stress, ColorMap::Viridis, |row| row.pressure);
-        let work = work.then(|| field("friction work since the start", "work", Measure::SurfaceWork, ColorMap::Inferno, |row| row.friction_work));
+        let work = work.then(|| {
+            field("friction work since the start", "work", Measure::SurfaceWork, ColorMap::Inferno, |row| {
+                row.friction_work
+            })
+        });
         std::iter::once(pressure).chain(work).collect()
     }
 }
@@ -120,7 +126,8 @@ impl<'a> Side<'a> {
         let surface = &solid.surface;
         let row = |n: u32| numbers.get(&key(surface.points[n as usize])).copied();
         // Vertices of quadratic triangles may bear no contact point.
-        let bearing = |nodes: &[u32]| nodes.iter().skip(if nodes.len() == 6 { 3 } else { 0 }).all(|&n| row(n).is_some());
+        let bearing =
+            |nodes: &[u32]| nodes.iter().skip(if nodes.len() == 6 { 3 } else { 0 }).all(|&n| row(n).is_some());
         let facets: Vec<usize> = (0..surface.facets.len()).filter(|&f| bearing(&surface.facets[f].0)).collect();
         let on_facets: HashSet<u32> = facets.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
         if on_facets.iter().filter(|&&n| row(n).is_some()).count() != rows.len() {
@@ -143,13 +150,15 @@ impl<'a> Side<'a> {
         let mut all = Vec::new();
         for &eye in &eyes {
             let view = View::new(eye);
-            let seen: Vec<usize> = facets.iter().zip(&normals).filter(|(_, n)| dot(**n, eye) > 0.0).map(|(f, _)| *f).collect();
+            let seen: Vec<usize> =
+                facets.iter().zip(&normals).filter(|(_, n)| dot(**n, eye) > 0.0).map(|(f, _)| *f).collect();
             let mut nodes: Vec<u32> = seen.iter().flat_map(|&f| surface.facets[f].0.iter().copied()).collect();
             nodes.sort_unstable();
             nodes.dedup();
             let number: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, &n)| (n, i as u32)).collect();
             let points = nodes.iter().map(|&n| view.at(surface.points[n as usize])).collect();
-            let cells: Vec<Vec<u32>> = seen.iter().map(|&f| surface.facets[f].0.iter().map(|n| number[n]).collect()).collect();
+            let cells: Vec<Vec<u32>> =
+                seen.iter().map(|&f| surface.facets[f].0.iter().map(|n| number[n]).collect()).collect();
             let body = Body::new(points, cells.iter().map(Vec::as_slice))?;
             let plane = Plane { body, facets: cells, rows: nodes.iter().map(|&n| row(n)).collect() };
             let from = if eyes.len() > 1 {
@@ -180,7 +189,8 @@ impl<'a> Side<'a> {
 
     /// A panel for each field, which has these extents, and one for the states.
     fn plans(&self, fields: &[Field], extents: &[[f64; 2]], has_states: bool, units: Units) -> Vec<Plan> {
-        let heading = |what: &str| if self.title.is_empty() { what.to_owned() } else { format!("{}: {what}", self.title) };
+        let heading =
+            |what: &str| if self.title.is_empty() { what.to_owned() } else { format!("{}: {what}", self.title) };
         let plan = |what: &str, note: String| Plan {
             title: heading(what),
             note,
@@ -188,11 +198,18 @@ impl<'a> Side<'a> {
             labels: self.view.labels,
             mirrored: self.view.mirrored,
         };
-        let field = |(field, extent): (&Field, &[f64; 2])| plan(field.quantity.name, field::extremes(units, *extent, field.quantity.measure));
+        let field = |(field, extent): (&Field, &[f64; 2])| {
+            plan(field.quantity.name, field::extremes(units, *extent, field.quantity.measure))
+        };
         let seen = self.seen();
         let count = |status| seen.iter().filter(|row| row.status == status).count();
-        let fastest = seen.iter().filter(|row| row.status == Status::Slip).map(|row| norm(row.slip_velocity)).fold(0.0, f64::max);
-        let slip = if fastest > 0.0 { format!("; slip up to {}", typeset(&units.write(fastest, Measure::Velocity))) } else { String::new() };
+        let fastest =
+            seen.iter().filter(|row| row.status == Status::Slip).map(|row| norm(row.slip_velocity)).fold(0.0, f64::max);
+        let slip = if fastest > 0.0 {
+            format!("; slip up to {}", typeset(&units.write(fastest, Measure::Velocity)))
+        } else {
+            String::new()
+        };
         let states = || format!("{}{slip}", STATUSES.map(|s| format!("{} {}", count(s), s.name())).join(", "));
         let states = has_states.then(|| plan("state and direction of slip", states()));
         fields.iter().zip(extents).map(field).chain(states).collect()
@@ -221,7 +238,8 @@ impl<'a> Side<'a> {
         } else {
             for row in &self.rows {
                 let value = (field.of)(row);
-                let [red, green, blue] = map.at(if range[1] > range[0] { (value - range[0]) / (range[1] - range[0]) } else { 0.5 });
+                let [red, green, blue] =
+                    map.at(if range[1] > range[0] { (value - range[0]) / (range[1] - range[0]) } else { 0.5 });
                 let fill = Color { red, green, blue, opacity: 1.0 };
                 picture.polygon(dot_at(frame.at(&self.at(row)), self.radius(frame)), fill);
             }
@@ -234,7 +252,10 @@ impl<'a> Side<'a> {
         let seen = self.seen();
         for status in STATUSES {
             let of = |row: &&&SolidContact| row.status == status;
-            let line = |row: &&SolidContact| Line { points: dot_at(frame.at(&self.at(row)), self.radius(frame)), closed: true };
+            let line = |row: &&SolidContact| Line {
+                points: dot_at(frame.at(&self.at(row)), self.radius(frame)),
+                closed: true,
+            };
             picture.shape(seen.iter().filter(of).map(line).collect(), Some(color(status)), None);
         }
         self.arrows(picture, frame, &seen);
@@ -289,8 +310,8 @@ impl Plane {
     }
 }
 
-/// The values at the nodes of a facet: those that are known, and at a vertex of a quadratic triangle without one that of the linear
-/// function through the midpoints, not below 0.
+/// The values at the nodes of a facet: those that are known, and at a vertex of a quadratic triangle without one that
+/// of the linear function through the midpoints, not below 0.
 fn extended(nodes: &[u32], known: impl Fn(u32) -> Option<f64>) -> Vec<(u32, f64)> {
     let value = |i: usize| nodes.get(i).and_then(|&n| known(n)).unwrap_or_default();
     // Midpoint 3 lies between the vertices 0 and 1, 4 between 1 and 2, 5 between 2 and 0.
@@ -314,9 +335,16 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
             all.extend(sides(panel, panel.run, solid)?);
         }
     }
-    let shown: Vec<(&Side, &Field)> = all.iter().flat_map(|side| fields.iter().map(move |field| (side, field))).collect();
-    let extents: Vec<[f64; 2]> = shown.iter().map(|(side, field)| axes::range(side.rows.iter().map(|row| (field.of)(row))).unwrap_or([0.0, 1.0])).collect();
-    let common = |i: usize| axes::range(extents.iter().skip(i % fields.len()).step_by(fields.len()).flatten().copied()).unwrap_or([0.0, 1.0]);
+    let shown: Vec<(&Side, &Field)> =
+        all.iter().flat_map(|side| fields.iter().map(move |field| (side, field))).collect();
+    let extents: Vec<[f64; 2]> = shown
+        .iter()
+        .map(|(side, field)| axes::range(side.rows.iter().map(|row| (field.of)(row))).unwrap_or([0.0, 1.0]))
+        .collect();
+    let common = |i: usize| {
+        axes::range(extents.iter().skip(i % fields.len()).step_by(fields.len()).flatten().copied())
+            .unwrap_or([0.0, 1.0])
+    };
     let range = |i: usize| if options.shared_scale { common(i) } else { extents[i] };
     let mut rows = Vec::new();
     let legend: Vec<(Sign, String)> = STATUSES.map(|s| (Sign::Box(color(s)), s.name().to_owned())).to_vec();

@@ -14,7 +14,11 @@ pub(super) fn at(times: &[f64], snapshots: &[f64]) -> Result<Vec<usize>, PlotErr
     let (first, last) = (snapshots.first().copied().unwrap_or_default(), snapshots.last().copied().unwrap_or_default());
     let slack = 1e-9 * first.abs().max(last.abs());
     if let Some(t) = times.iter().find(|t| !(first - slack..=last + slack).contains(*t)) {
-        let there = if snapshots.len() == 1 { format!("at t = {last} only") } else { format!("from t = {first} to t = {last}") };
+        let there = if snapshots.len() == 1 {
+            format!("at t = {last} only")
+        } else {
+            format!("from t = {first} to t = {last}")
+        };
         let hint = "`every` under [output] says after how many steps fields are written";
         return Err(PlotError::Data(format!("there is no picture at t = {t}: the run has fields {there}; {hint}")));
     }
@@ -30,10 +34,11 @@ fn nearest(t: f64, snapshots: &[f64]) -> Option<usize> {
 
 /// The end alone where the story is there, else a strip of frames between which equal amounts of change lie.
 ///
-/// Four quantities tell the story: elastic energy, contact force, power of friction and heat content. It is at the end if each of them is there
-/// still at least four fifths of its largest value. Else the change of a run up to a time is the sum of their variations, each divided by its
-/// variation over the whole run; the frames are the snapshots nearest to the times at which a quarter, a half and three quarters of it have passed,
-/// and the end. A snapshot at t = 0 is not among them.
+/// Four quantities tell the story: elastic energy, contact force, power of friction and heat content. It is at the end
+/// if each of them is there still at least four fifths of its largest value. Else the change of a run up to a time is
+/// the sum of their variations, each divided by its variation over the whole run; the frames are the snapshots nearest
+/// to the times at which a quarter, a half and three quarters of it have passed, and the end. A snapshot at t = 0 is
+/// not among them.
 pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
     let Some(end) = snapshots.len().checked_sub(1) else { return Vec::new() };
     let times = history.get(columns::TIME.name).map_or(&[][..], Vec::as_slice);
@@ -45,7 +50,8 @@ pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
     }
     let mut change = vec![0.0; times.len()];
     for values in &series {
-        let steps: Vec<f64> = (0..values.len()).map(|i| (values[i] - if i > 0 { values[i - 1] } else { 0.0 }).abs()).collect();
+        let steps: Vec<f64> =
+            (0..values.len()).map(|i| (values[i] - if i > 0 { values[i - 1] } else { 0.0 }).abs()).collect();
         let total: f64 = steps.iter().sum();
         let mut sum = 0.0;
         for (change, step) in change.iter_mut().zip(&steps) {
@@ -57,7 +63,8 @@ pub(super) fn choose(history: &History, snapshots: &[f64]) -> Vec<usize> {
     let reached = |share: f64| change.iter().position(|c| *c >= share * whole).and_then(|i| times.get(i)).copied();
     let start = usize::from(snapshots.len() > 1 && snapshots[0] <= 0.0);
     let wanted = (1..FRAMES).filter_map(|i| reached(i as f64 / FRAMES as f64));
-    let mut chosen: Vec<usize> = wanted.filter_map(|t| nearest(t, &snapshots[start..])).map(|i| i + start).chain([end]).collect();
+    let mut chosen: Vec<usize> =
+        wanted.filter_map(|t| nearest(t, &snapshots[start..])).map(|i| i + start).chain([end]).collect();
     chosen.sort_unstable();
     chosen.dedup();
     chosen
@@ -76,7 +83,8 @@ fn story(history: &History, times: &[f64]) -> Vec<Vec<f64>> {
         if times[i] > t { (work[i] - w) / (times[i] - t) } else { 0.0 }
     };
     let power: Vec<f64> = (0..work.len()).map(rate).collect();
-    let plain = [columns::ELASTIC, columns::HEAT_CONTENT].map(|column| column.name).into_iter().filter_map(column).cloned();
+    let plain =
+        [columns::ELASTIC, columns::HEAT_CONTENT].map(|column| column.name).into_iter().filter_map(column).cloned();
     let all = plain.chain([force.collect(), power]);
     all.filter(|values: &Vec<f64>| values.iter().any(|v| *v != 0.0)).collect()
 }
@@ -123,7 +131,12 @@ mod tests {
     fn times_that_are_asked_for_take_the_nearest_snapshot() -> Result<(), PlotError> {
         assert_eq!(at(&[0.52, 0.0, 0.501, 1.0], &snapshots())?, [0, 10, 20]);
         let error = at(&[0.2], &[1.0]).map_err(|e| e.to_string());
-        assert!(error.as_ref().is_err_and(|e| e.contains("t = 0.2") && e.contains("at t = 1 only") && e.contains("`every`")), "{error:?}");
+        assert!(
+            error
+                .as_ref()
+                .is_err_and(|e| e.contains("t = 0.2") && e.contains("at t = 1 only") && e.contains("`every`")),
+            "{error:?}"
+        );
         assert!(at(&[f64::NAN], &snapshots()).is_err());
         Ok(())
     }

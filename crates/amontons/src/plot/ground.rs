@@ -22,8 +22,9 @@ pub(super) struct Ground {
     pub moves: Option<([f64; 2], [f64; 2])>,
 }
 
-/// Whether displacements and gaps of a body can be enlarged alike so that touching points still touch: every side that bears contact is flat, and its
-/// gap the same along it. An enlarged displacement beside an obstacle, a curved side or a gap that varies would be false.
+/// Whether displacements and gaps of a body can be enlarged alike so that touching points still touch: every side that
+/// bears contact is flat, and its gap the same along it. An enlarged displacement beside an obstacle, a curved side or
+/// a gap that varies would be false.
 pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
     problem.contacts.iter().enumerate().all(|(side, contact)| {
         contact.obstacle.is_none() && !contact.gap.depends_on_space() && {
@@ -34,7 +35,8 @@ pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
     })
 }
 
-/// The foundations of a plane body whose displacements and gaps are drawn `factor` times as large; obstacles in a window of the picture.
+/// The foundations of a plane body whose displacements and gaps are drawn `factor` times as large; obstacles in a
+/// window of the picture.
 pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, window: [[f64; 2]; 2]) -> Vec<Ground> {
     let of = |contact: &Contact| {
         let set = problem.mesh.facets.get(&contact.on)?;
@@ -47,7 +49,8 @@ pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, windo
     problem.contacts.iter().filter_map(of).collect()
 }
 
-/// Points of the foundation that a picture should show: without an obstacle its surface, else the foot below the nearest point of the side.
+/// Points of the foundation that a picture should show: without an obstacle its surface, else the foot below the
+/// nearest point of the side.
 pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, factor: f64) -> Vec<[f64; 2]> {
     let mut all = Vec::new();
     for contact in &problem.contacts {
@@ -57,17 +60,24 @@ pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, f
             continue;
         };
         let nodes = set.node_list().into_iter().filter_map(|n| moved.get(n as usize));
-        let near = nodes.map(|p| (p, obstacle.nearest(&[p[0], p[1], 0.0], t))).min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
-        all.extend(near.map(|(p, at)| [0, 1].map(|d| p[d] - at.distance * at.normal[d])).filter(|p| p.iter().all(|x| x.is_finite())));
+        let near = nodes
+            .map(|p| (p, obstacle.nearest(&[p[0], p[1], 0.0], t)))
+            .min_by(|a, b| a.1.distance.total_cmp(&b.1.distance));
+        all.extend(
+            near.map(|(p, at)| [0, 1].map(|d| p[d] - at.distance * at.normal[d]))
+                .filter(|p| p.iter().all(|x| x.is_finite())),
+        );
     }
     all
 }
 
-/// Velocity of the foundation of a contact at a point: that of its obstacle as a whole, or of its surface along its normal, and v_F.
+/// Velocity of the foundation of a contact at a point: that of its obstacle as a whole, or of its surface along its
+/// normal, and v_F.
 fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Point>, t: f64) -> Point {
     let h = 1e-6 * problem.end;
     let [from, to] = [(t - h).max(0.0), (t + h).min(problem.end)];
-    let mut v: Point = std::array::from_fn(|c| contact.foundation_velocity.get(c).map_or(0.0, |field| field.value(x, t)));
+    let mut v: Point =
+        std::array::from_fn(|c| contact.foundation_velocity.get(c).map_or(0.0, |field| field.value(x, t)));
     let along_normal = |rate: f64, n: &Point| -> Point { n.map(|c| c * rate) };
     let more = match &contact.obstacle {
         Some(obstacle) => {
@@ -77,11 +87,16 @@ fn velocity(problem: &Problem, contact: &Contact, x: &Point, normal: Option<Poin
             } else {
                 // Distances fall where the surface comes nearer.
                 let at = obstacle.nearest(x, t);
-                along_normal((obstacle.nearest(x, from).distance - obstacle.nearest(x, to).distance) / (to - from), &at.normal)
+                along_normal(
+                    (obstacle.nearest(x, from).distance - obstacle.nearest(x, to).distance) / (to - from),
+                    &at.normal,
+                )
             }
         }
         // The gap is along the normal of the body.
-        None => normal.map_or([0.0; 3], |n| along_normal((contact.gap.value(x, to) - contact.gap.value(x, from)) / (to - from), &n)),
+        None => normal.map_or([0.0; 3], |n| {
+            along_normal((contact.gap.value(x, to) - contact.gap.value(x, from)) / (to - from), &n)
+        }),
     };
     v.iter_mut().zip(more).for_each(|(v, more)| *v += more);
     v
@@ -94,7 +109,8 @@ fn moving(at: [f64; 2], v: Point) -> Option<([f64; 2], [f64; 2])> {
 /// Chains of nodes along the boundary of a body that a facet set has, the body on their left.
 fn chains(body: &Body, set: &FacetSet) -> Vec<Vec<u32>> {
     let nodes: HashSet<[u32; 2]> = set.facets().flat_map(|(_, facet)| pairs(facet)).collect();
-    let edges: Vec<[u32; 2]> = body.boundary.iter().copied().filter(|[a, b]| nodes.contains(&[*a.min(b), *a.max(b)])).collect();
+    let edges: Vec<[u32; 2]> =
+        body.boundary.iter().copied().filter(|[a, b]| nodes.contains(&[*a.min(b), *a.max(b)])).collect();
     chained(&edges)
 }
 
@@ -169,9 +185,12 @@ fn around(problem: &Problem, contact: &Contact, obstacle: &Obstacle, t: f64, win
     };
     let lines = contour(&level, window);
     // The velocity is shown at the right, where it hides little, but not at the border.
-    let within = |p: &[f64; 2], d: usize| (p[d] - 0.5 * (window[d][0] + window[d][1])).abs() < 0.44 * (window[d][1] - window[d][0]);
+    let within = |p: &[f64; 2], d: usize| {
+        (p[d] - 0.5 * (window[d][0] + window[d][1])).abs() < 0.44 * (window[d][1] - window[d][0])
+    };
     let rightmost = |a: &&[f64; 2], b: &&[f64; 2]| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1]));
-    let farthest = |directions: usize| lines.iter().flatten().filter(|p| (0..directions).all(|d| within(p, d))).max_by(rightmost);
+    let farthest =
+        |directions: usize| lines.iter().flatten().filter(|p| (0..directions).all(|d| within(p, d))).max_by(rightmost);
     let farthest = farthest(2).or_else(|| farthest(1)).or_else(|| farthest(0));
     let moves = farthest.and_then(|&p| moving(p, velocity(problem, contact, &[p[0], p[1], 0.0], None, t)));
     Ground { lines, moves }
@@ -189,7 +208,8 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
         return Vec::new();
     }
     let corner = |i: usize, j: usize| [wx[0] + width * i as f64 / nx as f64, wy[0] + height * j as f64 / ny as f64];
-    let is_in: Vec<bool> = (0..=ny).flat_map(|j| (0..=nx).map(move |i| (i, j))).map(|(i, j)| level(corner(i, j)) < 0.0).collect();
+    let is_in: Vec<bool> =
+        (0..=ny).flat_map(|j| (0..=nx).map(move |i| (i, j))).map(|(i, j)| level(corner(i, j)) < 0.0).collect();
     let inside = |i: usize, j: usize| is_in[j * (nx + 1) + i];
     let crossing = |a: (usize, usize), b: (usize, usize)| {
         let (mut lo, mut hi) = (corner(a.0, a.1), corner(b.0, b.1));
@@ -200,7 +220,8 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
         }
         [0.5 * (lo[0] + hi[0]), 0.5 * (lo[1] + hi[1])]
     };
-    // Edges of the grid by their lower end and direction; a segment starts where a turn around its cell enters the obstacle and ends where it leaves it.
+    // Edges of the grid by their lower end and direction; a segment starts where a turn around its cell enters the
+    // obstacle and ends where it leaves it.
     let key = |a: (usize, usize), b: (usize, usize)| -> Edge { if a < b { (a, b) } else { (b, a) } };
     let mut next: HashMap<Edge, Edge> = HashMap::new();
     let mut order = Vec::new();
@@ -236,7 +257,8 @@ fn contour(level: &dyn Fn([f64; 2]) -> f64, [wx, wy]: [[f64; 2]; 2]) -> Vec<Vec<
     lines
 }
 
-/// Part of the foundation below a side of a body in space: triangles of points of its surface, somewhat larger than the side.
+/// Part of the foundation below a side of a body in space: triangles of points of its surface, somewhat larger than the
+/// side.
 pub(super) struct Patch {
     pub points: Vec<[f64; 3]>,
     pub triangles: Vec<[u32; 3]>,
@@ -244,7 +266,8 @@ pub(super) struct Patch {
     pub normal: [f64; 3],
 }
 
-/// The foundation below the contact sides of a body in space, whose nodes are displaced by `factor` times their displacements.
+/// The foundation below the contact sides of a body in space, whose nodes are displaced by `factor` times their
+/// displacements.
 pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, factor: f64) -> Vec<Patch> {
     /// How far a patch reaches beyond its side, in the size of the side.
     const BEYOND: f64 = 0.05;
@@ -308,8 +331,8 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
     all
 }
 
-/// The convex hull of points of one plane with a normal, so that slots, holes and arcs of a side are not taken for those of a flat foundation;
-/// none if the points are not in one plane.
+/// The convex hull of points of one plane with a normal, so that slots, holes and arcs of a side are not taken for
+/// those of a flat foundation; none if the points are not in one plane.
 fn hull(points: &[[f64; 3]], normal: [f64; 3]) -> Option<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
     /// Distance from the plane that counts as none, in the size of the points.
     const FLAT: f64 = 1e-6;
@@ -317,7 +340,10 @@ fn hull(points: &[[f64; 3]], normal: [f64; 3]) -> Option<(Vec<[f64; 3]>, Vec<[u3
     let from_first = |p: &[f64; 3]| -> Point { [0, 1, 2].map(|d| p[d] - first[d]) };
     let away: Vec<Point> = rest.iter().map(from_first).collect();
     let longest = away.iter().copied().max_by(|a, b| length(a).total_cmp(&length(b)))?;
-    let widest = away.iter().map(|a| super::surface::across([[0.0; 3], longest, *a])).max_by(|a, b| length(a).total_cmp(&length(b)))?;
+    let widest = away
+        .iter()
+        .map(|a| super::surface::across([[0.0; 3], longest, *a]))
+        .max_by(|a, b| length(a).total_cmp(&length(b)))?;
     let size = length(&longest);
     let sign = if dot(&widest, &normal) < 0.0 { -1.0 } else { 1.0 };
     let n: Point = widest.map(|c| sign * c / length(&widest));
@@ -327,7 +353,8 @@ fn hull(points: &[[f64; 3]], normal: [f64; 3]) -> Option<(Vec<[f64; 3]>, Vec<[u3
     // Axes of the plane, the normal towards the eye.
     let e: Point = longest.map(|c| c / size);
     let f = super::surface::across([[0.0; 3], n, e]);
-    let mut flat: Vec<([f64; 2], [f64; 3])> = points.iter().map(|p| ([dot(&from_first(p), &e), dot(&from_first(p), &f)], *p)).collect();
+    let mut flat: Vec<([f64; 2], [f64; 3])> =
+        points.iter().map(|p| ([dot(&from_first(p), &e), dot(&from_first(p), &f)], *p)).collect();
     flat.sort_by(|(a, _), (b, _)| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     let half = |sorted: &mut dyn Iterator<Item = &([f64; 2], [f64; 3])>| {
         let mut chain: Vec<([f64; 2], [f64; 3])> = Vec::new();
@@ -374,7 +401,10 @@ mod tests {
         assert!((area + std::f64::consts::PI).abs() < 1e-3, "signed area {area}: it turns clockwise");
         assert_eq!(line.first(), line.last());
         // Its outside is the obstacle of a bore.
-        let area: f64 = contour(&|p| 1.0 - p[0].hypot(p[1]), WINDOW)[0].windows(2).map(|e| 0.5 * (e[0][0] * e[1][1] - e[1][0] * e[0][1])).sum();
+        let area: f64 = contour(&|p| 1.0 - p[0].hypot(p[1]), WINDOW)[0]
+            .windows(2)
+            .map(|e| 0.5 * (e[0][0] * e[1][1] - e[1][0] * e[0][1]))
+            .sum();
         assert!(area > 0.0);
     }
 
@@ -391,7 +421,8 @@ mod tests {
         assert!(contour(&|_| f64::NAN, WINDOW).is_empty());
     }
 
-    /// The hull of a square with a notch and a point inside is the square, its triangles seen from the side of the normal.
+    /// The hull of a square with a notch and a point inside is the square, its triangles seen from the side of the
+    /// normal.
     #[test]
     fn a_flat_patch_has_no_notches() -> Result<(), Box<dyn std::error::Error>> {
         // On the plane x + z = 1, coordinates s along (1, 0, −1)/√2 and y.
@@ -411,7 +442,8 @@ mod tests {
         Ok(())
     }
 
-    /// A foundation in space is drawn where it stands: on a ball that moves and on a plane at a gap that grows, the gap enlarged like the displacement.
+    /// A foundation in space is drawn where it stands: on a ball that moves and on a plane at a gap that grows, the gap
+    /// enlarged like the displacement.
     #[test]
     fn patches_follow_moving_foundations() -> Result<(), Box<dyn std::error::Error>> {
         let text = |contact: &str| {
@@ -422,7 +454,8 @@ mod tests {
             )
         };
         let parse = |contact: &str| crate::case::parse(&crate::case::Source::new("block.toml", text(contact)), &[]);
-        let ball = parse("obstacle = { shape = \"sphere\", center = [0.4, 0.5, \"3 - 0.5*t\"], radius = 2.0 }")?.problem;
+        let ball =
+            parse("obstacle = { shape = \"sphere\", center = [0.4, 0.5, \"3 - 0.5*t\"], radius = 2.0 }")?.problem;
         let gap = parse("gap = \"0.1 + 0.2*t\"")?.problem;
         let rest = vec![[0.0; 3]; ball.mesh.points.len()];
         for t in [0.0, 0.6, 1.0] {
@@ -432,11 +465,19 @@ mod tests {
                 assert!((length(&away) - 2.0).abs() < 1e-12, "t = {t}: {p:?} is not on the ball");
             }
             let [patch] = &patches(&gap, &rest, t, 3.0)[..] else { return Err("one patch".into()) };
-            assert!(patch.points.iter().all(|p| (p[2] - 0.5 - 3.0 * (0.1 + 0.2 * t)).abs() < 1e-12), "t = {t}: {:?}", patch.points);
+            assert!(
+                patch.points.iter().all(|p| (p[2] - 0.5 - 3.0 * (0.1 + 0.2 * t)).abs() < 1e-12),
+                "t = {t}: {:?}",
+                patch.points
+            );
             // Around the side, whose edges are 1 long, on all four sides.
             let reach = |d: usize| super::super::axes::range(patch.points.iter().map(|p| p[d]));
             for d in 0..2 {
-                assert!(reach(d).is_some_and(|[low, high]| low < -0.01 && low > -0.2 && high > 1.01 && high < 1.2), "{:?}", reach(d));
+                assert!(
+                    reach(d).is_some_and(|[low, high]| low < -0.01 && low > -0.2 && high > 1.01 && high < 1.2),
+                    "{:?}",
+                    reach(d)
+                );
             }
         }
         Ok(())

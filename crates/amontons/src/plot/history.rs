@@ -16,7 +16,11 @@ pub(super) fn draw(panels: &[Panel], options: &Options) -> Result<Picture, PlotE
         let history = &panel.run.history;
         let times = history.get(columns::TIME.name).map_or(&[][..], Vec::as_slice);
         if let Some((name, column)) = history.iter().find(|(_, column)| column.len() != times.len()) {
-            return Err(PlotError::Data(format!("the column {name} of the history has {} rows, expected {}", column.len(), times.len())));
+            return Err(PlotError::Data(format!(
+                "the column {name} of the history has {} rows, expected {}",
+                column.len(),
+                times.len()
+            )));
         }
         let [first, last] = axes::range(times.iter().copied()).unwrap_or([0.0, 1.0]);
         // A run starts at 0, one step before its first row.
@@ -56,8 +60,14 @@ fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
 /// Charts of the quantities of the run; the closing error of a balance is always among them.
 fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     let history = &run.history;
-    let chart =
-        |quantity: &str, measure: Measure, series: Vec<Series>| Chart { quantity: quantity.to_owned(), units, measure, areas: Vec::new(), series, zero: true };
+    let chart = |quantity: &str, measure: Measure, series: Vec<Series>| Chart {
+        quantity: quantity.to_owned(),
+        units,
+        measure,
+        areas: Vec::new(),
+        series,
+        zero: true,
+    };
     let of = |quantity: &str, measure: Measure, columns: &[(&str, &str)]| chart(quantity, measure, lines(run, columns));
     let counts = [columns::OPEN, columns::STICK, columns::SLIP].map(|count| history.get(count.name));
     let has_contact = counts.iter().flatten().any(|count| count.iter().any(|&c| c > 0.0));
@@ -68,7 +78,11 @@ fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         (columns::FRICTION_DISSIPATION.name, "friction"),
         (columns::SCHEME_DISSIPATION.name, "time scheme"),
     ];
-    let energies = [(columns::KINETIC.name, "kinetic"), (columns::ELASTIC.name, "elastic"), (columns::CONTACT_ENERGY.name, "contact")];
+    let energies = [
+        (columns::KINETIC.name, "kinetic"),
+        (columns::ELASTIC.name, "elastic"),
+        (columns::CONTACT_ENERGY.name, "contact"),
+    ];
     let mut charts = vec![
         of("energies", Measure::Energy, &energies),
         of("work and dissipation since the start", Measure::Energy, &works),
@@ -80,7 +94,11 @@ fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
         (columns::HEAT_CLOSING_ERROR.name, "heat")
     };
     if history.contains_key(column) {
-        let series = vec![Series { label: String::new(), stroke: Stroke::new(LINES[0], 1.6), pieces: vec![points(history, column)] }];
+        let series = vec![Series {
+            label: String::new(),
+            stroke: Stroke::new(LINES[0], 1.6),
+            pieces: vec![points(history, column)],
+        }];
         charts.push(chart(&format!("closing error of the {balance} balance"), Measure::Energy, series));
     }
     if has_contact {
@@ -123,7 +141,8 @@ fn surface_charts(run: &Run, chart: &dyn Fn(&str, Measure, Vec<Series>) -> Chart
         charts.push(chart("power of friction", Measure::Power, vec![line("", 1, power.collect())]));
     }
     let foundations = history.keys().filter_map(|name| Some((name, columns::FOUNDATION_TEMPERATURE.side_of(name)?)));
-    let lines: Vec<Series> = foundations.enumerate().map(|(i, (name, side))| line(side, i, points(history, name))).collect();
+    let lines: Vec<Series> =
+        foundations.enumerate().map(|(i, (name, side))| line(side, i, points(history, name))).collect();
     if !lines.is_empty() {
         charts.push(chart("temperature of the foundation", Measure::Temperature, lines));
     }
@@ -158,5 +177,12 @@ fn status_chart(history: &History, units: Units) -> Chart {
         areas.push(Area { label: status.name().to_owned(), color: color(status), polygons: vec![polygon] });
         below = above;
     }
-    Chart { quantity: "contact points".to_owned(), units, measure: Measure::Number, areas, series: Vec::new(), zero: true }
+    Chart {
+        quantity: "contact points".to_owned(),
+        units,
+        measure: Measure::Number,
+        areas,
+        series: Vec::new(),
+        zero: true,
+    }
 }

@@ -1,7 +1,7 @@
 //! Pictures of a run and of a convergence study, as SVG and PNG, without fonts or libraries of the system.
 //!
-//! [`folder`] draws what a results folder holds; [`side_by_side`] compares runs in panels of one picture. Both go through
-//! [`Run`], which is plain data, and [`picture`]; a convergence study is drawn by [`convergence`].
+//! [`folder`] draws what a results folder holds; [`side_by_side`] compares runs in panels of one picture. Both go
+//! through [`Run`], which is plain data, and [`picture`]; a convergence study is drawn by [`convergence`].
 //!
 //! ```no_run
 //! use amontons::plot::{self, Options};
@@ -103,8 +103,8 @@ pub struct Options {
     pub times: Vec<f64>,
     /// Pixels of a PNG to a unit of the picture, which is 1/96 inch.
     pub pixels: f64,
-    /// Factor of the displacement in pictures of the deformed body. Without it the factor is 1 where an obstacle, a curved side or a gap that varies would
-    /// make an enlarged displacement false, and a nice one elsewhere.
+    /// Factor of the displacement in pictures of the deformed body. Without it the factor is 1 where an obstacle, a
+    /// curved side or a gap that varies would make an enlarged displacement false, and a nice one elsewhere.
     pub scale_factor: Option<f64>,
     /// Whether panels side by side have one scale of values in common, or one each.
     pub shared_scale: bool,
@@ -142,18 +142,20 @@ pub enum Kind {
     Temperature,
     /// The von Mises stress, recovered at the nodes.
     VonMises,
-    /// Pressure, friction with its cone, slip velocity, gap, temperature and heat flux along each side of Γ_C; pressure, states and directions of slip on
-    /// each side of a body in space.
+    /// Pressure, friction with its cone, slip velocity, gap, temperature and heat flux along each side of Γ_C;
+    /// pressure, states and directions of slip on each side of a body in space.
     Contact,
     /// Depth worn off on Γ_C.
     Wear,
-    /// Energies, works, contact force, contact states, heat, friction power, wear and the temperature of the foundation over time.
+    /// Energies, works, contact force, contact states, heat, friction power, wear and the temperature of the foundation
+    /// over time.
     History,
 }
 
 impl Kind {
     /// Every kind.
-    pub const ALL: [Kind; 6] = [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::Wear, Kind::History];
+    pub const ALL: [Kind; 6] =
+        [Kind::Deformed, Kind::Temperature, Kind::VonMises, Kind::Contact, Kind::Wear, Kind::History];
 
     /// Name of the picture's files, without extension.
     #[must_use]
@@ -168,19 +170,24 @@ impl Kind {
         }
     }
 
-    /// Whether a run has the data that the picture shows: the fields of a body that is plane or in space, contact, wear, or rows of its history.
+    /// Whether a run has the data that the picture shows: the fields of a body that is plane or in space, contact,
+    /// wear, or rows of its history.
     #[must_use]
     pub fn is_in(self, run: &Run) -> bool {
         match self {
             Kind::Temperature => run.fields()[0],
             Kind::Deformed | Kind::VonMises => run.fields()[1],
-            Kind::Contact => run.snapshot.is_some() && !run.contact.is_empty() || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty()),
+            Kind::Contact => {
+                run.snapshot.is_some() && !run.contact.is_empty()
+                    || run.solid.as_ref().is_some_and(|s| !s.contact.is_empty())
+            }
             Kind::Wear => Kind::Contact.is_in(run) && run.worn()[0],
             Kind::History => run.history.get("t").is_some_and(|t| !t.is_empty()),
         }
     }
 
-    /// Whether the picture shows something: displacements that are not zero, stresses, temperatures that differ or a flow of heat.
+    /// Whether the picture shows something: displacements that are not zero, stresses, temperatures that differ or a
+    /// flow of heat.
     #[must_use]
     pub fn is_told_by(self, run: &Run) -> bool {
         self.is_in(run)
@@ -212,10 +219,17 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
     for Panel { run, .. } in panels {
         if run.dimension == 1 && kind != Kind::History {
             let what = kind.file_name();
-            return Err(PlotError::Data(format!("the run {} is of a body in d = 1, which the picture `{what}` does not show", run.name)));
+            return Err(PlotError::Data(format!(
+                "the run {} is of a body in d = 1, which the picture `{what}` does not show",
+                run.name
+            )));
         }
         if !kind.is_in(run) {
-            return Err(PlotError::Data(format!("the run {} has no data for the picture `{}`", run.name, kind.file_name())));
+            return Err(PlotError::Data(format!(
+                "the run {} has no data for the picture `{}`",
+                run.name,
+                kind.file_name()
+            )));
         }
         if let Some(snapshot) = &run.snapshot {
             snapshot.check()?;
@@ -243,7 +257,10 @@ pub fn picture(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pictur
 /// `paper: temperature at t = 1 s`, without the name where several runs stand side by side.
 fn title(panels: &[Panel], what: &str, options: &Options) -> String {
     let same_time = panels.windows(2).all(|p| p[0].run.t.total_cmp(&p[1].run.t).is_eq());
-    let when = panels.first().filter(|_| same_time).map_or_else(String::new, |p| format!(" at {}", time(p.run.t, units(panels, options))));
+    let when = panels
+        .first()
+        .filter(|_| same_time)
+        .map_or_else(String::new, |p| format!(" at {}", time(p.run.t, units(panels, options))));
     heading(panels, &format!("{what}{when}"))
 }
 
@@ -256,10 +273,12 @@ fn heading(panels: &[Panel], what: &str) -> String {
     }
 }
 
-/// Draws all pictures of the run, and of the convergence study, in a results folder into its folder `plots`; returns their paths.
+/// Draws all pictures of the run, and of the convergence study, in a results folder into its folder `plots`; returns
+/// their paths.
 ///
-/// Pictures of the body and of Γ_C show the times of the options, or those that [`Run::frames`] chooses. A body in one dimension has no pictures of its
-/// fields and of Γ_C, and what a run does not have is not drawn: no temperature without heat, no wear without wear.
+/// Pictures of the body and of Γ_C show the times of the options, or those that [`Run::frames`] chooses. A body in one
+/// dimension has no pictures of its fields and of Γ_C, and what a run does not have is not drawn: no temperature
+/// without heat, no wear without wear.
 ///
 /// # Errors
 /// When a file is missing or damaged, or a picture cannot be written; the error names the file.
@@ -271,7 +290,10 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
     let is_study = study.exists();
     if is_study {
         let has_none = dir.join("case.toml").exists() && folder::problem(dir)?.system == System::Dimensionless;
-        let plot = ConvergencePlot::read(&study, &Options { dimensionless: options.dimensionless || has_none, ..options.clone() })?;
+        let plot = ConvergencePlot::read(
+            &study,
+            &Options { dimensionless: options.dimensionless || has_none, ..options.clone() },
+        )?;
         make()?;
         paths.extend(convergence(&plot)?.save(&into.join("convergence"), options.pixels)?);
     }
@@ -280,7 +302,11 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
         make()?;
         for kind in Kind::ALL {
             paths.extend(
-                strip(kind, &runs, options)?.map(|picture| picture.save(&into.join(kind.file_name()), options.pixels)).transpose()?.into_iter().flatten(),
+                strip(kind, &runs, options)?
+                    .map(|picture| picture.save(&into.join(kind.file_name()), options.pixels))
+                    .transpose()?
+                    .into_iter()
+                    .flatten(),
             );
         }
     }
@@ -293,9 +319,14 @@ fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>,
         return Ok(None);
     }
     // The history is that of the whole run at each time.
-    let frames: Vec<&Run> = if kind == Kind::History { runs.iter().rev().take(1).collect() } else { runs.iter().filter(|run| kind.is_in(run)).collect() };
+    let frames: Vec<&Run> = if kind == Kind::History {
+        runs.iter().rev().take(1).collect()
+    } else {
+        runs.iter().filter(|run| kind.is_in(run)).collect()
+    };
     let several = frames.len() > 1;
-    let titles: Vec<String> = frames.iter().map(|run| if several { time(run.t, options.units(run.units)) } else { String::new() }).collect();
+    let titles: Vec<String> =
+        frames.iter().map(|run| if several { time(run.t, options.units(run.units)) } else { String::new() }).collect();
     let panels: Vec<Panel> = frames.iter().zip(&titles).map(|(run, title)| Panel { title, run }).collect();
     picture(kind, &panels, &Options { shared_scale: options.shared_scale || several, ..options.clone() }).map(Some)
 }
@@ -304,7 +335,12 @@ fn strip(kind: Kind, runs: &[Run], options: &Options) -> Result<Option<Picture>,
 ///
 /// # Errors
 /// As [`folder`]; also when a run lacks what the picture shows.
-pub fn side_by_side(kind: Kind, runs: &[(&str, &Path)], out: &Path, options: &Options) -> Result<[PathBuf; 2], PlotError> {
+pub fn side_by_side(
+    kind: Kind,
+    runs: &[(&str, &Path)],
+    out: &Path,
+    options: &Options,
+) -> Result<[PathBuf; 2], PlotError> {
     let read: Vec<Run> = runs.iter().map(|(_, dir)| Run::read(dir)).collect::<Result<_, _>>()?;
     let panels: Vec<Panel> = runs.iter().zip(&read).map(|(&(title, _), run)| Panel { title, run }).collect();
     if let Some(parent) = out.parent().filter(|p| !p.as_os_str().is_empty()) {

@@ -21,7 +21,8 @@ const GROUND: [u8; 3] = [0xDD, 0xD6, 0xCE];
 /// Most bodies in a row.
 const COLUMNS: usize = 2;
 
-/// From where a body is seen: it lies between both eyes, so that all of its surface is on one of the pictures, but for hollows.
+/// From where a body is seen: it lies between both eyes, so that all of its surface is on one of the pictures, but for
+/// hollows.
 const VIEWS: [(&str, [f64; 2]); 2] = [("from above", [-60.0, 32.0]), ("from below", [-60.0, -32.0])];
 
 /// A body from one direction.
@@ -51,15 +52,18 @@ fn values(kind: Kind, solid: &Solid) -> Vec<[f64; 3]> {
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let units = super::units(panels, options);
     let quantity = Quantity::of(kind);
-    let solids: Vec<(&Panel, &Solid)> = panels.iter().filter_map(|panel| panel.run.solid.as_ref().map(|s| (panel, s))).collect();
+    let solids: Vec<(&Panel, &Solid)> =
+        panels.iter().filter_map(|panel| panel.run.solid.as_ref().map(|s| (panel, s))).collect();
     let runs: Vec<&Run> = solids.iter().map(|(panel, _)| panel.run).collect();
     let sizes = solids.iter().map(|(_, s)| {
-        let size = [0, 1, 2].map(|d| axes::range(s.surface.points.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo));
+        let size =
+            [0, 1, 2].map(|d| axes::range(s.surface.points.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo));
         (s.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max), size.into_iter().fold(0.0, f64::max))
     });
     let factor = factor(kind, &runs, sizes, options);
     let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| values(kind, s)).collect();
-    let extents: Vec<[f64; 2]> = fields.iter().map(|v| axes::range(v.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
+    let extents: Vec<[f64; 2]> =
+        fields.iter().map(|v| axes::range(v.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
     let stress = |((v, (_, s)), extent): ((&Vec<[f64; 3]>, &(&Panel, &Solid)), &[f64; 2])| {
         if kind == Kind::VonMises { field::shown(v, &s.surface.areas(), *extent) } else { *extent }
     };
@@ -76,7 +80,13 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
             views.into_iter().map(move |view| (i, sight(*entry, view, factor)))
         })
         .collect();
-    lay_out(kind, &sights, &fields, (&ranges, &extents), &Texts { title: title(panels, quantity.name, options), quantity, units, factor })
+    lay_out(
+        kind,
+        &sights,
+        &fields,
+        (&ranges, &extents),
+        &Texts { title: title(panels, quantity.name, options), quantity, units, factor },
+    )
 }
 
 /// What a picture says.
@@ -88,13 +98,20 @@ struct Texts {
 }
 
 /// Places the bodies in rows, each with a bar of colours on its right.
-fn lay_out(kind: Kind, sights: &[(usize, Sight)], fields: &[Vec<[f64; 3]>], (ranges, extents): (&[[f64; 2]], &[[f64; 2]]), texts: &Texts) -> Picture {
+fn lay_out(
+    kind: Kind,
+    sights: &[(usize, Sight)],
+    fields: &[Vec<[f64; 3]>],
+    (ranges, extents): (&[[f64; 2]], &[[f64; 2]]),
+    texts: &Texts,
+) -> Picture {
     let Texts { title, quantity, units, factor } = texts;
     // The same scale everywhere.
     let span = |d: usize| sights.iter().map(|(_, s)| s.window[d][1] - s.window[d][0]).fold(f64::MIN_POSITIVE, f64::max);
     let scale = LONGEST / span(0).max(span(1));
     let [each_width, each_height] = [(span(0) * scale).ceil().max(80.0), (span(1) * scale).ceil()];
-    let bars: Vec<Bar> = ranges.iter().zip(extents).map(|(range, extent)| Bar::new(quantity, *range, *extent, *units, false)).collect();
+    let bars: Vec<Bar> =
+        ranges.iter().zip(extents).map(|(range, extent)| Bar::new(quantity, *range, *extent, *units, false)).collect();
     let notes: Vec<String> = extents.iter().map(|extent| note(*units, *extent, quantity.measure, *factor)).collect();
     let is_last = |k: usize| sights.get(k + 1).is_none_or(|next| next.0 != sights[k].0);
     let beside = bars.iter().map(Bar::room).fold(0.0, f64::max) + MARGIN;
@@ -143,8 +160,17 @@ fn length_bar(picture: &mut Picture, [x, y]: [f64; 2], scale: f64, units: Units)
     let power = 10f64.powf(most.log10().floor());
     let length = [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|l| *l <= most).unwrap_or(power);
     let end = x + length * scale;
-    picture.lines(&[[[x, y], [end, y]], [[x, y - 4.0], [x, y + 4.0]], [[end, y - 4.0], [end, y + 4.0]]], Stroke::new(INK, 1.4));
-    picture.text([end + 7.0, y + axes::HALF * NUMBER], NUMBER, Anchor::Start, INK, typeset(&units.write(length, Measure::Length)));
+    picture.lines(
+        &[[[x, y], [end, y]], [[x, y - 4.0], [x, y + 4.0]], [[end, y - 4.0], [end, y + 4.0]]],
+        Stroke::new(INK, 1.4),
+    );
+    picture.text(
+        [end + 7.0, y + axes::HALF * NUMBER],
+        NUMBER,
+        Anchor::Start,
+        INK,
+        typeset(&units.write(length, Measure::Length)),
+    );
 }
 
 /// `min 1, max 2 K; displacement × 50`.
@@ -154,17 +180,32 @@ fn note(units: Units, extent: [f64; 2], measure: Measure, factor: f64) -> String
 
 /// The view on the contact sides of a body, from above where there are none.
 fn best_view(run: &Run) -> (&'static str, [f64; 2]) {
-    let below = run.problem.as_ref().is_some_and(|problem| problem.contact_boundary().points.iter().map(|p| p.weight * p.normal[2]).sum::<f64>() < 0.0);
+    let below = run.problem.as_ref().is_some_and(|problem| {
+        problem.contact_boundary().points.iter().map(|p| p.weight * p.normal[2]).sum::<f64>() < 0.0
+    });
     VIEWS[usize::from(below)]
 }
 
-fn sight<'a>((panel, solid): (&Panel, &'a Solid), (name, [azimuth, elevation]): (&str, [f64; 2]), factor: f64) -> Sight<'a> {
+fn sight<'a>(
+    (panel, solid): (&Panel, &'a Solid),
+    (name, [azimuth, elevation]): (&str, [f64; 2]),
+    factor: f64,
+) -> Sight<'a> {
     let view = View::new(azimuth, elevation);
-    let moved = solid.surface.points.iter().zip(&solid.displacement).map(|(p, u)| view.place([0, 1, 2].map(|d| p[d] + factor * u[d])));
+    let moved = solid
+        .surface
+        .points
+        .iter()
+        .zip(&solid.displacement)
+        .map(|(p, u)| view.place([0, 1, 2].map(|d| p[d] + factor * u[d])));
     let mut points: Vec<[f64; 3]> = moved.collect();
     let mut triangles = solid.surface.triangles.clone();
     let mut in_front = Vec::new();
-    let patches = panel.run.problem.as_ref().map_or_else(Vec::new, |problem| ground::patches(problem, &solid.displacement, panel.run.t, factor));
+    let patches = panel
+        .run
+        .problem
+        .as_ref()
+        .map_or_else(Vec::new, |problem| ground::patches(problem, &solid.displacement, panel.run.t, factor));
     for Patch { points: own, triangles: parts, normal } in patches {
         let seen: Vec<[f64; 3]> = own.iter().map(|p| view.place(*p)).collect();
         if dot(normal, view.eye) < 0.0 {
@@ -178,24 +219,52 @@ fn sight<'a>((panel, solid): (&Panel, &'a Solid), (name, [azimuth, elevation]): 
     }
     let plane: Vec<[f64; 2]> = points.iter().map(|p| [p[0], p[1]]).chain(in_front.iter().flatten().copied()).collect();
     let heading = if panel.title.is_empty() { name.to_owned() } else { format!("{}, {name}", panel.title) };
-    Sight { solid, heading, view, points, triangles, in_front, window: super::sheet::widened(body::window(&plane), 0.01) }
+    Sight {
+        solid,
+        heading,
+        view,
+        points,
+        triangles,
+        in_front,
+        window: super::sheet::widened(body::window(&plane), 0.01),
+    }
 }
 
 impl Sight<'_> {
     /// Draws a field, with the mesh on request, in a rectangle.
-    fn draw(&self, picture: &mut Picture, (rect, scale): (Rect, f64), mesh: bool, field: &[[f64; 3]], (bar, map): (&Bar, ColorMap)) {
+    fn draw(
+        &self,
+        picture: &mut Picture,
+        (rect, scale): (Rect, f64),
+        mesh: bool,
+        field: &[[f64; 3]],
+        (bar, map): (&Bar, ColorMap),
+    ) {
         const MESH: Color = Color::new(0x1B_3A_5C);
         let surface = &self.solid.surface;
         let [lo, hi] = bar.range;
         let color = |v: f64| if v.is_nan() { GROUND } else { map.at(if hi > lo { (v - lo) / (hi - lo) } else { 0.5 }) };
         let values = |t: usize| field.get(t).copied().unwrap_or([f64::NAN; 3]);
-        let lines: Vec<[u32; 2]> = if mesh { surface.edges.iter().map(|e| e.nodes).collect() } else { surface.outline(&self.solid.regions) };
+        let lines: Vec<[u32; 2]> =
+            if mesh { surface.edges.iter().map(|e| e.nodes).collect() } else { surface.outline(&self.solid.regions) };
         let ink = if mesh { MESH } else { INK };
-        let scene = Scene { points: &self.points, triangles: &self.triangles, values: &values, color: &color, lines: &lines, ink };
+        let scene = Scene {
+            points: &self.points,
+            triangles: &self.triangles,
+            values: &values,
+            color: &color,
+            lines: &lines,
+            ink,
+        };
         let [[left, right], [bottom, top]] = self.window;
         let size = [(right - left) * scale, (top - bottom) * scale];
         let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-        let place = Rect { x: rect.x + 0.5 * (rect.width - size[0]), y: rect.y + 0.5 * (rect.height - size[1]), width: size[0], height: size[1] };
+        let place = Rect {
+            x: rect.x + 0.5 * (rect.width - size[0]),
+            y: rect.y + 0.5 * (rect.height - size[1]),
+            width: size[0],
+            height: size[1],
+        };
         picture.image(place, render::image(&scene, self.window, pixels(size[0]), pixels(size[1])));
         let at = |p: [f64; 2]| [place.x + (p[0] - left) * scale, place.y + (top - p[1]) * scale];
         let outline: Vec<_> = self.in_front.iter().map(|edge| edge.map(at)).collect();

@@ -18,8 +18,8 @@ const DENSITY: f64 = 2.0;
 const REFERENCE: Color = Color::new(0x9A_9A_9A);
 const MESH: Color = Color::new(0x22_22_22);
 
-/// The factor by which displacements of some magnitude are drawn on a body of some size: the largest of 1, 2, 5, 10, 20 … with
-/// which no point moves by more than a fifth of the size, and at least 1.
+/// The factor by which displacements of some magnitude are drawn on a body of some size: the largest of 1, 2, 5, 10, 20
+/// … with which no point moves by more than a fifth of the size, and at least 1.
 #[must_use]
 pub fn scale_factor(displacement: f64, size: f64) -> f64 {
     let most = 0.2 * size / displacement;
@@ -31,8 +31,8 @@ pub fn scale_factor(displacement: f64, size: f64) -> f64 {
     [10.0, 5.0, 2.0, 1.0].into_iter().map(|m| (m * power).round()).find(|&f| f <= most * (1.0 + 1e-9)).unwrap_or(1.0)
 }
 
-/// The factor of the displacement in the picture `deformed`, the same for all panels: the one of the options, 1 if enlarging would be false, else a round number.
-/// Other pictures show the body as it stands.
+/// The factor of the displacement in the picture `deformed`, the same for all panels: the one of the options, 1 if
+/// enlarging would be false, else a round number. Other pictures show the body as it stands.
 pub(super) fn factor(kind: Kind, runs: &[&Run], sizes: impl Iterator<Item = (f64, f64)>, options: &Options) -> f64 {
     if kind != Kind::Deformed {
         return 1.0;
@@ -81,7 +81,11 @@ fn keeps_orientation(run: &Run, mesh: &Mesh, factor: f64) -> bool {
 
 /// `displacement × 50`.
 pub(super) fn times(factor: f64) -> String {
-    if (factor - 1.0).abs() < 1e-9 { "displacement to scale".to_owned() } else { format!("displacement × {}", super::ticks::number(factor)) }
+    if (factor - 1.0).abs() < 1e-9 {
+        "displacement to scale".to_owned()
+    } else {
+        format!("displacement × {}", super::ticks::number(factor))
+    }
 }
 
 /// A body as it is drawn.
@@ -98,7 +102,8 @@ struct Shape<'a> {
 impl Shape<'_> {
     fn of<'a>(kind: Kind, run: &'a Run, snapshot: &'a Snapshot, factor: f64) -> Shape<'a> {
         let body = &snapshot.body;
-        let points = body.points.iter().zip(&snapshot.displacement).map(|(p, u)| [p[0] + factor * u[0], p[1] + factor * u[1]]);
+        let points =
+            body.points.iter().zip(&snapshot.displacement).map(|(p, u)| [p[0] + factor * u[0], p[1] + factor * u[1]]);
         let moved = body.moved(points.collect());
         let nodal: Vec<f64>;
         let (nodal, cells) = match kind {
@@ -113,11 +118,16 @@ impl Shape<'_> {
         Shape { run, snapshot, moved, values, grounds: Vec::new() }
     }
 
-    /// Whether the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of the size.
+    /// Whether the undeformed body differs visibly from the deformed one: a point moves by more than 0.3 per cent of
+    /// the size.
     fn shows_reference(&self) -> bool {
         let [x, y] = self.snapshot.body.window();
         let size = (x[1] - x[0]).max(y[1] - y[0]);
-        self.moved.points.iter().zip(&self.snapshot.body.points).any(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1]) > 3e-3 * size)
+        self.moved
+            .points
+            .iter()
+            .zip(&self.snapshot.body.points)
+            .any(|(p, q)| (p[0] - q[0]).hypot(p[1] - q[1]) > 3e-3 * size)
     }
 
     /// The window that holds the body, what it was, and what is near of its foundation.
@@ -136,7 +146,8 @@ impl Shape<'_> {
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let units = super::units(panels, options);
     let quantity = Quantity::of(kind);
-    let bodies: Vec<(&Panel, &Snapshot)> = panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
+    let bodies: Vec<(&Panel, &Snapshot)> =
+        panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
     let runs: Vec<&Run> = bodies.iter().map(|(panel, _)| panel.run).collect();
     let sizes = bodies.iter().map(|(_, s)| {
         let [x, y] = s.body.window();
@@ -144,7 +155,8 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     });
     let factor = factor(kind, &runs, sizes, options);
     let mut shapes: Vec<Shape> = bodies.iter().map(|(panel, s)| Shape::of(kind, panel.run, s, factor)).collect();
-    let extents: Vec<[f64; 2]> = shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
+    let extents: Vec<[f64; 2]> =
+        shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
     let ranges = ranges(kind, &shapes, &extents, options);
     let windows = windows(&shapes, factor);
     for (shape, window) in shapes.iter_mut().zip(&windows) {
@@ -162,7 +174,8 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     };
     let plans: Vec<Plan> = bodies.iter().zip(&windows).zip(&extents).map(plan).collect();
     let wide = sheet::is_wide(&plans);
-    let bars: Vec<Bar> = ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, units, wide)).collect();
+    let bars: Vec<Bar> =
+        ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, units, wide)).collect();
     let entries = legend(&shapes, factor, kind);
     let legend_width = axes::line_width(&entries);
     let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
@@ -180,7 +193,10 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
         lines(&mut picture, frame, shape, kind, bar);
         if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
             let at = frame.x.at(0.0);
-            picture.line(&[[at, frame.rect.y], [at, frame.rect.bottom()]], Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]));
+            picture.line(
+                &[[at, frame.rect.y], [at, frame.rect.bottom()]],
+                Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]),
+            );
         }
         for ground in &shape.grounds {
             foundation(&mut picture, frame, ground, units);
@@ -191,7 +207,9 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
 
 /// The ranges of values that the colours show, one for all panels if they share it.
 fn ranges(kind: Kind, shapes: &[Shape], extents: &[[f64; 2]], options: &Options) -> Vec<[f64; 2]> {
-    let own = |(s, extent): (&Shape, &[f64; 2])| if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent };
+    let own = |(s, extent): (&Shape, &[f64; 2])| {
+        if kind == Kind::VonMises { field::shown(&s.values, &s.moved.areas(), *extent) } else { *extent }
+    };
     let mut ranges: Vec<[f64; 2]> = shapes.iter().zip(extents).map(own).collect();
     if options.shared_scale {
         let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
@@ -227,7 +245,10 @@ fn shaded(picture: &mut Picture, frame: &Frame, shape: &Shape, map: super::Color
     let (a, b) = (frame.at(&[x[0], y[1]]), frame.at(&[x[1], y[0]]));
     let place = Rect { x: a[0], y: a[1], width: b[0] - a[0], height: b[1] - a[1] };
     let pixels = |length: f64| (length * DENSITY).ceil().clamp(1.0, 4096.0) as u32;
-    picture.image(place, shade::image(&shape.moved, &shape.values, map, range, [pixels(place.width), pixels(place.height)]));
+    picture.image(
+        place,
+        shade::image(&shape.moved, &shape.values, map, range, [pixels(place.width), pixels(place.height)]),
+    );
 }
 
 /// The mesh or level lines, the outline, and the outline before.
@@ -269,7 +290,8 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
             let length = dx.hypot(dy);
             while along < length {
                 // On the right of the line; downwards is positive in the picture.
-                let (p, t) = ([pair[0][0] + along / length * dx, pair[0][1] + along / length * dy], [dx / length, dy / length]);
+                let (p, t) =
+                    ([pair[0][0] + along / length * dx, pair[0][1] + along / length * dy], [dx / length, dy / length]);
                 hatches.push([p, [p[0] - LENGTH * (t[1] + 0.8 * t[0]), p[1] + LENGTH * (t[0] - 0.8 * t[1])]]);
                 along += EACH;
             }
@@ -277,7 +299,9 @@ fn foundation(picture: &mut Picture, frame: &Frame, ground: &Ground, units: Unit
         }
         picture.line(&simplified(&points), Stroke::new(VERMILION, 1.6));
     }
-    let inside = |p: &[f64; 2]| frame.rect.x <= p[0] && p[0] <= frame.rect.right() && frame.rect.y <= p[1] && p[1] <= frame.rect.bottom();
+    let inside = |p: &[f64; 2]| {
+        frame.rect.x <= p[0] && p[0] <= frame.rect.right() && frame.rect.y <= p[1] && p[1] <= frame.rect.bottom()
+    };
     hatches.retain(|hatch| hatch.iter().all(inside));
     picture.lines(&hatches, Stroke::new(VERMILION, 0.7));
     if let Some(moves) = ground.moves {
@@ -291,7 +315,8 @@ fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f6
     let text = typeset(&units.write(speed, Measure::Velocity));
     let direction = [v[0] / speed, -v[1] / speed];
     // An arrow along the surface stands in the foundation, clear of the line and its hatches.
-    let inwards = inwards(frame, ground, frame.at(&at)).filter(|n| (n[0] * direction[0] + n[1] * direction[1]).abs() < 0.7);
+    let inwards =
+        inwards(frame, ground, frame.at(&at)).filter(|n| (n[0] * direction[0] + n[1] * direction[1]).abs() < 0.7);
     let [x, y] = [0, 1].map(|d| frame.at(&at)[d] + inwards.map_or(0.0, |n| 15.0 * n[d]));
     // Within the frame.
     let within = |x: f64, lo: f64, hi: f64, room: f64| x.clamp(lo + room, (hi - room).max(lo + room));
@@ -300,7 +325,10 @@ fn velocity(picture: &mut Picture, frame: &Frame, ground: &Ground, (at, v): ([f6
     let end = |s: f64| [0, 1].map(|d| at[d] + s * direction[d]);
     picture.arrow(end(-20.0), end(20.0), VERMILION, 2.4);
     // A level arrow has its number on the outer side, another beside it, towards the middle of the frame.
-    let (width, middle) = (super::font::width(&text, NUMBER), [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height]);
+    let (width, middle) = (
+        super::font::width(&text, NUMBER),
+        [frame.rect.x + 0.5 * frame.rect.width, frame.rect.y + 0.5 * frame.rect.height],
+    );
     let is_level = direction[0].abs() > 0.7;
     let x = match inwards {
         _ if !is_level => at[0] + (0.5 * width + 9.0) * if at[0] > middle[0] { -1.0 } else { 1.0 },
@@ -332,7 +360,10 @@ fn inwards(frame: &Frame, ground: &Ground, [x, y]: [f64; 2]) -> Option<[f64; 2]>
 /// A number for reading in the signs of a printed page.
 pub(super) fn typeset(text: &str) -> String {
     let text = match text.split_once('e') {
-        Some((mantissa, rest)) if mantissa.chars().last().is_some_and(|c| c.is_ascii_digit()) && rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()) => {
+        Some((mantissa, rest))
+            if mantissa.chars().last().is_some_and(|c| c.is_ascii_digit())
+                && rest.starts_with(|c: char| c == '-' || c.is_ascii_digit()) =>
+        {
             let (power, unit) = rest.split_once(' ').unwrap_or((rest, ""));
             format!("{mantissa}·10^{{{power}}} {unit}").trim_end().to_owned()
         }
@@ -398,7 +429,10 @@ mod tests {
             factors.extend(factors.last().copied().map(below));
         }
         let expected = [2000.0, 1000.0, 500.0, 200.0, 100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0];
-        assert!(factors.len() == expected.len() && factors.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9), "{factors:?}");
+        assert!(
+            factors.len() == expected.len() && factors.iter().zip(expected).all(|(f, e)| (f - e).abs() < 1e-9),
+            "{factors:?}"
+        );
     }
 
     #[test]

@@ -55,7 +55,12 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
         if !columns.is_empty() {
             let name = panels.first().map_or_else(String::new, |panel| panel.run.side(side));
             let legend = if kind == Kind::Wear { &[][..] } else { &legend };
-            blocks.push(charts::draw(&title(panels, &format!("{what}{name}"), options), legend, &columns, options.shared_scale));
+            blocks.push(charts::draw(
+                &title(panels, &format!("{what}{name}"), options),
+                legend,
+                &columns,
+                options.shared_scale,
+            ));
         }
     }
     Ok(Picture::stacked(title(panels, what, options), blocks))
@@ -115,19 +120,28 @@ fn wear(parts: &[Part], units: Units) -> Chart {
 
 fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
     let along = |v: [f64; 2], stop: &Stop| v[0] * stop.tangent[0] + v[1] * stop.tangent[1];
-    let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&Stop) -> f64| chart(quantity, units, measure, zero, line(parts, "", color, value));
+    let one = |quantity: &str, measure, zero, color, value: &dyn Fn(&Stop) -> f64| {
+        chart(quantity, units, measure, zero, line(parts, "", color, value))
+    };
     let mut charts = vec![one("pressure p", Measure::Stress, true, BLUE, &|s| s.row.pressure)];
     if has.friction {
         let series = line(parts, "σ_{τ} along s", VERMILION, &|s| along(s.row.traction, s));
         let mut friction = chart("friction traction", units, Measure::Stress, true, series);
         if parts.iter().flat_map(|part| &part.stops).all(|stop| stop.row.bound.is_some()) {
-            let edge = |part: &Part, sign: f64| part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>();
+            let edge = |part: &Part, sign: f64| {
+                part.stops.iter().map(move |s| [s.s, sign * s.row.bound.unwrap_or(0.0)]).collect::<Vec<_>>()
+            };
             let polygon = |part: &Part| edge(part, 1.0).into_iter().chain(edge(part, -1.0).into_iter().rev()).collect();
             let polygons = parts.iter().map(polygon).collect();
-            friction.areas.push(Area { label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(), color: INK.with_opacity(0.13), polygons });
+            friction.areas.push(Area {
+                label: "friction cone ‖σ_{τ}‖ ≤ p_{τ}".to_owned(),
+                color: INK.with_opacity(0.13),
+                polygons,
+            });
         }
         charts.push(friction);
-        charts.push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| along(s.row.slip_velocity, s)));
+        charts
+            .push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| along(s.row.slip_velocity, s)));
     }
     charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| -s.row.penetration));
     if has.heat {
@@ -135,7 +149,9 @@ fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
         charts.push(one("heat flux q·ν out of the body", Measure::HeatFlux, true, GREEN, &|s| s.row.heat_flux));
     }
     if has.work {
-        charts.push(one("friction work since the start", Measure::SurfaceWork, true, VERMILION, &|s| s.row.friction_work));
+        charts.push(one("friction work since the start", Measure::SurfaceWork, true, VERMILION, &|s| {
+            s.row.friction_work
+        }));
     }
     charts
 }

@@ -1,6 +1,9 @@
 //! A picture as a PNG file.
 
-use tiny_skia::{FillRule, FilterQuality, IntSize, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PixmapPaint, PremultipliedColorU8, StrokeDash, Transform};
+use tiny_skia::{
+    FillRule, FilterQuality, IntSize, LineCap, LineJoin, Paint, PathBuilder, Pixmap, PixmapPaint, PremultipliedColorU8,
+    StrokeDash, Transform,
+};
 
 use super::PlotError;
 use super::color::Color;
@@ -30,7 +33,9 @@ pub(super) fn write(picture: &Picture, pixels: f64) -> Result<Vec<u8>, PlotError
                 let start = anchor.offset(layout.width);
                 for glyph in layout.glyphs {
                     let Some(path) = outline(glyph.id) else { continue };
-                    let place = place.pre_translate((start + glyph.x) as f32, glyph.y as f32).pre_scale(glyph.scale as f32, glyph.scale as f32);
+                    let place = place
+                        .pre_translate((start + glyph.x) as f32, glyph.y as f32)
+                        .pre_scale(glyph.scale as f32, glyph.scale as f32);
                     canvas.fill_path(&path, &paint(*color), FillRule::Winding, place, None);
                 }
             }
@@ -87,7 +92,13 @@ fn shape(canvas: &mut Pixmap, scale: Transform, lines: &[Line], fill: Option<Col
     }
     if let Some(stroke) = stroke {
         let dash = StrokeDash::new(stroke.dashes.iter().map(|&d| d as f32).collect(), 0.0);
-        let style = tiny_skia::Stroke { width: stroke.width as f32, line_join: LineJoin::Round, line_cap: LineCap::Butt, dash, ..tiny_skia::Stroke::default() };
+        let style = tiny_skia::Stroke {
+            width: stroke.width as f32,
+            line_join: LineJoin::Round,
+            line_cap: LineCap::Butt,
+            dash,
+            ..tiny_skia::Stroke::default()
+        };
         canvas.stroke_path(&path, &paint(stroke.color), &style, scale, None);
     }
 }

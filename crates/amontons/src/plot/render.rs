@@ -16,7 +16,8 @@ pub(super) struct View {
 }
 
 impl View {
-    /// The view of an eye at an azimuth from the x-axis and an elevation above the plane of x and y, in degrees; z points upwards.
+    /// The view of an eye at an azimuth from the x-axis and an elevation above the plane of x and y, in degrees; z
+    /// points upwards.
     pub(super) fn new(azimuth: f64, elevation: f64) -> View {
         let ((sa, ca), (se, ce)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
         View { right: [-sa, ca, 0.0], up: [-se * ca, -se * sa, ce], eye: [ce * ca, ce * sa, se] }
@@ -53,7 +54,8 @@ pub(super) fn image(scene: &Scene, window: [[f64; 2]; 2], width: u32, height: u3
         let p = scene.points[n as usize];
         [(p[0] - wx[0]) * scale[0] - 0.5, (wy[1] - p[1]) * scale[1] - 0.5, p[2]]
     };
-    let mut canvas = Canvas { columns, rows, depth: vec![f64::NEG_INFINITY; columns * rows], colors: vec![[0; 3]; columns * rows] };
+    let mut canvas =
+        Canvas { columns, rows, depth: vec![f64::NEG_INFINITY; columns * rows], colors: vec![[0; 3]; columns * rows] };
     for (t, nodes) in scene.triangles.iter().enumerate() {
         let light = light(nodes.map(|n| scene.points[n as usize]));
         let values = (scene.values)(t);
@@ -187,12 +189,20 @@ mod tests {
     /// A large triangle behind a small one, drawn in both orders: the nearer one is seen where both are.
     #[test]
     fn what_is_nearer_is_in_front() {
-        let points = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], [1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0]];
+        let points =
+            [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], [1.0, 1.0, 1.0], [4.0, 1.0, 1.0], [1.0, 4.0, 1.0]];
         for triangles in [[[0, 1, 2], [3, 4, 5]], [[3, 4, 5], [0, 1, 2]]] {
             let near = usize::from(triangles[0][0] != 3);
             let values = move |t: usize| [if t == near { 1.0 } else { 0.0 }; 3];
             let color = |v: f64| if v > 0.5 { [255, 0, 0] } else { [0, 0, 255] };
-            let scene = Scene { points: &points, triangles: &triangles, values: &values, color: &color, lines: &[[0, 1], [3, 4]], ink: Color::new(0x00_FF_00) };
+            let scene = Scene {
+                points: &points,
+                triangles: &triangles,
+                values: &values,
+                color: &color,
+                lines: &[[0, 1], [3, 4]],
+                ink: Color::new(0x00_FF_00),
+            };
             let image = image(&scene, [[0.0, 10.0], [0.0, 10.0]], 50, 50);
             let [front, back, outside] = [image.pixel(8, 40), image.pixel(25, 35), image.pixel(45, 5)];
             assert!(front[0] > 160 && front[2] == 0 && front[3] == 255, "{front:?}");
@@ -201,7 +211,8 @@ mod tests {
         }
     }
 
-    /// Faces of a box by the coordinate that points to the eye: three are seen, each where geometry says, and no line of the others.
+    /// Faces of a box by the coordinate that points to the eye: three are seen, each where geometry says, and no line
+    /// of the others.
     #[test]
     fn a_box_shows_the_three_faces_towards_the_eye() -> Outcome {
         let surface = Surface::of_mesh(&Mesh::box_([1.0, 1.0, 1.0], [3, 3, 3], Elements::Q1)?)?;
@@ -216,7 +227,14 @@ mod tests {
         let values = |t: usize| [face(t); 3];
         let color = |v: f64| [40 * (v.round() as u8 + 1), 0, 0];
         let draw = |lines: &[[u32; 2]]| {
-            let scene = Scene { points: &points, triangles: &surface.triangles, values: &values, color: &color, lines, ink: Color::new(0x00_FF_00) };
+            let scene = Scene {
+                points: &points,
+                triangles: &surface.triangles,
+                values: &values,
+                color: &color,
+                lines,
+                ink: Color::new(0x00_FF_00),
+            };
             image(&scene, [[-1.0, 2.0], [-2.0, 2.0]], 300, 400)
         };
         let image = draw(&[]);
@@ -224,14 +242,19 @@ mod tests {
             let [x, y, _] = view.place(centre);
             let [red, _, _, opacity] = image.pixel(((x + 1.0) * 100.0) as u32, ((2.0 - y) * 100.0) as u32);
             let full = f64::from(40 * (number + 1));
-            assert!(f64::from(red) >= 0.65 * full && f64::from(red) <= full && opacity == 255, "face {number}: red {red}, at most {full}");
+            assert!(
+                f64::from(red) >= 0.65 * full && f64::from(red) <= full && opacity == 255,
+                "face {number}: red {red}, at most {full}"
+            );
         }
         // The area of the picture is that of the three faces as they are seen: Σ |ν·eye|.
         let covered: f64 = image.rgba.chunks_exact(4).map(|p| f64::from(p[3]) / 255.0).sum::<f64>() / 1e4;
         let expected: f64 = view.eye.iter().map(|e| e.abs()).sum();
         assert!((covered - expected).abs() < 0.01, "{covered}, expected {expected}");
         // A line along the hidden edge x = 0, y = 1 leaves no trace but at its end, which is on the outline.
-        let at = |p: [f64; 3]| surface.points.iter().position(|q| (0..3).all(|d| (q[d] - p[d]).abs() < 1e-12)).map(|n| n as u32);
+        let at = |p: [f64; 3]| {
+            surface.points.iter().position(|q| (0..3).all(|d| (q[d] - p[d]).abs() < 1e-12)).map(|n| n as u32)
+        };
         let (low, high) = (at([0.0, 1.0, 1.0 / 3.0]).ok_or("no node")?, at([0.0, 1.0, 2.0 / 3.0]).ok_or("no node")?);
         assert!(draw(&[[low, high]]).rgba == image.rgba, "a hidden line is seen");
         Ok(())

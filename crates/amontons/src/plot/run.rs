@@ -110,9 +110,14 @@ impl Run {
     }
 }
 
-/// Values at the corners of triangles: those at the nodes, but for nodes where regions meet. There a field of stresses jumps, and a corner has
-/// the mean of the cells of its own region.
-pub(super) fn at_corners(triangles: &[[u32; 3]], owners: &[u32], nodal: &[f64], (cells, regions): (&[f64], &[f64])) -> Vec<[f64; 3]> {
+/// Values at the corners of triangles: those at the nodes, but for nodes where regions meet. There a field of stresses
+/// jumps, and a corner has the mean of the cells of its own region.
+pub(super) fn at_corners(
+    triangles: &[[u32; 3]],
+    owners: &[u32],
+    nodal: &[f64],
+    (cells, regions): (&[f64], &[f64]),
+) -> Vec<[f64; 3]> {
     let cell = |t: usize| owners.get(t).and_then(|&c| cells.get(c as usize)).copied().unwrap_or(f64::NAN);
     if nodal.is_empty() {
         return (0..triangles.len()).map(|t| [cell(t); 3]).collect();
@@ -215,7 +220,11 @@ impl Solid {
         fits("displacement", self.displacement.as_flattened(), 3 * nodes)?;
         fits("temperature", &self.temperature, if self.temperature.is_empty() { 0 } else { nodes })?;
         fits("von Mises stress", &self.von_mises, if self.von_mises.is_empty() { 0 } else { cells })?;
-        fits("von Mises stress at the nodes", &self.nodal_von_mises, if self.nodal_von_mises.is_empty() { 0 } else { nodes })?;
+        fits(
+            "von Mises stress at the nodes",
+            &self.nodal_von_mises,
+            if self.nodal_von_mises.is_empty() { 0 } else { nodes },
+        )?;
         let of = |value: fn(&SolidContact) -> f64| self.contact.iter().map(value).collect::<Vec<f64>>();
         let places: Vec<f64> = self.contact.iter().flat_map(|row| row.x).collect();
         fits("place of the contact points", &places, 3 * self.contact.len())?;
@@ -318,11 +327,15 @@ pub(super) fn along<'a>(body: &Body, rows: &[&'a ContactRow]) -> Result<Vec<Part
             }
         }
         if !found {
-            return Err(PlotError::Data(format!("the contact point ({}, {}) is not on the boundary of the body", row.x[0], row.x[1])));
+            return Err(PlotError::Data(format!(
+                "the contact point ({}, {}) is not on the boundary of the body",
+                row.x[0], row.x[1]
+            )));
         }
     }
     let is_contact = |[a, b]: &[u32; 2]| inside.contains_key(a) || (at_node.contains_key(a) && at_node.contains_key(b));
-    let mut next: HashMap<u32, u32> = body.boundary.iter().filter(|edge| is_contact(edge)).map(|&[a, b]| (a, b)).collect();
+    let mut next: HashMap<u32, u32> =
+        body.boundary.iter().filter(|edge| is_contact(edge)).map(|&[a, b]| (a, b)).collect();
     let entered: HashSet<u32> = next.values().copied().collect();
     let mut starts: Vec<u32> = next.keys().copied().collect();
     // Ends first, so that closed parts are what remains.

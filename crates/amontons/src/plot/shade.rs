@@ -4,10 +4,17 @@ use super::body::Body;
 use super::color::ColorMap;
 use super::picture::Image;
 
-/// Colours the triangles of a body by the values at their corners, linear in between; the image covers the window of the body and is transparent outside of it.
+/// Colours the triangles of a body by the values at their corners, linear in between; the image covers the window of
+/// the body and is transparent outside of it.
 ///
 /// A pixel has the colour of the value at its centre.
-pub(super) fn image(body: &Body, values: &[[f64; 3]], map: ColorMap, range: [f64; 2], [width, height]: [u32; 2]) -> Image {
+pub(super) fn image(
+    body: &Body,
+    values: &[[f64; 3]],
+    map: ColorMap,
+    range: [f64; 2],
+    [width, height]: [u32; 2],
+) -> Image {
     let [wx, wy] = body.window();
     let mut rgba = vec![0; 4 * width as usize * height as usize];
     let scale = [f64::from(width) / (wx[1] - wx[0]), f64::from(height) / (wy[1] - wy[0])];
@@ -24,7 +31,9 @@ pub(super) fn image(body: &Body, values: &[[f64; 3]], map: ColorMap, range: [f64
         if area == 0.0 {
             continue;
         }
-        let pixels = |lo: f64, hi: f64, end: u32| (lo.ceil().max(0.0) as u32)..((hi.floor() + 1.0).clamp(0.0, f64::from(end)) as u32);
+        let pixels = |lo: f64, hi: f64, end: u32| {
+            (lo.ceil().max(0.0) as u32)..((hi.floor() + 1.0).clamp(0.0, f64::from(end)) as u32)
+        };
         let low = |d: usize| a[d].min(b[d]).min(c[d]) - 1e-6;
         let high = |d: usize| a[d].max(b[d]).max(c[d]) + 1e-6;
         for j in pixels(low(1), high(1), height) {
@@ -79,7 +88,11 @@ mod tests {
     fn a_linear_nodal_field_has_the_colours_of_its_values() -> Outcome {
         let body = Body::of_mesh(&Mesh::rectangle([2.0, 1.0], [6, 3], Diagonal::Crossed)?)?;
         let f = |x: f64, y: f64| 3.0 * x - y;
-        let values: Vec<[f64; 3]> = body.triangles.iter().map(|t| t.map(|n| f(body.points[n as usize][0], body.points[n as usize][1]))).collect();
+        let values: Vec<[f64; 3]> = body
+            .triangles
+            .iter()
+            .map(|t| t.map(|n| f(body.points[n as usize][0], body.points[n as usize][1])))
+            .collect();
         let image = image(&body, &values, ColorMap::Viridis, [-1.0, 6.0], [80, 40]);
         for i in 0..80 {
             for j in 0..40 {
@@ -87,7 +100,10 @@ mod tests {
                 let expected = ColorMap::Viridis.at((value + 1.0) / 7.0);
                 let found = image.pixel(i, j);
                 assert_eq!(found[3], 255, "pixel {i}, {j} is not covered");
-                assert!((0..3).all(|c| found[c].abs_diff(expected[c]) <= 1), "pixel {i}, {j}: {found:?}, expected {expected:?}");
+                assert!(
+                    (0..3).all(|c| found[c].abs_diff(expected[c]) <= 1),
+                    "pixel {i}, {j}: {found:?}, expected {expected:?}"
+                );
             }
         }
         Ok(())

@@ -78,11 +78,14 @@ fn columns(count: usize, wide: bool) -> usize {
 
 /// Marks of both axes of a panel of some size.
 fn plan_ticks(plan: &Plan, [w, h]: [f64; 2], units: Units) -> [Ticks; 2] {
-    let marks = |range: [f64; 2], length: f64, each: f64| ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length);
+    let marks = |range: [f64; 2], length: f64, each: f64| {
+        ticks::in_units(range, ((length / each) as usize).clamp(2, 7), units, Measure::Length)
+    };
     [marks(plan.window[0], w, 55.0), marks(plan.window[1], h, 32.0)]
 }
 
-/// Draws the heading of a panel above its frame, which is lifted where it is wide, and its axes with their names, the upright one `left` of the frame.
+/// Draws the heading of a panel above its frame, which is lifted where it is wide, and its axes with their names, the
+/// upright one `left` of the frame.
 fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, f64), units: Units) {
     let rect = frame.rect;
     let middle = rect.x + 0.5 * rect.width;
@@ -94,8 +97,19 @@ fn label(picture: &mut Picture, plan: &Plan, frame: &Frame, (left, lift): (f64, 
     axes::y_marks(picture, rect, &frame.y, &y_ticks, false);
     axes::border(picture, rect);
     let named = |name: &str, exponent: i32| axes::labelled(name, exponent, units, Measure::Length);
-    picture.text([middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL], LABEL, Anchor::Middle, INK, named(plan.labels[0], x_ticks.exponent));
-    picture.text_upwards([rect.x - left + 0.8 * LABEL, rect.y + 0.5 * rect.height], LABEL, INK, named(plan.labels[1], y_ticks.exponent));
+    picture.text(
+        [middle, rect.bottom() + 8.0 + NUMBER + 6.0 + 0.8 * LABEL],
+        LABEL,
+        Anchor::Middle,
+        INK,
+        named(plan.labels[0], x_ticks.exponent),
+    );
+    picture.text_upwards(
+        [rect.x - left + 0.8 * LABEL, rect.y + 0.5 * rect.height],
+        LABEL,
+        INK,
+        named(plan.labels[1], y_ticks.exponent),
+    );
 }
 
 /// Lays out the panels and draws titles, borders, marks and labels.
@@ -115,12 +129,16 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         size.map(|s| (s * scale).round().max(24.0))
     };
     // Left of a frame: a label that runs upwards and the numbers.
-    let left = plans.iter().map(|plan| axes::y_room(&plan_ticks(plan, extent(plan), units)[1])).fold(0.0, f64::max).ceil() + LABEL + 8.0;
+    let left =
+        plans.iter().map(|plan| axes::y_room(&plan_ticks(plan, extent(plan), units)[1])).fold(0.0, f64::max).ceil()
+            + LABEL
+            + 8.0;
     let has = |text: fn(&Plan) -> &str| plans.iter().any(|plan| !text(plan).is_empty());
     let text = |plan: &Plan| font::width(&plan.title, HEADING).max(font::width(&plan.note, NUMBER));
     // Headings wider than their frame stand above what is beside the frame.
     let lift = if plans.iter().any(|plan| text(plan) > extent(plan)[0]) { LABEL + 6.0 } else { 0.0 };
-    let headings = lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
+    let headings =
+        lift + if has(|p| &p.title) { HEADING + 6.0 } else { 0.0 } + if has(|p| &p.note) { NUMBER + 5.0 } else { 0.0 };
     let columns = columns(plans.len(), wide);
     let apart = if plans.len() > columns { 14.0 } else { 0.0 };
     let below = 8.0 + NUMBER + 6.0 + LABEL + room.below + apart;
@@ -131,8 +149,10 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
     };
     let top = (MARGIN + TITLE + 10.0 + room.above).ceil();
     let cells: Vec<[f64; 2]> = plans.iter().map(cell).collect();
-    let widths: Vec<f64> = (0..columns).map(|c| cells.iter().skip(c).step_by(columns).map(|cell| cell[0]).fold(0.0, f64::max)).collect();
-    let heights: Vec<f64> = cells.chunks(columns).map(|row| row.iter().map(|cell| cell[1]).fold(0.0, f64::max)).collect();
+    let widths: Vec<f64> =
+        (0..columns).map(|c| cells.iter().skip(c).step_by(columns).map(|cell| cell[0]).fold(0.0, f64::max)).collect();
+    let heights: Vec<f64> =
+        cells.chunks(columns).map(|row| row.iter().map(|cell| cell[1]).fold(0.0, f64::max)).collect();
     let [inner_width, inner_height]: [f64; 2] = [widths.iter().sum(), heights.iter().sum()];
     let width = (MARGIN + inner_width.max(room.least)).max(font::width(title, TITLE) + 2.0 * MARGIN);
     let mut picture = Picture::new(width.ceil(), top + inner_height + MARGIN, title);
@@ -149,7 +169,11 @@ pub(super) fn lay_out(title: &str, plans: &[Plan], room: Room, units: Units) -> 
         let shift = (0.5 * (text(plan) - w) - left).max(0.0).ceil();
         let rect = Rect { x: corner[0] + left + shift, y: corner[1] + headings + lowered, width: w, height: h };
         let [left_end, right_end] = if plan.mirrored { [rect.right(), rect.x] } else { [rect.x, rect.right()] };
-        let frame = Frame { rect, x: Scale::new(plan.window[0], [left_end, right_end]), y: Scale::new(plan.window[1], [rect.bottom(), rect.y]) };
+        let frame = Frame {
+            rect,
+            x: Scale::new(plan.window[0], [left_end, right_end]),
+            y: Scale::new(plan.window[1], [rect.bottom(), rect.y]),
+        };
         label(&mut picture, plan, &frame, (left, lift), units);
         frames.push(frame);
     }

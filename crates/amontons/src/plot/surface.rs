@@ -38,24 +38,44 @@ impl Surface {
     /// The surface of cells given by their VTK type and their nodes in the order of VTK.
     ///
     /// # Errors
-    /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a coordinate is not finite.
-    pub fn new<'a>(points: Vec<[f64; 3]>, cells: impl IntoIterator<Item = (u8, &'a [u32])>) -> Result<Surface, PlotError> {
+    /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a
+    /// coordinate is not finite.
+    pub fn new<'a>(
+        points: Vec<[f64; 3]>,
+        cells: impl IntoIterator<Item = (u8, &'a [u32])>,
+    ) -> Result<Surface, PlotError> {
         if let Some(node) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
         }
-        let mut surface = Surface { points, triangles: Vec::new(), owners: Vec::new(), facets: Vec::new(), edges: Vec::new(), cells: 0 };
+        let mut surface = Surface {
+            points,
+            triangles: Vec::new(),
+            owners: Vec::new(),
+            facets: Vec::new(),
+            edges: Vec::new(),
+            cells: 0,
+        };
         // In the order in which the facets came, so that a picture depends on the mesh only.
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
         let mut open: HashMap<[u32; FACET_NODES], usize> = HashMap::new();
         for (c, (kind, nodes)) in cells.into_iter().enumerate() {
             let Some(element) = element::ALL.iter().find(|e| e.vtk == kind && e.dim() == 3) else {
-                return Err(PlotError::Data(format!("cell {c} has the VTK type {kind}, expected one of a body in space")));
+                return Err(PlotError::Data(format!(
+                    "cell {c} has the VTK type {kind}, expected one of a body in space"
+                )));
             };
             if nodes.len() != element.nodes.len() {
-                return Err(PlotError::Data(format!("cell {c} has {} nodes, expected {}", nodes.len(), element.nodes.len())));
+                return Err(PlotError::Data(format!(
+                    "cell {c} has {} nodes, expected {}",
+                    nodes.len(),
+                    element.nodes.len()
+                )));
             }
             if let Some(node) = nodes.iter().find(|&&n| n as usize >= surface.points.len()) {
-                return Err(PlotError::Data(format!("cell {c} has node {node}, but there are only {} nodes", surface.points.len())));
+                return Err(PlotError::Data(format!(
+                    "cell {c} has node {node}, but there are only {} nodes",
+                    surface.points.len()
+                )));
             }
             for facet in element.facets {
                 let own: Vec<u32> = facet.nodes.iter().map(|&i| nodes[i]).collect();
@@ -149,7 +169,8 @@ impl Surface {
         let region = |f: usize| regions.get(self.facets[f].1 as usize).copied().unwrap_or_default();
         let is_outline = |edge: &&Edge| {
             let [f, g] = edge.facets.map(|f| f as usize);
-            dot(normals[f], normals[g]) < STRAIGHT * norm(normals[f]) * norm(normals[g]) || (region(f) - region(g)).abs() > 0.0
+            dot(normals[f], normals[g]) < STRAIGHT * norm(normals[f]) * norm(normals[g])
+                || (region(f) - region(g)).abs() > 0.0
         };
         self.edges.iter().filter(is_outline).map(|edge| edge.nodes).collect()
     }
@@ -201,7 +222,8 @@ mod tests {
             edges.iter().map(ends).map(|[a, b]| norm([0, 1, 2].map(|d| b[d] - a[d]))).sum()
         };
         assert!((length(&surface.outline(&[])) - 24.0).abs() < 1e-12);
-        let upper: Vec<f64> = mesh.blocks[0].cells().map(|cell| f64::from(u8::from(mesh.points[cell[26] as usize][2] > 1.5))).collect();
+        let upper: Vec<f64> =
+            mesh.blocks[0].cells().map(|cell| f64::from(u8::from(mesh.points[cell[26] as usize][2] > 1.5))).collect();
         assert!((length(&surface.outline(&upper)) - 30.0).abs() < 1e-12);
         Ok(())
     }
@@ -209,7 +231,11 @@ mod tests {
     #[test]
     fn cells_that_are_not_in_space_are_named() {
         let points = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        for (cell, word) in [((5u8, [0u32, 1, 2].as_slice()), "VTK type 5"), ((10, &[0, 1, 2]), "3 nodes"), ((10, &[0, 1, 2, 9]), "node 9")] {
+        for (cell, word) in [
+            ((5u8, [0u32, 1, 2].as_slice()), "VTK type 5"),
+            ((10, &[0, 1, 2]), "3 nodes"),
+            ((10, &[0, 1, 2, 9]), "node 9"),
+        ] {
             let error = Surface::new(points.clone(), [cell]).map(|_| ()).map_err(|e| e.to_string());
             assert!(error.clone().is_err_and(|e| e.contains(word)), "{error:?}");
         }

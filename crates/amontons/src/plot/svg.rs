@@ -21,15 +21,26 @@ pub(super) fn write(picture: &Picture) -> String {
                 let layout = font::layout(text);
                 let turn = if *upwards { " rotate(-90)" } else { "" };
                 let _ = write!(body, r#"<g aria-label="{}"{}"#, escaped(&font::plain(text)), paint("fill", *color));
-                let _ = writeln!(body, r#" transform="translate({} {}){turn} scale({size})">"#, short(at[0]), short(at[1]));
+                let _ =
+                    writeln!(body, r#" transform="translate({} {}){turn} scale({size})">"#, short(at[0]), short(at[1]));
                 let start = anchor.offset(layout.width);
                 for glyph in layout.glyphs {
                     if font::outline(glyph.id).is_empty() {
                         continue;
                     }
                     glyphs.insert(glyph.id);
-                    let _ = write!(body, r##"<use xlink:href="#g{}" transform="translate({:.4} {:.4})"##, glyph.id, start + glyph.x, -glyph.y);
-                    let _ = if glyph.scale < 1.0 { write!(body, " scale({})\"/>", glyph.scale) } else { body.write_str("\"/>") };
+                    let _ = write!(
+                        body,
+                        r##"<use xlink:href="#g{}" transform="translate({:.4} {:.4})"##,
+                        glyph.id,
+                        start + glyph.x,
+                        -glyph.y
+                    );
+                    let _ = if glyph.scale < 1.0 {
+                        write!(body, " scale({})\"/>", glyph.scale)
+                    } else {
+                        body.write_str("\"/>")
+                    };
                 }
                 body.push_str("\n</g>\n");
             }

@@ -43,7 +43,9 @@ impl CsvTable {
         for line in lines.filter(|line| !line.trim().is_empty()) {
             let row = cut(line);
             if row.len() != table.names.len() {
-                return Err(table.fault(table.rows.len(), &format!("{} values under {} names", row.len(), table.names.len())));
+                return Err(
+                    table.fault(table.rows.len(), &format!("{} values under {} names", row.len(), table.names.len()))
+                );
             }
             table.rows.push(row);
         }
@@ -74,7 +76,9 @@ impl CsvTable {
     pub(super) fn column<T: FromStr>(&self, name: &str) -> Result<Vec<T>, PlotError> {
         let missing = || PlotError::Format { path: self.path.clone(), what: format!("it has no column {name}") };
         let c = self.names.iter().position(|n| n == name).ok_or_else(missing)?;
-        let cell = |(r, row): (usize, &Vec<String>)| row[c].parse().map_err(|_| self.fault(r, &format!("{name} is `{}`", row[c])));
+        let cell = |(r, row): (usize, &Vec<String>)| {
+            row[c].parse().map_err(|_| self.fault(r, &format!("{name} is `{}`", row[c])))
+        };
         self.rows.iter().enumerate().map(cell).collect()
     }
 

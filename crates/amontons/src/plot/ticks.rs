@@ -13,8 +13,8 @@ pub(super) struct Ticks {
     pub exponent: i32,
 }
 
-/// Marks at multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most` of them, in a closed interval; the power of ten of the labels is that
-/// of a prefix where the unit has one.
+/// Marks at multiples of 1, 2, 2.5 or 5 times a power of ten, at most `most` of them, in a closed interval; the power
+/// of ten of the labels is that of a prefix where the unit has one.
 pub(super) fn in_units(range: [f64; 2], most: usize, units: Units, measure: Measure) -> Ticks {
     let power = power_of_thousand(range[0].abs().max(range[1].abs()));
     let takes_it = !units.of(measure).is_empty() && units.prefixed(power, measure).is_some();
@@ -40,7 +40,11 @@ fn marks([lo, hi]: [f64; 2], most: usize, exponent: impl Fn(f64) -> i32) -> Tick
 fn step(lo: f64, hi: f64, most: usize) -> f64 {
     let raw = (hi - lo) / most as f64;
     let power = 10f64.powf(raw.log10().floor());
-    [1.0, 2.0, 2.5, 5.0, 10.0, 20.0].iter().map(|m| m * power).find(|&s| multiples(lo, hi, s).1 <= most).unwrap_or(50.0 * power)
+    [1.0, 2.0, 2.5, 5.0, 10.0, 20.0]
+        .iter()
+        .map(|m| m * power)
+        .find(|&s| multiples(lo, hi, s).1 <= most)
+        .unwrap_or(50.0 * power)
 }
 
 /// The first multiple of a step not below `lo`, counted in steps, and the number of multiples up to `hi`.
@@ -81,13 +85,17 @@ fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Marks of a logarithmic axis from `lo` to `hi`, both positive: powers of ten, and 2 and 5 times them where there would be few.
+/// Marks of a logarithmic axis from `lo` to `hi`, both positive: powers of ten, and 2 and 5 times them where there
+/// would be few.
 pub(super) fn logarithmic(lo: f64, hi: f64) -> Ticks {
     let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
     let inside = |v: &f64| *v >= lo * (1.0 - 1e-9) && *v <= hi * (1.0 + 1e-9);
-    let all = |factors: &[f64]| -> Vec<f64> { (first..=last).flat_map(|e| factors.iter().map(move |m| m * 10f64.powi(e))).filter(inside).collect() };
+    let all = |factors: &[f64]| -> Vec<f64> {
+        (first..=last).flat_map(|e| factors.iter().map(move |m| m * 10f64.powi(e))).filter(inside).collect()
+    };
     let powers = all(&[1.0]);
-    let (values, every) = if powers.len() >= 3 { (powers, (last - first) as usize / 8 + 1) } else { (all(&[1.0, 2.0, 5.0]), 1) };
+    let (values, every) =
+        if powers.len() >= 3 { (powers, (last - first) as usize / 8 + 1) } else { (all(&[1.0, 2.0, 5.0]), 1) };
     let marks = values.iter().step_by(every).map(|&v| (v, power_label(v))).collect();
     Ticks { marks, minor: all(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]), exponent: 0 }
 }
@@ -186,7 +194,15 @@ mod tests {
 
     #[test]
     fn numbers_are_short() {
-        for (value, text) in [(1.0, "1"), (0.25, "0.25"), (-3.0, "−3"), (1200.0, "1200"), (1.0 / 3.0, "0.3333"), (3.1e-7, "3.1·10^{−7}"), (0.0, "0")] {
+        for (value, text) in [
+            (1.0, "1"),
+            (0.25, "0.25"),
+            (-3.0, "−3"),
+            (1200.0, "1200"),
+            (1.0 / 3.0, "0.3333"),
+            (3.1e-7, "3.1·10^{−7}"),
+            (0.0, "0"),
+        ] {
             assert_eq!(number(value), text);
         }
     }

@@ -24,9 +24,14 @@ pub(super) fn snapshots(path: &Path) -> Result<Vec<(f64, String)>, PlotError> {
     loop {
         match reader.read_event().map_err(|e| fault(e.to_string()))? {
             Event::Start(tag) | Event::Empty(tag) if tag.name().as_ref() == b"DataSet" => {
-                let file = attribute(&tag, "file").map_err(fault)?.ok_or_else(|| fault("a DataSet has no file".to_owned()))?;
-                let time = attribute(&tag, "timestep").map_err(fault)?.and_then(|t| t.parse::<f64>().ok()).filter(|t| t.is_finite());
-                let time = time.ok_or_else(|| fault(format!("the DataSet of {file} has no timestep that is a number")))?;
+                let file =
+                    attribute(&tag, "file").map_err(fault)?.ok_or_else(|| fault("a DataSet has no file".to_owned()))?;
+                let time = attribute(&tag, "timestep")
+                    .map_err(fault)?
+                    .and_then(|t| t.parse::<f64>().ok())
+                    .filter(|t| t.is_finite());
+                let time =
+                    time.ok_or_else(|| fault(format!("the DataSet of {file} has no timestep that is a number")))?;
                 all.push((time, file));
             }
             Event::Eof => break,

@@ -49,7 +49,9 @@ impl Support {
             Support::Normal(field) => (Some(field), [].as_slice()),
             Support::Components(fields) => (None, fields.as_slice()),
         };
-        one.into_iter().map(|f| (String::new(), f)).chain(several.iter().enumerate().map(|(c, f)| (format!("[{c}]"), f)))
+        one.into_iter()
+            .map(|f| (String::new(), f))
+            .chain(several.iter().enumerate().map(|(c, f)| (format!("[{c}]"), f)))
     }
 
     /// Number of components; none for a support along the normal.
@@ -127,9 +129,26 @@ impl BoundaryCondition {
     /// Whether nothing is said about the side.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let BoundaryCondition { on: _, displacement, normal_displacement, traction, pressure, spring, dashpot, temperature, heat_inflow, convection } = self;
-        let mechanical = displacement.is_none() && normal_displacement.is_none() && traction.is_none() && pressure.is_none();
-        mechanical && spring.is_none() && dashpot.is_none() && temperature.is_none() && heat_inflow.is_none() && convection.is_none()
+        let BoundaryCondition {
+            on: _,
+            displacement,
+            normal_displacement,
+            traction,
+            pressure,
+            spring,
+            dashpot,
+            temperature,
+            heat_inflow,
+            convection,
+        } = self;
+        let mechanical =
+            displacement.is_none() && normal_displacement.is_none() && traction.is_none() && pressure.is_none();
+        mechanical
+            && spring.is_none()
+            && dashpot.is_none()
+            && temperature.is_none()
+            && heat_inflow.is_none()
+            && convection.is_none()
     }
 
     /// Every field with its key in the case file.
@@ -140,7 +159,9 @@ impl BoundaryCondition {
         fields.extend(displacement.filter_map(|(c, field)| Some((format!("displacement[{c}]"), field.as_ref()?))));
         fields.extend(self.traction.iter().flatten().enumerate().map(|(c, field)| (format!("traction[{c}]"), field)));
         for (key, support) in [("spring", &self.spring), ("dashpot", &self.dashpot)] {
-            fields.extend(support.iter().flat_map(Support::fields).map(|(index, field)| (format!("{key}{index}"), field)));
+            fields.extend(
+                support.iter().flat_map(Support::fields).map(|(index, field)| (format!("{key}{index}"), field)),
+            );
         }
         let scalars = [
             ("normal_displacement", self.normal_displacement.as_ref()),
@@ -159,8 +180,9 @@ impl BoundaryCondition {
     pub fn prescriptions<'a>(&'a self, mesh: &Mesh) -> Vec<Prescription<'a>> {
         let on = self.on.as_str();
         let by_component = self.displacement.iter().flatten().enumerate();
-        let mut all: Vec<Prescription> =
-            by_component.filter_map(|(component, field)| Some(Prescription { on, component, field: field.as_ref()?, factor: 1.0 })).collect();
+        let mut all: Vec<Prescription> = by_component
+            .filter_map(|(component, field)| Some(Prescription { on, component, field: field.as_ref()?, factor: 1.0 }))
+            .collect();
         let plane = mesh.facets.get(on).and_then(|set| axis_of(mesh, set).ok());
         if let (Some(field), Some((component, factor))) = (&self.normal_displacement, plane) {
             all.push(Prescription { on, component, field, factor });
@@ -186,7 +208,9 @@ fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> 
             for q in 0..table.len() {
                 map.at(facet, q);
                 let normal = map.normal;
-                let along = (0..mesh.dim).find(|&c| (0..mesh.dim).all(|d| d == c || normal[d].abs() < FLAT)).map(|c| (c, normal[c].signum()));
+                let along = (0..mesh.dim)
+                    .find(|&c| (0..mesh.dim).all(|d| d == c || normal[d].abs() < FLAT))
+                    .map(|c| (c, normal[c].signum()));
                 match along {
                     Some(along) if axis.is_none_or(|axis| axis == along) => axis = Some(along),
                     _ => return Err((number, normal)),
@@ -221,7 +245,10 @@ impl ProblemData {
             let path = self.contact_path(side);
             if contact.normal.graph() != GraphKind::Function && contact.quadrature == Quadrature::Gauss {
                 let hint = "more points than nodes have no unique pressures";
-                faults.push(Fault::new(format!("{path}.quadrature"), "Gauss points on a rigid foundation", "nodal quadrature").hint(hint));
+                faults.push(
+                    Fault::new(format!("{path}.quadrature"), "Gauss points on a rigid foundation", "nodal quadrature")
+                        .hint(hint),
+                );
             }
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
                 faults.push(again(format!("{path}.on"), &contact.on, first, "each side in one [[contact]] entry"));
@@ -234,19 +261,30 @@ impl ProblemData {
             }
             self.check_displacement(i, b, faults);
             self.check_forces(i, b, faults);
-            for (key, what, given) in
-                [("heat_inflow", "a heat inflow", b.heat_inflow.is_some()), ("convection", "a heat exchange with the surroundings", b.convection.is_some())]
-            {
+            for (key, what, given) in [
+                ("heat_inflow", "a heat inflow", b.heat_inflow.is_some()),
+                ("convection", "a heat exchange with the surroundings", b.convection.is_some()),
+            ] {
                 if given && b.temperature.is_some() {
-                    faults
-                        .push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a temperature"), "one of the two").hint("remove one of them"));
+                    faults.push(
+                        Fault::new(
+                            format!("boundary[{i}].{key}"),
+                            format!("{what} besides a temperature"),
+                            "one of the two",
+                        )
+                        .hint("remove one of them"),
+                    );
                 }
             }
             let heat = self.contacts.iter().find(|c| c.on == b.on && c.heat.conductance_bound() > 0.0);
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
-                    Fault::new(format!("boundary[{i}].temperature"), format!("a temperature on \"{}\"", b.on), "heat exchange or a temperature, not both")
-                        .hint("remove contact.heat or the temperature"),
+                    Fault::new(
+                        format!("boundary[{i}].temperature"),
+                        format!("a temperature on \"{}\"", b.on),
+                        "heat exchange or a temperature, not both",
+                    )
+                    .hint("remove contact.heat or the temperature"),
                 );
             }
         }
@@ -256,7 +294,8 @@ impl ProblemData {
     fn check_sides(&self, faults: &mut Vec<Fault>) {
         let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
         let conditions = self.boundary.iter().enumerate().map(|(i, b)| (format!("boundary[{i}].on"), &b.on));
-        let contacts = self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.on", self.contact_path(side)), &c.on));
+        let contacts =
+            self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.on", self.contact_path(side)), &c.on));
         for (path, name) in conditions.chain(contacts) {
             if !self.mesh.facets.contains_key(name) {
                 faults.push(unknown(path, name, "facet sets", &known));
@@ -266,24 +305,38 @@ impl ProblemData {
 
     /// A displacement, by components or along the normal, and apart from Γ_C.
     fn check_displacement(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
-        let given = [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
+        let given =
+            [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
         let on_contact = self.contacts.iter().any(|c| c.on == b.on);
         for (key, _) in given.iter().filter(|(_, given)| *given && on_contact) {
             faults.push(
-                Fault::new(format!("boundary[{i}].{key}"), format!("a displacement on \"{}\"", b.on), "Γ_D apart from Γ_C")
-                    .hint("[contact] is on the same side; a side that bears contact takes loads, springs and heat flows only"),
+                Fault::new(
+                    format!("boundary[{i}].{key}"),
+                    format!("a displacement on \"{}\"", b.on),
+                    "Γ_D apart from Γ_C",
+                )
+                .hint(
+                    "[contact] is on the same side; a side that bears contact takes loads, springs and heat flows only",
+                ),
             );
         }
         let path = format!("boundary[{i}].normal_displacement");
         if given.iter().all(|(_, given)| *given) {
-            faults.push(Fault::new(&*path, "a displacement along the normal and one by components", "one of the two").hint("remove one of them"));
+            faults.push(
+                Fault::new(&*path, "a displacement along the normal and one by components", "one of the two")
+                    .hint("remove one of them"),
+            );
         }
         let set = self.mesh.facets.get(&b.on).filter(|_| b.normal_displacement.is_some());
         if let Some(Err((facet, normal))) = set.map(|set| axis_of(&self.mesh, set)) {
             let normal = normal.iter().take(self.mesh.dim).map(|c| format!("{c:.6}")).collect::<Vec<_>>().join(", ");
             faults.push(
-                Fault::new(path, format!("facet {facet} of \"{}\" with the normal ({normal})", b.on), "a side in a plane perpendicular to an axis")
-                    .hint("turn the body so that the plane is perpendicular to an axis, or hold the side by a `spring`"),
+                Fault::new(
+                    path,
+                    format!("facet {facet} of \"{}\" with the normal ({normal})", b.on),
+                    "a side in a plane perpendicular to an axis",
+                )
+                .hint("turn the body so that the plane is perpendicular to an axis, or hold the side by a `spring`"),
             );
         }
     }
@@ -291,7 +344,12 @@ impl ProblemData {
     /// Forces act on what is not prescribed.
     fn check_forces(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         let dim = self.mesh.dim;
-        let plane = self.mesh.facets.get(&b.on).filter(|_| b.normal_displacement.is_some()).and_then(|set| axis_of(&self.mesh, set).ok());
+        let plane = self
+            .mesh
+            .facets
+            .get(&b.on)
+            .filter(|_| b.normal_displacement.is_some())
+            .and_then(|set| axis_of(&self.mesh, set).ok());
         let held: Vec<bool> = (0..dim)
             .map(|c| {
                 let by_component = b.displacement.iter().flatten().nth(c).is_some_and(Option::is_some);
@@ -301,10 +359,19 @@ impl ProblemData {
         let all_held = held.iter().all(|held| *held);
         if let Some(traction) = &b.traction {
             if all_held {
-                faults.push(Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", BOTH).hint("remove one of them"));
-            } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero())) {
                 faults.push(
-                    Fault::new(format!("boundary[{i}].traction[{c}]"), "a traction in a direction whose displacement is prescribed", BOTH).hint("set it to 0"),
+                    Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", BOTH)
+                        .hint("remove one of them"),
+                );
+            } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero()))
+            {
+                faults.push(
+                    Fault::new(
+                        format!("boundary[{i}].traction[{c}]"),
+                        "a traction in a direction whose displacement is prescribed",
+                        BOTH,
+                    )
+                    .hint("set it to 0"),
                 );
             }
         }
@@ -320,7 +387,10 @@ impl ProblemData {
             ("dashpot", "a dashpot", b.dashpot.is_some(), along_normal(&b.dashpot)),
         ] {
             if given && all_held {
-                faults.push(Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), BOTH).hint("remove one of them"));
+                faults.push(
+                    Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), BOTH)
+                        .hint("remove one of them"),
+                );
             } else if normal && b.normal_displacement.is_some() {
                 let found = format!("{what} along the normal besides a displacement along it");
                 faults.push(Fault::new(format!("boundary[{i}].{key}"), found, BOTH).hint("remove one of them"));
@@ -338,7 +408,11 @@ fn again(path: String, on: &str, first: usize, expected: &str) -> Fault {
 /// A name that is none of those that are known, with the nearest one.
 fn unknown(path: String, name: &str, of: &str, known: &[&str]) -> Fault {
     let fault = Fault::new(path, format!("\"{name}\""), format!("one of the {of} {}", known.join(", ")));
-    match known.iter().min_by_key(|k| strsim::damerau_levenshtein(k, name)).filter(|k| strsim::damerau_levenshtein(k, name) <= 2) {
+    match known
+        .iter()
+        .min_by_key(|k| strsim::damerau_levenshtein(k, name))
+        .filter(|k| strsim::damerau_levenshtein(k, name) <= 2)
+    {
         Some(near) => fault.hint(format!("did you mean \"{near}\"?")),
         None => fault,
     }

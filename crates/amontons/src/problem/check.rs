@@ -45,7 +45,11 @@ impl ProblemData {
     fn check_material(&self, faults: &mut Vec<Fault>) {
         let (found, regions) = (self.materials.len(), self.mesh.regions.len());
         if found != 1 && found != regions {
-            faults.push(Fault::new("material", format!("{found} materials"), format!("one for all, or one for each of the {regions} regions")));
+            faults.push(Fault::new(
+                "material",
+                format!("{found} materials"),
+                format!("one for all, or one for each of the {regions} regions"),
+            ));
         }
         for m in &self.materials {
             for (path, value) in [("material.density", m.density), ("material.heat_capacity", m.heat_capacity)] {
@@ -70,12 +74,15 @@ impl ProblemData {
         // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
-        let exchange = self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
-        let sides = self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
+        let exchange =
+            self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
+        let sides =
+            self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
         for (on, holds) in sides {
             // A missing side is reported by `check_sides`; here we assume it could hold every part.
             let nodes = self.mesh.facets.get(on).map(FacetSet::node_list);
-            let touched = nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
+            let touched =
+                nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
             for part in touched.unwrap_or_else(|| (0..parts.len()).collect::<Vec<usize>>()) {
                 if let Some(part) = held.get_mut(part) {
                     *part = [part[0] || holds[0], part[1] || holds[1]];
@@ -90,7 +97,12 @@ impl ProblemData {
             }
         }
         for (what, found, expected, hint) in [
-            (0, "no displacement prescribed and density 0", "a part Γ_D that holds the body", "give `displacement` on a side, or a positive material.density"),
+            (
+                0,
+                "no displacement prescribed and density 0",
+                "a part Γ_D that holds the body",
+                "give `displacement` on a side, or a positive material.density",
+            ),
             (
                 1,
                 "no temperature prescribed and heat_capacity 0",
@@ -99,9 +111,14 @@ impl ProblemData {
             ),
         ] {
             let solved = [self.physics.has_mechanics(), self.physics.has_heat()][what];
-            let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else { continue };
-            let found =
-                if parts.len() == 1 { found.to_owned() } else { format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh)) };
+            let Some(number) = (0..parts.len()).find(|&part| solved && lacks[part][what] && !held[part][what]) else {
+                continue;
+            };
+            let found = if parts.len() == 1 {
+                found.to_owned()
+            } else {
+                format!("{found} in part {} of the body, {}", number + 1, extent(&parts[number], &self.mesh))
+            };
             faults.push(Fault::new("boundary", found, expected).hint(hint));
         }
     }
@@ -112,11 +129,18 @@ impl ProblemData {
             let [first, last] = field.span();
             let hint = "give more rows, or `extend = \"hold\"` to keep the value at the end";
             if first > 0.0 {
-                faults.push(Fault::new(&*path, format!("a table that begins at t = {first:?}"), "values from t = 0").hint(hint));
+                faults.push(
+                    Fault::new(&*path, format!("a table that begins at t = {first:?}"), "values from t = 0").hint(hint),
+                );
             }
             if last < self.end {
                 faults.push(
-                    Fault::new(path, format!("a table that ends at t = {last:?}"), format!("values to the end of the run, t = {:?}", self.end)).hint(hint),
+                    Fault::new(
+                        path,
+                        format!("a table that ends at t = {last:?}"),
+                        format!("values to the end of the run, t = {:?}", self.end),
+                    )
+                    .hint(hint),
                 );
             }
         };

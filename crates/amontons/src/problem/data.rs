@@ -21,9 +21,18 @@ impl ProblemData {
         let mut all = vec![body("load.heat_source".to_owned(), &self.heat_source)];
         all.extend(self.body_force.iter().enumerate().map(|(c, field)| body(format!("load.body_force[{c}]"), field)));
         for (i, b) in self.boundary.iter().enumerate() {
-            all.extend(b.fields().into_iter().map(|(key, field)| Datum { key: format!("boundary[{i}].{key}"), field, side: Some(&b.on) }));
+            all.extend(b.fields().into_iter().map(|(key, field)| Datum {
+                key: format!("boundary[{i}].{key}"),
+                field,
+                side: Some(&b.on),
+            }));
         }
-        let sides: Vec<(String, &str)> = self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.", self.contact_path(side)), c.on.as_str())).collect();
+        let sides: Vec<(String, &str)> = self
+            .contacts
+            .iter()
+            .enumerate()
+            .map(|(side, c)| (format!("{}.", self.contact_path(side)), c.on.as_str()))
+            .collect();
         all.extend(self.contact_fields().into_iter().map(|(key, field)| {
             let side = sides.iter().find(|(path, _)| key.starts_with(path)).map(|(_, on)| *on);
             Datum { key, field, side }
@@ -36,8 +45,13 @@ impl ProblemData {
         let body = |key: String, field| Datum { key, field, side: None };
         let start = &self.initial;
         let vectors = [("displacement", &start.displacement), ("velocity", &start.velocity)];
-        let components = vectors.into_iter().flat_map(|(name, fields)| fields.iter().enumerate().map(move |(c, f)| (format!("initial.{name}[{c}]"), f)));
-        components.map(|(key, field)| body(key, field)).chain([body("initial.temperature".to_owned(), &start.temperature)]).collect()
+        let components = vectors.into_iter().flat_map(|(name, fields)| {
+            fields.iter().enumerate().map(move |(c, f)| (format!("initial.{name}[{c}]"), f))
+        });
+        components
+            .map(|(key, field)| body(key, field))
+            .chain([body("initial.temperature".to_owned(), &start.temperature)])
+            .collect()
     }
 
     /// The nodes on which a datum acts.

@@ -1,7 +1,7 @@
 //! Problem 2.1 with its data: what is to be solved, checked once and trusted afterwards.
 //!
-//! [`ProblemData`] can be built and changed freely; [`ProblemData::check`] makes it a [`Problem`], which cannot change. What
-//! solves, judges or writes takes a [`Problem`].
+//! [`ProblemData`] can be built and changed freely; [`ProblemData::check`] makes it a [`Problem`], which cannot change.
+//! What solves, judges or writes takes a [`Problem`].
 
 mod boundary;
 mod check;
@@ -178,7 +178,8 @@ impl Problem {
         data.check()
     }
 
-    /// The same problem with each material replaced by another, which has laws on the same strains and the same densities.
+    /// The same problem with each material replaced by another, which has laws on the same strains and the same
+    /// densities.
     pub(crate) fn with_materials(&self, other: impl Fn(&Material) -> Material) -> Problem {
         let materials = self.materials.iter().map(other).collect();
         Problem(ProblemData { materials, ..self.0.clone() })
@@ -186,8 +187,8 @@ impl Problem {
 }
 
 impl ProblemData {
-    /// A body of one material in SI units from t = 0 to t = `end` s in `steps` steps. Nothing acts on it and nothing holds it; it is at
-    /// rest, its temperature is 0, and it has both mechanics and heat.
+    /// A body of one material in SI units from t = 0 to t = `end` s in `steps` steps. Nothing acts on it and nothing
+    /// holds it; it is at rest, its temperature is 0, and it has both mechanics and heat.
     #[must_use]
     pub fn new(name: impl Into<String>, mesh: Mesh, material: Material, end: f64, steps: usize) -> ProblemData {
         ProblemData {
@@ -258,7 +259,11 @@ impl ProblemData {
     #[must_use]
     pub fn contact_boundary(&self) -> ContactBoundary {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
-        let sides: Vec<_> = self.contacts.iter().map(|contact| (self.mesh.facets.get(&contact.on).unwrap_or(&NONE), contact.quadrature)).collect();
+        let sides: Vec<_> = self
+            .contacts
+            .iter()
+            .map(|contact| (self.mesh.facets.get(&contact.on).unwrap_or(&NONE), contact.quadrature))
+            .collect();
         ContactBoundary::on(&self.mesh, &sides)
     }
 
@@ -278,8 +283,19 @@ impl ProblemData {
             let path = self.contact_path(side);
             all.push((format!("{path}.gap"), &contact.gap));
             all.push((format!("{path}.heat.foundation_temperature"), &contact.foundation_temperature));
-            all.extend(contact.foundation_velocity.iter().enumerate().map(|(c, field)| (format!("{path}.foundation_velocity[{c}]"), field)));
-            all.extend(contact.foundation_heat.iter().map(|foundation| (format!("{path}.foundation.surroundings"), &foundation.surroundings)));
+            all.extend(
+                contact
+                    .foundation_velocity
+                    .iter()
+                    .enumerate()
+                    .map(|(c, field)| (format!("{path}.foundation_velocity[{c}]"), field)),
+            );
+            all.extend(
+                contact
+                    .foundation_heat
+                    .iter()
+                    .map(|foundation| (format!("{path}.foundation.surroundings"), &foundation.surroundings)),
+            );
             let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());
             all.extend(obstacle.map(|(key, field)| (format!("{path}.obstacle.{key}"), field)));
         }

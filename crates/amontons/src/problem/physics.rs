@@ -1,6 +1,7 @@
 //! Which equations a problem has.
 
-/// The equations that a problem solves. A half-step that it does not have is not computed, and its fields are not results.
+/// The equations that a problem solves. A half-step that it does not have is not computed, and its fields are not
+/// results.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Physics {
     /// (4.1) and (4.2).

@@ -1,4 +1,5 @@
-//! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below absolute zero.
+//! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below
+//! absolute zero.
 
 use super::{Datum, Fault, ProblemData};
 use crate::field::Field;
@@ -58,49 +59,76 @@ impl ProblemData {
             }
         }
         for (side, contact) in self.contacts.iter().enumerate() {
-            if let Some(start) = contact.foundation_heat.as_ref().and_then(|foundation| foundation.temperature).filter(|start| *start < zero) {
+            if let Some(start) = contact
+                .foundation_heat
+                .as_ref()
+                .and_then(|foundation| foundation.temperature)
+                .filter(|start| *start < zero)
+            {
                 let path = format!("{}.foundation.temperature", self.contact_path(side));
                 faults.push(Fault::new(path, format!("the temperature {start:?}"), &*expected).hint(HINT));
             }
         }
     }
 
-    /// Squares of stresses, displacements, velocities and temperatures, energies and entries of the matrices are numbers that can be computed with.
+    /// Squares of stresses, displacements, velocities and temperatures, energies and entries of the matrices are
+    /// numbers that can be computed with.
     pub(super) fn check_range(&self, faults: &mut Vec<Fault>) {
         // Steps of no length are told elsewhere.
         if !self.k().is_normal() {
             return;
         }
         let Scales { stress, displacement, velocity, temperature, energy, matrices } = self.scales();
-        let squares = [("stresses", "Pa", stress), ("displacements", "m", displacement), ("velocities", "m/s", velocity), ("temperatures", "K", temperature)];
+        let squares = [
+            ("stresses", "Pa", stress),
+            ("displacements", "m", displacement),
+            ("velocities", "m/s", velocity),
+            ("temperatures", "K", temperature),
+        ];
         let squares = squares.into_iter().filter_map(|(what, unit, scale)| {
             let scale = scale?;
-            let found = format!("{what} of about {} {unit}, whose squares are about {}", tens(scale.power), tens(2.0 * scale.power));
+            let found = format!(
+                "{what} of about {} {unit}, whose squares are about {}",
+                tens(scale.power),
+                tens(2.0 * scale.power)
+            );
             Some((scale.clone().times(scale.power), found))
         });
         let energy = energy.map(|scale| (scale.clone(), format!("energies of about {} J", tens(scale.power))));
-        let matrices = matrices.into_iter().flatten().map(|scale| (scale.clone(), format!("entries of a matrix of about {}", tens(scale.power))));
+        let matrices = matrices
+            .into_iter()
+            .flatten()
+            .map(|scale| (scale.clone(), format!("entries of a matrix of about {}", tens(scale.power))));
         for (scale, found) in squares.chain(energy).chain(matrices).filter(|(scale, _)| scale.power.abs() > LIMIT) {
             // Of a datum the first quantity says enough.
             if faults.iter().any(|fault| fault.path == scale.key) {
                 continue;
             }
             let expected = "squares, energies and entries of matrices between 1e-290 and 1e290";
-            faults.push(Fault::new(scale.key, found, expected).hint("correct the value, or choose units in which the data of the case are nearer to 1"));
+            faults.push(
+                Fault::new(scale.key, found, expected)
+                    .hint("correct the value, or choose units in which the data of the case are nearer to 1"),
+            );
         }
     }
 
-    /// Least and largest temperature of the data: initial, prescribed, of surroundings and of foundations that exchange heat, K.
+    /// Least and largest temperature of the data: initial, prescribed, of surroundings and of foundations that exchange
+    /// heat, K.
     pub(crate) fn temperature_bounds(&self) -> [f64; 2] {
         let insulated: Vec<String> = (0..self.contacts.len())
             .filter(|&side| self.contacts[side].heat.conductance_bound() == 0.0)
             .map(|side| format!("{}.", self.contact_path(side)))
             .collect();
         let data = self.data().into_iter().chain(self.initial_data());
-        let acting = data.filter(|datum| is_temperature(&datum.key) && !insulated.iter().any(|path| datum.key.starts_with(path)));
-        let values: Vec<f64> = acting.flat_map(|datum| self.samples(&datum).map(|(value, ..)| value).collect::<Vec<_>>()).collect();
+        let acting = data
+            .filter(|datum| is_temperature(&datum.key) && !insulated.iter().any(|path| datum.key.starts_with(path)));
+        let values: Vec<f64> =
+            acting.flat_map(|datum| self.samples(&datum).map(|(value, ..)| value).collect::<Vec<_>>()).collect();
         let foundations = self.contacts.iter().filter_map(|contact| contact.foundation_heat.as_ref()?.temperature);
-        values.into_iter().chain(foundations).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+        values
+            .into_iter()
+            .chain(foundations)
+            .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
     }
 
     /// Whether heat sources and inflows are negative somewhere, and positive somewhere.
@@ -128,7 +156,12 @@ impl ProblemData {
         let levels = (0..self.steps).step_by(every).chain(field.depends_on_time().then_some(self.steps));
         levels.flat_map(move |n| {
             let t = self.time(n);
-            field.values(&points, t).into_iter().zip(points.clone()).map(move |(value, x)| (value, x, t)).collect::<Vec<_>>()
+            field
+                .values(&points, t)
+                .into_iter()
+                .zip(points.clone())
+                .map(move |(value, x)| (value, x, t))
+                .collect::<Vec<_>>()
         })
     }
 
@@ -136,7 +169,9 @@ impl ProblemData {
     fn scale_of(&self, datum: &Datum) -> Option<Scale> {
         let magnitude = match datum.field {
             Field::Constant(value) => value.abs(),
-            _ => self.samples(datum).fold(0.0, |max: f64, (value, ..)| if value.is_finite() { max.max(value.abs()) } else { max }),
+            _ => self
+                .samples(datum)
+                .fold(0.0, |max: f64, (value, ..)| if value.is_finite() { max.max(value.abs()) } else { max }),
         };
         scale(magnitude, datum.key.clone())
     }
@@ -145,8 +180,12 @@ impl ProblemData {
     fn scales(&self) -> Scales {
         let (mesh, k) = (&*self.mesh, self.k());
         let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
-        let of = |kind: &dyn Fn(&str) -> bool| largest(data.iter().filter(|datum| kind(&datum.key)).map(|datum| self.scale_of(datum)));
-        let material = |key: &str, of: &dyn Fn(&Material) -> f64| scale(self.materials.iter().map(of).fold(0.0, f64::max), format!("material.{key}"));
+        let of = |kind: &dyn Fn(&str) -> bool| {
+            largest(data.iter().filter(|datum| kind(&datum.key)).map(|datum| self.scale_of(datum)))
+        };
+        let material = |key: &str, of: &dyn Fn(&Material) -> f64| {
+            scale(self.materials.iter().map(of).fold(0.0, f64::max), format!("material.{key}"))
+        };
         let elastic = material("elasticity", &|m| m.elasticity.constants().lipschitz);
         let viscous = material("viscosity", &|m| m.viscosity.constants().lipschitz);
         let density = material("density", &|m| m.density);
@@ -154,22 +193,43 @@ impl ProblemData {
         let conductivity = material("conductivity", &|m| entry(&m.conductivity, mesh));
         let expansion = material("expansion", &|m| entry(&m.expansion, mesh));
         let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.end).unwrap_or(0.0));
-        let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| Some(scale?.times(sign * factor.as_ref()?.power + more));
+        let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| {
+            Some(scale?.times(sign * factor.as_ref()?.power + more))
+        };
 
         let given = of(&|key| key.starts_with("initial.temperature") || is_temperature(key));
-        let sources = largest([of(&|key| key == "load.heat_source").map(|s| s.times(length)), of(&|key| key.ends_with("heat_inflow"))]);
+        let sources = largest([
+            of(&|key| key == "load.heat_source").map(|s| s.times(length)),
+            of(&|key| key.ends_with("heat_inflow")),
+        ]);
         let heated = [by(sources.clone(), &conductivity, -1.0, length), by(sources, &capacity, -1.0, end - length)];
         let temperature = largest([given, least(heated)]);
 
         let force = of(&|key| key.starts_with("load.body_force")).map(|s| s.times(length));
-        let load = largest([force, of(&|key| key.contains("].traction") || key.ends_with("].pressure")), by(temperature.clone(), &expansion, 1.0, 0.0)]);
+        let load = largest([
+            force,
+            of(&|key| key.contains("].traction") || key.ends_with("].pressure")),
+            by(temperature.clone(), &expansion, 1.0, 0.0),
+        ]);
         let moved = of(&|key| key.contains("displacement"));
         let fast = largest([of(&|key| key.starts_with("initial.velocity")), moved.clone().map(|s| s.times(-end))]);
-        let stress = largest([load.clone(), by(moved.clone(), &elastic, 1.0, -length), by(fast.clone(), &viscous, 1.0, -length)]);
+        let stress = largest([
+            load.clone(),
+            by(moved.clone(), &elastic, 1.0, -length),
+            by(fast.clone(), &viscous, 1.0, -length),
+        ]);
         // What a load moves is held by stiffness, viscosity or inertia, whichever holds most.
-        let carried = [by(load.clone(), &elastic, -1.0, length), by(load.clone(), &viscous, -1.0, length + end), by(load, &density, -1.0, 2.0 * end - length)];
+        let carried = [
+            by(load.clone(), &elastic, -1.0, length),
+            by(load.clone(), &viscous, -1.0, length + end),
+            by(load, &density, -1.0, 2.0 * end - length),
+        ];
         let displacement = largest([moved, least(carried)]);
-        let velocity = largest([fast, of(&|key| key.contains("foundation_velocity")), displacement.clone().map(|s| s.times(-end))]);
+        let velocity = largest([
+            fast,
+            of(&|key| key.contains("foundation_velocity")),
+            displacement.clone().map(|s| s.times(-end)),
+        ]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
         let matrices = entries(mesh, k, [density, viscous, elastic], [capacity, conductivity]);
@@ -219,7 +279,10 @@ fn entry(tensor: &Sym, mesh: &Mesh) -> f64 {
 /// The largest extent of the body along an axis, m.
 fn diameter(mesh: &Mesh) -> f64 {
     let extent = |d: usize| {
-        let bounds = mesh.points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[d]), high.max(p[d])));
+        let bounds = mesh
+            .points
+            .iter()
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[d]), high.max(p[d])));
         bounds.1 - bounds.0
     };
     (0..mesh.dim).map(extent).fold(0.0, f64::max)
@@ -232,5 +295,11 @@ fn tens(power: f64) -> String {
 
 /// `x = 1.0, y = 2.0`.
 fn place(mesh: &Mesh, x: &Point) -> String {
-    ["x", "y", "z"].iter().zip(x).take(mesh.dim).map(|(axis, x)| format!("{axis} = {x:?}")).collect::<Vec<_>>().join(", ")
+    ["x", "y", "z"]
+        .iter()
+        .zip(x)
+        .take(mesh.dim)
+        .map(|(axis, x)| format!("{axis} = {x:?}"))
+        .collect::<Vec<_>>()
+        .join(", ")
 }

@@ -33,7 +33,11 @@ fn no_heat(step: &Step) -> Heat {
         d_theta: zero.clone(),
         supply: zero.clone(),
         coupling: zero,
-        exchange: Exchange { temperature: vec![0.0; points], flux: vec![Flux::default(); points], foundation: step.old.surface.foundation.clone() },
+        exchange: Exchange {
+            temperature: vec![0.0; points],
+            flux: vec![Flux::default(); points],
+            foundation: step.old.surface.foundation.clone(),
+        },
         through_contact: 0.0,
         iterations: 0,
         sweeps: 0,

@@ -31,7 +31,8 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         pressing += weight * state.pressure * (w_nu - frame.gap_rate);
         worn += point.weight * state.pressure * state.wear;
         if normal.graph() == GraphKind::Function {
-            // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it is lost with wear.
+            // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
+            // is lost with wear.
             let beyond = state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
             damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
         }
@@ -41,11 +42,18 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let viscous = viscous + damping;
     let compliance_scheme = pressing - damping - worn - (contact_energy - before.contact_energy);
     let scheme = inertial + elastic_scheme + compliance_scheme;
-    let error = (kinetic - before.kinetic) + (elastic - before.elastic) + (contact_energy - before.contact_energy) + viscous + friction + worn + scheme
+    let error = (kinetic - before.kinetic)
+        + (elastic - before.elastic)
+        + (contact_energy - before.contact_energy)
+        + viscous
+        + friction
+        + worn
+        + scheme
         - load_work
         - thermal_work;
 
-    // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its terms closes.
+    // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its
+    // terms closes.
     let mut turned_over = load_work.abs() + thermal_work.abs();
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
         turned_over += explained(error, k * absolute(&m.w, &discrete.a.magnitude(&step.sizes(&m.w))));
@@ -53,10 +61,16 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
 
     let heat_content = c * heat.mass_theta.iter().sum::<f64>();
     let amounts = &heat.amounts;
-    let body = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed - amounts.supplied - amounts.coupling;
+    let body = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed
+        - amounts.supplied
+        - amounts.coupling;
     let foundations = foundations(step, m, heat);
     let heat_error = body + foundations.error;
-    let mut heat_moved = amounts.contact.abs() + amounts.prescribed.abs() + amounts.supplied.abs() + amounts.coupling.abs() + foundations.moved;
+    let mut heat_moved = amounts.contact.abs()
+        + amounts.prescribed.abs()
+        + amounts.supplied.abs()
+        + amounts.coupling.abs()
+        + foundations.moved;
     if (before.heat_closing_error + heat_error).abs() > TELLING * (before.heat_turned_over + heat_moved) {
         heat_moved += explained(heat_error, heat_sizes(step, heat));
     }
@@ -89,7 +103,8 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
 fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
     let (c, storage) = step.discrete.storage();
     let sum = |sizes: Vec<f64>| sizes.iter().sum::<f64>();
-    step.k * sum(step.discrete.d.magnitude(&heat.theta)) + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
+    step.k * sum(step.discrete.d.magnitude(&heat.theta))
+        + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
 }
 
 /// The size of terms that cancel, where their round-off is the error; else nothing, and the error stands out.
@@ -117,11 +132,17 @@ fn stored(step: &Step, m: &Mechanics) -> Stored {
     let change = difference(&m.u, &old.u);
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
-        Stored { elastic: 0.5 * dot(&m.u, &m.a_u), relaxed: 0.0, scheme: 0.5 * dot(&change, &difference(&m.a_u, &products.a_u)) }
+        Stored {
+            elastic: 0.5 * dot(&m.u, &m.a_u),
+            relaxed: 0.0,
+            scheme: 0.5 * dot(&change, &difference(&m.a_u, &products.a_u)),
+        }
     } else {
-        // What the stress works beyond the change of the potential is the scheme's; without a potential the work is taken for stored.
+        // What the stress works beyond the change of the potential is the scheme's; without a potential the work is
+        // taken for stored.
         let work = dot(&change, &m.a_u);
-        let before = old.ledger.elastic - old.branches.iter().zip(&discrete.branches).map(|(z, b)| 0.5 * dot(z, &b.form.apply(z))).sum::<f64>();
+        let before = old.ledger.elastic
+            - old.branches.iter().zip(&discrete.branches).map(|(z, b)| 0.5 * dot(z, &b.form.apply(z))).sum::<f64>();
         let elastic = discrete.stored_energy(&m.u).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before) }
     };
@@ -151,11 +172,22 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
     let mut sum = Foundations::default();
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let at = |all: &[Option<f64>]| all.get(side).copied().flatten();
-        let (Some(foundation), Some(before), Some(after)) = (&contact.foundation_heat, at(&step.old.surface.foundation), at(&heat.exchange.foundation)) else {
+        let (Some(foundation), Some(before), Some(after)) =
+            (&contact.foundation_heat, at(&step.old.surface.foundation), at(&heat.exchange.foundation))
+        else {
             continue;
         };
-        let points = step.discrete.boundary.points.iter().zip(&m.states).zip(&heat.exchange.flux).filter(|((point, _), _)| point.side == side);
-        let received: f64 = points.map(|((point, state), flux)| step.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip))).sum();
+        let points = step
+            .discrete
+            .boundary
+            .points
+            .iter()
+            .zip(&m.states)
+            .zip(&heat.exchange.flux)
+            .filter(|((point, _), _)| point.side == side);
+        let received: f64 = points
+            .map(|((point, state), flux)| step.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip)))
+            .sum();
         let lost = step.k * foundation.exchange * (after - foundation.surroundings.value(&[0.0; 3], step.t));
         sum.content += foundation.capacity * after;
         sum.lost += lost;

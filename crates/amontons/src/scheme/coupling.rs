@@ -1,9 +1,10 @@
 //! How the half-steps of one step are coupled: [`Coupling`].
 //!
-//! One *pass* solves (4.1) with a given temperature in m and (4.2) with a given displacement in e. The staggered scheme is one
-//! pass with θ_{n−1} and u_{n−1}. That map of (u, θ) to the solution of both half-steps is the operator Φ of (3.10), taken within
-//! a step: iterating it is the fixed-point coupling, and a root of Φ(θ) − θ by Newton's method, with the mechanical half-step
-//! eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with θ_n in m and u_n in e.
+//! One *pass* solves (4.1) with a given temperature in m and (4.2) with a given displacement in e. The staggered scheme
+//! is one pass with θ_{n−1} and u_{n−1}. That map of (u, θ) to the solution of both half-steps is the operator Φ of
+//! (3.10), taken within a step: iterating it is the fixed-point coupling, and a root of Φ(θ) − θ by Newton's method,
+//! with the mechanical half-step eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with
+//! θ_n in m and u_n in e.
 
 use super::heat::{self, Heat, on_nodes};
 use super::mechanics::Mechanics;
@@ -89,8 +90,8 @@ impl<'a> Coupled<'a> {
         pass
     }
 
-    /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass. Heat needs the
-    /// contact of (4.1) on Γ_C only: its forward sweep is made beside the mechanical half-step.
+    /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass. Heat
+    /// needs the contact of (4.1) on Γ_C only: its forward sweep is made beside the mechanical half-step.
     fn pass(&mut self, theta: &[f64], u: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let (step, mechanics, heat) = (&self.step, &mut *self.mechanics, &*self.heat);
         let (solved, begun) = rayon::join(
@@ -110,7 +111,8 @@ impl<'a> Coupled<'a> {
         Ok(self.count(Pass { mechanics, heat }))
     }
 
-    /// By how much (4.1) with θ_n in m and in the laws of contact, and (4.2) with u_n in e, fail, relative to their largest terms.
+    /// By how much (4.1) with θ_n in m and in the laws of contact, and (4.2) with u_n in e, fail, relative to their
+    /// largest terms.
     fn defect(&self, pass: &Pass) -> Result<f64, StepError> {
         let Step { discrete, .. } = self.step;
         let change = |new: Vec<f64>, old: &[f64], space: &Space| {
@@ -119,7 +121,13 @@ impl<'a> Coupled<'a> {
             max_abs(&change)
         };
         let contact = pass.mechanics.contact_change(&self.step, self.mechanics, &pass.heat.exchange.temperature);
-        let force: Vec<f64> = discrete.m.apply(&pass.heat.theta).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
+        let force: Vec<f64> = discrete
+            .m
+            .apply(&pass.heat.theta)
+            .iter()
+            .zip(&contact)
+            .map(|(thermal, contact)| thermal - contact)
+            .collect();
         let force = change(force, &pass.mechanics.thermal, &discrete.v);
         let supply = change(discrete.e.apply(&pass.mechanics.u), &pass.heat.coupling, &discrete.q);
         let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
@@ -127,7 +135,14 @@ impl<'a> Coupled<'a> {
     }
 
     fn failed(&self, defect: f64, contraction: Option<Contraction>) -> StepError {
-        StepError::Coupling { step: self.step.n, t: self.step.t, coupling: self.step.problem.coupling, passes: self.passes, defect, contraction }
+        StepError::Coupling {
+            step: self.step.n,
+            t: self.step.t,
+            coupling: self.step.problem.coupling,
+            passes: self.passes,
+            defect,
+            contraction,
+        }
     }
 
     /// Φ is iterated until its arguments are its values.
@@ -172,12 +187,15 @@ impl<'a> Coupled<'a> {
         Ok(Iterate::new(self.pass_in_turn(&theta, Some(from))?, theta))
     }
 
-    /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever shorter parts of
-    /// the Newton step.
+    /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever
+    /// shorter parts of the Newton step.
     fn newton(&mut self, now: &Iterate) -> Option<Iterate> {
         let tangent = Tangent::new(self, &now.pass);
-        let change = gmres(|change| tangent.apply(self, change), &now.residual, LINEAR, now.residual.len().min(PRODUCTS)).x;
-        let part = |alpha: f64| now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>();
+        let change =
+            gmres(|change| tangent.apply(self, change), &now.residual, LINEAR, now.residual.len().min(PRODUCTS)).x;
+        let part = |alpha: f64| {
+            now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>()
+        };
         let smaller = |made: &Iterate| made.merit < now.merit;
         // A trial at which a half-step does not converge is none.
         if let Some(next) = self.iterate(part(1.0), &now.pass).ok().filter(smaller) {
@@ -254,7 +272,8 @@ impl Progress {
     /// The contraction factors seen: mean and largest ratio of two defects in turn, as far as they are not round-off.
     fn contraction(&self) -> Option<Contraction> {
         let telling: Vec<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
-        let (first, last, ratios) = (telling.first()?, telling.last()?, telling.len().checked_sub(1).filter(|&n| n > 0)?);
+        let (first, last, ratios) =
+            (telling.first()?, telling.last()?, telling.len().checked_sub(1).filter(|&n| n > 0)?);
         let largest = telling.windows(2).map(|pair| pair[1] / pair[0]).fold(0.0, f64::max);
         Some(Contraction { mean: (last / first).powf(1.0 / ratios as f64), largest })
     }
@@ -275,7 +294,13 @@ impl Tangent {
     fn new(coupled: &mut Coupled, pass: &Pass) -> Tangent {
         let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
         let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
-        let fluxes = pass.heat.exchange.flux.iter().map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power]).collect();
+        let fluxes = pass
+            .heat
+            .exchange
+            .flux
+            .iter()
+            .map(|f| [f.by_penetration, f.by_pressure, f.by_slip_speed, f.by_friction_power])
+            .collect();
         let friction = pass.mechanics.states.iter().map(|state| [state.q, state.slip]).collect();
         let normals = pass.mechanics.states.iter().map(|state| state.normal).collect();
         Tangent { mechanics, points, heat, fluxes, friction, normals }
@@ -285,8 +310,12 @@ impl Tangent {
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Vec<f64> {
         let Step { discrete, k, .. } = coupled.step;
         let warmer = scalars_at(discrete, change);
-        let contact = on_degrees(discrete, self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)));
-        let right: Vec<f64> = discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
+        let contact = on_degrees(
+            discrete,
+            self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
+        );
+        let right: Vec<f64> =
+            discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.linearised(&self.mechanics, &right);
         let u: Vec<f64> = w.iter().map(|w| k * w).collect();
         let points = discrete.boundary.points.iter().enumerate();
@@ -294,7 +323,9 @@ impl Tangent {
             .map(|(i, point)| {
                 let v = vector_at(discrete, point, &w);
                 let derivative = &self.points[i];
-                let force: [f64; 3] = std::array::from_fn(|c| tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]);
+                let force: [f64; 3] = std::array::from_fn(|c| {
+                    tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]
+                });
                 let wear = tensor::dot(&derivative.wear, &v) + derivative.wear_by_temperature * warmer[i];
                 let [by_penetration, by_pressure, by_slip_speed, by_friction_power] = self.fluxes[i];
                 let ([q, slip], nu) = (&self.friction[i], &self.normals[i]);
@@ -302,7 +333,10 @@ impl Tangent {
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                by_penetration * (k * w_nu - wear) + by_pressure * pressure + by_slip_speed * in_speed + by_friction_power * power
+                by_penetration * (k * w_nu - wear)
+                    + by_pressure * pressure
+                    + by_slip_speed * in_speed
+                    + by_friction_power * power
             })
             .collect();
         let chi = on_nodes(&coupled.step, &chi);

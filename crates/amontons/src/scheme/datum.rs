@@ -7,7 +7,8 @@ use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{Datum, Problem};
 use crate::tensor::Point;
 
-/// The error of a step with values that are not finite, with the datum that is the cause, if one is; other errors as they are.
+/// The error of a step with values that are not finite, with the datum that is the cause, if one is; other errors as
+/// they are.
 pub(super) fn named(problem: &Problem, old: &State, error: StepError) -> StepError {
     let StepError::NotFinite { step, t, .. } = error else { return error };
     // The foundation is asked at both ends of a step.
@@ -25,7 +26,11 @@ fn culprit(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point
     let data = problem.data();
     // At the nodes first: an expression that breaks down at a node is easier to see there.
     let at_nodes = data.iter().find_map(|datum| first(&problem.nodes_of(datum), datum));
-    let inside = || data.iter().filter(|datum| datum.field.depends_on_space()).find_map(|datum| first(&quadrature(&problem.mesh, datum.side), datum));
+    let inside = || {
+        data.iter()
+            .filter(|datum| datum.field.depends_on_space())
+            .find_map(|datum| first(&quadrature(&problem.mesh, datum.side), datum))
+    };
     at_nodes.or_else(inside).or_else(|| obstacle(problem, old, t))
 }
 
@@ -68,7 +73,10 @@ fn obstacle(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Poin
                 *x += value * old.u[boundary.nodes[node] as usize * dim + c];
             }
         }
-        let found = [point.x, moved].into_iter().map(|x| (obstacle.nearest(&x, t).distance, x)).find(|(distance, _)| !distance.is_finite())?;
+        let found = [point.x, moved]
+            .into_iter()
+            .map(|x| (obstacle.nearest(&x, t).distance, x))
+            .find(|(distance, _)| !distance.is_finite())?;
         Some((format!("{}.obstacle", problem.contact_path(point.side)), found.0, found.1))
     })
 }

@@ -20,8 +20,9 @@ const HALVINGS: usize = 5;
 
 /// Backward Euler for (4.1) and (4.2), coupled as [`Problem::coupling`] says.
 ///
-/// A step whose contact iteration does not end is made in two halves, and these again. So is one in which laws that fall may have several
-/// solutions between the state before and the one that was found: the shorter the step, the nearer the solution is to the branch before.
+/// A step whose contact iteration does not end is made in two halves, and these again. So is one in which laws that
+/// fall may have several solutions between the state before and the one that was found: the shorter the step, the
+/// nearer the solution is to the branch before.
 #[derive(Debug)]
 pub struct BackwardEuler {
     problem: Problem,
@@ -45,17 +46,30 @@ struct Systems {
 }
 
 impl Systems {
-    /// Factorizes K_u and K_θ for step length `k`. For nonlinear laws K_u is the tangent at rest; each step replaces it.
+    /// Factorizes K_u and K_θ for step length `k`. For nonlinear laws K_u is the tangent at rest; each step replaces
+    /// it.
     ///
     /// # Errors
     /// The name of the system that cannot be factorized, and why.
-    fn factorize(problem: &Problem, discrete: &Discretization, k: f64, backend: &Arc<dyn Backend>) -> Result<Systems, (&'static str, FactorError)> {
+    fn factorize(
+        problem: &Problem,
+        discrete: &Discretization,
+        k: f64,
+        backend: &Arc<dyn Backend>,
+    ) -> Result<Systems, (&'static str, FactorError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let mechanics = || System::new(&discrete.mechanical_tangent(k, &rest, &rest), discrete, &discrete.v, backend);
         let heat = || System::new(&discrete.thermal_matrix(k), discrete, &discrete.q, backend);
         let physics = problem.physics;
-        let (mechanics, heat) = rayon::join(|| physics.has_mechanics().then(mechanics).transpose(), || physics.has_heat().then(heat).transpose());
-        Ok(Systems { k, mechanics: mechanics.map_err(|source| ("mechanical", source))?, heat: heat.map_err(|source| ("heat", source))? })
+        let (mechanics, heat) = rayon::join(
+            || physics.has_mechanics().then(mechanics).transpose(),
+            || physics.has_heat().then(heat).transpose(),
+        );
+        Ok(Systems {
+            k,
+            mechanics: mechanics.map_err(|source| ("mechanical", source))?,
+            heat: heat.map_err(|source| ("heat", source))?,
+        })
     }
 
     fn all(&self) -> impl Iterator<Item = &System> {
@@ -63,26 +77,39 @@ impl Systems {
     }
 
     fn factorizations(&self) -> (usize, usize) {
-        self.all().fold((0, 0), |(matrices, contacts), system| (matrices + system.factorizations(), contacts + system.condensed.factorizations()))
+        self.all().fold((0, 0), |(matrices, contacts), system| {
+            (matrices + system.factorizations(), contacts + system.condensed.factorizations())
+        })
     }
 }
 
 impl BackwardEuler {
-    /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear and no step is halved.
+    /// Assembles and factorizes: the only factorizations of a run where all laws of the body are linear and no step is
+    /// halved.
     ///
     /// # Errors
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
         let k = problem.k();
-        let systems = Systems::factorize(problem, &discrete, k, &backend).map_err(|(part, source)| SetupError::Factor { part, source })?;
-        Ok(BackwardEuler { problem: problem.clone(), discrete, backend, systems, halved: Vec::new(), given_up: (0, 0), products: None })
+        let systems = Systems::factorize(problem, &discrete, k, &backend)
+            .map_err(|(part, source)| SetupError::Factor { part, source })?;
+        Ok(BackwardEuler {
+            problem: problem.clone(),
+            discrete,
+            backend,
+            systems,
+            halved: Vec::new(),
+            given_up: (0, 0),
+            products: None,
+        })
     }
 
     /// Unknowns of displacement, temperature and on Γ_C.
     #[must_use]
     pub fn unknowns(&self) -> [usize; 3] {
-        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat].map(|system| system.as_ref().map_or(0, |system| system.unknowns.len()));
+        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
+            .map(|system| system.as_ref().map_or(0, |system| system.unknowns.len()));
         [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, |system| system.condensed.len())]
     }
 
@@ -98,9 +125,9 @@ impl BackwardEuler {
         self.refine(made, old, n, t, halvings)
     }
 
-    /// The part in halves where it was not made, or where it may have other solutions: shorter parts have fewer, and tell where the branch is in doubt.
-    /// Where both halves are in doubt and the shortest parts would be, too, as with a law that falls with the slip speed on a body without inertia, they
-    /// tell nothing, and the two halves stand.
+    /// The part in halves where it was not made, or where it may have other solutions: shorter parts have fewer, and
+    /// tell where the branch is in doubt. Where both halves are in doubt and the shortest parts would be, too, as with
+    /// a law that falls with the slip speed on a body without inertia, they tell nothing, and the two halves stand.
     fn refine(
         &mut self,
         made: Result<(State, StepReport), StepError>,
@@ -130,7 +157,8 @@ impl BackwardEuler {
             let (state, second) = self.advance(&state, n, t, halvings + 1)?;
             Ok((state, second.after(&first)))
         });
-        // A step that was made stands where its halves cannot be; of one that was not, the first part that cannot be made is named.
+        // A step that was made stands where its halves cannot be; of one that was not, the first part that cannot be
+        // made is named.
         halves.or_else(|first| made.map_err(|_| first))
     }
 
@@ -149,16 +177,22 @@ impl BackwardEuler {
         self.halve(n, end.t, HALVINGS)?;
         let Some(Systems { k, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
-        let now = Step { problem: &self.problem, discrete: &self.discrete, old, products: &products, n, t: end.t, k: *k };
+        let now =
+            Step { problem: &self.problem, discrete: &self.discrete, old, products: &products, n, t: end.t, k: *k };
         Ok(Mechanics::is_unique(&now, mechanics, end))
     }
 
     /// Makes a step, or a part of it, as a whole.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
         self.halve(n, t, halvings)?;
-        let products = self.products.take().filter(|p| p.t.to_bits() == old.t.to_bits()).unwrap_or_else(|| Products::of(&self.discrete, old));
+        let products = self
+            .products
+            .take()
+            .filter(|p| p.t.to_bits() == old.t.to_bits())
+            .unwrap_or_else(|| Products::of(&self.discrete, old));
         let Self { problem, discrete, systems, halved, .. } = self;
-        let Systems { k, mechanics, heat } = halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
+        let Systems { k, mechanics, heat } =
+            halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let now = Step { problem, discrete, old, products: &products, n, t, k: *k };
         let made = match (mechanics, heat) {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
@@ -258,7 +292,8 @@ impl Scheme for BackwardEuler {
         let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
         for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
             let r = tensor::dot(&vector_at(&self.discrete, point, &u), &frame.normal) - frame.gap;
-            contact_energy += point.weight * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
+            contact_energy += point.weight
+                * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
         let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
@@ -280,12 +315,25 @@ impl Scheme for BackwardEuler {
             ..Ledger::default()
         };
         let multipliers = Multipliers::free(at_rest(&self.problem, &self.discrete, &u, &w));
-        Ok(State { step: 0, t: 0.0, u, w, theta, multipliers, branches, surface, ledger, counts: Counts::default(), temperatures })
+        Ok(State {
+            step: 0,
+            t: 0.0,
+            u,
+            w,
+            theta,
+            multipliers,
+            branches,
+            surface,
+            ledger,
+            counts: Counts::default(),
+            temperatures,
+        })
     }
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let n = old.step + 1;
-        let (mut state, report) = self.advance(old, n, self.problem.time(n), 0).map_err(|error| datum::named(&self.problem, old, error))?;
+        let (mut state, report) =
+            self.advance(old, n, self.problem.time(n), 0).map_err(|error| datum::named(&self.problem, old, error))?;
         if report.parts > 1 {
             state.counts.halved_steps += 1;
         } else {

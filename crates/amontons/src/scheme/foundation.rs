@@ -24,27 +24,41 @@ impl Surface {
     /// At t = 0.
     pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Surface {
         let n = discrete.boundary.points.len();
-        let first = |side: usize| discrete.boundary.points.iter().find(|point| point.side == side).map_or([0.0; 3], |point| point.x);
+        let first = |side: usize| {
+            discrete.boundary.points.iter().find(|point| point.side == side).map_or([0.0; 3], |point| point.x)
+        };
         let start = |(side, contact): (usize, &Contact)| {
             let foundation = contact.foundation_heat.as_ref()?;
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
         };
-        Surface { wear: vec![0.0; n], friction_work: vec![0.0; n], foundation: problem.contacts.iter().enumerate().map(start).collect() }
+        Surface {
+            wear: vec![0.0; n],
+            friction_work: vec![0.0; n],
+            foundation: problem.contacts.iter().enumerate().map(start).collect(),
+        }
     }
 
     /// After a step of length k.
     pub(super) fn after(&self, k: f64, states: &[PointState], foundation: Vec<Option<f64>>) -> Surface {
         let wear = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
-        let friction_work = self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
+        let friction_work =
+            self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
         Surface { wear, friction_work, foundation }
     }
 }
 
 /// The foundation at the contact points in the step from t_{n−1} to t_n of a body at `u`.
 ///
-/// Without an obstacle ν is that of the body and g(x, t) the datum. An obstacle has the distance δ and the normal n at the nearest point of
-/// its surface to x, or to x + u_{n−1} where it is followed: with ν = −n, δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}.
-pub(super) fn frames(problem: &Problem, discrete: &Discretization, u: &[f64], wear: &[f64], [from, to]: [f64; 2]) -> Vec<Frame> {
+/// Without an obstacle ν is that of the body and g(x, t) the datum. An obstacle has the distance δ and the normal n at
+/// the nearest point of its surface to x, or to x + u_{n−1} where it is followed: with ν = −n,
+/// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}.
+pub(super) fn frames(
+    problem: &Problem,
+    discrete: &Discretization,
+    u: &[f64],
+    wear: &[f64],
+    [from, to]: [f64; 2],
+) -> Vec<Frame> {
     let all = &discrete.boundary.points;
     let mut frames = Vec::with_capacity(all.len());
     let rate = |change: f64| if to > from { change / (to - from) } else { 0.0 };
@@ -60,8 +74,12 @@ pub(super) fn frames(problem: &Problem, discrete: &Discretization, u: &[f64], we
             std::array::from_fn(|c| rate(to[c] - from[c]))
         });
         for (i, point) in points.iter().enumerate() {
-            let mut frame =
-                Frame { normal: point.normal, gap: gap[i], gap_rate: rate(gap[i] - gap_from[i]), velocity: velocity.get(i).copied().unwrap_or_default() };
+            let mut frame = Frame {
+                normal: point.normal,
+                gap: gap[i],
+                gap_rate: rate(gap[i] - gap_from[i]),
+                velocity: velocity.get(i).copied().unwrap_or_default(),
+            };
             if let Some(obstacle) = &contact.obstacle {
                 let u = if obstacle.updated { vector_at(discrete, point, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
@@ -93,15 +111,18 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
 pub(super) fn temperatures(step: &Step) -> Vec<f64> {
     let mut all = Vec::with_capacity(step.discrete.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
-        let x: Vec<Point> = step.discrete.boundary.points.iter().filter(|point| point.side == side).map(|point| point.x).collect();
+        let x: Vec<Point> =
+            step.discrete.boundary.points.iter().filter(|point| point.side == side).map(|point| point.x).collect();
         all.extend(contact.foundation_temperature.values(&x, step.t));
     }
     all
 }
 
-/// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static one there.
+/// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static
+/// one there.
 pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w: &[f64]) -> Vec<bool> {
-    // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest cancel but for round-off.
+    // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
+    // cancel but for round-off.
     let k = problem.k();
     let start = |obstacle: &crate::contact::Obstacle| -> [Point; 2] {
         let [p0, p1, p2] = [0.0, 0.5 * k, k].map(|t| obstacle.place(t));
@@ -111,12 +132,17 @@ pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w
     let points = discrete.boundary.points.iter().zip(&frames);
     points
         .map(|(point, frame)| {
-            let [obstacle, mean] = problem.contacts.get(point.side).and_then(|contact| contact.obstacle.as_ref()).map_or([[0.0; 3]; 2], start);
+            let [obstacle, mean] = problem
+                .contacts
+                .get(point.side)
+                .and_then(|contact| contact.obstacle.as_ref())
+                .map_or([[0.0; 3]; 2], start);
             let v = vector_at(discrete, point, w);
             let relative: Point = std::array::from_fn(|c| v[c] - frame.velocity[c] - obstacle[c]);
             let normal = dot(&relative, &frame.normal);
             let tangential: Point = std::array::from_fn(|c| relative[c] - normal * frame.normal[c]);
-            tensor::length(&tangential) <= 1e-9 * [v, frame.velocity, mean].iter().map(tensor::length).fold(0.0, f64::max)
+            tensor::length(&tangential)
+                <= 1e-9 * [v, frame.velocity, mean].iter().map(tensor::length).fold(0.0, f64::max)
         })
         .collect()
 }

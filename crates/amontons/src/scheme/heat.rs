@@ -48,13 +48,14 @@ pub(super) struct Begun {
 }
 
 impl Begun {
-    /// What of (4.2), with the displacement `u` in e, does not need the contact: up to the forward sweep. The half-step starts from
-    /// θ_{n−1} or from a solution of the same step with another displacement.
+    /// What of (4.2), with the displacement `u` in e, does not need the contact: up to the forward sweep. The half-step
+    /// starts from θ_{n−1} or from a solution of the same step with another displacement.
     pub fn new(step: &Step, system: &System, u: &[f64], from: Option<&Heat>) -> Result<Begun, StepError> {
         let Step { discrete, old, products, t, .. } = *step;
         let coupling = discrete.e.apply(u);
         let mut begun = if let Some(h) = from {
-            let [supply, theta, mass_theta, d_theta] = [&h.supply, &h.theta, &h.mass_theta, &h.d_theta].map(Clone::clone);
+            let [supply, theta, mass_theta, d_theta] =
+                [&h.supply, &h.theta, &h.mass_theta, &h.d_theta].map(Clone::clone);
             Begun { supply, coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         } else {
             let mut theta = old.theta.clone();
@@ -74,7 +75,11 @@ impl Begun {
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
         let storage = step.discrete.storage().0 / step.k;
         let right: Vec<f64> = (0..self.supply.len())
-            .map(|i| self.supply[i] + self.coupling[i] - storage * (self.mass_theta[i] - step.products.mass_theta[i]) - self.d_theta[i])
+            .map(|i| {
+                self.supply[i] + self.coupling[i]
+                    - storage * (self.mass_theta[i] - step.products.mass_theta[i])
+                    - self.d_theta[i]
+            })
             .collect();
         step.finite(&right, "the data")?;
         Ok(right)
@@ -93,7 +98,9 @@ impl Begun {
             let guess = system.contact_of(theta);
             let (exchange, newton) = system
                 .expand(reduced, theta, |condensed, unknown, r| {
-                    let Some(on_boundary) = given.on_boundary(step, unknown, states) else { return Ok((Vec::new(), (Exchange::default(), 0))) };
+                    let Some(on_boundary) = given.on_boundary(step, unknown, states) else {
+                        return Ok((Vec::new(), (Exchange::default(), 0)));
+                    };
                     let (solved, exchange) = on_boundary.solve(condensed, r, &guess)?;
                     Ok((solved.x, (exchange, solved.iterations)))
                 })
@@ -104,10 +111,14 @@ impl Begun {
             [*mass_theta, *d_theta] = [storage_form.apply(theta), discrete.apply_d(theta)];
             let values: Vec<f64> = exchange.flux.iter().map(|flux| flux.value).collect();
             let chi = on_nodes(step, &values);
-            let heat_flow = discrete.boundary.points.iter().zip(&values).fold(0.0, |sum, (point, flux)| sum + point.weight * flux);
+            let heat_flow =
+                discrete.boundary.points.iter().zip(&values).fold(0.0, |sum, (point, flux)| sum + point.weight * flux);
             // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
-            let mut rest: Vec<f64> =
-                (0..theta.len()).map(|i| c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]).collect();
+            let mut rest: Vec<f64> = (0..theta.len())
+                .map(|i| {
+                    c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
+                })
+                .collect();
             let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
             discrete.q.mask(&mut rest);
             let storage = c / k * max_abs(mass_theta).max(max_abs(&products.mass_theta));
@@ -150,7 +161,9 @@ impl Heat {
     /// The derivative of χ in θ at the solution: the entries it adds to S.
     pub fn contact_tangent(&self, step: &Step, system: &System, states: &[PointState]) -> Vec<Entry> {
         let given = Given::new(step, &self.theta);
-        given.on_boundary(step, system.on_contact(), states).map_or_else(Vec::new, |on_boundary| on_boundary.tangent(&self.exchange))
+        given
+            .on_boundary(step, system.on_contact(), states)
+            .map_or_else(Vec::new, |on_boundary| on_boundary.tangent(&self.exchange))
     }
 }
 
@@ -168,11 +181,20 @@ impl Given {
             let surroundings = foundation.surroundings.value(&[0.0; 3], step.t);
             Some(Lumped { storage: foundation.capacity / step.k, before, exchange: foundation.exchange, surroundings })
         });
-        Given { prescribed: at_nodes(step.discrete, 1, theta), foundation: temperatures(step), lumped: lumped.collect() }
+        Given {
+            prescribed: at_nodes(step.discrete, 1, theta),
+            foundation: temperatures(step),
+            lumped: lumped.collect(),
+        }
     }
 
     /// The problem on Γ_C; none without contact.
-    fn on_boundary<'a>(&'a self, step: &Step<'a>, unknown: &'a [Option<u32>], states: &'a [PointState]) -> Option<HeatStep<'a>> {
+    fn on_boundary<'a>(
+        &'a self,
+        step: &Step<'a>,
+        unknown: &'a [Option<u32>],
+        states: &'a [PointState],
+    ) -> Option<HeatStep<'a>> {
         if step.problem.contacts.is_empty() {
             return None;
         }

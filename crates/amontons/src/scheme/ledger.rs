@@ -11,10 +11,11 @@ use serde::{Deserialize, Serialize};
 ///     + k Σ ω p w_ν + k Σ ω q·w_τ = k (fₙ, wₙ) + k m(θₙ₋₁, wₙ)
 /// ```
 ///
-/// where, with k w_ν = \[r\] + \[g\] + \[h\] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance energy Ψ, the dissipation
-/// Σ ω (p − p_ν)\[r\] of a layer with damping, Σ ω p \[h\] of wear, the work Σ ω p \[g\] on a foundation that moves, and what is left, ψ =
-/// Σ ω p_ν \[r\] − \[Ψ\]. ψ ≥ 0 if p_ν is nondecreasing; with `softening` and `adhesion` it may be negative, and with an obstacle that
-/// is followed \[r\] is a difference in two frames. The identity tests only the sum of these terms.
+/// where, with k w_ν = \[r\] + \[g\] + \[h\] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance
+/// energy Ψ, the dissipation Σ ω (p − p_ν)\[r\] of a layer with damping, Σ ω p \[h\] of wear, the work Σ ω p \[g\] on a
+/// foundation that moves, and what is left, ψ = Σ ω p_ν \[r\] − \[Ψ\]. ψ ≥ 0 if p_ν is nondecreasing; with `softening`
+/// and `adhesion` it may be negative, and with an obstacle that is followed \[r\] is a difference in two frames. The
+/// identity tests only the sum of these terms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
     /// ½ρ‖w‖² at t.
@@ -59,7 +60,8 @@ pub struct Ledger {
     /// Heat that these lost to the surroundings.
     #[serde(default)]
     pub heat_surroundings: f64,
-    /// Change of content minus what came in plus what went out, of the body and of the foundations with a heat capacity, accumulated.
+    /// Change of content minus what came in plus what went out, of the body and of the foundations with a heat
+    /// capacity, accumulated.
     pub heat_closing_error: f64,
     /// Heat at the start plus the absolute amounts moved since.
     pub heat_turned_over: f64,

@@ -86,13 +86,16 @@ impl Given {
         let [from, to] = [&step.old.w, w].map(|w| system.contact_of(w));
         let System { condensed, on_contact, .. } = system;
         let on_boundary = self.on_boundary(step, on_contact);
-        on_boundary.is_none_or(|on_boundary| on_boundary.is_unique(condensed, [&from, &to], [&step.old.multipliers, multipliers]))
+        on_boundary.is_none_or(|on_boundary| {
+            on_boundary.is_unique(condensed, [&from, &to], [&step.old.multipliers, multipliers])
+        })
     }
 
     /// The states of the contact points.
     fn states(&self, step: &Step, system: &System, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        self.on_boundary(step, system.on_contact())
-            .map_or_else(Vec::new, |on_boundary| on_boundary.states(&system.condensed, &system.contact_of(w), multipliers))
+        self.on_boundary(step, system.on_contact()).map_or_else(Vec::new, |on_boundary| {
+            on_boundary.states(&system.condensed, &system.contact_of(w), multipliers)
+        })
     }
 }
 
@@ -106,16 +109,24 @@ impl Mechanics {
     /// Solves (4.1) with the temperature `theta` in m, from the velocity w_{n−1} or from a solution of the same
     /// step with another temperature.
     ///
-    /// The step is solved for the increment over the velocity at hand, with the contact solved inside. Where the body is linear, that is
-    /// it, and what the round-off of the sweeps leaves is met by another pass. Where a law is not linear, the passes are Newton's method
-    /// over the body: K_u is the tangent at the velocity at hand.
-    pub fn solve(step: &Step, system: &mut System, theta: &[f64], from: Option<&Mechanics>) -> Result<Mechanics, StepError> {
+    /// The step is solved for the increment over the velocity at hand, with the contact solved inside. Where the body
+    /// is linear, that is it, and what the round-off of the sweeps leaves is met by another pass. Where a law is not
+    /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand.
+    pub fn solve(
+        step: &Step,
+        system: &mut System,
+        theta: &[f64],
+        from: Option<&Mechanics>,
+    ) -> Result<Mechanics, StepError> {
         let discrete = step.discrete;
         let thermal = discrete.m.apply(theta);
         let Begun { mut now, load, mut given } = from.map_or_else(|| Begun::new(step), Begun::from);
         given.temperature = scalars_at(discrete, theta);
-        let foundation: Vec<f64> =
-            given.frames.iter().flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity)).collect();
+        let foundation: Vec<f64> = given
+            .frames
+            .iter()
+            .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
+            .collect();
         step.finite(&foundation, "the foundation")?;
         let (mut newton, mut sweeps, mut passes) = (0, 0, 0);
         let mut previous = f64::INFINITY;
@@ -157,7 +168,11 @@ impl Mechanics {
                 alpha *= 0.5;
             }
             let (residual, ratio) = (next.residual, next.residual / previous);
-            let goes_on = if discrete.is_linear() { ratio < 0.5 } else { passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED) };
+            let goes_on = if discrete.is_linear() {
+                ratio < 0.5
+            } else {
+                passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED)
+            };
             if residual > REFINE && goes_on {
                 is_stale = !discrete.is_linear() && ratio > SLOW;
                 previous = residual;
@@ -197,7 +212,8 @@ impl Mechanics {
         }
     }
 
-    /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are concerned.
+    /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
+    /// concerned.
     pub fn is_unique(step: &Step, system: &mut System, end: &State) -> bool {
         let given = Given { temperature: scalars_at(step.discrete, &step.old.theta), ..Given::new(step, &end.w) };
         given.is_unique(step, system, &end.w, &end.multipliers)
@@ -206,17 +222,24 @@ impl Mechanics {
     /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
     pub fn contact_change(&self, step: &Step, system: &System, temperature: &[f64]) -> Vec<f64> {
         let w = system.contact_of(&self.w);
-        let forces =
-            |given: &Given| given.on_boundary(step, system.on_contact()).map_or_else(Vec::new, |laws| laws.forces(&system.condensed, &w, &self.multipliers));
-        let (now, then) = (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
+        let forces = |given: &Given| {
+            given
+                .on_boundary(step, system.on_contact())
+                .map_or_else(Vec::new, |laws| laws.forces(&system.condensed, &w, &self.multipliers))
+        };
+        let (now, then) =
+            (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
         on_degrees(step.discrete, now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c])))
     }
 
-    /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point sees.
+    /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
+    /// sees.
     pub fn contact_tangent(&self, step: &Step, system: &mut System) -> (Vec<Entry>, Vec<PointDerivative>) {
         let w = system.contact_of(&self.w);
         let System { condensed, on_contact, .. } = system;
-        self.given.on_boundary(step, on_contact).map_or_else(Default::default, |on_boundary| on_boundary.tangent(condensed, &w, &self.multipliers))
+        self.given
+            .on_boundary(step, on_contact)
+            .map_or_else(Default::default, |on_boundary| on_boundary.tangent(condensed, &w, &self.multipliers))
     }
 }
 
@@ -256,19 +279,39 @@ impl Iterate {
     fn right(&self, step: &Step, load: &[f64], thermal: &[f64]) -> Vec<f64> {
         let inertia = step.discrete.inertia().0 / step.k;
         let relaxing = |i: usize| self.relaxing.get(i).copied().unwrap_or(0.0);
-        (0..load.len()).map(|i| load[i] + thermal[i] - inertia * (self.mass_w[i] - step.products.mass_w[i]) - self.b_w[i] - self.a_u[i] - relaxing(i)).collect()
+        (0..load.len())
+            .map(|i| {
+                load[i] + thermal[i]
+                    - inertia * (self.mass_w[i] - step.products.mass_w[i])
+                    - self.b_w[i]
+                    - self.a_u[i]
+                    - relaxing(i)
+            })
+            .collect()
     }
 
-    /// What is left of (4.1) tested with every basis function, with contact points in these states; at prescribed nodes it is the reaction.
-    fn balance(self, step: &Step, load: &[f64], thermal: &[f64], states: Vec<PointState>) -> Result<Balanced, StepError> {
+    /// What is left of (4.1) tested with every basis function, with contact points in these states; at prescribed nodes
+    /// it is the reaction.
+    fn balance(
+        self,
+        step: &Step,
+        load: &[f64],
+        thermal: &[f64],
+        states: Vec<PointState>,
+    ) -> Result<Balanced, StepError> {
         let (discrete, k) = (step.discrete, step.k);
         let (force, contact_force) = contact_forces(discrete, &states);
-        let mut rest: Vec<f64> = self.right(step, load, thermal).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
+        let mut rest: Vec<f64> =
+            self.right(step, load, thermal).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
         discrete.v.mask(&mut rest);
         let inertia = discrete.inertia().0 / k * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
-        let (driven, contact) = ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), max_abs(&contact_force));
-        let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing].map(max_abs).into_iter().fold(driven.max(contact), f64::max);
+        let (driven, contact) =
+            ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), max_abs(&contact_force));
+        let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing]
+            .map(max_abs)
+            .into_iter()
+            .fold(driven.max(contact), f64::max);
         let residual = step.relative(max_abs(&rest), scale, "mechanics")?;
         Ok(Balanced { iterate: self, states, residual, scale, driven, contact, force, support_work })
     }
@@ -310,13 +353,18 @@ impl From<&Mechanics> for Begun {
     fn from(m: &Mechanics) -> Begun {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         let [w, mass_w, a_u, a_w, b_w, relaxing] = [w, mass_w, a_u, a_w, b_w, relaxing].map(Clone::clone);
-        Begun { now: Iterate { w, multipliers: multipliers.clone(), mass_w, a_u, a_w, b_w, relaxing }, load: load.clone(), given: given.clone() }
+        Begun {
+            now: Iterate { w, multipliers: multipliers.clone(), mass_w, a_u, a_w, b_w, relaxing },
+            load: load.clone(),
+            given: given.clone(),
+        }
     }
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
 fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, Vec<f64>) {
-    let force = |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
+    let force =
+        |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
     let mut resultant = [0.0; 3];
     for (point, state) in discrete.boundary.points.iter().zip(states) {
         for (sum, force) in resultant.iter_mut().zip(force(state)).take(discrete.mesh.dim) {

@@ -82,7 +82,8 @@ pub struct StepReport {
     pub newton_heat: usize,
     /// Parts that the step was made in: more than one where it was halved.
     pub parts: usize,
-    /// Whether laws that fall may have several solutions between the state before and this one, however short the parts.
+    /// Whether laws that fall may have several solutions between the state before and this one, however short the
+    /// parts.
     pub is_ambiguous: bool,
     /// Residual of (4.1), (4.2), complementarity and cone, relative to the largest term.
     pub residual: f64,
@@ -103,7 +104,10 @@ impl StepReport {
             residual: first.residual.max(self.residual),
             coupling: CouplingReport {
                 passes: first.coupling.passes + self.coupling.passes,
-                contraction: [first.coupling.contraction, self.coupling.contraction].into_iter().flatten().reduce(Contraction::max),
+                contraction: [first.coupling.contraction, self.coupling.contraction]
+                    .into_iter()
+                    .flatten()
+                    .reduce(Contraction::max),
                 defect: [first.coupling.defect, self.coupling.defect].into_iter().flatten().reduce(f64::max),
             },
             contact: self.contact,
@@ -118,7 +122,8 @@ pub struct CouplingReport {
     pub passes: usize,
     /// Contraction factors of Φ seen; fixed-point coupling only, and none where one pass was enough.
     pub contraction: Option<Contraction>,
-    /// By how much (4.1) with θ_n in m and (4.2) with u_n in e fail, relative to their largest terms; none where they are staggered.
+    /// By how much (4.1) with θ_n in m and (4.2) with u_n in e fail, relative to their largest terms; none where they
+    /// are staggered.
     pub defect: Option<f64>,
 }
 
@@ -173,7 +178,9 @@ pub enum StepError {
         why: NotConverged,
     },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
-    #[error("step {step} (t = {t:.6e}): {part} leaves a relative residual of {residual:.3e}, expected below {accepted:.0e}")]
+    #[error(
+        "step {step} (t = {t:.6e}): {part} leaves a relative residual of {residual:.3e}, expected below {accepted:.0e}"
+    )]
     Residual {
         /// The step n that failed.
         step: usize,

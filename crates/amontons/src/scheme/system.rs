@@ -12,7 +12,8 @@ use crate::tensor::Point;
 
 /// Largest relative residual of a step that is accepted.
 pub const ACCEPTED: f64 = 1e-10;
-/// Roundings of a state, each of half a last bit or less, that a residual may have: those of u and of the terms made of it.
+/// Roundings of a state, each of half a last bit or less, that a residual may have: those of u and of the terms made of
+/// it.
 const ROUNDINGS: f64 = 2.0;
 /// Largest share of it in what acts on the body.
 const BESIDE: f64 = 1e-4;
@@ -69,7 +70,11 @@ impl Step<'_> {
 
     /// An error where a value is not finite.
     pub fn finite(&self, values: &[f64], part: &'static str) -> Result<(), StepError> {
-        if values.iter().all(|v| v.is_finite()) { Ok(()) } else { Err(StepError::NotFinite { step: self.n, t: self.t, part }) }
+        if values.iter().all(|v| v.is_finite()) {
+            Ok(())
+        } else {
+            Err(StepError::NotFinite { step: self.n, t: self.t, part })
+        }
     }
 
     /// A residual relative to the largest term of its equation.
@@ -78,10 +83,15 @@ impl Step<'_> {
         if relative.is_nan() { Err(StepError::NotFinite { step: self.n, t: self.t, part }) } else { Ok(relative) }
     }
 
-    /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the last bits of the state
-    /// make of it (`round_off`), as long as that is small beside what acts on the body (`driven`), if something does.
-    /// A contact force that is no more than that round-off is none.
-    pub fn accept(&self, [residual, scale, driven, contact]: [f64; 4], part: &'static str, round_off: impl FnOnce() -> f64) -> Result<f64, StepError> {
+    /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the
+    /// last bits of the state make of it (`round_off`), as long as that is small beside what acts on the body
+    /// (`driven`), if something does. A contact force that is no more than that round-off is none.
+    pub fn accept(
+        &self,
+        [residual, scale, driven, contact]: [f64; 4],
+        part: &'static str,
+        round_off: impl FnOnce() -> f64,
+    ) -> Result<f64, StepError> {
         if residual <= ACCEPTED {
             return Ok(residual);
         }
@@ -142,7 +152,12 @@ pub(super) struct System {
 
 impl System {
     /// Factorizes a matrix with the contact unknowns last.
-    pub fn new(matrix: &BlockMatrix, discrete: &Discretization, space: &Space, backend: &Arc<dyn Backend>) -> Result<System, FactorError> {
+    pub fn new(
+        matrix: &BlockMatrix,
+        discrete: &Discretization,
+        space: &Space,
+        backend: &Arc<dyn Backend>,
+    ) -> Result<System, FactorError> {
         let contact = &discrete.boundary.nodes;
         let unknowns = Unknowns::new(matrix, &discrete.mesh.points, space.components, &space.free, contact);
         let factor = backend.factorize(matrix, &unknowns)?;
@@ -233,13 +248,23 @@ impl System {
 
 /// Values at the contact nodes, node-major.
 pub(super) fn at_nodes(discrete: &Discretization, components: usize, values: &[f64]) -> Vec<f64> {
-    discrete.boundary.nodes.iter().flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components]).copied().collect()
+    discrete
+        .boundary
+        .nodes
+        .iter()
+        .flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components])
+        .copied()
+        .collect()
 }
 
 /// Values at the contact points of a scalar at the nodes.
 pub(super) fn scalars_at(discrete: &Discretization, values: &[f64]) -> Vec<f64> {
     let boundary = &discrete.boundary;
-    boundary.points.iter().map(|point| point.nodes.iter().map(|&(node, value)| value * values[boundary.nodes[node] as usize]).sum()).collect()
+    boundary
+        .points
+        .iter()
+        .map(|point| point.nodes.iter().map(|&(node, value)| value * values[boundary.nodes[node] as usize]).sum())
+        .collect()
 }
 
 /// Σ ω Nᵀ · of vectors at the contact points, over all degrees of freedom.

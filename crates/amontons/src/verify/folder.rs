@@ -14,8 +14,10 @@ use crate::plot::{ContactRow, Run};
 /// When files are missing or damaged.
 pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
     let path = folder.join("summary.json");
-    let text = std::fs::read_to_string(&path).map_err(|error| VerifyError::Check(format!("cannot read {}: {error}", path.display())))?;
-    let summary: serde_json::Value = serde_json::from_str(&text).map_err(|error| VerifyError::Check(format!("{}: {error}", path.display())))?;
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| VerifyError::Check(format!("cannot read {}: {error}", path.display())))?;
+    let summary: serde_json::Value =
+        serde_json::from_str(&text).map_err(|error| VerifyError::Check(format!("{}: {error}", path.display())))?;
     let run = Run::read(folder)?;
     let name = summary["case"].as_str().unwrap_or("run").to_owned();
     let mut figures = of_fields(&run);
@@ -28,7 +30,8 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
         ("/final/contact/force/0", columns::CONTACT_FORCE.component(0)),
         ("/final/contact/force/1", columns::CONTACT_FORCE.component(1)),
     ];
-    figures.extend(of_history.into_iter().filter_map(|(place, column)| Some((place, *run.history.get(&column)?.last()?))));
+    figures
+        .extend(of_history.into_iter().filter_map(|(place, column)| Some((place, *run.history.get(&column)?.last()?))));
     // The audit of the last row: what is stored and dissipated is the work done, up to the closing error.
     let at = |column: &str| run.history.get(column).and_then(|values| values.last()).copied().unwrap_or(0.0);
     let mut verdicts: Vec<Verdict> = figures
@@ -44,14 +47,21 @@ pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
     let is = Comparison { reference: closing, tolerance: 1e-12, scale: 1.0 };
     let error = at(columns::CLOSING_ERROR.name);
     // A run without mechanics turns nothing over.
-    verdicts.push(verdict(&name, "energy.closing_error".to_owned(), if turned > 0.0 { error / turned } else { error }, &is));
+    verdicts.push(verdict(
+        &name,
+        "energy.closing_error".to_owned(),
+        if turned > 0.0 { error / turned } else { error },
+        &is,
+    ));
     Ok(verdicts)
 }
 
 /// Figures of the last fields and of the last contact points, by their places in the summary.
 fn of_fields(run: &Run) -> Vec<(&'static str, f64)> {
     let mut figures: Vec<(&'static str, f64)> = Vec::new();
-    let range = |values: &mut dyn Iterator<Item = f64>| values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+    let range = |values: &mut dyn Iterator<Item = f64>| {
+        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
     if let Some(fields) = &run.snapshot {
         let [x, y] = [0, 1].map(|c| range(&mut fields.displacement.iter().map(|u| u[c])));
         let theta = range(&mut fields.temperature.iter().copied());

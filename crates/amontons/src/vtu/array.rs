@@ -23,7 +23,9 @@ impl Encoding {
         let zlib = match attribute(tag, "compressor")?.as_deref() {
             None | Some("") => false,
             Some("vtkZLibDataCompressor") => true,
-            Some(other) => return Err(format!("the data are compressed by {other}, which is not supported; try zlib or none")),
+            Some(other) => {
+                return Err(format!("the data are compressed by {other}, which is not supported; try zlib or none"));
+            }
         };
         let little = match attribute(tag, "byte_order")?.as_deref() {
             Some("LittleEndian") | None => true,
@@ -55,8 +57,8 @@ impl Encoding {
         data.map(<[u8]>::to_vec).ok_or_else(|| format!("{} bytes of data, {count} announced", body.len()))
     }
 
-    /// Undoes the compression: after the number of blocks follow the size of a block, the size of the last block (0: like the others), the size of each
-    /// when compressed, and the blocks.
+    /// Undoes the compression: after the number of blocks follow the size of a block, the size of the last block (0:
+    /// like the others), the size of each when compressed, and the blocks.
     fn inflate(&self, blocks: u64, body: &[u8]) -> Option<Vec<u8>> {
         let (size, body) = self.count(body)?;
         let (last, mut body) = self.count(body)?;
@@ -74,7 +76,9 @@ impl Encoding {
             let (block, rest) = body.split_at_checked(compressed)?;
             let expected = if i + 1 == sizes.len() && last > 0 { last } else { size };
             let expected = usize::try_from(expected).ok()?;
-            let inflated = decompress_to_vec_zlib_with_limit(block, expected).ok().filter(|inflated| inflated.len() == expected)?;
+            let inflated = decompress_to_vec_zlib_with_limit(block, expected)
+                .ok()
+                .filter(|inflated| inflated.len() == expected)?;
             data.extend(inflated);
             body = rest;
         }
@@ -96,7 +100,10 @@ impl Open {
     pub(super) fn of(tag: &BytesStart) -> Result<Open, String> {
         let name = attribute(tag, "Name")?.unwrap_or_default();
         let components = attribute(tag, "NumberOfComponents")?.map_or(Ok(1), |n| n.trim().parse::<usize>());
-        let components = components.ok().filter(|n| (1..=64).contains(n)).ok_or_else(|| format!("the array {name} has no valid number of components"))?;
+        let components = components
+            .ok()
+            .filter(|n| (1..=64).contains(n))
+            .ok_or_else(|| format!("the array {name} has no valid number of components"))?;
         let kind = attribute(tag, "type")?.unwrap_or_default();
         let format = attribute(tag, "format")?.unwrap_or_default();
         let offset = attribute(tag, "offset")?.and_then(|o| o.trim().parse().ok());
@@ -113,18 +120,28 @@ impl Open {
             }
             "binary" => Cow::Owned(base64(self.text.as_bytes())?),
             "appended" => {
-                let from = self.offset.and_then(|at| appended.bytes.get(at..)).ok_or_else(|| fault("its offset is not within the appended data"))?;
+                let from = self
+                    .offset
+                    .and_then(|at| appended.bytes.get(at..))
+                    .ok_or_else(|| fault("its offset is not within the appended data"))?;
                 if appended.base64 { Cow::Owned(base64(from)?) } else { Cow::Borrowed(from) }
             }
             other => return Err(fault(&format!("the format {other} is not supported"))),
         };
         let data = encoding.unpack(&packed).map_err(|what| fault(&what))?;
         let count = data.len();
-        self.finite(self.numbers(&data, encoding.little).ok_or_else(|| fault(&format!("numbers of type {} cannot be read from {count} bytes", self.kind)))?)
+        self.finite(
+            self.numbers(&data, encoding.little)
+                .ok_or_else(|| fault(&format!("numbers of type {} cannot be read from {count} bytes", self.kind)))?,
+        )
     }
 
     fn finite(&self, values: Vec<f64>) -> Result<Vec<f64>, String> {
-        if values.iter().all(|v| v.is_finite()) { Ok(values) } else { Err(format!("the array {}: it has values that are not finite", self.name)) }
+        if values.iter().all(|v| v.is_finite()) {
+            Ok(values)
+        } else {
+            Err(format!("the array {}: it has values that are not finite", self.name))
+        }
     }
 
     fn numbers(&self, bytes: &[u8], little: bool) -> Option<Vec<f64>> {
@@ -155,7 +172,8 @@ impl Open {
     }
 }
 
-/// Decodes pieces of base64 one after the other: a compressed array has its header and its blocks padded each on their own.
+/// Decodes pieces of base64 one after the other: a compressed array has its header and its blocks padded each on their
+/// own.
 fn decode(text: &[u8]) -> Result<Vec<u8>, base64::DecodeError> {
     let text: Vec<u8> = text.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect();
     let mut data = Vec::with_capacity(text.len() / 4 * 3);

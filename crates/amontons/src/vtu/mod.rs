@@ -1,7 +1,7 @@
 //! The XML files of VTK with one unstructured grid.
 //!
-//! Arrays may be inline, as text or base64, or appended, raw or as base64; each with or without compression by zlib. Every fault of a file is
-//! an error that names the array.
+//! Arrays may be inline, as text or base64, or appended, raw or as base64; each with or without compression by zlib.
+//! Every fault of a file is an error that names the array.
 
 mod array;
 
@@ -88,10 +88,15 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
     let mut take = |name: &str| parts.remove(name).ok_or_else(|| format!("the array {name} is missing"));
     let points = take("points")?;
     if points.components != 3 || points.values.len() % 3 != 0 {
-        return Err(format!("the array points has {} values of {} components, expected 3 for each node", points.values.len(), points.components));
+        return Err(format!(
+            "the array points has {} values of {} components, expected 3 for each node",
+            points.values.len(),
+            points.components
+        ));
     }
     grid.points = points.values.as_chunks::<3>().0.to_vec();
-    grid.connectivity = whole("connectivity", take("connectivity")?, f64::from(u32::MAX))?.into_iter().map(|v| v as u32).collect();
+    grid.connectivity =
+        whole("connectivity", take("connectivity")?, f64::from(u32::MAX))?.into_iter().map(|v| v as u32).collect();
     grid.ends = whole("offsets", take("offsets")?, f64::from(u32::MAX))?.into_iter().map(|v| v as usize).collect();
     grid.types = whole("types", take("types")?, f64::from(u8::MAX))?.into_iter().map(|v| v as u8).collect();
     check(&grid)?;
@@ -115,10 +120,13 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
     let mut arrays = Vec::new();
     let mut appended = Appended { bytes: &[], base64: false };
     loop {
-        let event = reader.read_event().map_err(|e| format!("not well-formed at byte {}: {e}", reader.error_position()))?;
+        let event =
+            reader.read_event().map_err(|e| format!("not well-formed at byte {}: {e}", reader.error_position()))?;
         match event {
             Event::Eof => break,
-            Event::Start(tag) | Event::Empty(tag) if tag.name().as_ref() == b"VTKFile" => encoding = Some(Encoding::of(&tag)?),
+            Event::Start(tag) | Event::Empty(tag) if tag.name().as_ref() == b"VTKFile" => {
+                encoding = Some(Encoding::of(&tag)?)
+            }
             Event::Start(tag) => match tag.name().as_ref() {
                 b"Piece" => pieces += 1,
                 b"Points" => section = Some(Section::Points),
@@ -134,7 +142,9 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
                 _ => {}
             },
             // Appended arrays have nothing between their tags.
-            Event::Empty(tag) if tag.name().as_ref() == b"DataArray" => arrays.extend(section.map(|s| Open::of(&tag).map(|open| (s, open))).transpose()?),
+            Event::Empty(tag) if tag.name().as_ref() == b"DataArray" => {
+                arrays.extend(section.map(|s| Open::of(&tag).map(|open| (s, open))).transpose()?)
+            }
             Event::Text(part) => {
                 if let Some(open) = open.as_mut().filter(|_| !inside_key) {
                     open.text.push_str(&part.unescape().map_err(|e| e.to_string())?);
@@ -185,7 +195,10 @@ fn check(grid: &Grid) -> Result<(), String> {
         for (name, array) in data {
             if array.values.len() != count * array.components {
                 let found = array.values.len();
-                return Err(format!("the array {name} has {found} values, expected {} for each of {count} {what}", array.components));
+                return Err(format!(
+                    "the array {name} has {found} values, expected {} for each of {count} {what}",
+                    array.components
+                ));
             }
         }
     }

@@ -18,7 +18,9 @@ pub fn distorted(element: &'static Element, n: usize, share: f64) -> Mesh {
         name if name.ends_with("triangle") => Mesh::rectangle([1.0; 2], [n; 2], Diagonal::Right),
         name if name.ends_with("quadrilateral") => Mesh::rectangle_of(Elements::Q1, [1.0; 2], [n; 2], Diagonal::Right),
         name if name.ends_with("tetrahedron") => Mesh::box_([1.0; 3], [n; 3], Elements::P1),
-        name if name.ends_with("prism") => Mesh::rectangle([1.0; 2], [n; 2], Diagonal::Right).and_then(|m| m.extruded(1.0, n, ["back", "front"])),
+        name if name.ends_with("prism") => {
+            Mesh::rectangle([1.0; 2], [n; 2], Diagonal::Right).and_then(|m| m.extruded(1.0, n, ["back", "front"]))
+        }
         name if name.ends_with("pyramid") => Mesh::box_([1.0; 3], [n; 3], Elements::Q1).map(|m| pyramids(&m)),
         _ => Mesh::box_([1.0; 3], [n; 3], Elements::Q1),
     };
@@ -42,7 +44,8 @@ fn pyramids(mesh: &Mesh) -> Mesh {
     let mut out = Mesh { blocks: Vec::new(), ..mesh.clone() };
     let mut nodes = Vec::new();
     for cell in mesh.blocks[0].cells() {
-        let middle: Point = std::array::from_fn(|d| cell.iter().map(|&n| mesh.points[n as usize][d]).sum::<f64>() / 8.0);
+        let middle: Point =
+            std::array::from_fn(|d| cell.iter().map(|&n| mesh.points[n as usize][d]).sum::<f64>() / 8.0);
         let apex = out.points.len() as u32;
         out.points.push(middle);
         for facet in mesh.blocks[0].element.facets {

@@ -1,11 +1,12 @@
-//! A column of one cell that can only shear: at its free end one velocity w and one temperature θ, so that a step is two scalar equations.
+//! A column of one cell that can only shear: at its free end one velocity w and one temperature θ, so that a step is
+//! two scalar equations.
 #![allow(dead_code, reason = "each test uses a part")]
 
 use amontons::case::{self, Source};
 use amontons::problem::Problem;
 
-/// Width and height 1, fixed at the top, u_y = −δ everywhere with c_ν δ = 1, so that p = 1 at the bottom, where with shear modulus G, viscosity b and
-/// body force f
+/// Width and height 1, fixed at the top, u_y = −δ everywhere with c_ν δ = 1, so that p = 1 at the bottom, where with
+/// shear modulus G, viscosity b and body force f
 ///
 /// ```text
 ///     ρ (w − w′)/(3k) + b w + G u + q = f/2,     c (θ − θ′)/(3k) + κ θ = ‖q‖ |w − v_F|.

@@ -82,8 +82,10 @@ pub fn disturb(state: &mut State, problem: &Problem, scheme: &BackwardEuler, ran
             let dof = 2 * i + c;
             if scheme.discretization().v.free[dof] {
                 let phase = c as f64;
-                state.u[dof] = size[0] * if smooth { (wave[0] * p[0] + wave[1] * p[1] + phase).sin() } else { random.number() };
-                state.w[dof] = size[1] * if smooth { (wave[2] * p[0] + wave[3] * p[1] + phase).cos() } else { random.number() };
+                state.u[dof] =
+                    size[0] * if smooth { (wave[0] * p[0] + wave[1] * p[1] + phase).sin() } else { random.number() };
+                state.w[dof] =
+                    size[1] * if smooth { (wave[2] * p[0] + wave[3] * p[1] + phase).cos() } else { random.number() };
             }
         }
         if scheme.discretization().q.free[i] {

@@ -17,7 +17,13 @@ pub const STEPS: usize = 12;
 fn body(dim: usize, stress_state: &str, weight: f64) -> String {
     let [held, expansion, gravity, left, right] = match dim {
         1 => ["[0]", "<Pa/K|1>", "<v:N/m3|W*min(4*T, 1)>", "", ""],
-        2 => ["<m|0; 0>", "<Pa/K|1, 0.4; 0.4, 1.3>", "<N/m3|0; -W*min(4*T, 1)>", "<Pa|1.4*T; 0.4*T>", "<Pa|-0.8*T*Y; 0.4*T>"],
+        2 => [
+            "<m|0; 0>",
+            "<Pa/K|1, 0.4; 0.4, 1.3>",
+            "<N/m3|0; -W*min(4*T, 1)>",
+            "<Pa|1.4*T; 0.4*T>",
+            "<Pa|-0.8*T*Y; 0.4*T>",
+        ],
         _ => [
             "<m|0; 0; 0>",
             "<Pa/K|1, 0.4, 0.1; 0.4, 1.3, 0.2; 0.1, 0.2, 0.9>",

@@ -49,7 +49,16 @@ pub const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0
 
 impl Frame {
     pub fn same() -> Frame {
-        Frame { q: IDENTITY, shift: [0.0; 3], length: 1.0, mass: 1.0, time: 1.0, temperature: 1.0, later: 0, numbering: None }
+        Frame {
+            q: IDENTITY,
+            shift: [0.0; 3],
+            length: 1.0,
+            mass: 1.0,
+            time: 1.0,
+            temperature: 1.0,
+            later: 0,
+            numbering: None,
+        }
     }
 
     /// Turned by an angle in the plane, by three angles in space.
@@ -83,7 +92,10 @@ impl Frame {
 
     fn is_mirror(&self) -> bool {
         let q = &self.q;
-        (0..3).map(|i| q[0][i] * (q[1][(i + 1) % 3] * q[2][(i + 2) % 3] - q[1][(i + 2) % 3] * q[2][(i + 1) % 3])).sum::<f64>() < 0.0
+        (0..3)
+            .map(|i| q[0][i] * (q[1][(i + 1) % 3] * q[2][(i + 2) % 3] - q[1][(i + 2) % 3] * q[2][(i + 1) % 3]))
+            .sum::<f64>()
+            < 0.0
     }
 
     /// The size of a unit: its name in a template.
@@ -114,7 +126,11 @@ impl Frame {
             "W/m2K/Pa.95" => [0.95, 1.0 - 0.95, -3.0 + 1.9, -1.0],
             _ => panic!("no unit {name}"),
         };
-        [self.length, self.mass, self.time, self.temperature].iter().zip(powers).map(|(unit, power)| unit.powf(power)).product()
+        [self.length, self.mass, self.time, self.temperature]
+            .iter()
+            .zip(powers)
+            .map(|(unit, power)| unit.powf(power))
+            .product()
     }
 
     /// The coordinate X, Y or Z of the case, and its time T, by those of this description.
@@ -135,17 +151,22 @@ impl Frame {
 
     /// A number times a factor, or an expression.
     fn datum(&self, factors: &[(f64, &str)]) -> String {
-        let numbers: Option<Vec<f64>> = factors.iter().map(|(factor, text)| Some(factor * text.trim().parse::<f64>().ok()?)).collect();
+        let numbers: Option<Vec<f64>> =
+            factors.iter().map(|(factor, text)| Some(factor * text.trim().parse::<f64>().ok()?)).collect();
         if let Some(numbers) = numbers {
             return format!("{:?}", numbers.into_iter().sum::<f64>());
         }
-        let terms: Vec<String> =
-            factors.iter().filter(|(factor, _)| *factor != 0.0).map(|(factor, text)| format!("({factor:?})*({})", self.expression(text.trim()))).collect();
+        let terms: Vec<String> = factors
+            .iter()
+            .filter(|(factor, _)| *factor != 0.0)
+            .map(|(factor, text)| format!("({factor:?})*({})", self.expression(text.trim())))
+            .collect();
         format!("\"{}\"", terms.join("+"))
     }
 
-    /// A template in this frame. In it `<unit|a>` is a number or an expression in X, Y, Z, T, `<unit|a; b>` a vector, `<unit|a, b; c, d>` a matrix,
-    /// `<unit|a, b>` a list, `<v:unit|a>` a vector in one dimension, and `<x|a; b>` a place.
+    /// A template in this frame. In it `<unit|a>` is a number or an expression in X, Y, Z, T, `<unit|a; b>` a vector,
+    /// `<unit|a, b; c, d>` a matrix, `<unit|a, b>` a list, `<v:unit|a>` a vector in one dimension, and `<x|a; b>` a
+    /// place.
     pub fn text(&self, template: &str) -> String {
         let mut out = String::new();
         let mut rest = template;
@@ -173,24 +194,40 @@ impl Frame {
                 format!("[{}]", image[..dim].iter().map(|c| format!("{c:?}")).collect::<Vec<_>>().join(", "))
             }
             // An expression may hold commas within a call: a list has numbers only.
-            (1, ..) if data.split(',').count() > 1 && data.split(',').all(|item| item.trim().parse::<f64>().is_ok()) => {
+            (1, ..)
+                if data.split(',').count() > 1 && data.split(',').all(|item| item.trim().parse::<f64>().is_ok()) =>
+            {
                 format!("[{}]", data.split(',').map(|item| self.datum(&[(size, item)])).collect::<Vec<_>>().join(", "))
             }
             (1, ..) => self.datum(&[(size, data)]),
-            (_, _, true) if rows.iter().all(|row| row.len() == dim && row.iter().all(|item| item.trim().parse::<f64>().is_ok())) => {
+            (_, _, true)
+                if rows
+                    .iter()
+                    .all(|row| row.len() == dim && row.iter().all(|item| item.trim().parse::<f64>().is_ok())) =>
+            {
                 let entry = |i: usize, j: usize| rows[i][j].trim().parse::<f64>().expect("a number");
                 let turned = |i: usize, j: usize| -> f64 {
-                    let sum = (0..dim).flat_map(|k| (0..dim).map(move |l| (k, l))).map(|(k, l)| self.q[i][k] * entry(k, l) * self.q[j][l]).sum::<f64>();
+                    let sum = (0..dim)
+                        .flat_map(|k| (0..dim).map(move |l| (k, l)))
+                        .map(|(k, l)| self.q[i][k] * entry(k, l) * self.q[j][l])
+                        .sum::<f64>();
                     size * sum
                 };
                 // Symmetric to the last bit.
-                let row = |i: usize| (0..dim).map(|j| format!("{:?}", turned(i.min(j), i.max(j)))).collect::<Vec<_>>().join(", ");
+                let row = |i: usize| {
+                    (0..dim).map(|j| format!("{:?}", turned(i.min(j), i.max(j)))).collect::<Vec<_>>().join(", ")
+                };
                 format!("[{}]", (0..dim).map(|i| format!("[{}]", row(i))).collect::<Vec<_>>().join(", "))
             }
             _ => {
                 let parts: Vec<&str> = data.split(';').collect();
                 let component = |i: usize| {
-                    let factors: Vec<(f64, &str)> = parts.iter().enumerate().map(|(j, part)| (size * self.q[i][j], *part)).filter(|(f, _)| *f != 0.0).collect();
+                    let factors: Vec<(f64, &str)> = parts
+                        .iter()
+                        .enumerate()
+                        .map(|(j, part)| (size * self.q[i][j], *part))
+                        .filter(|(f, _)| *f != 0.0)
+                        .collect();
                     self.datum(&factors)
                 };
                 format!("[{}]", (0..dim).map(component).collect::<Vec<_>>().join(", "))
@@ -202,9 +239,13 @@ impl Frame {
     pub fn mesh(&self, mesh: &Mesh) -> Mesh {
         let mut out = Mesh { points: mesh.points.iter().map(|x| self.point(x)).collect(), ..mesh.clone() };
         if self.is_mirror() {
-            out.blocks.iter_mut().for_each(|block| renumber_cells(block.element, &mut block.nodes, |_| mirror(block.element.shape)));
+            out.blocks
+                .iter_mut()
+                .for_each(|block| renumber_cells(block.element, &mut block.nodes, |_| mirror(block.element.shape)));
             for set in out.facets.values_mut() {
-                set.blocks.iter_mut().for_each(|block| renumber_cells(block.element, &mut block.nodes, |_| mirror(block.element.shape)));
+                set.blocks
+                    .iter_mut()
+                    .for_each(|block| renumber_cells(block.element, &mut block.nodes, |_| mirror(block.element.shape)));
             }
         }
         if let Some(seed) = self.numbering {
@@ -233,9 +274,15 @@ fn turns(shape: Shape) -> &'static [Map] {
     match shape {
         Shape::Point | Shape::Segment => &[|x| *x],
         Shape::Triangle => &[|x| *x, |x| [x[1], 1.0 - x[0] - x[1], 0.0], |x| [1.0 - x[0] - x[1], x[0], 0.0]],
-        Shape::Quadrilateral => &[|x| *x, |x| [x[1], 1.0 - x[0], 0.0], |x| [1.0 - x[0], 1.0 - x[1], 0.0], |x| [1.0 - x[1], x[0], 0.0]],
-        Shape::Tetrahedron => &[|x| *x, |x| [x[1], x[2], x[0]], |x| [x[2], x[0], x[1]], |x| [x[1], 1.0 - x[0] - x[1] - x[2], x[2]]],
-        Shape::Hexahedron => &[|x| *x, |x| [x[1], x[2], x[0]], |x| [x[1], 1.0 - x[0], x[2]], |x| [1.0 - x[0], x[1], 1.0 - x[2]]],
+        Shape::Quadrilateral => {
+            &[|x| *x, |x| [x[1], 1.0 - x[0], 0.0], |x| [1.0 - x[0], 1.0 - x[1], 0.0], |x| [1.0 - x[1], x[0], 0.0]]
+        }
+        Shape::Tetrahedron => {
+            &[|x| *x, |x| [x[1], x[2], x[0]], |x| [x[2], x[0], x[1]], |x| [x[1], 1.0 - x[0] - x[1] - x[2], x[2]]]
+        }
+        Shape::Hexahedron => {
+            &[|x| *x, |x| [x[1], x[2], x[0]], |x| [x[1], 1.0 - x[0], x[2]], |x| [1.0 - x[0], x[1], 1.0 - x[2]]]
+        }
         Shape::Prism => &[|x| *x, |x| [x[1], 1.0 - x[0] - x[1], x[2]], |x| [x[1], x[0], 1.0 - x[2]]],
         Shape::Pyramid => &[|x| *x],
     }
@@ -258,8 +305,13 @@ fn renumber(mesh: &mut Mesh, random: &mut Random) {
     random.shuffle(&mut numbers);
     let old = mesh.points.clone();
     old.iter().zip(&numbers).for_each(|(x, &number)| mesh.points[number as usize] = *x);
-    let sides = mesh.facets.values_mut().flat_map(|set: &mut FacetSet| set.blocks.iter_mut().map(|block| (block.element, &mut block.nodes)));
-    for (element, nodes) in mesh.blocks.iter_mut().map(|block: &mut Block| (block.element, &mut block.nodes)).chain(sides) {
+    let sides = mesh
+        .facets
+        .values_mut()
+        .flat_map(|set: &mut FacetSet| set.blocks.iter_mut().map(|block| (block.element, &mut block.nodes)));
+    for (element, nodes) in
+        mesh.blocks.iter_mut().map(|block: &mut Block| (block.element, &mut block.nodes)).chain(sides)
+    {
         for node in nodes.iter_mut() {
             *node = numbers[*node as usize];
         }

@@ -1,5 +1,6 @@
-//! Pairs of runs that must agree: a case and the same case turned, mirrored, shifted, renumbered, in other units, later in time, or said
-//! in another way. Fields and contact forces agree to 1e-10 of their largest magnitude, iteration counts to 10 %.
+//! Pairs of runs that must agree: a case and the same case turned, mirrored, shifted, renumbered, in other units, later
+//! in time, or said in another way. Fields and contact forces agree to 1e-10 of their largest magnitude, iteration
+//! counts to 10 %.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod cases;
@@ -74,14 +75,20 @@ fn places<'a>(of: impl Iterator<Item = &'a Point>, frame: &Frame, all: &[Point])
 /// Largest difference of pairs of numbers over the largest magnitude of the first ones.
 fn relative(pairs: &[(f64, f64)]) -> f64 {
     let size = pairs.iter().fold(0.0f64, |size, pair| size.max(pair.0.abs()));
-    let worst = pairs.iter().fold(0.0f64, |worst, pair| if (pair.0 - pair.1).is_nan() { f64::NAN } else { worst.max((pair.0 - pair.1).abs()) });
+    let worst = pairs.iter().fold(0.0f64, |worst, pair| {
+        if (pair.0 - pair.1).is_nan() { f64::NAN } else { worst.max((pair.0 - pair.1).abs()) }
+    });
     if worst == 0.0 { 0.0 } else { worst / size }
 }
 
-/// p ν + q at the contact points; with Gauss points, whose tractions need not be unique where more of them stick than there are nodes, the
-/// mean tractions of the nodes, Σ ω N (p ν + q)/Σ ω N.
+/// p ν + q at the contact points; with Gauss points, whose tractions need not be unique where more of them stick than
+/// there are nodes, the mean tractions of the nodes, Σ ω N (p ν + q)/Σ ω N.
 fn tractions(outcome: &Outcome, report: &StepReport) -> Vec<Point> {
-    let states = report.contact.states.iter().map(|state| std::array::from_fn(|d| state.pressure * state.normal[d] + state.q[d]));
+    let states = report
+        .contact
+        .states
+        .iter()
+        .map(|state| std::array::from_fn(|d| state.pressure * state.normal[d] + state.q[d]));
     if outcome.boundary.points.iter().all(|point| point.nodes.len() == 1) {
         return states.collect();
     }
@@ -106,10 +113,16 @@ fn spots(outcome: &Outcome) -> Vec<Point> {
 fn difference(base: &Outcome, other: &Outcome) -> Result<(), String> {
     let (frame, dim) = (&other.frame, base.mesh.dim);
     let nodes = places(base.mesh.points.iter(), frame, &other.mesh.points);
-    let points = places(base.boundary.points.iter().map(|point| &point.x), frame, &other.boundary.points.iter().map(|point| point.x).collect::<Vec<_>>());
+    let points = places(
+        base.boundary.points.iter().map(|point| &point.x),
+        frame,
+        &other.boundary.points.iter().map(|point| point.x).collect::<Vec<_>>(),
+    );
     let spots = places(spots(base).iter(), frame, &spots(other));
     let mut pairs: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
-    let mut add = |name: &'static str, unit: &str, base: f64, other: f64| pairs.entry(name).or_default().push((base, other / frame.unit(unit)));
+    let mut add = |name: &'static str, unit: &str, base: f64, other: f64| {
+        pairs.entry(name).or_default().push((base, other / frame.unit(unit)))
+    };
     // A vector of this frame in that of the case.
     let back = |v: &Point| -> Point { std::array::from_fn(|j| (0..3).map(|i| frame.q[i][j] * v[i]).sum()) };
     for (a, b) in base.memory.states.iter().zip(other.memory.states.iter().skip(frame.later)) {
@@ -141,7 +154,9 @@ fn difference(base: &Outcome, other: &Outcome) -> Result<(), String> {
     if let Some(halved) = [&base.memory.reports[..], later].concat().iter().find(|report| report.parts > 1) {
         told.push(format!("a step in {} parts", halved.parts));
     }
-    let count = |reports: &[StepReport]| [reports.iter().map(|r| r.newton_mechanics).sum::<usize>(), reports.iter().map(|r| r.newton_heat).sum()];
+    let count = |reports: &[StepReport]| {
+        [reports.iter().map(|r| r.newton_mechanics).sum::<usize>(), reports.iter().map(|r| r.newton_heat).sum()]
+    };
     for (a, b) in count(&base.memory.reports).into_iter().zip(count(later)) {
         if a.abs_diff(b) as f64 > 0.1 * a.max(b) as f64 {
             told.push(format!("{a} iterations against {b}"));
@@ -159,7 +174,12 @@ fn frames(case: &Case, random: &mut Random) -> Vec<(&'static str, Frame)> {
         ("in mm, t, ms, °F", Frame { length: 1e3, mass: 1e-3, time: 1e3, temperature: 1.8, ..Frame::same() }),
         (
             "shifted",
-            Frame { shift: std::array::from_fn(|d| if d < dim && !(around_axis && d == 0) { 20.0 * random.number() - 10.0 } else { 0.0 }), ..Frame::same() },
+            Frame {
+                shift: std::array::from_fn(|d| {
+                    if d < dim && !(around_axis && d == 0) { 20.0 * random.number() - 10.0 } else { 0.0 }
+                }),
+                ..Frame::same()
+            },
         ),
         ("later", Frame { later: 5, ..Frame::same() }),
     ];
@@ -198,7 +218,8 @@ fn a_case_does_not_depend_on_its_description() {
         let states = base.memory.reports.iter().flat_map(|report| &report.contact.states);
         assert!(states.clone().any(|state| state.pressure > 0.0), "{}: there is contact to compare", case.name);
         assert!(
-            case.mesh.dim == 1 || states.clone().any(|state| state.bound > 0.0 && state.slip.iter().any(|s| s.abs() > 0.0)),
+            case.mesh.dim == 1
+                || states.clone().any(|state| state.bound > 0.0 && state.slip.iter().any(|s| s.abs() > 0.0)),
             "{}: there is slip to compare",
             case.name
         );
@@ -218,8 +239,14 @@ fn a_case_does_not_depend_on_its_description() {
 fn two_ways_to_say_one_thing_agree() {
     let (mut faults, all) = (Vec::new(), ways::all());
     for way in &all {
-        let runs = [&way.one, &way.other].map(|text| outcome(text, way.files.clone(), &Frame::same()).unwrap_or_else(|error| panic!("{}: {error}", way.name)));
-        assert!(runs[0].memory.reports.iter().flat_map(|r| &r.contact.states).any(|state| state.pressure > 0.0), "{}: there is contact", way.name);
+        let runs = [&way.one, &way.other].map(|text| {
+            outcome(text, way.files.clone(), &Frame::same()).unwrap_or_else(|error| panic!("{}: {error}", way.name))
+        });
+        assert!(
+            runs[0].memory.reports.iter().flat_map(|r| &r.contact.states).any(|state| state.pressure > 0.0),
+            "{}: there is contact",
+            way.name
+        );
         if let Err(told) = difference(&runs[0], &runs[1]) {
             faults.push(format!("{}: {told}", way.name));
         }

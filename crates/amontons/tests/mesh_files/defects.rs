@@ -17,7 +17,10 @@ fn only(mesh: &Mesh) -> Defects {
 
 #[test]
 fn sound_meshes_have_none() {
-    let solid = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right).expect("a mesh").extruded(1.0, 2, ["low", "high"]).expect("a mesh");
+    let solid = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)
+        .expect("a mesh")
+        .extruded(1.0, 2, ["low", "high"])
+        .expect("a mesh");
     for mesh in [
         square(),
         Mesh::interval(1.0, 3, Elements::P2).expect("a mesh"),
@@ -41,14 +44,23 @@ fn inverted_and_degenerate_cells() {
     let found = only(&mesh);
     // Cell 2 is the lower triangle of the second square: nodes 1, 2, 6 at (1,0), (2,0), (2,1).
     assert_eq!(found.total, 1);
-    assert_eq!(found.first, [Defect::Inverted { cell: 2, nodes: vec![2, 1, 6], centre: [5.0 / 3.0, 1.0 / 3.0, 0.0], jacobian: -1.0 }]);
+    assert_eq!(
+        found.first,
+        [Defect::Inverted { cell: 2, nodes: vec![2, 1, 6], centre: [5.0 / 3.0, 1.0 / 3.0, 0.0], jacobian: -1.0 }]
+    );
     let mut mesh = square();
     // The first square loses its height at its right end: its lower triangle (0,0), (1,0), (1,0) has none.
     mesh.points[5] = [1.0, 0.0, 0.0];
-    assert!(defects(&mesh)[0].first.contains(&Defect::Degenerate { cell: 0, nodes: vec![0, 1, 5], centre: [2.0 / 3.0, 0.0, 0.0], jacobian: 0.0 }));
+    assert!(defects(&mesh)[0].first.contains(&Defect::Degenerate {
+        cell: 0,
+        nodes: vec![0, 1, 5],
+        centre: [2.0 / 3.0, 0.0, 0.0],
+        jacobian: 0.0
+    }));
     // A quadratic triangle whose middle node has gone beyond its corner.
     let mut mesh = Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [1, 1], Diagonal::Right).expect("a mesh");
-    let (a, b, middle) = (mesh.blocks[0].nodes[0] as usize, mesh.blocks[0].nodes[1] as usize, mesh.blocks[0].nodes[3] as usize);
+    let (a, b, middle) =
+        (mesh.blocks[0].nodes[0] as usize, mesh.blocks[0].nodes[1] as usize, mesh.blocks[0].nodes[3] as usize);
     let beyond = std::array::from_fn(|d| 1.2 * mesh.points[b][d] - 0.2 * mesh.points[a][d]);
     mesh.points[middle] = beyond;
     assert!(matches!(only(&mesh).first[0], Defect::Inverted { cell: 0, .. }));
@@ -79,19 +91,26 @@ fn duplicate_and_overlapping_cells() {
     mesh.blocks[0].nodes.extend([5, 6, 10]);
     let found = defects(&mesh);
     assert!(matches!(&found[0].first[..], [Defect::Duplicate { cell: 18, other: 8, .. }]), "{found:?}");
-    assert!(matches!(&found[1].first[0], Defect::Overlap { cells, .. } if cells.contains(&18) && cells.len() == 3), "{found:?}");
+    assert!(
+        matches!(&found[1].first[0], Defect::Overlap { cells, .. } if cells.contains(&18) && cells.len() == 3),
+        "{found:?}"
+    );
 }
 
 #[test]
 fn hanging_nodes() {
     // Two squares, the right one cut in two at half its height.
-    let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0], [1.0, 0.5]].map(|[x, y]| [x, y, 0.0]);
+    let points =
+        [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0], [1.0, 0.5]].map(|[x, y]| [x, y, 0.0]);
     let mut mesh = square();
     mesh.points = points.to_vec();
     mesh.facets.clear();
     mesh.blocks[0].nodes = vec![0, 1, 2, 0, 2, 3, 1, 4, 6, 6, 4, 5, 6, 5, 2];
     let found = only(&mesh);
-    assert_eq!((found.total, &found.first[..]), (1, &[Defect::Hanging { node: 6, at: [1.0, 0.5, 0.0], cell: 0, facet: vec![1, 2] }][..]));
+    assert_eq!(
+        (found.total, &found.first[..]),
+        (1, &[Defect::Hanging { node: 6, at: [1.0, 0.5, 0.0], cell: 0, facet: vec![1, 2] }][..])
+    );
     // Sound when the left part has it too.
     mesh.blocks[0].nodes = vec![0, 1, 6, 0, 6, 2, 0, 2, 3, 1, 4, 6, 6, 4, 5, 6, 5, 2];
     assert_eq!(defects(&mesh), []);
@@ -111,7 +130,8 @@ fn hanging_nodes_in_space_and_on_curved_facets() {
     // The middles of four edges and that of the face.
     assert_eq!(found.total, 5);
     assert!(found.first.iter().all(|d| matches!(d, Defect::Hanging { at, cell: 4, .. } if at[2] == 1.0)), "{found}");
-    // Two quadratic triangles with a common curved edge, which the second has in two halves: one parabola through the same points.
+    // Two quadratic triangles with a common curved edge, which the second has in two halves: one parabola through the
+    // same points.
     let parabola = |x: f64| [x, x * (1.0 - x), 0.0];
     let mut mesh = square();
     mesh.facets.clear();
@@ -121,7 +141,11 @@ fn hanging_nodes_in_space_and_on_curved_facets() {
     mesh.blocks[0].element = &P2_TRIANGLE;
     mesh.blocks[0].nodes = vec![5, 4, 0, 7, 2, 6, 0, 2, 8, 1, 11, 9, 2, 4, 8, 3, 10, 11];
     let found = only(&mesh);
-    assert_eq!(found.first, [1, 3].map(|node| Defect::Hanging { node, at: mesh.points[node as usize], cell: 0, facet: vec![4, 0, 2] }), "{found}");
+    assert_eq!(
+        found.first,
+        [1, 3].map(|node| Defect::Hanging { node, at: mesh.points[node as usize], cell: 0, facet: vec![4, 0, 2] }),
+        "{found}"
+    );
 }
 
 #[test]
@@ -132,11 +156,18 @@ fn facets_that_do_not_match_in_space() {
     let top = [4, 5, 6, 7].map(|i| mesh.blocks[0].nodes[i]);
     let apex = mesh.points.len() as u32;
     mesh.points.push([0.5, 0.5, 2.0]);
-    mesh.blocks.push(Block { element: &P1_TETRAHEDRON, region: 0, nodes: vec![top[0], top[1], top[2], apex, top[0], top[2], top[3], apex] });
+    mesh.blocks.push(Block {
+        element: &P1_TETRAHEDRON,
+        region: 0,
+        nodes: vec![top[0], top[1], top[2], apex, top[0], top[2], top[3], apex],
+    });
     let found = only(&mesh);
     assert_eq!(found.total, 2, "{found}");
     assert!(
-        found.first.iter().all(|d| matches!(d, Defect::Mismatch { cell: 0, other: 1 | 2, .. } | Defect::Mismatch { cell: 1 | 2, other: 0, .. })),
+        found.first.iter().all(|d| matches!(
+            d,
+            Defect::Mismatch { cell: 0, other: 1 | 2, .. } | Defect::Mismatch { cell: 1 | 2, other: 0, .. }
+        )),
         "{found}"
     );
 }
@@ -167,7 +198,10 @@ fn sides_inside_the_body_beside_it_and_twice() {
     mesh.facets.insert("seam".to_owned(), FacetSet::of(&P1_SEGMENT, vec![4, 5, 5, 6]));
     let found = only(&mesh);
     assert_eq!(found.total, 2);
-    assert!(matches!(&found.first[0], Defect::Inside { side, nodes, cells: [1, 6], .. } if side == "seam" && *nodes == [4, 5]), "{found}");
+    assert!(
+        matches!(&found.first[0], Defect::Inside { side, nodes, cells: [1, 6], .. } if side == "seam" && *nodes == [4, 5]),
+        "{found}"
+    );
     assert_eq!(found.first[0].side(), Some("seam"));
     let mut mesh = square();
     mesh.facets.insert("diagonal".to_owned(), FacetSet::of(&P1_SEGMENT, vec![0, 2]));
@@ -184,7 +218,10 @@ fn nodes_that_do_not_exist_or_are_not_used() {
     assert_eq!(only(&mesh).to_string(), "cell 1 has node 99, expected one below 16, the number of nodes");
     let mut mesh = square();
     mesh.facets.insert("far".to_owned(), FacetSet::of(&P1_SEGMENT, vec![0, 77]));
-    assert_eq!(only(&mesh).to_string(), "facet 0 of side \"far\" has node 77, expected one below 16, the number of nodes");
+    assert_eq!(
+        only(&mesh).to_string(),
+        "facet 0 of side \"far\" has node 77, expected one below 16, the number of nodes"
+    );
     let mut mesh = square();
     mesh.points.push([9.0, 0.0, 0.0]);
     assert_eq!(only(&mesh).to_string(), "node 16 at [9.0, 0.0, 0.0] belongs to no cell");
@@ -199,7 +236,11 @@ fn parts_that_touch_without_common_nodes_are_parts() {
     let second = square();
     let shift = mesh.points.len() as u32;
     mesh.points.extend(second.points.iter().map(|p| [p[0] + 3.0, p[1] + 0.5, 0.0]));
-    mesh.blocks.push(Block { element: &P1_TRIANGLE, region: 0, nodes: second.blocks[0].nodes.iter().map(|n| n + shift).collect() });
+    mesh.blocks.push(Block {
+        element: &P1_TRIANGLE,
+        region: 0,
+        nodes: second.blocks[0].nodes.iter().map(|n| n + shift).collect(),
+    });
     assert_eq!(defects(&mesh), []);
     let parts = components(&mesh);
     assert_eq!(parts.iter().map(|p| (p.cells, p.nodes.len())).collect::<Vec<_>>(), [(18, 16), (18, 16)]);

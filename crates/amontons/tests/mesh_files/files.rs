@@ -1,4 +1,5 @@
-//! Files written by Gmsh 4.15 and VTK 9.7, with the integrals that Gmsh's own Jacobians give. The `.geo` files beside them are their sources.
+//! Files written by Gmsh 4.15 and VTK 9.7, with the integrals that Gmsh's own Jacobians give. The `.geo` files beside
+//! them are their sources.
 
 use std::path::{Path, PathBuf};
 
@@ -17,7 +18,10 @@ fn read(name: &str) -> Mesh {
 /// The two programs' rules, of degree 20 and 24, have ten digits where a facet is curved.
 fn close(found: (f64, f64), expected: (f64, f64)) {
     let tolerance = 1e-10 * expected.0.max(1.0);
-    assert!((found.0 - expected.0).abs() < tolerance && (found.1 - expected.1).abs() < tolerance, "{found:?} {expected:?}");
+    assert!(
+        (found.0 - expected.0).abs() < tolerance && (found.1 - expected.1).abs() < tolerance,
+        "{found:?} {expected:?}"
+    );
 }
 
 /// Regions and sides of a file: name, number of elements, ∫ 1 and ∫ x.
@@ -68,8 +72,15 @@ fn a_cylinder_of_two_regions_of_quadratic_tetrahedra() {
     let mesh = read("cylinder.msh");
     integrals_agree(
         &mesh,
-        &[("back plate", 36, 3.139_511_550_745_315, 0.000_202_666_250_501), ("pad", 36, 3.139_496_079_582_815_3, 0.000_198_487_143_076)],
-        &[("bottom", 7, 3.137_444_835_415_266_6, 0.0), ("top", 7, 3.137_444_835_415_265_8, 0.0), ("side", 56, 12.562_361_589_360_933, 0.000_779_275_817_217)],
+        &[
+            ("back plate", 36, 3.139_511_550_745_315, 0.000_202_666_250_501),
+            ("pad", 36, 3.139_496_079_582_815_3, 0.000_198_487_143_076),
+        ],
+        &[
+            ("bottom", 7, 3.137_444_835_415_266_6, 0.0),
+            ("top", 7, 3.137_444_835_415_265_8, 0.0),
+            ("side", 56, 12.562_361_589_360_933, 0.000_779_275_817_217),
+        ],
     );
     let flux: f64 = mesh.facets.values().map(|set| side(&mesh, set).2).sum();
     let volume = region(&mesh, "pad").0 + region(&mesh, "back plate").0;
@@ -102,7 +113,9 @@ fn vtk_in_every_encoding_is_the_mesh_of_gmsh() {
     let tags = [("start", "11"), ("outer", "12"), ("end", "13"), ("inner", "14")];
     first.facets = tags.into_iter().map(|(name, tag)| (tag.to_owned(), first.facets[name].clone())).collect();
     first.regions = vec!["1".to_owned()];
-    for encoding in ["ascii", "base64", "base64_zlib", "raw", "raw_zlib", "raw_big", "append64", "append64_zlib", "meshio"] {
+    for encoding in
+        ["ascii", "base64", "base64_zlib", "raw", "raw_zlib", "raw_big", "append64", "append64_zlib", "meshio"]
+    {
         let read = read(&format!("quarter_ring_{encoding}.vtu"));
         ring(&read, |_, tag| tag);
         if encoding != "ascii" {

@@ -12,7 +12,10 @@ fn bodies() -> Vec<Mesh> {
     upper.nodes = two_regions.blocks[0].nodes.split_off(36);
     two_regions.blocks.push(upper);
     two_regions.regions = vec!["back plate".to_owned(), "pad".to_owned()];
-    let linear_prisms = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right).expect("a mesh").extruded(1.0, 2, ["low", "high"]).expect("a mesh");
+    let linear_prisms = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)
+        .expect("a mesh")
+        .extruded(1.0, 2, ["low", "high"])
+        .expect("a mesh");
     vec![
         two_regions,
         Mesh::interval(1.5, 5, Elements::P1).expect("a mesh"),
@@ -53,7 +56,8 @@ fn facets_are_turned_outward_and_mirrored_blocks_turned_over() {
         }
         // A mirrored body: every cell is inverted.
         turned.points.iter_mut().for_each(|p| p[0] = -p[0]);
-        let read = gmsh::parse(&write(&turned, Format { version: 4, binary: None, step: 1, spread: 1 })).expect("a mesh");
+        let read =
+            gmsh::parse(&write(&turned, Format { version: 4, binary: None, step: 1, spread: 1 })).expect("a mesh");
         read.check().expect("no cell is inverted");
         let flux: f64 = read.facets.values().map(|set| side(&read, set).2).sum();
         let measure: f64 = mesh.regions.iter().map(|name| region(&mesh, name).0).sum();
@@ -76,7 +80,11 @@ fn without_groups_there_is_one_body_with_one_boundary() {
         .lines()
         .map(|line| {
             let words: Vec<&str> = line.split_whitespace().collect();
-            if words.len() >= 6 && words[2] == "2" { format!("{} {} 2 0 {}\n", words[0], words[1], words[4..].join(" ")) } else { format!("{line}\n") }
+            if words.len() >= 6 && words[2] == "2" {
+                format!("{} {} 2 0 {}\n", words[0], words[1], words[4..].join(" "))
+            } else {
+                format!("{line}\n")
+            }
         })
         .collect();
     let read = gmsh::parse(bare.as_bytes()).expect("a mesh");

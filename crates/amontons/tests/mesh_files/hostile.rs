@@ -44,7 +44,15 @@ enum Damage {
 }
 
 fn damage() -> impl Strategy<Value = Damage> {
-    let texts = prop_oneof![Just("nan"), Just("-1"), Just("18446744073709551615"), Just("1e999"), Just("4294967296"), Just("$EndNodes\n"), Just("\"")];
+    let texts = prop_oneof![
+        Just("nan"),
+        Just("-1"),
+        Just("18446744073709551615"),
+        Just("1e999"),
+        Just("4294967296"),
+        Just("$EndNodes\n"),
+        Just("\"")
+    ];
     prop_oneof![
         any::<usize>().prop_map(Damage::Truncate),
         (any::<usize>(), any::<u8>()).prop_map(|(at, byte)| Damage::Replace(at, byte)),
@@ -59,8 +67,12 @@ fn apply(mut bytes: Vec<u8>, damages: &[Damage]) -> Vec<u8> {
         match damage {
             Damage::Truncate(at) => bytes.truncate(at % length),
             Damage::Replace(at, byte) => bytes.iter_mut().skip(at % length).take(1).for_each(|b| *b = *byte),
-            Damage::Delete(at, n) => drop(bytes.drain((at % length).min(bytes.len())..(at % length + n).min(bytes.len()))),
-            Damage::Insert(at, text) => drop(bytes.splice((at % length).min(bytes.len())..(at % length).min(bytes.len()), text.bytes())),
+            Damage::Delete(at, n) => {
+                drop(bytes.drain((at % length).min(bytes.len())..(at % length + n).min(bytes.len())))
+            }
+            Damage::Insert(at, text) => {
+                drop(bytes.splice((at % length).min(bytes.len())..(at % length).min(bytes.len()), text.bytes()))
+            }
         }
     }
     bytes

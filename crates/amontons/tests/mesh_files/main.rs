@@ -1,5 +1,12 @@
-//! Meshes from files: formats against each other and against Gmsh's own integrals, hostile files, and defects of meshes.
-#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, clippy::float_cmp, reason = "a test fails by panicking, and files keep every digit")]
+//! Meshes from files: formats against each other and against Gmsh's own integrals, hostile files, and defects of
+//! meshes.
+#![allow(
+    clippy::expect_used,
+    clippy::panic,
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a test fails by panicking, and files keep every digit"
+)]
 
 mod defects;
 mod files;

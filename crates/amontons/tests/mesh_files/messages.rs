@@ -42,26 +42,49 @@ $EndElements
 #[test]
 fn each_fault_names_its_line_and_what_was_expected() {
     let sound = gmsh::parse(SQUARE.as_bytes()).expect("a mesh");
-    assert_eq!((sound.cell_count(), sound.points.len(), sound.regions.as_slice()), (2, 4, ["body".to_owned()].as_slice()));
+    assert_eq!(
+        (sound.cell_count(), sound.points.len(), sound.regions.as_slice()),
+        (2, 4, ["body".to_owned()].as_slice())
+    );
     let cases = [
-        ("4.1 0 8", "4.0 0 8", "line 2: found version 4.0 of the Gmsh format, expected 2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`"),
+        (
+            "4.1 0 8",
+            "4.0 0 8",
+            "line 2: found version 4.0 of the Gmsh format, expected 2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
+        ),
         ("4.1 0 8", "3 0 8", "line 2: found version 3 of"),
         ("$MeshFormat\n", "$NOD\n", "line 1: found version 1 of"),
         ("$MeshFormat\n", "solid\n", "line 1: found `solid`, expected $MeshFormat, with which a Gmsh file begins"),
         ("4.1 0 8", "4.1 2 8", "line 2: found `2`, expected 0 for text or 1 for binary"),
         ("4.1 0 8", "4.1 0 16", "line 2: found `16`, expected the bytes of a number: 8"),
-        ("1 5 \"low side\"", "1 5 low", "line 6: found `low`, expected the name of the physical group in double quotes"),
+        (
+            "1 5 \"low side\"",
+            "1 5 low",
+            "line 6: found `low`, expected the name of the physical group in double quotes",
+        ),
         ("1 5 \"low", "7 5 \"low", "line 6: found `7`, expected a dimension from 0 to 3"),
-        ("1 4 1 4\n", "1 400 1 4\n", "line 15: found a count of 400 nodes, expected at most the 15 that the rest of the file can hold; it may be truncated"),
+        (
+            "1 4 1 4\n",
+            "1 400 1 4\n",
+            "line 15: found a count of 400 nodes, expected at most the 15 that the rest of the file can hold; it may be truncated",
+        ),
         ("1 4 1 4\n", "1 3 1 4\n", "line 16: found `4`, expected no more than the 3 nodes announced"),
         ("1 4 1 4\n", "1 5 1 4\n", "line 25: found `$EndNodes`, expected 5 nodes, as announced, of which 4 came"),
         ("\n1 1 0\n", "\n1 nan 0\n", "line 23: found the coordinate NaN of node 3, expected a finite number"),
         ("\n1 1 0\n", "\n1 x1 0\n", "line 23: found `x1`, expected a coordinate of a node"),
         ("3\n4\n0", "3\n3\n0", "found node tag 3 twice, expected each tag once"),
         ("3 1 3 4", "3 1 3 9", "line 32: found node 9, expected the tag of one of the 4 nodes of the file"),
-        ("2 1 2 2\n", "2 1 21 2\n", "line 30: found element type 21, expected one of Gmsh's types 1 to 19; try Mesh.ElementOrder = 1 or 2"),
+        (
+            "2 1 2 2\n",
+            "2 1 21 2\n",
+            "line 30: found element type 21, expected one of Gmsh's types 1 to 19; try Mesh.ElementOrder = 1 or 2",
+        ),
         ("2 1 2 2\n", "2 1 4 2\n", "line 30: found `2`, expected the dimension 3 of a 4-node tetrahedron"),
-        ("2 1 2 2\n", "2 9 2 2\n", "line 30: found elements on entity 9 of dimension 2, expected one that $Entities lists"),
+        (
+            "2 1 2 2\n",
+            "2 9 2 2\n",
+            "line 30: found elements on entity 9 of dimension 2, expected one that $Entities lists",
+        ),
         ("2 3 1 3\n", "2 4 1 3\n", "line 27: found `4`, expected the number of elements that follow, 3"),
         (
             "0 1 6 0\n$EndE",
@@ -79,7 +102,9 @@ fn each_fault_names_its_line_and_what_was_expected() {
         assert_ne!(spoiled, SQUARE, "{old}");
         match gmsh::parse(spoiled.as_bytes()) {
             Ok(_) => assert_eq!(expected, "", "{old} → {new}"),
-            Err(error) => assert!(!expected.is_empty() && error.to_string().contains(expected), "{old} → {new}: {error}"),
+            Err(error) => {
+                assert!(!expected.is_empty() && error.to_string().contains(expected), "{old} → {new}: {error}")
+            }
         }
     }
 }
@@ -92,7 +117,12 @@ fn cells_without_a_region_beside_others_are_a_fault() {
         .replace("2 3 1 3\n", "3 3 1 3\n")
         .replace("2 1 2 2\n2 1 2 3\n3", "2 1 2 1\n2 1 2 3\n2 2 2 1\n3");
     let error = gmsh::parse(spoiled.as_bytes()).expect_err("a fault").to_string();
-    assert!(error.starts_with("line 33: found 1 of 2 cells without a region, expected all or none; try a physical group of dimension 2"), "{error}");
+    assert!(
+        error.starts_with(
+            "line 33: found 1 of 2 cells without a region, expected all or none; try a physical group of dimension 2"
+        ),
+        "{error}"
+    );
 }
 
 #[test]
@@ -100,9 +130,17 @@ fn elements_that_the_library_has_not_are_named() {
     let eight = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 .5 0 0\n6 1 .5 0\n7 .5 1 0\n8 0 .5 0\n$EndNodes\n\
         $Elements\n1\n1 16 2 0 1 1 2 3 4 5 6 7 8\n$EndElements\n";
     let error = gmsh::parse(eight.as_bytes()).expect_err("a fault").to_string();
-    assert!(error.starts_with("line 17: found element type 8-node quadrilateral, expected one of P1 triangle"), "{error}");
-    let error = gmsh::parse(eight.replace("1 16 2", "1 15 2").replace("1 2 3 4 5 6 7 8", "1").as_bytes()).expect_err("a fault").to_string();
-    assert_eq!(error, "found 8 nodes and 1 points as elements, expected at least one cell; try to mesh before saving, and to give the body a physical group");
+    assert!(
+        error.starts_with("line 17: found element type 8-node quadrilateral, expected one of P1 triangle"),
+        "{error}"
+    );
+    let error = gmsh::parse(eight.replace("1 16 2", "1 15 2").replace("1 2 3 4 5 6 7 8", "1").as_bytes())
+        .expect_err("a fault")
+        .to_string();
+    assert_eq!(
+        error,
+        "found 8 nodes and 1 points as elements, expected at least one cell; try to mesh before saving, and to give the body a physical group"
+    );
 }
 
 #[test]
@@ -110,9 +148,21 @@ fn binary_faults_name_their_byte() {
     let head = b"$MeshFormat\n4.1 1 8\n\x02\0\0\0\n$EndMeshFormat\n";
     let error = gmsh::parse(head).expect_err("a fault").to_string();
     assert_eq!(error, "byte 20: found the bytes [2, 0, 0, 0], expected the integer 1 in binary");
-    let huge = [b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".as_slice(), &1_u64.to_le_bytes(), &u64::MAX.to_le_bytes(), &[0; 64]].concat();
+    let huge = [
+        b"$MeshFormat\n4.1 1 8\n\x01\0\0\0\n$EndMeshFormat\n$Nodes\n".as_slice(),
+        &1_u64.to_le_bytes(),
+        &u64::MAX.to_le_bytes(),
+        &[0; 64],
+    ]
+    .concat();
     let error = gmsh::parse(&huge).expect_err("a fault").to_string();
-    assert_eq!(error, format!("byte 55: found a count of {} nodes, expected at most the 1 that the rest of the file can hold; it may be truncated", u64::MAX));
+    assert_eq!(
+        error,
+        format!(
+            "byte 55: found a count of {} nodes, expected at most the 1 that the rest of the file can hold; it may be truncated",
+            u64::MAX
+        )
+    );
 }
 
 #[test]
@@ -147,6 +197,7 @@ fn faults_of_grids_name_the_array_or_cell() {
         let error = vtu::parse(grid.replacen(old, new, 1).as_bytes()).expect_err(new).to_string();
         assert!(error.contains(expected), "{new}: {error}");
     }
-    let boundary = grid.replace("0 1 2 0 1<", "0 1 2<").replace("3 5<", "3<").replace("5 3<", "5<").replace("4 0<", "4<");
+    let boundary =
+        grid.replace("0 1 2 0 1<", "0 1 2<").replace("3 5<", "3<").replace("5 3<", "5<").replace("4 0<", "4<");
     assert_eq!(vtu::parse(boundary.as_bytes()).expect("a mesh").facets["boundary"].len(), 3);
 }

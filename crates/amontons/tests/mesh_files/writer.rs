@@ -79,7 +79,11 @@ pub fn write(mesh: &Mesh, format: Format) -> Vec<u8> {
     let n = mesh.points.len() as u64;
     assert!(!n.is_multiple_of(format.step) || format.step == 1, "the tags repeat");
     let tag = |node: u32| (1 + u64::from(node) * format.step % n) * format.spread;
-    out.text(&format!("$MeshFormat\n{} {} 8\n", if format.version == 2 { "2.2" } else { "4.1" }, i32::from(format.binary.is_some())));
+    out.text(&format!(
+        "$MeshFormat\n{} {} 8\n",
+        if format.version == 2 { "2.2" } else { "4.1" },
+        i32::from(format.binary.is_some())
+    ));
     if format.binary.is_some() {
         out.int(1);
         out.text("\n");
@@ -95,9 +99,19 @@ pub fn write(mesh: &Mesh, format: Format) -> Vec<u8> {
     out.text("$EndPhysicalNames\n$Unknown\n1 2 3 $ \n$EndUnknown\n");
     let mut groups = Vec::new();
     for (i, set) in mesh.facets.values().enumerate() {
-        groups.extend(set.blocks.iter().map(|b| Group { element: b.element, nodes: &b.nodes, dim: mesh.dim - 1, tag: i as i32 + 1 }));
+        groups.extend(set.blocks.iter().map(|b| Group {
+            element: b.element,
+            nodes: &b.nodes,
+            dim: mesh.dim - 1,
+            tag: i as i32 + 1,
+        }));
     }
-    groups.extend(mesh.blocks.iter().map(|b| Group { element: b.element, nodes: &b.nodes, dim: mesh.dim, tag: b.region as i32 + 1 }));
+    groups.extend(mesh.blocks.iter().map(|b| Group {
+        element: b.element,
+        nodes: &b.nodes,
+        dim: mesh.dim,
+        tag: b.region as i32 + 1,
+    }));
     if format.version == 2 {
         version_two(&mut out, mesh, &groups, tag);
     } else {

@@ -21,7 +21,9 @@ impl Contacts {
     pub fn all(self) -> Vec<(String, Contact)> {
         match self {
             Contacts::One(contact) => vec![("contact".to_owned(), *contact)],
-            Contacts::Several(all) => all.into_iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect(),
+            Contacts::Several(all) => {
+                all.into_iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect()
+            }
         }
     }
 
@@ -29,7 +31,9 @@ impl Contacts {
     pub fn each(&self) -> Vec<(String, &Contact)> {
         match self {
             Contacts::One(contact) => vec![("contact".to_owned(), &**contact)],
-            Contacts::Several(all) => all.iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect(),
+            Contacts::Several(all) => {
+                all.iter().enumerate().map(|(i, contact)| (format!("contact[{i}]"), contact)).collect()
+            }
         }
     }
 
@@ -110,7 +114,8 @@ pub(in crate::case) enum Wear {
         #[schemars(range(min = 0.0))]
         coefficient: f64,
     },
-    /// Archard's law with a coefficient that depends on the temperature of the body, linear between the points of a table and constant outside.
+    /// Archard's law with a coefficient that depends on the temperature of the body, linear between the points of a
+    /// table and constant outside.
     ArchardTemperature {
         /// Temperatures in K in increasing order.
         temperature: Vec<f64>,
@@ -278,7 +283,8 @@ pub(in crate::case) enum Friction {
         #[schemars(range(min = 0.0))]
         cap: Option<f64>,
     },
-    /// Friction coefficient that depends on the temperature of the body, linear between the points of a table and constant outside.
+    /// Friction coefficient that depends on the temperature of the body, linear between the points of a table and
+    /// constant outside.
     Temperature {
         /// Temperatures in K in increasing order.
         temperature: Vec<f64>,
@@ -314,7 +320,8 @@ pub(in crate::case) enum Friction {
     },
 }
 
-/// One law of heat exchange, h the conductance, r the penetration and p the pressure; in a sum it stands without a foundation temperature.
+/// One law of heat exchange, h the conductance, r the penetration and p the pressure; in a sum it stands without a
+/// foundation temperature.
 macro_rules! heat_laws {
     ($($(#[$about:meta])* $variant:ident { $($(#[$doc:meta])* $field:ident: $type:ty,)* },)*) => {
         /// Law of the heat exchange with the foundation.
@@ -401,7 +408,8 @@ heat_laws! {
         #[schemars(extend("exclusiveMinimum" = 0))]
         truncation: Option<f64>,
     },
-    /// Gas conduction across the gap: conductance conductivity/(g + roughness), g the width of an open gap and zero in contact.
+    /// Gas conduction across the gap: conductance conductivity/(g + roughness), g the width of an open gap and zero in
+    /// contact.
     Gap {
         /// Conductivity of the gas in W/(m K).
         #[schemars(range(min = 0.0))]

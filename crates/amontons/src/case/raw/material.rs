@@ -15,8 +15,8 @@ pub(in crate::case) struct Region {
 
 /// Material: σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜 (2.1), q = −𝓚∇θ (2.2).
 ///
-/// A case without heat leaves out `heat_capacity`, `conductivity`, `expansion` and `coupling`; a case without mechanics leaves
-/// out `density`, `elasticity` and `viscosity`.
+/// A case without heat leaves out `heat_capacity`, `conductivity`, `expansion` and `coupling`; a case without mechanics
+/// leaves out `density`, `elasticity` and `viscosity`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Material {
@@ -39,8 +39,8 @@ pub(in crate::case) struct Material {
     pub expansion: Option<Tensor>,
     /// Coefficient of thermal expansion α in 1/K, from which 𝓜 = 𝓔α follows.
     ///
-    /// Three numbers are the coefficients along the axes of the material, those of `elasticity.orientation`. The product with the
-    /// three-dimensional elasticity is taken first and then reduced to plane stress or plane strain.
+    /// Three numbers are the coefficients along the axes of the material, those of `elasticity.orientation`. The
+    /// product with the three-dimensional elasticity is taken first and then reduced to plane stress or plane strain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expansion_coefficient: Option<Expansion>,
     /// Tensor 𝓡 of (2.4), heat per strain, in W/m³, 0 if left out.
@@ -133,7 +133,8 @@ pub(in crate::case) enum Elasticity {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
     },
-    /// 𝓒ξ + β (ξ − P_K ξ) with 𝓒 isotropic, P_K the projection on {ξ: ‖ξ^D‖ ≤ κ}; with β < 0 Hencky's deformation theory.
+    /// 𝓒ξ + β (ξ − P_K ξ) with 𝓒 isotropic, P_K the projection on {ξ: ‖ξ^D‖ ≤ κ}; with β < 0 Hencky's deformation
+    /// theory.
     VonMisesProjection {
         /// Young's modulus E of 𝓒 in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]

@@ -39,7 +39,8 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         elements: Elements,
     },
-    /// The box (0, size₀) × (0, size₁) × (0, size₂). Its sides are named left, right (x), bottom, top (y), back and front (z).
+    /// The box (0, size₀) × (0, size₁) × (0, size₂). Its sides are named left, right (x), bottom, top (y), back and
+    /// front (z).
     Box {
         /// Lengths of the sides in m.
         #[schemars(transform = positive_items)]
@@ -61,7 +62,8 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         elements: Elements,
     },
-    /// A ring around the origin, or a sector of it that begins at the x-axis. Its sides are named inner, outer, start and end.
+    /// A ring around the origin, or a sector of it that begins at the x-axis. Its sides are named inner, outer, start
+    /// and end.
     Ring {
         /// Inner and outer radius in m.
         #[schemars(transform = positive_items)]

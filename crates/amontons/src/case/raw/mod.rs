@@ -21,7 +21,9 @@ use serde::{Deserialize, Serialize};
 pub(in crate::case) use boundary::{Boundary, Support};
 pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use data::{Column, Component, Datum, Extend, Scalar, TableData};
-pub(in crate::case) use material::{Branch, Dilatation, Elasticity, Expansion, Material, Orientation, Region, StressState, Tensor, Viscosity};
+pub(in crate::case) use material::{
+    Branch, Dilatation, Elasticity, Expansion, Material, Orientation, Region, StressState, Tensor, Viscosity,
+};
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
@@ -147,10 +149,12 @@ pub(in crate::case) struct Scheme {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Coupling {
-    /// Mechanics and heat are solved in turn; the coupling terms use the temperature and displacement of the previous step.
+    /// Mechanics and heat are solved in turn; the coupling terms use the temperature and displacement of the previous
+    /// step.
     #[default]
     Staggered,
-    /// The coupling terms use the present step; the two half-steps are iterated. Strong coupling may keep the iteration from converging.
+    /// The coupling terms use the present step; the two half-steps are iterated. Strong coupling may keep the iteration
+    /// from converging.
     FixedPoint,
     /// The coupling terms use the present step; Newton's method solves both half-steps together.
     Monolithic,

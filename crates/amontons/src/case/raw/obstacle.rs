@@ -69,7 +69,8 @@ pub(in crate::case) enum Obstacle {
     },
     /// The zero level of a function of x, y, z, t.
     Surface {
-        /// Expression in x, y, z, t that is positive outside the obstacle and negative inside. It need not be a distance.
+        /// Expression in x, y, z, t that is positive outside the obstacle and negative inside. It need not be a
+        /// distance.
         level: String,
         /// Configuration of the body in which distances and normals are evaluated.
         #[serde(default)]

@@ -56,5 +56,8 @@ pub(super) fn numbers(schema: &mut Schema) {
 fn name_quantities(schema: &mut Schema, wanted: impl Fn(Quantity) -> bool) {
     let names: Vec<String> = Quantity::all().filter(|(_, quantity)| wanted(*quantity)).map(|(name, _)| name).collect();
     schema.insert("enum".to_owned(), names.into());
-    schema.insert("title".to_owned(), "the name of a quantity, such as \"displacement_x\", \"temperature\", \"stress_xx\" or \"von_mises\"".into());
+    schema.insert(
+        "title".to_owned(),
+        "the name of a quantity, such as \"displacement_x\", \"temperature\", \"stress_xx\" or \"von_mises\"".into(),
+    );
 }

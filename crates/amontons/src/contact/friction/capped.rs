@@ -1,6 +1,7 @@
 //! A shear strength that friction cannot exceed.
 //!
-//! Source: E. Orowan, "The calculation of roll pressure in hot and cold flat rolling", Proc. Inst. Mech. Engrs 150 (1943) 140–167.
+//! Source: E. Orowan, "The calculation of roll pressure in hot and cold flat rolling", Proc. Inst. Mech. Engrs 150
+//! (1943) 140–167.
 
 use std::sync::Arc;
 

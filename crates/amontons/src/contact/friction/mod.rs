@@ -46,8 +46,8 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// The cone with factors μ₁ along a direction, as far as it is tangential, and μ₂ across it. A direction along ν is replaced by
-    /// the next axis of coordinates that is not.
+    /// The cone with factors μ₁ along a direction, as far as it is tangential, and μ₂ across it. A direction along ν is
+    /// replaced by the next axis of coordinates that is not.
     #[must_use]
     pub fn new(nu: &Point, direction: &Point, factors: [f64; 2]) -> Cone {
         let tangential = |v: &Point| -> Point {
@@ -55,8 +55,16 @@ impl Cone {
             std::array::from_fn(|c| v[c] - normal * nu[c])
         };
         let basis = [*direction, [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let first = basis.iter().map(|v| (tangential(v), length(v))).find(|(t, l)| length(t) > 1e-6 * l).map_or([0.0; 3], |(t, _)| t.map(|c| c / length(&t)));
-        let second = [nu[1] * first[2] - nu[2] * first[1], nu[2] * first[0] - nu[0] * first[2], nu[0] * first[1] - nu[1] * first[0]];
+        let first = basis
+            .iter()
+            .map(|v| (tangential(v), length(v)))
+            .find(|(t, l)| length(t) > 1e-6 * l)
+            .map_or([0.0; 3], |(t, _)| t.map(|c| c / length(&t)));
+        let second = [
+            nu[1] * first[2] - nu[2] * first[1],
+            nu[2] * first[0] - nu[0] * first[2],
+            nu[0] * first[1] - nu[1] * first[0],
+        ];
         Cone { axes: [first, second], factors }
     }
 
@@ -80,14 +88,16 @@ impl Cone {
 
 /// The bound of the friction traction; the projection onto it is not the law's.
 pub trait FrictionLaw: Debug + Send + Sync {
-    /// The bound at a point. `slip_speed` is zero where the point sticks: a law whose bound drops when slip starts gives the static one there.
+    /// The bound at a point. `slip_speed` is zero where the point sticks: a law whose bound drops when slip starts
+    /// gives the static one there.
     ///
     /// `pressure` is the part that presses, p₊; |p| where contact is bilateral.
     fn bound(&self, at: &ContactPoint) -> Bound;
-    /// L_τ of (H8) in Pa/m where the pressure has the Lipschitz constant `l_nu`; none if unbounded, or if the bound does not vanish with the pressure.
+    /// L_τ of (H8) in Pa/m where the pressure has the Lipschitz constant `l_nu`; none if unbounded, or if the bound
+    /// does not vanish with the pressure.
     fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64>;
-    /// Least ∂s/∂‖w_τ‖ in Pa s/m between two slip speeds, the first the smaller, at a point in other respects as given; the drop of a bound
-    /// when slip starts is none. Zero stands for any law that does not fall.
+    /// Least ∂s/∂‖w_τ‖ in Pa s/m between two slip speeds, the first the smaller, at a point in other respects as given;
+    /// the drop of a bound when slip starts is none. Zero stands for any law that does not fall.
     fn least_slope(&self, _at: &ContactPoint, _from: f64, _to: f64) -> f64 {
         0.0
     }
@@ -109,7 +119,14 @@ pub trait FrictionLaw: Debug + Send + Sync {
 #[cfg(test)]
 pub(crate) fn samples() -> Vec<Arc<dyn FrictionLaw>> {
     let mut all: Vec<Arc<dyn FrictionLaw>> = Vec::new();
-    for samples in [coulomb::samples, tresca::samples, static_kinetic::samples, tabulated::samples, capped::samples, orthotropic::samples] {
+    for samples in [
+        coulomb::samples,
+        tresca::samples,
+        static_kinetic::samples,
+        tabulated::samples,
+        capped::samples,
+        orthotropic::samples,
+    ] {
         all.extend(samples());
     }
     all
@@ -123,7 +140,9 @@ mod tests {
     fn a_cone_scales_its_axes_and_drops_the_normal() {
         let cone = Cone::new(&[0.0, 0.0, -1.0], &[1.0, 1.0, 5.0], [0.2, 0.5]);
         let along = 0.5f64.sqrt();
-        let near = |found: Point, expected: Point| assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-15), "{found:?}, expected {expected:?}");
+        let near = |found: Point, expected: Point| {
+            assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-15), "{found:?}, expected {expected:?}")
+        };
         near(cone.apply(&[along, along, 7.0]), [0.2 * along, 0.2 * along, 0.0]);
         near(cone.apply(&[along, -along, 0.0]), [0.5 * along, -0.5 * along, 0.0]);
         near(cone.inverse(&cone.apply(&[0.3, -0.7, 0.0])), [0.3, -0.7, 0.0]);

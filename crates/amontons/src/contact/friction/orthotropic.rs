@@ -1,7 +1,7 @@
 //! Orthotropic friction: a coefficient for each of two directions across each other.
 //!
-//! Source: R. Michałowski, Z. Mróz, "Associated and non-associated sliding rules in contact friction problems", Arch. Mech. 30 (1978)
-//! 259–276, with the associated rule.
+//! Source: R. Michałowski, Z. Mróz, "Associated and non-associated sliding rules in contact friction problems", Arch.
+//! Mech. 30 (1978) 259–276, with the associated rule.
 
 use super::{Bound, Cone, FrictionLaw};
 use crate::contact::ContactPoint;

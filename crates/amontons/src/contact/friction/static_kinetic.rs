@@ -1,14 +1,16 @@
 //! Static and kinetic friction: the bound falls when slip starts.
 //!
-//! Source: J. A. C. Martins, J. T. Oden, F. M. F. Simões, "A study of static and kinetic friction", Int. J. Engng Sci. 28 (1990) 29–92;
-//! the exponential decay is that of L. C. Bo, D. Pavelescu, Wear 82 (1982) 277–289.
+//! Source: J. A. C. Martins, J. T. Oden, F. M. F. Simões, "A study of static and kinetic friction", Int. J. Engng Sci.
+//! 28 (1990) 29–92; the exponential decay is that of L. C. Bo, D. Pavelescu, Wear 82 (1982) 277–289.
 
 use super::{Bound, FrictionLaw};
 use crate::contact::ContactPoint;
 
-/// p_τ = μ(‖w_τ‖) p with μ(v) = μ_k + (μ_s − μ_k) exp(−v/v_d). Without v_d, μ_s holds where a point sticks and μ_k where it slips.
+/// p_τ = μ(‖w_τ‖) p with μ(v) = μ_k + (μ_s − μ_k) exp(−v/v_d). Without v_d, μ_s holds where a point sticks and μ_k
+/// where it slips.
 ///
-/// A step may then have two solutions at a point: one that stuck sticks up to μ_s p, one that slips does so until its slip would turn round.
+/// A step may then have two solutions at a point: one that stuck sticks up to μ_s p, one that slips does so until its
+/// slip would turn round.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StaticKinetic {
     /// μ_s ≥ μ_k.
@@ -37,7 +39,10 @@ impl FrictionLaw for StaticKinetic {
         l_nu.map(|l| self.at_rest.max(self.kinetic) * l)
     }
     fn least_slope(&self, at: &ContactPoint, from: f64, to: f64) -> f64 {
-        [from, to].map(|slip_speed| self.bound(&ContactPoint { slip_speed, ..*at }).by_slip_speed).into_iter().fold(0.0, f64::min)
+        [from, to]
+            .map(|slip_speed| self.bound(&ContactPoint { slip_speed, ..*at }).by_slip_speed)
+            .into_iter()
+            .fold(0.0, f64::min)
     }
     fn drops_from_rest(&self) -> bool {
         self.decay_speed.is_none() && self.at_rest > self.kinetic

@@ -1,7 +1,7 @@
 //! Coefficients that depend on slip speed, temperature or pressure, by tables.
 //!
-//! Sources: E. Rabinowicz, "Friction and Wear of Materials", Wiley (1965), chapter 4 (slip speed, pressure); the coefficient linear in
-//! the temperature, μ₀ + μ₁ (θ − θ₀) between two limits, is a table of two points.
+//! Sources: E. Rabinowicz, "Friction and Wear of Materials", Wiley (1965), chapter 4 (slip speed, pressure); the
+//! coefficient linear in the temperature, μ₀ + μ₁ (θ − θ₀) between two limits, is a table of two points.
 
 use super::{Bound, FrictionLaw};
 use crate::contact::{ContactPoint, PiecewiseLinear};
@@ -58,7 +58,8 @@ impl FrictionLaw for Tabulated {
             return 0.0;
         }
         let pieces = self.coefficient.points().windows(2).zip(self.coefficient.slopes());
-        at.pressure * pieces.filter(|(ends, _)| ends[0].0 < to && from < ends[1].0).map(|(_, slope)| slope).fold(0.0, f64::min)
+        at.pressure
+            * pieces.filter(|(ends, _)| ends[0].0 < to && from < ends[1].0).map(|(_, slope)| slope).fold(0.0, f64::min)
     }
     fn is_frictionless(&self) -> bool {
         self.coefficient.largest() == 0.0
@@ -67,7 +68,9 @@ impl FrictionLaw for Tabulated {
 
 #[cfg(test)]
 pub(super) fn samples() -> Vec<std::sync::Arc<dyn FrictionLaw>> {
-    let law = |variable, arguments: &[f64], values: &[f64]| PiecewiseLinear::new(arguments, values).map(|coefficient| Tabulated { variable, coefficient });
+    let law = |variable, arguments: &[f64], values: &[f64]| {
+        PiecewiseLinear::new(arguments, values).map(|coefficient| Tabulated { variable, coefficient })
+    };
     [
         law(Variable::SlipSpeed, &[0.0, 0.2, 0.6], &[0.5, 0.2, 0.4]),
         law(Variable::Temperature, &[-1.0, 1.0], &[0.3, 0.1]),

@@ -1,6 +1,7 @@
 //! Heat that friction makes.
 //!
-//! Source: F. F. Ling, "Surface Mechanics", Wiley (1973), chapter 2: a share η of the power of friction enters one body, 1 − η the other.
+//! Source: F. F. Ling, "Surface Mechanics", Wiley (1973), chapter 2: a share η of the power of friction enters one
+//! body, 1 − η the other.
 
 use super::{Flux, HeatLaw};
 use crate::contact::ContactPoint;

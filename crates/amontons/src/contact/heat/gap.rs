@@ -1,7 +1,8 @@
 //! Conduction through the gas in a gap.
 //!
-//! Source: M. M. Yovanovich, "Four decades of research on thermal contact, gap, and joint resistance in microelectronics", IEEE Trans.
-//! Components Packaging Tech. 28 (2005) 182–206: h = k_g/(g + M), M the length at which the gas conducts between touching asperities.
+//! Source: M. M. Yovanovich, "Four decades of research on thermal contact, gap, and joint resistance in
+//! microelectronics", IEEE Trans. Components Packaging Tech. 28 (2005) 182–206: h = k_g/(g + M), M the length at which
+//! the gas conducts between touching asperities.
 
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
@@ -22,7 +23,13 @@ impl HeatLaw for GapConduction {
         let (phi, width) = (phi_l(at, self.truncation), (-at.penetration).max(0.0) + self.roughness);
         let h = self.conductivity / width;
         let by_penetration = if at.penetration < 0.0 { h / width * phi.0 } else { 0.0 };
-        Flux { value: h * phi.0, by_temperature: h * phi.1, by_foundation: -h * phi.1, by_penetration, ..Flux::default() }
+        Flux {
+            value: h * phi.0,
+            by_temperature: h * phi.1,
+            by_foundation: -h * phi.1,
+            by_penetration,
+            ..Flux::default()
+        }
     }
     fn conductance_bound(&self) -> f64 {
         self.conductivity / self.roughness

@@ -88,7 +88,15 @@ fn phi_l(at: &ContactPoint, truncation: Option<f64>) -> (f64, f64) {
 #[cfg(test)]
 pub(crate) fn samples() -> Vec<(Arc<dyn HeatLaw>, f64)> {
     let mut all: Vec<(Arc<dyn HeatLaw>, f64)> = vec![(Arc::new(Insulated), 1e-4)];
-    for samples in [ramp::samples, power::samples, pressure::samples, gap::samples, radiation::samples, frictional::samples, sum::samples] {
+    for samples in [
+        ramp::samples,
+        power::samples,
+        pressure::samples,
+        gap::samples,
+        radiation::samples,
+        frictional::samples,
+        sum::samples,
+    ] {
         all.extend(samples());
     }
     all

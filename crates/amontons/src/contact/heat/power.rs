@@ -1,6 +1,7 @@
 //! Conductance by a power of the penetration.
 //!
-//! Source: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004), section 3.1.
+//! Source: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004), section
+//! 3.1.
 
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;

@@ -1,7 +1,7 @@
 //! Conductance by a power of the pressure.
 //!
-//! Sources: M. G. Cooper, B. B. Mikic, M. M. Yovanovich, "Thermal contact conductance", Int. J. Heat Mass Transfer 12 (1969) 279–300
-//! (h ~ p^0.985); P. Wriggers, C. Miehe, Comput. Methods Appl. Mech. Engrg. 113 (1994) 301–319.
+//! Sources: M. G. Cooper, B. B. Mikic, M. M. Yovanovich, "Thermal contact conductance", Int. J. Heat Mass Transfer 12
+//! (1969) 279–300 (h ~ p^0.985); P. Wriggers, C. Miehe, Comput. Methods Appl. Mech. Engrg. 113 (1994) 301–319.
 
 use super::{Flux, HeatLaw, phi_l};
 use crate::contact::ContactPoint;
@@ -23,7 +23,13 @@ impl HeatLaw for PressureConductance {
             return Flux::default();
         }
         let (phi, h) = (phi_l(at, self.truncation), self.coefficient * at.pressure.powf(self.exponent));
-        Flux { value: h * phi.0, by_temperature: h * phi.1, by_foundation: -h * phi.1, by_pressure: self.exponent * h / at.pressure * phi.0, ..Flux::default() }
+        Flux {
+            value: h * phi.0,
+            by_temperature: h * phi.1,
+            by_foundation: -h * phi.1,
+            by_pressure: self.exponent * h / at.pressure * phi.0,
+            ..Flux::default()
+        }
     }
     fn conductance_bound(&self) -> f64 {
         if self.coefficient == 0.0 { 0.0 } else { f64::INFINITY }

@@ -1,6 +1,7 @@
 //! Radiation between the surfaces.
 //!
-//! Source: F. P. Incropera, D. P. DeWitt, "Fundamentals of Heat and Mass Transfer", Wiley (2002), chapter 13; the constant is that of the SI (2019).
+//! Source: F. P. Incropera, D. P. DeWitt, "Fundamentals of Heat and Mass Transfer", Wiley (2002), chapter 13; the
+//! constant is that of the SI (2019).
 
 use super::{Flux, HeatLaw};
 use crate::contact::ContactPoint;
@@ -21,11 +22,17 @@ pub struct Radiation {
 
 impl HeatLaw for Radiation {
     fn flux(&self, at: &ContactPoint) -> Flux {
-        let [body, foundation] = [at.temperature, at.foundation_temperature].map(|theta| (theta - self.absolute_zero).max(0.0));
+        let [body, foundation] =
+            [at.temperature, at.foundation_temperature].map(|theta| (theta - self.absolute_zero).max(0.0));
         let factor = self.constant * self.emissivity;
         // a⁴ − b⁴ without cancellation where the temperatures are close.
         let difference = (body - foundation) * (body + foundation) * (body * body + foundation * foundation);
-        Flux { value: factor * difference, by_temperature: 4.0 * factor * body.powi(3), by_foundation: -4.0 * factor * foundation.powi(3), ..Flux::default() }
+        Flux {
+            value: factor * difference,
+            by_temperature: 4.0 * factor * body.powi(3),
+            by_foundation: -4.0 * factor * foundation.powi(3),
+            ..Flux::default()
+        }
     }
     fn conductance_bound(&self) -> f64 {
         // The slope grows with the temperature.

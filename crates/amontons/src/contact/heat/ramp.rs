@@ -26,7 +26,13 @@ impl HeatLaw for Ramp {
     fn flux(&self, at: &ContactPoint) -> Flux {
         let k_c = self.k_c(at.penetration);
         let phi = phi_l(at, self.truncation);
-        Flux { value: k_c.0 * phi.0, by_temperature: k_c.0 * phi.1, by_foundation: -k_c.0 * phi.1, by_penetration: k_c.1 * phi.0, ..Flux::default() }
+        Flux {
+            value: k_c.0 * phi.0,
+            by_temperature: k_c.0 * phi.1,
+            by_foundation: -k_c.0 * phi.1,
+            by_penetration: k_c.1 * phi.0,
+            ..Flux::default()
+        }
     }
     fn conductance_bound(&self) -> f64 {
         self.conductance

@@ -33,7 +33,10 @@ impl HeatLaw for Sum {
     fn truncation(&self) -> Option<f64> {
         // The sum is cut off where every law that exchanges heat is.
         let exchanging = self.laws.iter().filter(|law| law.conductance_bound() > 0.0);
-        exchanging.map(|law| law.truncation()).try_fold(0.0f64, |most, cut| Some(most.max(cut?))).filter(|&most| most > 0.0)
+        exchanging
+            .map(|law| law.truncation())
+            .try_fold(0.0f64, |most, cut| Some(most.max(cut?)))
+            .filter(|&most| most > 0.0)
     }
     fn absolute_zero(&self) -> Option<f64> {
         self.laws.iter().filter_map(|law| law.absolute_zero()).reduce(f64::max)

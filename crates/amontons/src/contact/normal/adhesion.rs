@@ -1,12 +1,13 @@
 //! Adhesion: a layer that pulls up to a bound and is then released.
 //!
-//! Source: P. D. Panagiotopoulos, "Hemivariational Inequalities", Springer (1993), section 1.4: reversible, without damage.
+//! Source: P. D. Panagiotopoulos, "Hemivariational Inequalities", Springer (1993), section 1.4: reversible, without
+//! damage.
 
 use super::{NormalLaw, Pressure};
 use crate::tensor::Point;
 
-/// p = c r where r ≥ −δ₀, δ₀ = strength/c; where the gap is wider the tension falls to zero, linearly over the length `release`.
-/// Without such a length it vanishes at once.
+/// p = c r where r ≥ −δ₀, δ₀ = strength/c; where the gap is wider the tension falls to zero, linearly over the length
+/// `release`. Without such a length it vanishes at once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Adhesion {
     /// c > 0 in Pa/m.
@@ -33,7 +34,11 @@ impl NormalLaw for Adhesion {
     fn potential(&self, _x: &Point, r: f64) -> f64 {
         let bond = self.strength / self.stiffness;
         let (held, left) = (r.max(-bond), (r + bond + self.release).max(0.0));
-        let released = if r < -bond && self.release > 0.0 { 0.5 * self.strength * (self.release - left * left / self.release) } else { 0.0 };
+        let released = if r < -bond && self.release > 0.0 {
+            0.5 * self.strength * (self.release - left * left / self.release)
+        } else {
+            0.0
+        };
         0.5 * self.stiffness * held * held + released
     }
     fn least_slope(&self, _x: &Point, from: f64, to: f64) -> f64 {
@@ -49,7 +54,8 @@ impl NormalLaw for Adhesion {
         }
     }
     fn lipschitz(&self) -> Option<f64> {
-        (self.strength == 0.0 || self.release > 0.0).then(|| self.stiffness.max(self.strength / self.release.max(f64::MIN_POSITIVE)))
+        (self.strength == 0.0 || self.release > 0.0)
+            .then(|| self.stiffness.max(self.strength / self.release.max(f64::MIN_POSITIVE)))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bilateral contact: r = 0, without separation.
 //!
-//! Source: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004), section 2.6.
+//! Source: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004), section
+//! 2.6.
 
 use super::{GraphKind, NormalLaw, Pressure};
 use crate::tensor::Point;

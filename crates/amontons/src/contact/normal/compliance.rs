@@ -26,5 +26,8 @@ impl NormalLaw for Compliance {
 
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
-    vec![(std::sync::Arc::new(Compliance { stiffness: 1e4 }), 1e-4), (std::sync::Arc::new(Compliance { stiffness: 3.0e12 }), 1e-6)]
+    vec![
+        (std::sync::Arc::new(Compliance { stiffness: 1e4 }), 1e-4),
+        (std::sync::Arc::new(Compliance { stiffness: 3.0e12 }), 1e-6),
+    ]
 }

@@ -1,8 +1,8 @@
 //! Damped response: a pressure that depends on the rate of the penetration, too.
 //!
-//! Sources: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004), section 2.6 (linear
-//! damped response); K. H. Hunt, F. R. E. Crossley, "Coefficient of restitution interpreted as damping in vibroimpact", J. Appl.
-//! Mech. 42 (1975) 440–445.
+//! Sources: M. Shillor, M. Sofonea, J. J. Telega, "Models and Analysis of Quasistatic Contact", Springer (2004),
+//! section 2.6 (linear damped response); K. H. Hunt, F. R. E. Crossley, "Coefficient of restitution interpreted as
+//! damping in vibroimpact", J. Appl. Mech. 42 (1975) 440–445.
 
 use super::{NormalLaw, Power, Pressure};
 use crate::tensor::Point;
@@ -19,7 +19,11 @@ pub struct Damped {
 impl NormalLaw for Damped {
     fn pressure(&self, _x: &Point, z: f64, rate: f64, _lambda: f64) -> Pressure {
         let value = self.stiffness * z + self.damping * rate;
-        if z > 0.0 && value > 0.0 { Pressure { value, slope: self.stiffness, by_rate: self.damping } } else { Pressure::default() }
+        if z > 0.0 && value > 0.0 {
+            Pressure { value, slope: self.stiffness, by_rate: self.damping }
+        } else {
+            Pressure::default()
+        }
     }
     fn potential(&self, _x: &Point, r: f64) -> f64 {
         0.5 * self.stiffness * r.max(0.0).powi(2)

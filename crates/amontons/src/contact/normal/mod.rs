@@ -52,15 +52,18 @@ pub enum GraphKind {
 ///
 /// Those that (H8) covers are functions of r alone, not negative, nondecreasing, and zero for r ≤ 0.
 pub trait NormalLaw: Debug + Send + Sync {
-    /// Solves p ∈ G(z − λ p, ṙ) for p; the slopes are those of the solution. A function is evaluated with λ = 0, so z = r; [`resolvent`] solves it for others.
+    /// Solves p ∈ G(z − λ p, ṙ) for p; the slopes are those of the solution. A function is evaluated with λ = 0, so
+    /// z = r; [`resolvent`] solves it for others.
     ///
-    /// The rate is that of r₊, (r₊ⁿ − r₊ⁿ⁻¹)/k: with ṙ itself a damped law would jump when the gap closes within a step.
+    /// The rate is that of r₊, (r₊ⁿ − r₊ⁿ⁻¹)/k: with ṙ itself a damped law would jump when the gap closes within a
+    /// step.
     fn pressure(&self, x: &Point, z: f64, rate: f64, lambda: f64) -> Pressure;
     /// ∫₀^r G at ṙ = 0, the energy stored in the layer, in J/m².
     fn potential(&self, x: &Point, r: f64) -> f64;
     /// L_ν of (H8) in Pa/m; none for a multivalued graph and where slopes are not bounded.
     fn lipschitz(&self) -> Option<f64>;
-    /// Least slope in Pa/m between two penetrations, the first the smaller; −∞ across a drop. Zero stands for any law that does not fall.
+    /// Least slope in Pa/m between two penetrations, the first the smaller; −∞ across a drop. Zero stands for any law
+    /// that does not fall.
     fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
         0.0
     }
@@ -73,8 +76,9 @@ pub trait NormalLaw: Debug + Send + Sync {
 /// Most iterations of [`resolvent`]; every third halves the interval.
 const ITERATIONS: usize = 200;
 
-/// Solves p ∈ G(z − λ p − λ_w p₊, ṙ), λ_w p₊ the depth in m that wears off in a step, for a law that does not fall or with λ = λ_w = 0: where
-/// the law is a function, by Newton's method between zero and its value at z, where the difference of both sides changes its sign.
+/// Solves p ∈ G(z − λ p − λ_w p₊, ṙ), λ_w p₊ the depth in m that wears off in a step, for a law that does not fall or
+/// with λ = λ_w = 0: where the law is a function, by Newton's method between zero and its value at z, where the
+/// difference of both sides changes its sign.
 #[must_use]
 pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_wear]: [f64; 2]) -> Pressure {
     if law.graph() != GraphKind::Function {
@@ -96,7 +100,9 @@ pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_
         let (excess, yielding) = (p - at.value, 1.0 + lambda * at.slope);
         found = Pressure { value: p, slope: at.slope / yielding, by_rate: at.by_rate / yielding };
         let newton = p - excess / yielding;
-        if above - below <= 4.0 * f64::EPSILON * above.abs().max(below.abs()) || (newton - p).abs() <= 2.0 * f64::EPSILON * p.abs() {
+        if above - below <= 4.0 * f64::EPSILON * above.abs().max(below.abs())
+            || (newton - p).abs() <= 2.0 * f64::EPSILON * p.abs()
+        {
             break;
         }
         if excess > 0.0 {

@@ -1,7 +1,7 @@
 //! Power-law compliance p = c r₊^m.
 //!
-//! Source: J. A. C. Martins, J. T. Oden, "Existence and uniqueness results for dynamic contact problems with nonlinear normal and
-//! friction interface laws", Nonlinear Analysis 11 (1987) 407–428; m = 3/2 is Hertz' sphere.
+//! Source: J. A. C. Martins, J. T. Oden, "Existence and uniqueness results for dynamic contact problems with nonlinear
+//! normal and friction interface laws", Nonlinear Analysis 11 (1987) 407–428; m = 3/2 is Hertz' sphere.
 
 use super::{NormalLaw, Pressure};
 use crate::tensor::Point;

@@ -1,6 +1,7 @@
 //! A layer that gives way: a pressure that is not monotone, as in hemivariational models.
 //!
-//! Source: S. Migórski, A. Ochal, M. Sofonea, "Nonlinear Inclusions and Hemivariational Inequalities", Springer (2013), section 6.3.
+//! Source: S. Migórski, A. Ochal, M. Sofonea, "Nonlinear Inclusions and Hemivariational Inequalities", Springer (2013),
+//! section 6.3.
 
 use super::{NormalLaw, Pressure};
 use crate::tensor::Point;
@@ -43,7 +44,9 @@ impl NormalLaw for Softening {
     fn potential(&self, _x: &Point, r: f64) -> f64 {
         let [top, end] = self.corners();
         let (rising, falling, after) = (r.clamp(0.0, top), (r - top).clamp(0.0, end - top), (r - end).max(0.0));
-        0.5 * self.stiffness * rising * rising + falling * (self.peak - 0.5 * self.softening * falling) + self.residual * after
+        0.5 * self.stiffness * rising * rising
+            + falling * (self.peak - 0.5 * self.softening * falling)
+            + self.residual * after
     }
     fn least_slope(&self, _x: &Point, from: f64, to: f64) -> f64 {
         let [top, end] = self.corners();

@@ -1,6 +1,7 @@
 //! A compliant layer with a rigid stop inside: normal compliance with a bounded penetration.
 //!
-//! Source: J. Jarušek, M. Sofonea, "On the solvability of dynamic elastic-visco-plastic contact problems", ZAMM 88 (2008) 3–22.
+//! Source: J. Jarušek, M. Sofonea, "On the solvability of dynamic elastic-visco-plastic contact problems", ZAMM 88
+//! (2008) 3–22.
 
 use super::{GraphKind, NormalLaw, Pressure};
 use crate::tensor::Point;
@@ -40,5 +41,8 @@ impl NormalLaw for Stop {
 
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn NormalLaw>, f64)> {
-    vec![(std::sync::Arc::new(Stop { stiffness: 1e4, depth: 1e-4 }), 2e-4), (std::sync::Arc::new(Stop { stiffness: 0.0, depth: 0.3 }), 0.5)]
+    vec![
+        (std::sync::Arc::new(Stop { stiffness: 1e4, depth: 1e-4 }), 2e-4),
+        (std::sync::Arc::new(Stop { stiffness: 0.0, depth: 0.3 }), 0.5),
+    ]
 }

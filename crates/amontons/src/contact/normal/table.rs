@@ -4,7 +4,8 @@ use super::{NormalLaw, Pressure};
 use crate::contact::{PiecewiseLinear, TableFault};
 use crate::tensor::Point;
 
-/// p linear between the points of a table that starts at (0, 0) and does not fall; beyond the last point its last piece goes on.
+/// p linear between the points of a table that starts at (0, 0) and does not fall; beyond the last point its last piece
+/// goes on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PressureTable {
     /// p in Pa at r in m.
@@ -91,8 +92,14 @@ mod tests {
     fn tables_that_are_no_laws() {
         let fault = |r: &[f64], p: &[f64]| PressureTable::new(r, p).err();
         assert_eq!(fault(&[0.0, 1.0], &[0.0, 1.0]), None);
-        assert_eq!(fault(&[0.1, 1.0], &[0.0, 1.0]), Some(PressureTableFault::Start { penetration: 0.1, pressure: 0.0 }));
-        assert_eq!(fault(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.5]), Some(PressureTableFault::Falls { before: 1.0, next: 0.5 }));
+        assert_eq!(
+            fault(&[0.1, 1.0], &[0.0, 1.0]),
+            Some(PressureTableFault::Start { penetration: 0.1, pressure: 0.0 })
+        );
+        assert_eq!(
+            fault(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.5]),
+            Some(PressureTableFault::Falls { before: 1.0, next: 0.5 })
+        );
         assert_eq!(fault(&[0.0], &[0.0]), Some(PressureTableFault::Table(TableFault::Few { found: 1 })));
     }
 }

@@ -4,7 +4,8 @@ use super::{CENTER, Checks, Nearest, Point3, Shape, ShapeFaults, across, at, key
 use crate::field::Field;
 use crate::tensor::Point;
 
-/// The cylinder without ends of points nearer than R to the axis through c, or of those farther, around a bore that the body is within.
+/// The cylinder without ends of points nearer than R to the axis through c, or of those farther, around a bore that the
+/// body is within.
 #[derive(Clone, Debug)]
 pub struct Cylinder {
     center: Point3,
@@ -14,15 +15,16 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// The cylinder with `radius` in m whose axis goes through `center` in the direction `axis`, of any length: (0, 0, 1) in two dimensions. With `inside` it is
-    /// the bore of this radius.
+    /// The cylinder with `radius` in m whose axis goes through `center` in the direction `axis`, of any length: (0, 0,
+    /// 1) in two dimensions. With `inside` it is the bore of this radius.
     ///
     /// # Errors
     /// When the radius is not positive, the axis zero or the centre depends on space.
     pub fn new(center: Point3, axis: Point, radius: f64, inside: bool) -> Result<Cylinder, ShapeFaults> {
         let mut checks = Checks::default();
         let center = checks.moving(CENTER, center);
-        let cylinder = Cylinder { center, axis: checks.unit("axis", axis), radius: checks.positive("radius", radius), inside };
+        let cylinder =
+            Cylinder { center, axis: checks.unit("axis", axis), radius: checks.positive("radius", radius), inside };
         checks.result(cylinder)
     }
 }

@@ -1,10 +1,11 @@
 //! The nearest point of the surface φ = 0: y + μ ∇φ(y) = x, φ(y) = 0.
 //!
-//! Iterates stay on the surface: a step in the tangent plane, then back along ∇φ. The step is Newton's for the system above, second derivatives from
-//! differences of the exact first ones, and the gradient's of ‖x − y‖²/2 where the second variation is not positive; it is
-//! halved until y comes nearer. So the distance falls from step to step, and where it falls no more the point is nearest among its neighbours:
-//! where x − y is normal to the surface, or at an edge. Then φ is looked at on spheres around x within that distance:
-//! where it has another sign than at x there is a nearer part of the surface, from which the descent starts again.
+//! Iterates stay on the surface: a step in the tangent plane, then back along ∇φ. The step is Newton's for the system
+//! above, second derivatives from differences of the exact first ones, and the gradient's of ‖x − y‖²/2 where the
+//! second variation is not positive; it is halved until y comes nearer. So the distance falls from step to step, and
+//! where it falls no more the point is nearest among its neighbours: where x − y is normal to the surface, or at an
+//! edge. Then φ is looked at on spheres around x within that distance: where it has another sign than at x there is a
+//! nearer part of the surface, from which the descent starts again.
 
 use super::{Nearest, across, minus, perpendicular, plus};
 use crate::expression::Expression;
@@ -64,7 +65,10 @@ impl Level<'_> {
         // Each time nearer; a surface has few parts that are nearest in turn.
         for _ in 0..50 {
             let distance = foot.distance(x);
-            let Some(next) = self.crossing(x, outside, &[0.25, 0.5, 0.75, 0.999].map(|part| part * distance)).and_then(|y| self.onto_surface(&y)) else {
+            let Some(next) = self
+                .crossing(x, outside, &[0.25, 0.5, 0.75, 0.999].map(|part| part * distance))
+                .and_then(|y| self.onto_surface(&y))
+            else {
                 break;
             };
             match self.slide(x, next) {
@@ -91,7 +95,12 @@ impl Level<'_> {
         let d = self.of.derivatives(&y, self.t);
         let steepness = length(&d.by_x);
         let normal = d.by_x.map(|c| c / steepness);
-        (d.value.is_finite() && steepness.is_finite() && normal.iter().all(|c| c.is_finite())).then_some(At { y, value: d.value, steepness, normal })
+        (d.value.is_finite() && steepness.is_finite() && normal.iter().all(|c| c.is_finite())).then_some(At {
+            y,
+            value: d.value,
+            steepness,
+            normal,
+        })
     }
 
     /// From a point along ∇φ to the surface: Newton's method, the step halved until |φ| falls.
@@ -104,12 +113,15 @@ impl Level<'_> {
                 return Some(at);
             }
             let mut parts = (0..40).map(|halvings| 0.5f64.powi(halvings)).take_while(|part| part * step.abs() > seen);
-            let shorter = |part: f64| self.at(plus(&at.y, part * step, &at.normal)).filter(|next| next.value.abs() < at.value.abs());
+            let shorter = |part: f64| {
+                self.at(plus(&at.y, part * step, &at.normal)).filter(|next| next.value.abs() < at.value.abs())
+            };
             let Some(next) = parts.find_map(shorter) else { break };
             at = next;
         }
         // |φ| falls no more: the zero is as near as rounding lets it be seen, else there is none.
-        let beyond = |part: f64| self.value(&plus(&at.y, -part * at.value / at.steepness, &at.normal)) * at.value <= 0.0;
+        let beyond =
+            |part: f64| self.value(&plus(&at.y, -part * at.value / at.steepness, &at.normal)) * at.value <= 0.0;
         [1.0, 2.0, 4.0, 8.0].into_iter().any(beyond).then_some(at)
     }
 
@@ -147,8 +159,8 @@ impl Level<'_> {
         (0..50).find_map(|halvings| reached(0.5f64.powi(halvings)))
     }
 
-    /// The step s in the tangent plane with s + λ H s = r, r the part of x − y in that plane, λ the part across and H the tangential part of ∇²φ/‖∇φ‖;
-    /// none where I + λH is not positive.
+    /// The step s in the tangent plane with s + λ H s = r, r the part of x − y in that plane, λ the part across and H
+    /// the tangential part of ∇²φ/‖∇φ‖; none where I + λH is not positive.
     fn newton(&self, x: &Point, at: &At, along: f64, rest: &Point) -> Option<Point> {
         let h = 1e-5 * largest(x).max(largest(&at.y));
         // In a plane one tangent, in space two.
@@ -160,7 +172,10 @@ impl Level<'_> {
             vec![first, [b * f - c * e, c * d - a * f, a * e - b * d]]
         };
         let gradient = |s: f64, e: &Point| self.of.derivatives(&plus(&at.y, s, e), self.t).by_x;
-        let images: Vec<Point> = tangents.iter().map(|e| plus(e, 0.5 * along / (h * at.steepness), &minus(&gradient(h, e), &gradient(-h, e)))).collect();
+        let images: Vec<Point> = tangents
+            .iter()
+            .map(|e| plus(e, 0.5 * along / (h * at.steepness), &minus(&gradient(h, e), &gradient(-h, e))))
+            .collect();
         let entry = |i: usize, j: usize| 0.5 * (dot(&tangents[i], &images[j]) + dot(&tangents[j], &images[i]));
         let a = entry(0, 0);
         if tangents.len() == 1 {
@@ -173,7 +188,8 @@ impl Level<'_> {
         (a > 0.0 && determinant > 0.0).then(|| plus(&along_first, (a * s - b * r) / determinant, &tangents[1]))
     }
 
-    /// A point next to the surface on a ray from `x`: where φ has another sign at one of the radii, which grow, than at `x`.
+    /// A point next to the surface on a ray from `x`: where φ has another sign at one of the radii, which grow, than at
+    /// `x`.
     fn crossing(&self, x: &Point, outside: bool, radii: &[f64]) -> Option<Point> {
         let rays = rays(self.axes);
         let across = |value: f64| if outside { value < 0.0 } else { value > 0.0 };
@@ -181,7 +197,9 @@ impl Level<'_> {
         for &radius in radii {
             let points: Vec<Point> = rays.iter().map(|ray| plus(x, radius, ray)).collect();
             self.of.values(&points, self.t, &mut values);
-            let Some(ray) = rays.iter().zip(&values).find(|(_, value)| across(**value)).map(|(ray, _)| ray) else { continue };
+            let Some(ray) = rays.iter().zip(&values).find(|(_, value)| across(**value)).map(|(ray, _)| ray) else {
+                continue;
+            };
             let (mut near, mut far) = (0.0, radius);
             // Close enough for Newton's method.
             for _ in 0..30 {
@@ -206,11 +224,15 @@ impl Level<'_> {
     }
 }
 
-/// Unit vectors in the space of some axes: towards the points of a lattice with five points per direction, 16 in a plane and 98 in space.
+/// Unit vectors in the space of some axes: towards the points of a lattice with five points per direction, 16 in a
+/// plane and 98 in space.
 fn rays(axes: &[usize]) -> Vec<Point> {
     let mut points: Vec<[i8; 3]> = vec![[0; 3]];
     for &axis in axes {
-        points = points.iter().flat_map(|p| [-2, -1, 0, 1, 2].map(|c| [0, 1, 2].map(|d| if d == axis { c } else { p[d] }))).collect();
+        points = points
+            .iter()
+            .flat_map(|p| [-2, -1, 0, 1, 2].map(|c| [0, 1, 2].map(|d| if d == axis { c } else { p[d] })))
+            .collect();
     }
     // A point of even numbers is behind another one.
     points.iter().filter(|p| p.iter().any(|c| c % 2 != 0)).filter_map(|p| super::unit(&p.map(f64::from))).collect()

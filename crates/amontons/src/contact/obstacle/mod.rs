@@ -1,7 +1,8 @@
 //! Rigid surfaces that may move: what of them is nearest to a point, one shape per file.
 //!
-//! An obstacle gives (2.8)–(2.10) their geometry: contact acts along ν = −n, n the normal of the obstacle at the point of it that
-//! is nearest, and the gap is the distance there. Both are functions of the place alone, whatever the mesh of the body is.
+//! An obstacle gives (2.8)–(2.10) their geometry: contact acts along ν = −n, n the normal of the obstacle at the point
+//! of it that is nearest, and the gap is the distance there. Both are functions of the place alone, whatever the mesh
+//! of the body is.
 
 mod cylinder;
 mod descent;
@@ -27,7 +28,8 @@ use crate::tensor::{Point, dot, length};
 pub struct Obstacle {
     /// Its surface.
     pub shape: Arc<dyn Shape>,
-    /// Whether distances and normals are those at x + u_{n−1}, anew in each step; else they are those at x, for small displacements.
+    /// Whether distances and normals are those at x + u_{n−1}, anew in each step; else they are those at x, for small
+    /// displacements.
     pub updated: bool,
 }
 
@@ -129,7 +131,9 @@ pub enum ShapeFault {
         key: &'static str,
     },
     /// The level of a surface is the same everywhere.
-    #[error("an expression that is the same everywhere, expected one in space, positive outside the obstacle and negative inside")]
+    #[error(
+        "an expression that is the same everywhere, expected one in space, positive outside the obstacle and negative inside"
+    )]
     Level,
 }
 
@@ -138,7 +142,10 @@ impl ShapeFault {
     #[must_use]
     pub fn key(&self) -> &'static str {
         match self {
-            ShapeFault::NotPositive { key, .. } | ShapeFault::NotFinite { key, .. } | ShapeFault::NoDirection { key, .. } | ShapeFault::InSpace { key } => key,
+            ShapeFault::NotPositive { key, .. }
+            | ShapeFault::NotFinite { key, .. }
+            | ShapeFault::NoDirection { key, .. }
+            | ShapeFault::InSpace { key } => key,
             ShapeFault::AlongNormal { .. } => "direction",
             ShapeFault::Level => "level",
         }
@@ -225,8 +232,8 @@ fn perpendicular(n: &Point) -> Point {
     unit(&across(&axis, n)).unwrap_or(axis)
 }
 
-/// The nearest point of a round surface, `from` the vector to the point from the centre or axis; on the centre or axis, where all points are equally near, it
-/// is the one in direction `otherwise`.
+/// The nearest point of a round surface, `from` the vector to the point from the centre or axis; on the centre or axis,
+/// where all points are equally near, it is the one in direction `otherwise`.
 fn round(from: &Point, radius: f64, inside: bool, otherwise: Point) -> Nearest {
     if from.iter().any(|c| c.is_nan()) {
         return Nearest::NONE;

@@ -19,7 +19,8 @@ impl Sphere {
     /// When the radius is not positive or the centre depends on space.
     pub fn new(center: Point3, radius: f64, inside: bool) -> Result<Sphere, ShapeFaults> {
         let mut checks = Checks::default();
-        let sphere = Sphere { center: checks.moving(CENTER, center), radius: checks.positive("radius", radius), inside };
+        let sphere =
+            Sphere { center: checks.moving(CENTER, center), radius: checks.positive("radius", radius), inside };
         checks.result(sphere)
     }
 }

@@ -7,9 +7,10 @@ use crate::tensor::Point;
 
 /// The matter where φ(x, t) < 0, bounded by the surface φ = 0.
 ///
-/// φ is no distance: the nearest point is looked for, see `descent`. Of several parts of the surface whose distances differ by a few hundredths
-/// the farther may be taken, which does not occur close to the surface. It may have edges; there the normal is the direction in which the
-/// distance grows. It has no place: what moves along it is told by the velocity of the foundation.
+/// φ is no distance: the nearest point is looked for, see `descent`. Of several parts of the surface whose distances
+/// differ by a few hundredths the farther may be taken, which does not occur close to the surface. It may have edges;
+/// there the normal is the direction in which the distance grows. It has no place: what moves along it is told by the
+/// velocity of the foundation.
 #[derive(Clone, Debug)]
 pub struct Surface {
     level: Expression,
@@ -23,8 +24,12 @@ impl Surface {
     /// # Errors
     /// When the level does not depend on space.
     pub fn new(level: Expression) -> Result<Surface, ShapeFaults> {
-        let axes: Vec<usize> =
-            [Variable::X, Variable::Y, Variable::Z].into_iter().enumerate().filter(|(_, axis)| level.uses(*axis)).map(|(axis, _)| axis).collect();
+        let axes: Vec<usize> = [Variable::X, Variable::Y, Variable::Z]
+            .into_iter()
+            .enumerate()
+            .filter(|(_, axis)| level.uses(*axis))
+            .map(|(axis, _)| axis)
+            .collect();
         if axes.is_empty() { Err(ShapeFaults(vec![ShapeFault::Level])) } else { Ok(Surface { level, axes }) }
     }
 }

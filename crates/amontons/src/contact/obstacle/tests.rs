@@ -38,7 +38,10 @@ fn surface(level: &str) -> Surface {
 
 fn assert_near(found: Nearest, expected: Nearest, tolerance: f64, of: &str) {
     let off = length(&minus(&found.normal, &expected.normal));
-    assert!((found.distance - expected.distance).abs() <= tolerance && off <= tolerance, "{of}: {found:?}, expected {expected:?}");
+    assert!(
+        (found.distance - expected.distance).abs() <= tolerance && off <= tolerance,
+        "{of}: {found:?}, expected {expected:?}"
+    );
 }
 
 /// The least of `f` on [low, high]: a dense search, then golden section.
@@ -61,7 +64,8 @@ fn planes_by_the_formula_of_hesse() {
         for _ in 0..50 {
             let (normal, p, x) = (random.point(dim, 1.0), random.point(dim, 5.0), random.point(dim, 5.0));
             let plane = Plane::new(fixed(p), normal.map(|c| 1e3 * c)).unwrap();
-            let distance = (0..3).map(|c| normal[c] * (x[c] - p[c])).sum::<f64>() / normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+            let distance = (0..3).map(|c| normal[c] * (x[c] - p[c])).sum::<f64>()
+                / normal.iter().map(|c| c * c).sum::<f64>().sqrt();
             let found = plane.nearest(&x, 0.0);
             assert!((found.distance - distance).abs() < 1e-14 && (length(&found.normal) - 1.0).abs() < 1e-15);
             // Along the normal the distance is that which was gone.
@@ -94,14 +98,20 @@ fn balls_and_sockets_by_the_radius() {
 fn cylinders_by_the_cross_product() {
     let mut random = Random(3);
     for _ in 0..50 {
-        let (c, x, axis, radius) = (random.point(3, 2.0), random.point(3, 5.0), random.point(3, 1.0), random.between(0.1, 3.0));
+        let (c, x, axis, radius) =
+            (random.point(3, 2.0), random.point(3, 5.0), random.point(3, 1.0), random.between(0.1, 3.0));
         let v = minus(&x, &c);
         // ‖v × a‖/‖a‖.
         let cross = [v[1] * axis[2] - v[2] * axis[1], v[2] * axis[0] - v[0] * axis[2], v[0] * axis[1] - v[1] * axis[0]];
         let r = length(&cross) / length(&axis);
-        let [shaft, bore] = [false, true].map(|inside| Cylinder::new(fixed(c), axis, radius, inside).unwrap().nearest(&x, 0.0));
+        let [shaft, bore] =
+            [false, true].map(|inside| Cylinder::new(fixed(c), axis, radius, inside).unwrap().nearest(&x, 0.0));
         assert!((shaft.distance - (r - radius)).abs() < 1e-14 && (bore.distance - (radius - r)).abs() < 1e-14);
-        assert!(dot(&shaft.normal, &axis).abs() < 1e-14 && (dot(&shaft.normal, &v) - r).abs() < 1e-14 && bore.normal == shaft.normal.map(|c| -c));
+        assert!(
+            dot(&shaft.normal, &axis).abs() < 1e-14
+                && (dot(&shaft.normal, &v) - r).abs() < 1e-14
+                && bore.normal == shaft.normal.map(|c| -c)
+        );
     }
     // In the plane the axis is z, and the cylinder a disc.
     for inside in [false, true] {
@@ -122,9 +132,14 @@ fn waves_by_a_search_along_them() {
     for round in 0..300 {
         let wavelength = random.between(0.2, 3.0);
         let amplitude = wavelength * random.between(-1.0, 1.0) * [0.02, 0.3, 1.5][round % 3];
-        let wave = Wave::new(fixed([0.3, -0.1, 0.0]), [0.0, 2.0, 0.0], [-3.0, 0.7, 0.0], amplitude, wavelength).unwrap();
+        let wave =
+            Wave::new(fixed([0.3, -0.1, 0.0]), [0.0, 2.0, 0.0], [-3.0, 0.7, 0.0], amplitude, wavelength).unwrap();
         // On crests, in troughs and between.
-        let s = if round % 5 == 0 { 0.5 * wavelength * (random.between(-8.0, 8.0)).round() } else { random.between(-4.0, 4.0) };
+        let s = if round % 5 == 0 {
+            0.5 * wavelength * (random.between(-8.0, 8.0)).round()
+        } else {
+            random.between(-4.0, 4.0)
+        };
         let h = amplitude.abs().max(0.1) * random.between(-3.0, 3.0);
         let surface = |s: f64| amplitude * (TAU * s / wavelength).cos();
         let distance = least(s - wavelength, s + wavelength, |w| (w - s).hypot(surface(w) - h));
@@ -135,11 +150,16 @@ fn waves_by_a_search_along_them() {
         let foot = [s - found.distance * found.normal[0], h - found.distance * found.normal[1]];
         let incline = TAU * amplitude / wavelength * (TAU * foot[0] / wavelength).sin();
         assert!((foot[1] - surface(foot[0])).abs() < 1e-13, "{round}: {foot:?}");
-        assert!((found.normal[0] - incline * found.normal[1]).abs() < 1e-12 * (1.0 + incline.abs()) && found.normal[1] > 0.0, "{round}: {found:?}");
+        assert!(
+            (found.normal[0] - incline * found.normal[1]).abs() < 1e-12 * (1.0 + incline.abs())
+                && found.normal[1] > 0.0,
+            "{round}: {found:?}"
+        );
     }
 }
 
-/// A wave in space is that in the plane of its normal and its direction, which need be neither of unit length nor perpendicular.
+/// A wave in space is that in the plane of its normal and its direction, which need be neither of unit length nor
+/// perpendicular.
 #[test]
 fn waves_in_space_are_those_in_their_plane() {
     let mut random = Random(5);
@@ -166,22 +186,37 @@ fn an_ellipse_by_a_search_along_it() {
     let round = surface("x^2/4 + y^2 + z^2 - 1");
     let mut random = Random(6);
     let mut points: Vec<Point> = (0..200).map(|_| random.point(2, 3.0)).collect();
-    points.extend([[0.0, 0.0, 0.0], [0.0, 0.01, 0.0], [1.0, 0.0, 0.0], [0.0, 5.0, 0.0], [-9.0, 0.0, 0.0], [1e-9, 0.0, 0.0], [40.0, 30.0, 0.0]]);
+    points.extend([
+        [0.0, 0.0, 0.0],
+        [0.0, 0.01, 0.0],
+        [1.0, 0.0, 0.0],
+        [0.0, 5.0, 0.0],
+        [-9.0, 0.0, 0.0],
+        [1e-9, 0.0, 0.0],
+        [40.0, 30.0, 0.0],
+    ]);
     for x in points {
         let distance = least(0.0, TAU, |w: f64| (2.0 * w.cos() - x[0]).hypot(w.sin() - x[1]));
         let expected = if x[0] * x[0] / 4.0 + x[1] * x[1] >= 1.0 { distance } else { -distance };
         let found = ellipse.nearest(&x, 0.0);
         assert!((found.distance - expected).abs() < 4e-14 * (1.0 + distance), "{x:?}: {found:?}, expected {expected}");
         let foot = plus(&x, -found.distance, &found.normal);
-        assert!((foot[0] * foot[0] / 4.0 + foot[1] * foot[1] - 1.0).abs() < 1e-12 * (1.0 + distance), "{x:?}: {foot:?}");
+        assert!(
+            (foot[0] * foot[0] / 4.0 + foot[1] * foot[1] - 1.0).abs() < 1e-12 * (1.0 + distance),
+            "{x:?}: {foot:?}"
+        );
         // Turned about its long axis.
         let turned = [x[0], 0.6 * x[1], 0.8 * x[1]];
         let found = round.nearest(&turned, 0.0);
-        assert!((found.distance - expected).abs() < 4e-14 * (1.0 + distance), "{turned:?}: {found:?}, expected {expected}");
+        assert!(
+            (found.distance - expected).abs() < 4e-14 * (1.0 + distance),
+            "{turned:?}: {found:?}, expected {expected}"
+        );
     }
 }
 
-/// Levels that are no distances, of shapes that are known: the nearest point does not depend on the level, nor on the units.
+/// Levels that are no distances, of shapes that are known: the nearest point does not depend on the level, nor on the
+/// units.
 #[test]
 fn levels_give_the_distances_of_the_shapes_that_they_are() {
     let mut random = Random(7);
@@ -246,14 +281,19 @@ fn edges_of_a_level() {
             let turned = [0.8 * x[0] + 0.6 * x[1], 0.8 * x[1] - 0.6 * x[0], x[2]];
             let beyond: Vec<f64> = (0..dim).map(|c| turned[c].abs() - half[c]).collect();
             let side = beyond.iter().fold(f64::NEG_INFINITY, |m, b| m.max(*b));
-            let expected = if side <= 0.0 { side } else { beyond.iter().map(|b| b.max(0.0).powi(2)).sum::<f64>().sqrt() };
+            let expected =
+                if side <= 0.0 { side } else { beyond.iter().map(|b| b.max(0.0).powi(2)).sum::<f64>().sqrt() };
             let found = level.nearest(&x, 0.0);
-            assert!((found.distance - expected).abs() < 1e-14 && (length(&found.normal) - 1.0).abs() < 1e-14, "{text}, {x:?}: {found:?}, expected {expected}");
+            assert!(
+                (found.distance - expected).abs() < 1e-14 && (length(&found.normal) - 1.0).abs() < 1e-14,
+                "{text}, {x:?}: {found:?}, expected {expected}"
+            );
         }
     }
 }
 
-/// Of two discs the nearer one is found although the gradient leads to the other, if it fills the widest gap between the rays that look for it.
+/// Of two discs the nearer one is found although the gradient leads to the other, if it fills the widest gap between
+/// the rays that look for it.
 #[test]
 fn the_nearer_of_two_parts() {
     let level = surface("min((x + 2)^2 + y^2 - 1, 0.05*((x - 2)^2 + y^2 - 1))");
@@ -283,7 +323,8 @@ fn without_a_zero_level_nothing_is_nearest() {
     }
 }
 
-/// ∇d = n, by central differences of order 2, on every curved shape; the normal is of unit length, and the distance falls by as much as one goes down.
+/// ∇d = n, by central differences of order 2, on every curved shape; the normal is of unit length, and the distance
+/// falls by as much as one goes down.
 #[test]
 fn normals_are_gradients_of_distances() {
     let shapes: [(&str, Arc<dyn Shape>, usize); 7] = [
@@ -297,7 +338,10 @@ fn normals_are_gradients_of_distances() {
     ];
     let mut random = Random(10);
     for (name, shape, dim) in shapes {
-        let points: Vec<Point> = (0..20).map(|_| random.point(dim, 1.0)).map(|x| x.map(|c| if c == 0.0 { 0.0 } else { c + c.signum() })).collect();
+        let points: Vec<Point> = (0..20)
+            .map(|_| random.point(dim, 1.0))
+            .map(|x| x.map(|c| if c == 0.0 { 0.0 } else { c + c.signum() }))
+            .collect();
         let error = |h: f64| {
             let mut sum = 0.0;
             for x in &points {
@@ -307,7 +351,9 @@ fn normals_are_gradients_of_distances() {
                     let mut e = [0.0; 3];
                     e[c] = 1.0;
                     if c < dim {
-                        let slope = (shape.nearest(&plus(x, h, &e), 0.0).distance - shape.nearest(&plus(x, -h, &e), 0.0).distance) / (2.0 * h);
+                        let slope = (shape.nearest(&plus(x, h, &e), 0.0).distance
+                            - shape.nearest(&plus(x, -h, &e), 0.0).distance)
+                            / (2.0 * h);
                         sum += (slope - at.normal[c]).powi(2);
                     } else {
                         assert!(at.normal[c] == 0.0);
@@ -358,7 +404,13 @@ fn obstacles_move_with_their_data() {
 #[test]
 fn faults_of_shapes_are_told_at_once() {
     let told = |faults: ShapeFaults| faults.to_string();
-    let wave = Wave::new([expression("x"), Field::ZERO, expression("t*z")], [0.0; 3], [f64::NAN, 0.0, 0.0], f64::INFINITY, -1.0);
+    let wave = Wave::new(
+        [expression("x"), Field::ZERO, expression("t*z")],
+        [0.0; 3],
+        [f64::NAN, 0.0, 0.0],
+        f64::INFINITY,
+        -1.0,
+    );
     let expected = [
         "point[0]: an expression in space, expected a number or an expression in t: the obstacle moves as a whole",
         "point[2]: an expression in space, expected a number or an expression in t: the obstacle moves as a whole",
@@ -370,8 +422,14 @@ fn faults_of_shapes_are_told_at_once() {
     assert_eq!(wave.map_err(told).err(), Some(expected.join("\n")));
     let along = Wave::new(fixed([0.0; 3]), [1.0, 2.0, 3.0], [-2.0, -4.0, -6.0], 0.1, 1.0);
     assert_eq!(along.err(), Some(ShapeFaults(vec![ShapeFault::AlongNormal { direction: [-2.0, -4.0, -6.0] }])));
-    assert_eq!(Sphere::new(fixed([0.0; 3]), 0.0, false).map_err(told).err(), Some("radius: 0.0, expected a positive number".to_owned()));
-    assert_eq!(Plane::new(fixed([0.0; 3]), [0.0; 3]).map_err(told).err(), Some("normal: zero, expected a direction".to_owned()));
+    assert_eq!(
+        Sphere::new(fixed([0.0; 3]), 0.0, false).map_err(told).err(),
+        Some("radius: 0.0, expected a positive number".to_owned())
+    );
+    assert_eq!(
+        Plane::new(fixed([0.0; 3]), [0.0; 3]).map_err(told).err(),
+        Some("normal: zero, expected a direction".to_owned())
+    );
     assert_eq!(Cylinder::new(fixed([0.0; 3]), [0.0; 3], f64::NAN, true).err().map(|faults| faults.0.len()), Some(2));
     assert_eq!(Surface::new(Expression::parse("t - 1").unwrap()).err(), Some(ShapeFaults(vec![ShapeFault::Level])));
 }

@@ -18,12 +18,20 @@ pub struct Wave {
 }
 
 impl Wave {
-    /// The wave about the plane through `point` with the normal `normal`, with `amplitude` and `wavelength` in m along the part of `direction` in that plane; a crest
-    /// is at `point` if the amplitude is positive. The length of the two vectors does not count.
+    /// The wave about the plane through `point` with the normal `normal`, with `amplitude` and `wavelength` in m along
+    /// the part of `direction` in that plane; a crest is at `point` if the amplitude is positive. The length of the two
+    /// vectors does not count.
     ///
     /// # Errors
-    /// When the wavelength is not positive, the amplitude not finite, the normal zero, the direction zero or along the normal, or the point depends on space.
-    pub fn new(point: Point3, normal: Point, direction: Point, amplitude: f64, wavelength: f64) -> Result<Wave, ShapeFaults> {
+    /// When the wavelength is not positive, the amplitude not finite, the normal zero, the direction zero or along the
+    /// normal, or the point depends on space.
+    pub fn new(
+        point: Point3,
+        normal: Point,
+        direction: Point,
+        amplitude: f64,
+        wavelength: f64,
+    ) -> Result<Wave, ShapeFaults> {
         let mut checks = Checks::default();
         let point = checks.moving(POINT, point);
         if !amplitude.is_finite() {
@@ -44,7 +52,8 @@ impl Wave {
 
 /// A point before half a period of the wave, lengths in units of λ/2π: the wave is at α cos w, 0 ≤ w ≤ π.
 ///
-/// The mirrors w = 0 and w = π map the wave to itself, so the nearest point of a point between them is between them too.
+/// The mirrors w = 0 and w = π map the wave to itself, so the nearest point of a point between them is between them
+/// too.
 struct HalfPeriod {
     /// α.
     amplitude: f64,
@@ -73,9 +82,14 @@ impl HalfPeriod {
         1.0 + self.amplitude * (self.amplitude * (1.0 - 2.0 * c * c) + self.height * c)
     }
 
-    /// Where the second derivative changes its sign: at roots of a quadratic equation for cos w, so that the slope is monotone on three parts at most.
+    /// Where the second derivative changes its sign: at roots of a quadratic equation for cos w, so that the slope is
+    /// monotone on three parts at most.
     fn inflections(&self) -> impl Iterator<Item = f64> {
-        let (a, b, c) = (2.0 * self.amplitude * self.amplitude, -self.amplitude * self.height, -1.0 - self.amplitude * self.amplitude);
+        let (a, b, c) = (
+            2.0 * self.amplitude * self.amplitude,
+            -self.amplitude * self.height,
+            -1.0 - self.amplitude * self.amplitude,
+        );
         let q = -0.5 * (b + (b * b - 4.0 * a * c).sqrt().copysign(b));
         let mut roots = [q / a, c / q].map(f64::acos);
         roots.sort_by(f64::total_cmp);
@@ -99,7 +113,8 @@ impl HalfPeriod {
         nearest.map(|(w, _)| w)
     }
 
-    /// The zero of the slope between two places where it is not positive and not negative: Newton's method, halving where that leaves the bracket or is slow.
+    /// The zero of the slope between two places where it is not positive and not negative: Newton's method, halving
+    /// where that leaves the bracket or is slow.
     fn minimum(&self, mut low: f64, mut high: f64) -> f64 {
         let mut w = self.v.clamp(low, high);
         let mut last = high - low;
@@ -114,7 +129,11 @@ impl HalfPeriod {
                 high = w;
             }
             let newton = w - slope / self.curvature(w);
-            let next = if newton > low && newton < high && (newton - w).abs() <= 0.5 * last { newton } else { low + 0.5 * (high - low) };
+            let next = if newton > low && newton < high && (newton - w).abs() <= 0.5 * last {
+                newton
+            } else {
+                low + 0.5 * (high - low)
+            };
             last = (next - w).abs();
             if last <= f64::EPSILON * w || next <= low || next >= high {
                 return next;
@@ -132,7 +151,8 @@ impl Shape for Wave {
         let half_periods = (phase / PI).floor();
         let v = (phase - half_periods * PI).clamp(0.0, PI);
         let turned = if half_periods.rem_euclid(2.0) == 0.0 { self.amplitude } else { -self.amplitude };
-        let half = HalfPeriod { amplitude: self.frequency * turned, v, height: self.frequency * dot(&from, &self.normal) };
+        let half =
+            HalfPeriod { amplitude: self.frequency * turned, v, height: self.frequency * dot(&from, &self.normal) };
         let Some(w) = half.nearest() else { return Nearest::NONE };
         let incline = half.amplitude * w.sin();
         let Some([along, up, _]) = unit(&[incline, 1.0, 0.0]) else { return Nearest::NONE };

@@ -146,9 +146,16 @@ fn powers() {
         assert_eq!(slope(source, x), exact, "{source} at {x}");
     }
     // An exponent known only at evaluation is not constant, but is by x.
-    for (x, t, exact) in
-        [(0.0, 0.0, 0.0), (-2.0, 0.0, 0.0), (0.0, 1.0, 1.0), (0.0, 2.0, 0.0), (-3.0, 2.0, -6.0), (-2.0, 3.0, 12.0), (-1.0, 18.0, -18.0), (-2.0, -2.0, 0.25)]
-    {
+    for (x, t, exact) in [
+        (0.0, 0.0, 0.0),
+        (-2.0, 0.0, 0.0),
+        (0.0, 1.0, 1.0),
+        (0.0, 2.0, 0.0),
+        (-3.0, 2.0, -6.0),
+        (-2.0, 3.0, 12.0),
+        (-1.0, 18.0, -18.0),
+        (-2.0, -2.0, 0.25),
+    ] {
         assert_eq!(derivatives("x^t", &[x, 0.0, 0.0], t).by_x, [exact, 0.0, 0.0], "{x}^{t}");
     }
     let by_exponent = |x, t| derivatives("x^t", &[x, 0.0, 0.0], t).by_t;
@@ -244,7 +251,10 @@ fn ends_of_the_domain_and_overflow() {
 
 #[test]
 fn constants_time_and_large_expressions() {
-    assert_eq!(derivatives("2*pi", &POINT, TIME), Derivatives { value: 2.0 * std::f64::consts::PI, ..Derivatives::default() });
+    assert_eq!(
+        derivatives("2*pi", &POINT, TIME),
+        Derivatives { value: 2.0 * std::f64::consts::PI, ..Derivatives::default() }
+    );
     assert_eq!(all(derivatives("x + 10*y + 100*z + 1000*t", &POINT, TIME)), [1.0, 10.0, 100.0, 1000.0]);
     assert_eq!(all(derivatives("t^2", &POINT, 3.0)), [0.0, 0.0, 0.0, 6.0]);
     // More slots than fit the stack.
@@ -284,7 +294,11 @@ fn difference(tree: &tree::Tree, x: &[f64; 3], t: f64, direction: usize) -> Opti
 fn derivatives_agree_with_the_differences_of_random_trees() {
     let compared = Cell::new(0);
     let cases = 4000;
-    let config = ProptestConfig { failure_persistence: None, rng_seed: RngSeed::Fixed(1699), ..ProptestConfig::with_cases(cases) };
+    let config = ProptestConfig {
+        failure_persistence: None,
+        rng_seed: RngSeed::Fixed(1699),
+        ..ProptestConfig::with_cases(cases)
+    };
     let strategy = (tree::moderate_tree(), [-3.0..3.0, -3.0..3.0, -3.0..3.0], -3.0..3.0);
     TestRunner::new(config)
         .run(&strategy, |(tree, x, t)| {
@@ -295,7 +309,10 @@ fn derivatives_agree_with_the_differences_of_random_trees() {
                     continue;
                 };
                 let tolerance = 1e-3 * (expected.abs() + 0.1);
-                prop_assert!((found - expected).abs() < tolerance, "{text} at {x:?} {t} by {direction}: {found}, not {expected}");
+                prop_assert!(
+                    (found - expected).abs() < tolerance,
+                    "{text} at {x:?} {t} by {direction}: {found}, not {expected}"
+                );
                 if expected != 0.0 {
                     compared.set(compared.get() + 1);
                 }

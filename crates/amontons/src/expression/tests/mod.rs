@@ -229,7 +229,10 @@ fn errors_say_where_and_what_to_write() {
 
 #[test]
 fn errors_read_as_a_sentence() {
-    assert_eq!(error("2x").to_string(), "at byte 1: found `x`, expected an operator or the end of the expression (write 2*x)");
+    assert_eq!(
+        error("2x").to_string(),
+        "at byte 1: found `x`, expected an operator or the end of the expression (write 2*x)"
+    );
     assert_eq!(
         error("1 +").to_string(),
         "at byte 3: found the end of the expression, expected a number, a variable, \

@@ -190,11 +190,16 @@ pub(super) fn moderate_tree() -> impl Strategy<Value = Tree> {
     grown(leaf, &["+", "+", "+", "-", "-", "-", "*", "*", "*", "/", "/", "^", "<", ">="], 4)
 }
 
-fn grown(leaf: impl Strategy<Value = Tree> + 'static, infix: &'static [&str], depth: u32) -> impl Strategy<Value = Tree> {
+fn grown(
+    leaf: impl Strategy<Value = Tree> + 'static,
+    infix: &'static [&str],
+    depth: u32,
+) -> impl Strategy<Value = Tree> {
     leaf.prop_recursive(depth, 80, 4, move |inner| {
         let boxed = inner.clone().prop_map(Box::new).boxed();
-        let call = prop::sample::select(&CALLS[..])
-            .prop_flat_map(move |(name, count)| prop::collection::vec(inner.clone(), count).prop_map(move |arguments| Tree::Call(name, arguments)));
+        let call = prop::sample::select(&CALLS[..]).prop_flat_map(move |(name, count)| {
+            prop::collection::vec(inner.clone(), count).prop_map(move |arguments| Tree::Call(name, arguments))
+        });
         prop_oneof![
             1 => boxed.clone().prop_map(Tree::Negate),
             6 => (prop::sample::select(infix), boxed.clone(), boxed)

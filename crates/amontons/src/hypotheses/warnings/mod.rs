@@ -1,4 +1,5 @@
-//! Warnings: data and runs that are legal and hardly meant. Each has a place, a number and a repair, and is absent where nothing is wrong.
+//! Warnings: data and runs that are legal and hardly meant. Each has a place, a number and a repair, and is absent
+//! where nothing is wrong.
 //!
 //! | id | warns if | by |
 //! |---|---|---|
@@ -27,7 +28,13 @@ use crate::problem::Problem;
 use crate::tensor::Sym;
 
 /// A warning with the value found and the limit that it exceeds or misses.
-fn warning(id: FindingId, place: &str, [value, limit]: [f64; 2], message: String, repair: impl Into<String>) -> Finding {
+fn warning(
+    id: FindingId,
+    place: &str,
+    [value, limit]: [f64; 2],
+    message: String,
+    repair: impl Into<String>,
+) -> Finding {
     Finding::new(id, FindingStatus::Fails, message, place).numbers(Some(value), Some(limit)).repair(repair)
 }
 
@@ -76,7 +83,8 @@ const COEFFICIENTS: std::ops::RangeInclusive<f64> = 1e-8..=1e-3;
 /// `expansion-scale`: 𝓜 = α (3λ + 2μ) is a stress per kelvin; one that has the size of α expands nothing.
 fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
     let material = problem.materials.get(region)?;
-    let largest = material.expansion.eigenvalues(problem.mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+    let largest =
+        material.expansion.eigenvalues(problem.mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
     let stiffness = material.elasticity.constants().lipschitz;
     let strain = largest / stiffness;
     if !(strain < LEAST_EXPANSION && COEFFICIENTS.contains(&largest)) {
@@ -86,8 +94,17 @@ fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
         "𝓜 = {largest:.3e} expands the body by {strain:.1e} per kelvin, less than any material: it has the size of a coefficient of thermal expansion α, \
          but 𝓜 is the stress per kelvin of a body that is held"
     );
-    let repair = format!("give α E/(1 − 2ν), in plane stress α E/(1 − ν): about {:.2e} for α = {largest:.3e}", largest * stiffness);
-    Some(warning(FindingId::ExpansionScale, &material_key(problem, region, "expansion"), [strain, LEAST_EXPANSION], message, repair))
+    let repair = format!(
+        "give α E/(1 − 2ν), in plane stress α E/(1 − ν): about {:.2e} for α = {largest:.3e}",
+        largest * stiffness
+    );
+    Some(warning(
+        FindingId::ExpansionScale,
+        &material_key(problem, region, "expansion"),
+        [strain, LEAST_EXPANSION],
+        message,
+        repair,
+    ))
 }
 
 /// `expansion-zz`: in plane strain a number expands the body across its plane, too, a matrix of the plane does not.
@@ -95,7 +112,9 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     let material = problem.materials.get(region)?;
     let x = problem.mesh.points.first()?;
     // A law that holds a plane strain answers with σ_zz.
-    let held = problem.mesh.dim == 2 && !problem.mesh.axisymmetric && material.elasticity.value(x, &(1e-6 * Sym::identity(2))).0[3] != 0.0;
+    let held = problem.mesh.dim == 2
+        && !problem.mesh.axisymmetric
+        && material.elasticity.value(x, &(1e-6 * Sym::identity(2))).0[3] != 0.0;
     if !held || material.expansion.0[3] != 0.0 || norm(&material.expansion, 2) == 0.0 {
         return None;
     }
@@ -106,7 +125,12 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     } else {
         "read stresses in the plane only: σ_zz and the von Mises stress lack −θ 𝓜_zz".to_owned()
     };
-    let message =
-        "a matrix of the plane has 𝓜_zz = 0: in plane strain σ_zz, and with it the von Mises stress, lacks the thermal stress −θ 𝓜_zz that a number gives";
-    Some(warning(FindingId::ExpansionZz, &material_key(problem, region, "expansion"), [0.0, m_xx.abs().max(m_yy.abs())], message.to_owned(), repair))
+    let message = "a matrix of the plane has 𝓜_zz = 0: in plane strain σ_zz, and with it the von Mises stress, lacks the thermal stress −θ 𝓜_zz that a number gives";
+    Some(warning(
+        FindingId::ExpansionZz,
+        &material_key(problem, region, "expansion"),
+        [0.0, m_xx.abs().max(m_yy.abs())],
+        message.to_owned(),
+        repair,
+    ))
 }

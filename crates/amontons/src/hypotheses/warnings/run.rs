@@ -1,7 +1,7 @@
 //! Warnings at the end of a run.
 
-use super::super::{Finding, FindingId};
 use super::super::laws::at;
+use super::super::{Finding, FindingId};
 use super::warning;
 use crate::problem::Problem;
 use crate::tensor::Point;
@@ -43,7 +43,12 @@ pub struct Penetration {
 /// The warnings that a run gives cause for.
 #[must_use]
 pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
-    let parts = [strain(figures), temperature_range(problem, figures), absolute_zero(problem, figures), penetration(problem, figures)];
+    let parts = [
+        strain(figures),
+        temperature_range(problem, figures),
+        absolute_zero(problem, figures),
+        penetration(problem, figures),
+    ];
     parts.into_iter().flatten().collect()
 }
 
@@ -64,7 +69,10 @@ fn strain(figures: &Figures) -> Option<Finding> {
 fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
     let [low, high] = figures.temperature;
     let sides = [(figures.outside[0], "below", low), (figures.outside[1], "above", high)];
-    let (by, which, extreme) = sides.into_iter().filter_map(|(by, which, extreme)| Some((by?, which, extreme))).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (by, which, extreme) = sides
+        .into_iter()
+        .filter_map(|(by, which, extreme)| Some((by?, which, extreme)))
+        .max_by(|a, b| a.0.total_cmp(&b.0))?;
     let (range, units) = (high - low, problem.units());
     if by <= RANGE * range {
         return None;
@@ -80,21 +88,32 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
         "use finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
         problem.materials.first().filter(|m| m.heat_capacity > 0.0).map_or_else(String::new, |m| {
             let conductivity = m.conductivity.eigenvalues(problem.mesh.dim).first().copied().unwrap_or(0.0);
-            format!(" = {}", units.write((6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt(), Measure::Length))
+            format!(
+                " = {}",
+                units.write((6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt(), Measure::Length)
+            )
         })
     );
     Some(warning(FindingId::TemperatureRange, "time.steps", [by, RANGE * range], message, repair))
 }
 
 fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
-    let (side, zero) = problem.contacts.iter().enumerate().find_map(|(side, c)| Some((side, c.heat.absolute_zero()?)))?;
+    let (side, zero) =
+        problem.contacts.iter().enumerate().find_map(|(side, c)| Some((side, c.heat.absolute_zero()?)))?;
     let low = figures.temperature[0];
     if low >= zero {
         return None;
     }
-    let message = format!("a temperature of {low:.6e} is below absolute_zero = {zero:?}: the body does not radiate there");
+    let message =
+        format!("a temperature of {low:.6e} is below absolute_zero = {zero:?}: the body does not radiate there");
     let repair = "correct absolute_zero, heat sources and the units of the heat data; see the warning temperature-range if there is one";
-    Some(warning(FindingId::AbsoluteZero, &format!("{}.heat.absolute_zero", problem.contact_path(side)), [low, zero], message, repair))
+    Some(warning(
+        FindingId::AbsoluteZero,
+        &format!("{}.heat.absolute_zero", problem.contact_path(side)),
+        [low, zero],
+        message,
+        repair,
+    ))
 }
 
 fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
@@ -108,5 +127,11 @@ fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {
         depth / cell
     );
     let place = format!("{}.normal", problem.contact_path(side));
-    Some(warning(FindingId::Penetration, &place, [depth, PENETRATION * cell], message, "use a stiffer foundation, or law = \"signorini\" for a rigid one"))
+    Some(warning(
+        FindingId::Penetration,
+        &place,
+        [depth, PENETRATION * cell],
+        message,
+        "use a stiffer foundation, or law = \"signorini\" for a rigid one",
+    ))
 }

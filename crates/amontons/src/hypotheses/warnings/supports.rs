@@ -1,8 +1,8 @@
 //! What holds the body, and what holds it where contact should.
 
-use super::super::{Finding, FindingId};
 use super::super::laws::at;
 use super::super::sample::times;
+use super::super::{Finding, FindingId};
 use super::warning;
 use crate::mesh::FacetSet;
 use crate::mesh::defects::{Component, components};
@@ -15,15 +15,18 @@ const ACROSS: f64 = 1e-6;
 /// Time levels at which prescribed displacements are looked at.
 const LEVELS: usize = 64;
 
-/// `contact-held`: points of Γ_C whose normal displacement a side prescribes, where it closes the gap. Forces there go into the support.
+/// `contact-held`: points of Γ_C whose normal displacement a side prescribes, where it closes the gap. Forces there go
+/// into the support.
 pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
     let (mesh, space, boundary) = (&problem.mesh, problem.displacement_space(), problem.contact_boundary());
     let dim = mesh.dim;
-    let held = |node: u32, normal: &Point| (0..dim).all(|c| normal[c].abs() < ACROSS || !space.free[node as usize * dim + c]);
+    let held =
+        |node: u32, normal: &Point| (0..dim).all(|c| normal[c].abs() < ACROSS || !space.free[node as usize * dim + c]);
     let mut findings = Vec::new();
     for (side, contact) in problem.contacts.iter().enumerate() {
         let on_side = || boundary.points.iter().filter(|p| p.side == side);
-        let candidates: Vec<_> = on_side().filter(|p| p.nodes.iter().all(|&(i, _)| held(boundary.nodes[i], &p.normal))).collect();
+        let candidates: Vec<_> =
+            on_side().filter(|p| p.nodes.iter().all(|&(i, _)| held(boundary.nodes[i], &p.normal))).collect();
         if candidates.is_empty() {
             continue;
         }
@@ -32,8 +35,12 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
         for t in times(problem, LEVELS) {
             let mut u = vec![0.0; space.free.len()];
             space.prescribe(t, &mut u);
-            for (((point, gap), closed), place) in candidates.iter().zip(contact.gaps(&places, t)).zip(&mut closed).zip(&places) {
-                let move_of = |&(i, n): &(usize, f64)| (0..dim).map(|c| n * point.normal[c] * u[boundary.nodes[i] as usize * dim + c]).sum::<f64>();
+            for (((point, gap), closed), place) in
+                candidates.iter().zip(contact.gaps(&places, t)).zip(&mut closed).zip(&places)
+            {
+                let move_of = |&(i, n): &(usize, f64)| {
+                    (0..dim).map(|c| n * point.normal[c] * u[boundary.nodes[i] as usize * dim + c]).sum::<f64>()
+                };
                 let normal = point.nodes.iter().map(move_of).sum::<f64>();
                 // A gap that is closed to the round-off of the coordinates is closed.
                 let round_off = 4.0 * f64::EPSILON * place.iter().fold(normal.abs(), |max, x| max.max(x.abs()));
@@ -53,7 +60,13 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
             at(&first.x)
         );
         let repair = "prescribe tangential components only next to Γ_C (\"free\" for the others), or end one of the two sides before the other";
-        findings.push(warning(FindingId::ContactHeld, &format!("{}.on", problem.contact_path(side)), [share, 0.0], message, repair));
+        findings.push(warning(
+            FindingId::ContactHeld,
+            &format!("{}.on", problem.contact_path(side)),
+            [share, 0.0],
+            message,
+            repair,
+        ));
     }
     findings
 }
@@ -74,7 +87,11 @@ pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
         .collect();
     let (number, part, motions) = *free.first()?;
     let [low, high] = part.bounds(mesh);
-    let which = if parts.len() == 1 { "the body".to_owned() } else { format!("part {} of {} of the body", number + 1, parts.len()) };
+    let which = if parts.len() == 1 {
+        "the body".to_owned()
+    } else {
+        format!("part {} of {} of the body", number + 1, parts.len())
+    };
     let message = format!(
         "{which}, from {} to {}, has no contact and {motions} rigid motions without support: only its inertia holds it{}",
         at(&low),

@@ -10,8 +10,8 @@ const SAME: f64 = 1e-6;
 
 /// Pairs of nodes at one place, the lower node first, ascending.
 ///
-/// The mesh is sound with them: a displacement may jump there. Where that is not meant, the nodes are to be merged. Nodes must exist and
-/// have finite coordinates, see [`super::defects`].
+/// The mesh is sound with them: a displacement may jump there. Where that is not meant, the nodes are to be merged.
+/// Nodes must exist and have finite coordinates, see [`super::defects`].
 #[must_use]
 pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     let edges = shortest_edges(mesh);
@@ -36,10 +36,12 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
                 for k in low[2]..=high[2] {
                     let others = boxes.get(&[i, j, k]).into_iter().flatten();
                     let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
-                    pairs.extend(others.copied().filter(|other| (*other as usize) != node && near(other)).map(|other| {
-                        let node = node as u32;
-                        [node.min(other), node.max(other)]
-                    }));
+                    pairs.extend(others.copied().filter(|other| (*other as usize) != node && near(other)).map(
+                        |other| {
+                            let node = node as u32;
+                            [node.min(other), node.max(other)]
+                        },
+                    ));
                 }
             }
         }
@@ -74,8 +76,8 @@ mod tests {
     use super::*;
     use crate::mesh::{Diagonal, MeshError};
 
-    /// A rectangle and its copy moved by its width, in an oblique position: the nodes of the common side are pairs, whatever side of
-    /// a box they are on, and no others.
+    /// A rectangle and its copy moved by its width, in an oblique position: the nodes of the common side are pairs,
+    /// whatever side of a box they are on, and no others.
     #[test]
     fn nodes_of_two_parts_that_touch_are_pairs() -> Result<(), MeshError> {
         for angle in [0.0, 0.3, 1.1] {
@@ -87,7 +89,9 @@ mod tests {
             let moved: Vec<Point> = mesh.points.iter().map(|p| [p[0] + 1.0, p[1], 0.0]).collect();
             mesh.points.extend(moved);
             let (sin, cos) = f64::sin_cos(angle);
-            mesh.points.iter_mut().for_each(|p| *p = [cos * p[0] - sin * p[1] + 1e-9 * p[1], sin * p[0] + cos * p[1], 0.0]);
+            mesh.points
+                .iter_mut()
+                .for_each(|p| *p = [cos * p[0] - sin * p[1] + 1e-9 * p[1], sin * p[0] + cos * p[1], 0.0]);
             let pairs = coincident(&mesh);
             assert_eq!(pairs.len(), 6, "angle {angle}: {pairs:?}");
             assert!(pairs.iter().all(|[a, b]| *a < nodes && *b >= nodes));

@@ -1,4 +1,5 @@
-//! Facets on the boundary of cells that lie on others without being the same: places where a mesh does not fit together.
+//! Facets on the boundary of cells that lie on others without being the same: places where a mesh does not fit
+//! together.
 
 use super::{Defect, List, centre, extent, labels};
 use crate::element::{Element, MAX_NODES};
@@ -7,7 +8,8 @@ use crate::mesh::topology::Owner;
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
 
-/// How far from a facet a node lies on it, relative to the size of the facet: files are often written with seven digits.
+/// How far from a facet a node lies on it, relative to the size of the facet: files are often written with seven
+/// digits.
 const NEAR: f64 = 1e-6;
 
 struct FacetOf {
@@ -29,7 +31,8 @@ pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
     };
     let facets: Vec<FacetOf> = boundary.iter().map(of_owner).collect();
     // Facets of each node, as sorted pairs.
-    let mut at_node: Vec<(u32, u32)> = facets.iter().enumerate().flat_map(|(f, facet)| facet.nodes.iter().map(move |&n| (n, f as u32))).collect();
+    let mut at_node: Vec<(u32, u32)> =
+        facets.iter().enumerate().flat_map(|(f, facet)| facet.nodes.iter().map(move |&n| (n, f as u32))).collect();
     at_node.sort_unstable();
     let of_node = |node: u32| {
         let start = at_node.partition_point(|pair| pair.0 < node);
@@ -60,7 +63,12 @@ pub(super) fn find(mesh: &Mesh, boundary: &[Owner], list: &mut List) {
     hanging.dedup_by_key(|pair| pair.0);
     for &(node, f) in &hanging {
         let facet = &facets[f];
-        list.add(Defect::Hanging { node, at: mesh.points[node as usize], cell: facet.owner.number(mesh), facet: facet.nodes.clone() });
+        list.add(Defect::Hanging {
+            node,
+            at: mesh.points[node as usize],
+            cell: facet.owner.number(mesh),
+            facet: facet.nodes.clone(),
+        });
     }
     if hanging.is_empty() && mesh.dim == 3 {
         overlaps(mesh, &facets, of_node, list);

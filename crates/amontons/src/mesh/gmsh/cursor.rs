@@ -131,7 +131,11 @@ impl<'a> Cursor<'a> {
 
     fn take<const N: usize>(&mut self, big: bool, expected: &'static str) -> Result<[u8; N], MeshFileError> {
         let chunk = self.bytes.get(self.at..).and_then(|rest| rest.first_chunk::<N>());
-        let end = || MeshFileError::Syntax { at: self.place(self.at), found: "the end of the file".to_owned(), expected: expected.to_owned() };
+        let end = || MeshFileError::Syntax {
+            at: self.place(self.at),
+            found: "the end of the file".to_owned(),
+            expected: expected.to_owned(),
+        };
         let mut chunk = *chunk.ok_or_else(end)?;
         self.at += N;
         if big {
@@ -173,7 +177,14 @@ impl<'a> Cursor<'a> {
     }
 
     /// Refuses a count of items that the rest of the file cannot hold, given the numbers and bytes per item.
-    pub(super) fn fits(&self, at: usize, what: &'static str, found: u64, numbers: usize, binary_bytes: usize) -> Result<usize, MeshFileError> {
+    pub(super) fn fits(
+        &self,
+        at: usize,
+        what: &'static str,
+        found: u64,
+        numbers: usize,
+        binary_bytes: usize,
+    ) -> Result<usize, MeshFileError> {
         let rest = self.bytes.len().saturating_sub(self.at) as u64;
         let each = match self.mode {
             // A digit and a space; the last number may lack the space.
@@ -181,7 +192,11 @@ impl<'a> Cursor<'a> {
             Mode::Binary { .. } => binary_bytes,
         };
         let room = (rest + 1) / each.max(1) as u64;
-        if found > room.min(u64::from(u32::MAX)) { Err(MeshFileError::Count { at: self.place(at), what, found, room }) } else { Ok(found as usize) }
+        if found > room.min(u64::from(u32::MAX)) {
+            Err(MeshFileError::Count { at: self.place(at), what, found, room })
+        } else {
+            Ok(found as usize)
+        }
     }
 
     /// Bytes of a `size_t` in a binary file.
@@ -200,7 +215,13 @@ impl<'a> Cursor<'a> {
         let big = match one {
             [1, 0, 0, 0] => false,
             [0, 0, 0, 1] => true,
-            _ => return Err(MeshFileError::Syntax { at: self.place(at), found: format!("the bytes {one:?}"), expected: "the integer 1 in binary".to_owned() }),
+            _ => {
+                return Err(MeshFileError::Syntax {
+                    at: self.place(at),
+                    found: format!("the bytes {one:?}"),
+                    expected: "the integer 1 in binary".to_owned(),
+                });
+            }
         };
         self.mode = Mode::Binary { big, size };
         Ok(())

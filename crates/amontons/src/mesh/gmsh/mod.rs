@@ -1,8 +1,9 @@
-//! Meshes of Gmsh: the formats MSH 2.x and 4.1, text and binary of either byte order, as documented in the Gmsh reference manual
-//! (section "Gmsh file formats").
+//! Meshes of Gmsh: the formats MSH 2.x and 4.1, text and binary of either byte order, as documented in the Gmsh
+//! reference manual (section "Gmsh file formats").
 //!
-//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by their name or, without one, by
-//! the digits of their tag; groups of one name are one. Sections other than the format, names, entities, nodes and elements are skipped.
+//! Physical groups of the dimension d of the body become regions, those of dimension d − 1 facet sets, both by their
+//! name or, without one, by the digits of their tag; groups of one name are one. Sections other than the format, names,
+//! entities, nodes and elements are skipped.
 
 mod cursor;
 mod sections;
@@ -44,8 +45,8 @@ fn kind(code: i64) -> Option<Kind> {
 
 /// Reads a mesh from the bytes of an MSH file.
 ///
-/// A set of cells of one entity that is mirrored as a whole – a plane surface whose normal is −z – is turned over; single inverted cells stay
-/// as they are, for [`Mesh::check`] to name.
+/// A set of cells of one entity that is mirrored as a whole – a plane surface whose normal is −z – is turned over;
+/// single inverted cells stay as they are, for [`Mesh::check`] to name.
 ///
 /// # Errors
 /// When the bytes are no mesh of one body; the error names the line (text) or byte (binary).

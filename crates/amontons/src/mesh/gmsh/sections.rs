@@ -47,9 +47,15 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
                     Version::Four => elements_of_four(&mut cursor, tags, file.entities.as_ref())?,
                 });
             }
-            _ if name.starts_with(b"$") && file.version.is_some() || name == b"$Comments" => cursor.skip_section(name)?,
+            _ if name.starts_with(b"$") && file.version.is_some() || name == b"$Comments" => {
+                cursor.skip_section(name)?
+            }
             _ => {
-                let expected = if file.version.is_none() { "$MeshFormat, with which a Gmsh file begins" } else { "a section, $Nodes or another" };
+                let expected = if file.version.is_none() {
+                    "$MeshFormat, with which a Gmsh file begins"
+                } else {
+                    "a section, $Nodes or another"
+                };
                 return Err(cursor.fault(at, expected));
             }
         }
@@ -68,7 +74,11 @@ fn format(cursor: &mut Cursor) -> Result<Version, MeshFileError> {
         "4.1" => Version::Four,
         _ => {
             let is_number = found.parse::<f64>().is_ok_and(|v| (0.0..100.0).contains(&v));
-            return Err(if is_number { MeshFileError::Version { at: cursor.place(at), found } } else { cursor.fault(at, "the version of the format") });
+            return Err(if is_number {
+                MeshFileError::Version { at: cursor.place(at), found }
+            } else {
+                cursor.fault(at, "the version of the format")
+            });
         }
     };
     let at = cursor.position();
@@ -98,7 +108,8 @@ fn physical_names(cursor: &mut Cursor) -> Result<BTreeMap<(usize, i64), String>,
     for _ in 0..count {
         let at = cursor.word_position();
         let dim = cursor.text_integer("the dimension of a physical group")?;
-        let dim = usize::try_from(dim).ok().filter(|d| *d <= 3).ok_or_else(|| cursor.fault(at, "a dimension from 0 to 3"))?;
+        let dim =
+            usize::try_from(dim).ok().filter(|d| *d <= 3).ok_or_else(|| cursor.fault(at, "a dimension from 0 to 3"))?;
         let tag = cursor.text_integer("the tag of a physical group")?;
         let at = cursor.word_position();
         let line = cursor.line().trim_ascii();
@@ -173,7 +184,9 @@ impl Tags {
 
     fn index(&self, tag: i64) -> Option<u32> {
         match self {
-            Tags::Dense(dense, _) => usize::try_from(tag).ok().and_then(|t| dense.get(t)).copied().filter(|&i| i != u32::MAX),
+            Tags::Dense(dense, _) => {
+                usize::try_from(tag).ok().and_then(|t| dense.get(t)).copied().filter(|&i| i != u32::MAX)
+            }
             Tags::Sparse(sparse) => {
                 let tag = u64::try_from(tag).ok()?;
                 sparse.binary_search_by_key(&tag, |pair| pair.0).ok().and_then(|at| sparse.get(at)).map(|pair| pair.1)
@@ -226,7 +239,8 @@ fn nodes_of_two(cursor: &mut Cursor) -> Result<(Vec<u64>, Vec<Point>), MeshFileE
     let (mut tags, mut points) = (Vec::with_capacity(count), Vec::with_capacity(count));
     for _ in 0..count {
         let at = cursor.position();
-        let tag = u64::try_from(cursor.integer("the tag of a node")?).map_err(|_| cursor.fault(at, "a tag that is not negative"))?;
+        let tag = u64::try_from(cursor.integer("the tag of a node")?)
+            .map_err(|_| cursor.fault(at, "a tag that is not negative"))?;
         tags.push(tag);
         points.push(coordinates(cursor, tag)?);
     }
@@ -245,12 +259,14 @@ fn nodes_of_four(cursor: &mut Cursor) -> Result<(Vec<u64>, Vec<Point>), MeshFile
     for _ in 0..blocks {
         let at = cursor.position();
         let dim = cursor.integer("the dimension of an entity")?;
-        let dim = usize::try_from(dim).ok().filter(|d| *d <= 3).ok_or_else(|| cursor.fault(at, "a dimension from 0 to 3"))?;
+        let dim =
+            usize::try_from(dim).ok().filter(|d| *d <= 3).ok_or_else(|| cursor.fault(at, "a dimension from 0 to 3"))?;
         cursor.integer("the tag of an entity")?;
         let parameters = if cursor.integer("0 or 1 for parametric coordinates")? == 0 { 0 } else { dim };
         let at = cursor.position();
         let own = cursor.size("the number of nodes of a block")?;
-        let own = cursor.fits(at, "nodes of a block", own, 4 + parameters, cursor.size_bytes() + 8 * (3 + parameters))?;
+        let own =
+            cursor.fits(at, "nodes of a block", own, 4 + parameters, cursor.size_bytes() + 8 * (3 + parameters))?;
         if tags.len() + own > count {
             return Err(cursor.fault(at, format!("no more than the {count} nodes announced")));
         }
@@ -279,7 +295,13 @@ fn kind(cursor: &mut Cursor) -> Result<Kind, MeshFileError> {
 }
 
 /// Reads the nodes of an element into our order.
-fn connectivity(cursor: &mut Cursor, kind: &Kind, tags: &Tags, version: Version, nodes: &mut Vec<u32>) -> Result<(), MeshFileError> {
+fn connectivity(
+    cursor: &mut Cursor,
+    kind: &Kind,
+    tags: &Tags,
+    version: Version,
+    nodes: &mut Vec<u32>,
+) -> Result<(), MeshFileError> {
     let first = nodes.len();
     nodes.resize(first + kind.nodes, 0);
     for i in 0..kind.nodes {
@@ -289,12 +311,20 @@ fn connectivity(cursor: &mut Cursor, kind: &Kind, tags: &Tags, version: Version,
             Version::Four => i64::try_from(cursor.size("the tag of a node")?).unwrap_or(i64::MAX),
         };
         let local = kind.element.map_or(i, |element| element.gmsh_nodes[i]);
-        nodes[first + local] = tags.index(tag).ok_or_else(|| MeshFileError::UnknownNode { at: cursor.place(at), tag, nodes: tags.len() })?;
+        nodes[first + local] = tags.index(tag).ok_or_else(|| MeshFileError::UnknownNode {
+            at: cursor.place(at),
+            tag,
+            nodes: tags.len(),
+        })?;
     }
     Ok(())
 }
 
-fn elements_of_four(cursor: &mut Cursor, tags: &Tags, entities: Option<&BTreeMap<(i64, i64), Vec<i64>>>) -> Result<Vec<LooseBlock>, MeshFileError> {
+fn elements_of_four(
+    cursor: &mut Cursor,
+    tags: &Tags,
+    entities: Option<&BTreeMap<(i64, i64), Vec<i64>>>,
+) -> Result<Vec<LooseBlock>, MeshFileError> {
     cursor.line();
     let blocks = cursor.size("the number of blocks of elements")?;
     let at_count = cursor.position();
@@ -317,7 +347,8 @@ fn elements_of_four(cursor: &mut Cursor, tags: &Tags, entities: Option<&BTreeMap
         }
         let at_own = cursor.position();
         let own = cursor.size("the number of elements of a block")?;
-        let own = cursor.fits(at_own, "elements of a block", own, 1 + kind.nodes, cursor.size_bytes() * (1 + kind.nodes))?;
+        let own =
+            cursor.fits(at_own, "elements of a block", own, 1 + kind.nodes, cursor.size_bytes() * (1 + kind.nodes))?;
         let mut nodes = Vec::with_capacity(own * kind.nodes);
         for _ in 0..own {
             cursor.size("the tag of an element")?;
@@ -348,7 +379,12 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, 
             let kind = kind(cursor)?;
             let at = cursor.position();
             let follow = usize::try_from(cursor.integer("the number of elements that follow")?).ok();
-            (kind, follow.filter(|n| (1..=count - done).contains(n)).ok_or_else(|| cursor.fault(at, "a number of elements within those announced"))?)
+            (
+                kind,
+                follow
+                    .filter(|n| (1..=count - done).contains(n))
+                    .ok_or_else(|| cursor.fault(at, "a number of elements within those announced"))?,
+            )
         };
         let at_tags = cursor.position();
         let tag_count = u64::try_from(cursor.integer("the number of tags of an element")?).unwrap_or(u64::MAX);

@@ -64,9 +64,12 @@ impl Loose {
         let dim = self.blocks.iter().map(|block| block.kind.dim).max().unwrap_or(0);
         if dim == 0 {
             let points: usize = self.blocks.iter().map(LooseBlock::len).sum();
-            return Err(MeshFileError::Empty { found: format!("{} nodes and {points} points as elements", self.points.len()) });
+            return Err(MeshFileError::Empty {
+                found: format!("{} nodes and {points} points as elements", self.points.len()),
+            });
         }
-        let (cells, rest): (Vec<_>, Vec<_>) = std::mem::take(&mut self.blocks).into_iter().partition(|block| block.kind.dim == dim);
+        let (cells, rest): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.blocks).into_iter().partition(|block| block.kind.dim == dim);
         self.flatten(dim, &cells)?;
         let (regions, blocks) = self.regions(dim, &cells, &place)?;
         let facets = self.sides(dim, &rest, &place)?;
@@ -95,7 +98,13 @@ impl Loose {
         for d in dim..3 {
             if high[d] - low[d] > FLAT * largest {
                 let plane = if dim == 2 { "plane z = 0" } else { "line y = z = 0" };
-                return Err(MeshFileError::NotFlat { dim, axis: ['x', 'y', 'z'][d], low: low[d], high: high[d], plane });
+                return Err(MeshFileError::NotFlat {
+                    dim,
+                    axis: ['x', 'y', 'z'][d],
+                    low: low[d],
+                    high: high[d],
+                    plane,
+                });
             }
             for point in &mut self.points {
                 point[d] = 0.0;
@@ -105,7 +114,12 @@ impl Loose {
     }
 
     /// Names of the regions in the order of their tags, and the cells by region and element.
-    fn regions(&self, dim: usize, cells: &[LooseBlock], place: &impl Fn(usize) -> Place) -> Result<(Vec<String>, Vec<Block>), MeshFileError> {
+    fn regions(
+        &self,
+        dim: usize,
+        cells: &[LooseBlock],
+        place: &impl Fn(usize) -> Place,
+    ) -> Result<(Vec<String>, Vec<Block>), MeshFileError> {
         let mut regions: Vec<String> = Vec::new();
         for group in cells.iter().flat_map(|block| &block.groups).collect::<BTreeSet<_>>() {
             let name = self.name(dim, *group);
@@ -126,7 +140,9 @@ impl Loose {
             let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(dim, group)).collect();
             let mut names = names.into_iter();
             let region = match (names.next(), names.next()) {
-                (Some(first), Some(second)) => return Err(MeshFileError::TwoRegions { at: place(loose.at), first, second }),
+                (Some(first), Some(second)) => {
+                    return Err(MeshFileError::TwoRegions { at: place(loose.at), first, second });
+                }
                 (name, _) => name.and_then(|name| regions.iter().position(|r| *r == name)).unwrap_or(0),
             };
             let mut nodes = loose.nodes.clone();
@@ -143,7 +159,12 @@ impl Loose {
     }
 
     /// The named sides, each facet once, as the file orders and orients them.
-    fn sides(&self, dim: usize, rest: &[LooseBlock], place: &impl Fn(usize) -> Place) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
+    fn sides(
+        &self,
+        dim: usize,
+        rest: &[LooseBlock],
+        place: &impl Fn(usize) -> Place,
+    ) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
         let mut sides: BTreeMap<String, (FacetSet, BTreeSet<Key>)> = BTreeMap::new();
         for loose in rest.iter().filter(|block| block.kind.dim + 1 == dim && !block.groups.is_empty()) {
             let element = supported(loose, place)?;
@@ -175,19 +196,24 @@ fn mirrored(points: &[Point], dim: usize, element: &Element, nodes: &[u32]) -> b
     nodes.chunks_exact(element.nodes.len()).all(|cell| {
         let mut j = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         for row in 0..dim {
-            j[row] = std::array::from_fn(|col| cell.iter().zip(&gradients).map(|(&n, g)| points[n as usize][row] * g[col]).sum());
+            j[row] = std::array::from_fn(|col| {
+                cell.iter().zip(&gradients).map(|(&n, g)| points[n as usize][row] * g[col]).sum()
+            });
         }
         let [u, v, w] = j;
         dot(&u, &[v[1] * w[2] - v[2] * w[1], v[2] * w[0] - v[0] * w[2], v[0] * w[1] - v[1] * w[0]]) < 0.0
     })
 }
 
-/// Mirrors cells by the symmetry of their reference cell: the exchange of its first two axes, on a segment that of its ends.
+/// Mirrors cells by the symmetry of their reference cell: the exchange of its first two axes, on a segment that of its
+/// ends.
 fn turn_over(element: &Element, nodes: &mut [u32]) {
     let mirror = |x: &Point| if element.dim() == 1 { [1.0 - x[0], 0.0, 0.0] } else { [x[1], x[0], x[2]] };
     let distance = |a: &Point, b: &Point| (0..3).map(|d| (a[d] - b[d]).abs()).sum::<f64>();
     let partner = |at: &Point| element.nodes.iter().position(|x| distance(x, at) < 1e-9);
-    let Some(partners) = element.nodes.iter().map(|x| partner(&mirror(x))).collect::<Option<Vec<usize>>>() else { return };
+    let Some(partners) = element.nodes.iter().map(|x| partner(&mirror(x))).collect::<Option<Vec<usize>>>() else {
+        return;
+    };
     for cell in nodes.chunks_exact_mut(element.nodes.len()) {
         let old = cell.to_vec();
         for (node, &partner) in cell.iter_mut().zip(&partners) {

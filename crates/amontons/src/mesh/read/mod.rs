@@ -5,8 +5,9 @@
 //! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d | physical groups of dimension d − 1 |
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
-//! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes that neither a cell
-//! nor a named facet uses: the points of the geometry are often among them. Where no side is named, the whole boundary is the side `boundary`.
+//! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
+//! that neither a cell nor a named facet uses: the points of the geometry are often among them. Where no side is named,
+//! the whole boundary is the side `boundary`.
 
 mod loose;
 
@@ -78,7 +79,9 @@ pub enum MeshFileError {
         expected: String,
     },
     /// A version of the format that is not read.
-    #[error("{at}: found version {found} of the Gmsh format, expected 2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`")]
+    #[error(
+        "{at}: found version {found} of the Gmsh format, expected 2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`"
+    )]
     Version {
         /// Where.
         at: Place,
@@ -86,7 +89,9 @@ pub enum MeshFileError {
         found: String,
     },
     /// A count larger than the rest of the file can hold.
-    #[error("{at}: found a count of {found} {what}, expected at most the {room} that the rest of the file can hold; it may be truncated")]
+    #[error(
+        "{at}: found a count of {found} {what}, expected at most the {room} that the rest of the file can hold; it may be truncated"
+    )]
     Count {
         /// Where.
         at: Place,
@@ -106,7 +111,9 @@ pub enum MeshFileError {
         found: i64,
     },
     /// A cell or facet of an element type that the library does not have.
-    #[error("{at}: found element type {found}, expected one of {known}; try the first order or, for the second, change Mesh.SecondOrderIncomplete")]
+    #[error(
+        "{at}: found element type {found}, expected one of {known}; try the first order or, for the second, change Mesh.SecondOrderIncomplete"
+    )]
     Element {
         /// Where.
         at: Place,
@@ -152,7 +159,9 @@ pub enum MeshFileError {
         tag: i64,
     },
     /// Cells in more than one physical group: their material would be ambiguous.
-    #[error("{at}: found cells in the regions {first:?} and {second:?}, expected one; try to remove one of the physical groups")]
+    #[error(
+        "{at}: found cells in the regions {first:?} and {second:?}, expected one; try to remove one of the physical groups"
+    )]
     TwoRegions {
         /// Where.
         at: Place,
@@ -176,7 +185,9 @@ pub enum MeshFileError {
         dim: usize,
     },
     /// No element of dimension 1 or more.
-    #[error("found {found}, expected at least one cell; try to mesh before saving, and to give the body a physical group")]
+    #[error(
+        "found {found}, expected at least one cell; try to mesh before saving, and to give the body a physical group"
+    )]
     Empty {
         /// What there is instead.
         found: String,
@@ -213,11 +224,12 @@ pub enum MeshFileError {
 
 /// Reads a mesh from a file, Gmsh or VTK by its extension.
 ///
-/// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of the whole mesh (inverted cells, facets
-/// inside the body), listed by [`defects`](crate::mesh::defects::defects).
+/// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of
+/// the whole mesh (inverted cells, facets inside the body), listed by [`defects`](crate::mesh::defects::defects).
 ///
 /// # Errors
-/// When the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was found and expected.
+/// When the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was
+/// found and expected.
 pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
     let inside = |fault| MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
