@@ -107,7 +107,7 @@ mod tests {
             toml::de::DeTable::parse_recoverable(text).1.iter().map(|error| Kind::of(error.message())).collect()
         };
         assert_eq!(kinds("a = 1\na = 2\n"), [Kind::Duplicate]);
-        assert_eq!(kinds("a = [1 2]\n"), [Kind::MissingComma]);
+        assert_eq!(kinds("a = [\"x\" \"y\"]\n"), [Kind::MissingComma]);
         assert_eq!(kinds("a = word\n"), [Kind::NoValue]);
         assert!(matches!(kinds("a = [1, 2\n")[..], [Kind::Unclosed(_), ..]));
         assert!(kinds("a = 1\n").is_empty());
