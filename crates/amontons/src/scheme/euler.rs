@@ -18,7 +18,7 @@ use crate::tensor;
 /// How often a step is halved that does not converge, or in which there may be several solutions.
 const HALVINGS: usize = 5;
 
-/// Backward Euler for (4.1) and (4.2), coupled as [`Problem::coupling`] says.
+/// Backward Euler for (4.1) and (4.2), coupled as [`coupling`](crate::problem::ProblemData::coupling) says.
 ///
 /// A step whose contact iteration does not end is made in two halves, and these again. So is one in which laws that
 /// fall may have several solutions between the state before and the one that was found: the shorter the step, the
