@@ -4,11 +4,20 @@ use amontons::model::Model;
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
-use crate::print::unknowns;
-
 /// A line with a name.
 pub fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
+}
+
+/// Numbers of unknowns: displacement, temperature, contact, those that a case has.
+pub fn unknowns([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
+    let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
+    let all = [
+        of_mechanics(displacement, "displacement"),
+        heat.then(|| format!("{temperature} temperature")),
+        of_mechanics(contact, "on the contact side"),
+    ];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// Rows of the size of a model.

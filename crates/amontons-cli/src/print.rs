@@ -10,7 +10,7 @@ use amontons::problem::Problem;
 use amontons::units::{Extent, Measure, Units};
 use serde_json::{Value, json};
 
-use crate::model::{self, row};
+use crate::model::{self, row, unknowns};
 use crate::voices;
 
 /// Prints a value as indented JSON on standard output.
@@ -117,17 +117,6 @@ fn halved(solver: &Solver) -> Option<String> {
 fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
     let (low, high, unit) = units.range(ends, measure);
     format!("{low} … {high} {unit}").trim_end().to_owned()
-}
-
-/// Numbers of unknowns: displacement, temperature, contact, those that a case has.
-pub fn unknowns([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
-    let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
-    let all = [
-        of_mechanics(displacement, "displacement"),
-        heat.then(|| format!("{temperature} temperature")),
-        of_mechanics(contact, "on the contact side"),
-    ];
-    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// What integrals over a body are over. Absent in space, where they are over the body.

@@ -116,7 +116,7 @@ fn halved_steps_go_on_to_the_same_bits() {
     let solver = summary(&whole)["solver"].clone();
     let halved = solver["halved_steps"].as_u64().expect("a count");
     assert!(halved > 0 && solver["ambiguous_steps"].is_u64(), "{solver}");
-    let told = format!("made in halves    {halved} steps");
+    let told = format!("halved steps      {halved} steps");
     assert!(common::stdout(&ended).contains(&told), "{}", common::stdout(&ended));
     for step in [1, 2, STEPS / 2, STEPS - 1] {
         let broken = folder.path().join(format!("broken-{step}"));

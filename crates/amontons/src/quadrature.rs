@@ -177,7 +177,7 @@ pub fn rule(shape: Shape, degree: usize) -> Rule {
             }
         }
         Shape::Pyramid => products(&line(0), &line(0), &line(2), |[s, t, z], w| {
-            push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z))
+            push([(1.0 - z) * s, (1.0 - z) * t, z], w * (1.0 - z) * (1.0 - z));
         }),
         Shape::Tetrahedron => images(&tetrahedron_orbits(degree), 1.0 / 6.0, push),
     }

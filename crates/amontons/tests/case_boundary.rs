@@ -280,7 +280,7 @@ fn files_are_found_beside_the_case_file() {
     let path = folder.join("sides.toml");
     let write = |name: &str| {
         std::fs::write(&path, spoil(CASE, "heat_source = 1.0", &format!("heat_source = {{ table = \"{name}\" }}")))
-            .unwrap()
+            .unwrap();
     };
     write("data/load.csv");
     let case = case::read(&path, &[]).unwrap();

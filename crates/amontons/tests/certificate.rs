@@ -467,7 +467,7 @@ fn contact_is_excluded_only_where_the_body_stays_away() {
     let nothing = ["contact.normal.stiffness=0", "contact.gap=1", "contact.heat={law='none'}"];
     assert!(find(&judged(&small(&nothing)).findings, "contact-possible").fails());
     let moved = changed(&small(&["contact.gap=1"]), |data| {
-        data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some((-0.1).into())])
+        data.boundary[0].displacement = Some(vec![Some(0.0.into()), Some((-0.1).into())]);
     });
     assert_eq!(find(&judged(&moved).findings, "contact-possible").status.as_str(), "not-covered");
 }

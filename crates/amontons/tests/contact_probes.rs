@@ -161,7 +161,7 @@ fn values_at_points_are_interpolated() {
         };
         let sum = |f: &dyn Fn(f64, f64) -> f64| terms.iter().map(|&(x, z, n)| n * f(x, z)).sum::<f64>();
         let near = |name: &str, expected: f64| {
-            assert!((end.value(name) - expected).abs() < 1e-13, "{mesh}, {name}: {} for {expected}", end.value(name))
+            assert!((end.value(name) - expected).abs() < 1e-13, "{mesh}, {name}: {} for {expected}", end.value(name));
         };
         near("p", sum(&|x, z| of(x, z).2));
         near("q_x", sum(&|x, z| of(x, z).3[0]));

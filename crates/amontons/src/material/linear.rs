@@ -240,7 +240,7 @@ mod tests {
             [-nu13 / e1, -nu23 / e2, 1.0 / e3],
         ];
         let close = |found: &Sym, expected: &Sym| {
-            assert!((*found - *expected).norm() < 1e-13 * expected.norm(), "found {found:?}, expected {expected:?}")
+            assert!((*found - *expected).norm() < 1e-13 * expected.norm(), "found {found:?}, expected {expected:?}");
         };
         let space = Linear::orthotropic(&PINE, &Rotation::IDENTITY, 3, StressState::PlaneStress)?;
         let stress = [[0.7, 0.4, -0.3], [0.4, -0.2, 0.5], [-0.3, 0.5, 0.9]];

@@ -174,9 +174,9 @@ impl Mesh {
             let mut cut = FacetSet::default();
             for (element, nodes) in set.facets() {
                 if element.vtk == 9 {
-                    cut.push(&P1_TRIANGLE, triangles(nodes))
+                    cut.push(&P1_TRIANGLE, triangles(nodes));
                 } else {
-                    cut.push(element, nodes.iter().copied())
+                    cut.push(element, nodes.iter().copied());
                 }
             }
             cut

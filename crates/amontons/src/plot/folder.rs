@@ -105,14 +105,33 @@ impl Results<'_> {
             (2, table) => {
                 run.snapshot = Some(plane(&grid).map_err(format)?);
                 run.contact = table.map_or_else(|| Ok(Vec::new()), |table| contact(&table, &run.sides))?;
+                self.read_in_means(&mut run.contact);
             }
             (3, table) => {
-                let rows = table.map_or_else(|| Ok(Vec::new()), |table| contact_in_space(&table, &run.sides))?;
+                let mut rows = table.map_or_else(|| Ok(Vec::new()), |table| contact_in_space(&table, &run.sides))?;
+                self.read_in_means(&mut rows);
                 run.solid = Some(solid(&grid, rows).map_err(format)?);
             }
             _ => {}
         }
         Ok(run)
+    }
+
+    /// Puts what can be read in the place of pressures, tractions and bounds, which alternate between the nodes of
+    /// quadratic facets.
+    fn read_in_means<R: Tractions>(&self, rows: &mut [R]) {
+        let (mesh, boundary) = (&self.problem.mesh, self.problem.contact_boundary());
+        if boundary.points.len() != rows.len() {
+            return;
+        }
+        let before: Vec<[f64; 4]> = rows.iter().map(Tractions::tractions).collect();
+        for (side, contact) in self.problem.contacts.iter().enumerate() {
+            let Some(set) = mesh.facets.get(&contact.on) else { continue };
+            for (point, shares) in boundary.readable(mesh, side, set) {
+                rows[point]
+                    .replace(std::array::from_fn(|c| shares.iter().map(|&(i, share)| share * before[i][c]).sum()));
+            }
+        }
     }
 
     /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not
@@ -127,6 +146,30 @@ impl Results<'_> {
         let stem = Path::new(&self.snapshots[snapshot].1).file_stem().unwrap_or_default();
         let path = self.folder.join("contact").join(stem).with_extension("csv");
         if path.exists() { CsvTable::read(&path).map(Some) } else { Ok(None) }
+    }
+}
+
+/// A contact point whose tractions are drawn: pressure, both components of the friction traction in the plane, bound.
+trait Tractions {
+    fn tractions(&self) -> [f64; 4];
+    fn replace(&mut self, values: [f64; 4]);
+}
+
+impl Tractions for ContactRow {
+    fn tractions(&self) -> [f64; 4] {
+        [self.pressure, self.traction[0], self.traction[1], self.bound.unwrap_or(0.0)]
+    }
+    fn replace(&mut self, [pressure, x, y, bound]: [f64; 4]) {
+        (self.pressure, self.traction, self.bound) = (pressure, [x, y], self.bound.map(|_| bound));
+    }
+}
+
+impl Tractions for SolidContact {
+    fn tractions(&self) -> [f64; 4] {
+        [self.pressure, 0.0, 0.0, 0.0]
+    }
+    fn replace(&mut self, [pressure, ..]: [f64; 4]) {
+        self.pressure = pressure;
     }
 }
 

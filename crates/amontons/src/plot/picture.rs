@@ -71,7 +71,7 @@ impl Item {
     fn moved(mut self, [dx, dy]: [f64; 2]) -> Item {
         match &mut self {
             Item::Shape { lines, .. } => {
-                lines.iter_mut().flat_map(|line| &mut line.points).for_each(|p| *p = [p[0] + dx, p[1] + dy])
+                lines.iter_mut().flat_map(|line| &mut line.points).for_each(|p| *p = [p[0] + dx, p[1] + dy]);
             }
             Item::Text { at, .. } => *at = [at[0] + dx, at[1] + dy],
             Item::Image { place, .. } => (place.x, place.y) = (place.x + dx, place.y + dy),

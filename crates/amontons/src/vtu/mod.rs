@@ -125,7 +125,7 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
         match event {
             Event::Eof => break,
             Event::Start(tag) | Event::Empty(tag) if tag.name().as_ref() == b"VTKFile" => {
-                encoding = Some(Encoding::of(&tag)?)
+                encoding = Some(Encoding::of(&tag)?);
             }
             Event::Start(tag) => match tag.name().as_ref() {
                 b"Piece" => pieces += 1,
@@ -143,7 +143,7 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
             },
             // Appended arrays have nothing between their tags.
             Event::Empty(tag) if tag.name().as_ref() == b"DataArray" => {
-                arrays.extend(section.map(|s| Open::of(&tag).map(|open| (s, open))).transpose()?)
+                arrays.extend(section.map(|s| Open::of(&tag).map(|open| (s, open))).transpose()?);
             }
             Event::Text(part) => {
                 if let Some(open) = open.as_mut().filter(|_| !inside_key) {

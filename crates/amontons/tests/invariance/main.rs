@@ -121,7 +121,7 @@ fn difference(base: &Outcome, other: &Outcome) -> Result<(), String> {
     let spots = places(spots(base).iter(), frame, &spots(other));
     let mut pairs: BTreeMap<&str, Vec<(f64, f64)>> = BTreeMap::new();
     let mut add = |name: &'static str, unit: &str, base: f64, other: f64| {
-        pairs.entry(name).or_default().push((base, other / frame.unit(unit)))
+        pairs.entry(name).or_default().push((base, other / frame.unit(unit)));
     };
     // A vector of this frame in that of the case.
     let back = |v: &Point| -> Point { std::array::from_fn(|j| (0..3).map(|i| frame.q[i][j] * v[i]).sum()) };

@@ -68,10 +68,10 @@ fn apply(mut bytes: Vec<u8>, damages: &[Damage]) -> Vec<u8> {
             Damage::Truncate(at) => bytes.truncate(at % length),
             Damage::Replace(at, byte) => bytes.iter_mut().skip(at % length).take(1).for_each(|b| *b = *byte),
             Damage::Delete(at, n) => {
-                drop(bytes.drain((at % length).min(bytes.len())..(at % length + n).min(bytes.len())))
+                drop(bytes.drain((at % length).min(bytes.len())..(at % length + n).min(bytes.len())));
             }
             Damage::Insert(at, text) => {
-                drop(bytes.splice((at % length).min(bytes.len())..(at % length).min(bytes.len()), text.bytes()))
+                drop(bytes.splice((at % length).min(bytes.len())..(at % length).min(bytes.len()), text.bytes()));
             }
         }
     }

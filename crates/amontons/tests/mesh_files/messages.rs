@@ -103,7 +103,7 @@ fn each_fault_names_its_line_and_what_was_expected() {
         match gmsh::parse(spoiled.as_bytes()) {
             Ok(_) => assert_eq!(expected, "", "{old} → {new}"),
             Err(error) => {
-                assert!(!expected.is_empty() && error.to_string().contains(expected), "{old} → {new}: {error}")
+                assert!(!expected.is_empty() && error.to_string().contains(expected), "{old} → {new}: {error}");
             }
         }
     }

@@ -141,7 +141,7 @@ mod tests {
         let cone = Cone::new(&[0.0, 0.0, -1.0], &[1.0, 1.0, 5.0], [0.2, 0.5]);
         let along = 0.5f64.sqrt();
         let near = |found: Point, expected: Point| {
-            assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-15), "{found:?}, expected {expected:?}")
+            assert!((0..3).all(|c| (found[c] - expected[c]).abs() < 1e-15), "{found:?}, expected {expected:?}");
         };
         near(cone.apply(&[along, along, 7.0]), [0.2 * along, 0.2 * along, 0.0]);
         near(cone.apply(&[along, -along, 0.0]), [0.5 * along, -0.5 * along, 0.0]);

@@ -48,7 +48,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
                 });
             }
             _ if name.starts_with(b"$") && file.version.is_some() || name == b"$Comments" => {
-                cursor.skip_section(name)?
+                cursor.skip_section(name)?;
             }
             _ => {
                 let expected = if file.version.is_none() {
