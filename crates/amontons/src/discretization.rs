@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::contact::ContactBoundary;
 use crate::forms::{self, Dilatation};
+use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
 use crate::material::{self, Material, TensorLaw};
 use crate::mesh::Mesh;
@@ -67,10 +68,10 @@ pub struct Relaxation {
 }
 
 impl Relaxation {
-    /// 1/(1 + k/τ), what a step of length k leaves of z: z_n = (z_{n−1} + u_n − u_{n−1})/(1 + k/τ).
+    /// 1/(1 + γ/τ), what a step leaves of z: z_n = (z̄ + γ w_n)/(1 + γ/τ).
     #[must_use]
-    pub fn factor(&self, k: f64) -> f64 {
-        1.0 / (1.0 + k / self.time)
+    pub fn factor(&self, rule: Rule) -> f64 {
+        1.0 / (1.0 + rule.gamma / self.time)
     }
 }
 
@@ -174,14 +175,15 @@ impl Discretization {
         (self.capacity.factor(), self.capacity.form(&self.mass))
     }
 
-    /// K_u = ρM/k + B + kA of the linear laws, B with the dashpots and A with the springs and the branches.
+    /// K_u = ρM/δ + B + γA of the linear laws, B with the dashpots and A with the springs and the branches.
     #[must_use]
-    pub fn mechanical_matrix(&self, k: f64) -> BlockMatrix {
+    pub fn mechanical_matrix(&self, rule: Rule) -> BlockMatrix {
+        let Rule { gamma, delta } = rule;
         let mut matrix = self.b.clone();
         let (rho, inertia) = self.inertia();
-        let boundary = [(k, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (rho / k, Some(inertia))];
-        let branches = self.branches.iter().map(|branch| (k * branch.factor(k), Some(&branch.form)));
-        for (factor, form) in [(k, Some(&self.a))].into_iter().chain(boundary).chain(branches) {
+        let boundary = [(gamma, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (rho / delta, Some(inertia))];
+        let branches = self.branches.iter().map(|branch| (gamma * branch.factor(rule), Some(&branch.form)));
+        for (factor, form) in [(gamma, Some(&self.a))].into_iter().chain(boundary).chain(branches) {
             if let Some(form) = form {
                 matrix.add_scaled(factor, form);
             }
@@ -191,9 +193,9 @@ impl Discretization {
 
     /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear.
     #[must_use]
-    pub fn mechanical_tangent(&self, k: f64, u: &[f64], w: &[f64]) -> BlockMatrix {
-        let mut matrix = self.mechanical_matrix(k);
-        for (laws, factor, at) in [(&self.elasticity, k, u), (&self.viscosity, 1.0, w)] {
+    pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64]) -> BlockMatrix {
+        let mut matrix = self.mechanical_matrix(rule);
+        for (laws, factor, at) in [(&self.elasticity, rule.gamma, u), (&self.viscosity, 1.0, w)] {
             if !laws.is_empty() {
                 matrix.add_scaled(
                     factor,
@@ -204,15 +206,15 @@ impl Discretization {
         matrix
     }
 
-    /// K_θ = C/k + D, C the mass matrix times the heat capacity and D with the convection.
+    /// K_θ = C/δ + D, C the mass matrix times the heat capacity and D with the convection.
     #[must_use]
-    pub fn thermal_matrix(&self, k: f64) -> BlockMatrix {
+    pub fn thermal_matrix(&self, rule: Rule) -> BlockMatrix {
         let mut matrix = self.d.clone();
         if let Some(convection) = &self.convection {
             matrix.add_scaled(1.0, convection);
         }
         let (c, storage) = self.storage();
-        matrix.add_scaled(c / k, storage);
+        matrix.add_scaled(c / rule.delta, storage);
         matrix
     }
 

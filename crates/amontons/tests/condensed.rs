@@ -10,6 +10,7 @@
 
 mod common;
 
+use amontons::inclusion::Rule;
 use amontons::linalg::{BlockMatrix, Supernodal};
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use common::paper;
@@ -75,7 +76,7 @@ fn plain_mechanics(
     let t = old.t + k;
     let size = old.w.len();
     let weight = |i: usize| if i == 0 || i == n { 0.5 / n as f64 } else { 1.0 / n as f64 };
-    let base = triplets(&discrete.mechanical_matrix(k), &discrete.v.free);
+    let base = triplets(&discrete.mechanical_matrix(Rule::backward_euler(k)), &discrete.v.free);
     let (load, mass_w, a_u, thermal) =
         (discrete.f.at(t), discrete.mass.apply(&old.w), discrete.a.apply(&old.u), discrete.m.apply(&old.theta));
     let mut right: Vec<f64> = (0..size).map(|i| load[i] + mass_w[i] / k - a_u[i] + thermal[i]).collect();
@@ -138,7 +139,7 @@ fn plain_heat(
     let (t, size) = (old.t + k, old.w.len());
     let weight = |i: usize| if i == 0 || i == n { 0.5 / n as f64 } else { 1.0 / n as f64 };
     let u: Vec<f64> = (0..size).map(|i| old.u[i] + k * w[i]).collect();
-    let mut entries = triplets(&discrete.thermal_matrix(k), &discrete.q.free);
+    let mut entries = triplets(&discrete.thermal_matrix(Rule::backward_euler(k)), &discrete.q.free);
     let (supply, mass_theta, coupling) =
         (discrete.q_h.at(t), discrete.mass.apply(&old.theta), discrete.e.apply(&old.u));
     let mut right: Vec<f64> = (0..supply.len()).map(|i| supply[i] + mass_theta[i] / k + coupling[i]).collect();

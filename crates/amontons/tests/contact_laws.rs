@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use amontons::contact::{Bound, Cone, ContactPoint, FrictionLaw, Signorini, Status, Tresca};
 use amontons::field::Field;
+use amontons::inclusion::Rule;
 use amontons::linalg::Supernodal;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Elements, Mesh};
@@ -473,7 +474,7 @@ fn minimum(
     let slips: Vec<f64> =
         made.1.contact.states.iter().zip(&discrete.boundary.points).map(|(s, p)| length(&scaled(&s.slip, p))).collect();
     let rho = problem.materials[0].density;
-    let matrix = discrete.mechanical_matrix(k);
+    let matrix = discrete.mechanical_matrix(Rule::backward_euler(k));
     let unknowns: Vec<usize> = (0..state.w.len()).filter(|&i| discrete.v.free[i]).collect();
     let of = |dof: usize| unknowns.binary_search(&dof).ok();
     let (mass_w, a_u) = (discrete.mass.apply(&state.w), discrete.apply_a(&state.u));

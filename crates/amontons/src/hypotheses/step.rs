@@ -27,6 +27,7 @@ use super::laws::{norm, tests};
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::Discretization;
+use crate::inclusion::Rule;
 use crate::linalg::{Backend, BlockMatrix, Entry, FactorError, Supernodal, System, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
@@ -125,7 +126,7 @@ impl<'a> Step<'a> {
 
     /// Whether K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
     fn dominates(&self, k: f64, loss: f64) -> Result<bool, FactorError> {
-        let matrix = self.discrete.mechanical_matrix(k);
+        let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
         let mut less = matrix.clone();
         less.add_scaled(-loss * k, &self.weights);
         is_positive_definite(self.problem, &self.discrete.v, &matrix, less)
@@ -133,13 +134,13 @@ impl<'a> Step<'a> {
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
     fn heat_is_definite(&self, k: f64) -> Result<bool, FactorError> {
-        let matrix = self.discrete.thermal_matrix(k);
+        let matrix = self.discrete.thermal_matrix(Rule::backward_euler(k));
         is_positive_definite(self.problem, &self.discrete.q, &matrix, matrix.clone())
     }
 
     /// λ_min(S, W) of K_u = ρM/k + B + kA; infinite without unknowns on Γ_C.
     fn least(&self, k: f64) -> Result<Least, FactorError> {
-        let (mesh, matrix) = (&self.problem.mesh, self.discrete.mechanical_matrix(k));
+        let (mesh, matrix) = (&self.problem.mesh, self.discrete.mechanical_matrix(Rule::backward_euler(k)));
         let unknowns =
             Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.discrete.v.free, &self.discrete.boundary.nodes);
         let mut system = System::new(&matrix, unknowns)?;

@@ -10,7 +10,7 @@ use super::heat::{self, Heat, on_nodes};
 use super::mechanics::Mechanics;
 use super::system::{ACCEPTED, Step, System, difference, on_degrees, scalars_at, vector_at};
 use super::{Contraction, CouplingReport, StepError};
-use crate::inclusion::PointDerivative;
+use crate::inclusion::{PointDerivative, Rule};
 use crate::linalg::{Entry, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
@@ -308,7 +308,7 @@ impl Tangent {
 
     /// δθ − Φ′ δθ.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Vec<f64> {
-        let Step { discrete, k, .. } = coupled.step;
+        let Step { discrete, rule: Rule { gamma, .. }, .. } = coupled.step;
         let warmer = scalars_at(discrete, change);
         let contact = on_degrees(
             discrete,
@@ -317,7 +317,7 @@ impl Tangent {
         let right: Vec<f64> =
             discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.linearised(&self.mechanics, &right);
-        let u: Vec<f64> = w.iter().map(|w| k * w).collect();
+        let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
         let points = discrete.boundary.points.iter().enumerate();
         let chi: Vec<f64> = points
             .map(|(i, point)| {
@@ -333,7 +333,7 @@ impl Tangent {
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                by_penetration * (k * w_nu - wear)
+                by_penetration * (gamma * w_nu - wear)
                     + by_pressure * pressure
                     + by_slip_speed * in_speed
                     + by_friction_power * power

@@ -10,7 +10,7 @@ use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{Products, Step, System, vector_at};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
-use crate::inclusion::Multipliers;
+use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, FactorError, dot};
 use crate::problem::Problem;
 use crate::tensor;
@@ -58,8 +58,10 @@ impl Systems {
         backend: &Arc<dyn Backend>,
     ) -> Result<Systems, (&'static str, FactorError)> {
         let rest = vec![0.0; discrete.v.free.len()];
-        let mechanics = || System::new(&discrete.mechanical_tangent(k, &rest, &rest), discrete, &discrete.v, backend);
-        let heat = || System::new(&discrete.thermal_matrix(k), discrete, &discrete.q, backend);
+        let rule = Rule::backward_euler(k);
+        let mechanics =
+            || System::new(&discrete.mechanical_tangent(rule, &rest, &rest), discrete, &discrete.v, backend);
+        let heat = || System::new(&discrete.thermal_matrix(rule), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
             || physics.has_mechanics().then(mechanics).transpose(),
@@ -177,8 +179,16 @@ impl BackwardEuler {
         self.halve(n, end.t, HALVINGS)?;
         let Some(Systems { k, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
-        let now =
-            Step { problem: &self.problem, discrete: &self.discrete, old, products: &products, n, t: end.t, k: *k };
+        let now = Step {
+            problem: &self.problem,
+            discrete: &self.discrete,
+            old,
+            products: &products,
+            n,
+            t: end.t,
+            k: *k,
+            rule: Rule::backward_euler(*k),
+        };
         Ok(Mechanics::is_unique(&now, mechanics, end))
     }
 
@@ -193,7 +203,7 @@ impl BackwardEuler {
         let Self { problem, discrete, systems, halved, .. } = self;
         let Systems { k, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
-        let now = Step { problem, discrete, old, products: &products, n, t, k: *k };
+        let now = Step { problem, discrete, old, products: &products, n, t, k: *k, rule: Rule::backward_euler(*k) };
         let made = match (mechanics, heat) {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
             (Some(mechanics), None) => alone::mechanics(&now, mechanics),

@@ -3,7 +3,7 @@
 use super::StepError;
 use super::foundation::temperatures;
 use super::system::{REFINE, Step, System, at_nodes};
-use crate::inclusion::{Exchange, HeatStep, Lumped, PointState};
+use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{Entry, max_abs};
 
 /// What the heat half-step found.
@@ -73,7 +73,7 @@ impl Begun {
 
     /// The right-hand side for the increment over θ at hand.
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
-        let storage = step.discrete.storage().0 / step.k;
+        let storage = step.discrete.storage().0 / step.rule.delta;
         let right: Vec<f64> = (0..self.supply.len())
             .map(|i| {
                 self.supply[i] + self.coupling[i]
@@ -87,7 +87,7 @@ impl Begun {
 
     /// Solves (4.2) at the contact that the mechanical half-step has found.
     pub fn solve(mut self, step: &Step, system: &mut System, states: &[PointState]) -> Result<Heat, StepError> {
-        let Step { discrete, products, k, .. } = *step;
+        let Step { discrete, products, k, rule: Rule { delta, .. }, .. } = *step;
         let (c, storage_form) = discrete.storage();
         let given = Given::new(step, &self.theta);
         let (mut iterations, mut sweeps) = (0, 0);
@@ -116,12 +116,12 @@ impl Begun {
             // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
             let mut rest: Vec<f64> = (0..theta.len())
                 .map(|i| {
-                    c / k * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
+                    c / delta * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
                 })
                 .collect();
             let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
             discrete.q.mask(&mut rest);
-            let storage = c / k * max_abs(mass_theta).max(max_abs(&products.mass_theta));
+            let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
             let driven = [&*coupling, supply, &chi].map(|term| max_abs(term)).into_iter().fold(storage, f64::max);
             let scale = driven.max(max_abs(d_theta));
             let residual = step.relative(max_abs(&rest), scale, "heat")?;
@@ -179,7 +179,12 @@ impl Given {
         let lumped = step.problem.contacts.iter().zip(&step.old.surface.foundation).map(|(contact, before)| {
             let (foundation, before) = (contact.foundation_heat.as_ref()?, (*before)?);
             let surroundings = foundation.surroundings.value(&[0.0; 3], step.t);
-            Some(Lumped { storage: foundation.capacity / step.k, before, exchange: foundation.exchange, surroundings })
+            Some(Lumped {
+                storage: foundation.capacity / step.rule.delta,
+                before,
+                exchange: foundation.exchange,
+                surroundings,
+            })
         });
         Given {
             prescribed: at_nodes(step.discrete, 1, theta),

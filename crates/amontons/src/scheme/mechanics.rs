@@ -73,7 +73,7 @@ impl Given {
             boundary: &step.discrete.boundary,
             unknown,
             dim: step.discrete.mesh.dim,
-            rule: Rule::backward_euler(step.k),
+            rule: step.rule,
             u_bar: &self.u_old,
             w_prescribed: &self.w_prescribed,
             frames: &self.frames,
@@ -133,7 +133,7 @@ impl Mechanics {
         let mut is_stale = !discrete.is_linear();
         loop {
             if is_stale {
-                let tangent = discrete.mechanical_tangent(step.k, &step.displacement(&now.w), &now.w);
+                let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w);
                 system.refactorize(&tangent).map_err(|source| step.singular(source))?;
             }
             let right = now.right(step, &load, &thermal);
@@ -277,7 +277,7 @@ impl Iterate {
 
     /// The right-hand side for the increment over the velocity, the contact apart.
     fn right(&self, step: &Step, load: &[f64], thermal: &[f64]) -> Vec<f64> {
-        let inertia = step.discrete.inertia().0 / step.k;
+        let inertia = step.discrete.inertia().0 / step.rule.delta;
         let relaxing = |i: usize| self.relaxing.get(i).copied().unwrap_or(0.0);
         (0..load.len())
             .map(|i| {
@@ -305,7 +305,8 @@ impl Iterate {
             self.right(step, load, thermal).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
         discrete.v.mask(&mut rest);
-        let inertia = discrete.inertia().0 / k * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
+        let inertia =
+            discrete.inertia().0 / step.rule.delta * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
         let (driven, contact) =
             ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), max_abs(&contact_force));
         let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing]
@@ -325,20 +326,20 @@ struct Begun {
 }
 
 impl Begun {
-    /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − u_{n−1})/k.
+    /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
     fn new(step: &Step) -> Begun {
-        let Step { discrete, old, products, t, k, .. } = *step;
+        let Step { discrete, old, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
         discrete.v.prescribe(t, &mut w);
         for (i, w) in w.iter_mut().enumerate() {
-            *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / k };
+            *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / gamma };
         }
         let given = Given::new(step, &w);
         let multipliers = old.multipliers.clone();
         let now = if discrete.is_linear() && w == old.w {
-            // a(u_{n−1} + k w_{n−1}, ·) without another product.
-            let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + k * a_w).collect();
+            // a(ū + γ w_{n−1}, ·) without another product.
+            let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + gamma * a_w).collect();
             let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {

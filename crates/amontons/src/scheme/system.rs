@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
 use crate::contact::PointOnBoundary;
-use crate::inclusion::NotConverged;
+use crate::inclusion::{NotConverged, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, Unknowns};
 use crate::problem::Problem;
 use crate::space::Space;
@@ -30,28 +30,32 @@ pub(super) struct Step<'a> {
     pub products: &'a Products,
     /// n.
     pub n: usize,
-    /// t_n in s, and the length k of the step.
+    /// t_n in s, and the length k of the step, by which a rate at its end counts in the audit.
     pub t: f64,
     pub k: f64,
+    /// The rule in time.
+    pub rule: Rule,
 }
 
 impl Step<'_> {
-    /// u_{n−1} + k w.
+    /// ū + γ w, ū = u_{n−1}.
     pub fn displacement(&self, w: &[f64]) -> Vec<f64> {
-        let k = self.k;
-        self.old.u.iter().zip(w).map(|(u, w)| u + k * w).collect()
+        let gamma = self.rule.gamma;
+        self.old.u.iter().zip(w).map(|(u, w)| u + gamma * w).collect()
     }
 
-    /// |u_{n−1}| + k |w|, the sizes of what u_n is the sum of.
+    /// |ū| + γ |w|, the sizes of what u_n is the sum of.
     pub fn sizes(&self, w: &[f64]) -> Vec<f64> {
-        self.old.u.iter().zip(w).map(|(u, w)| u.abs() + self.k * w.abs()).collect()
+        self.old.u.iter().zip(w).map(|(u, w)| u.abs() + self.rule.gamma * w.abs()).collect()
     }
 
-    /// z_n = (z_{n−1} + k w)/(1 + k/τ) of each branch that relaxes.
+    /// z_n = (z̄ + γ w)/(1 + γ/τ) of each branch that relaxes.
     pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
-        let k = self.k;
+        let gamma = self.rule.gamma;
         let branches = self.discrete.branches.iter().zip(&self.old.branches);
-        branches.map(|(branch, z)| z.iter().zip(w).map(|(z, w)| branch.factor(k) * (z + k * w)).collect()).collect()
+        branches
+            .map(|(branch, z)| z.iter().zip(w).map(|(z, w)| branch.factor(self.rule) * (z + gamma * w)).collect())
+            .collect()
     }
 
     /// Σ ∫ 𝓖ε(z_n):ε(·) of the branches; empty without.
