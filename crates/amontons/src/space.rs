@@ -78,6 +78,13 @@ impl Space {
         }
     }
 
+    /// Largest magnitude of the entries that are free: those of an equation that is solved.
+    #[must_use]
+    pub fn largest(&self, values: &[f64]) -> f64 {
+        let free = values.iter().zip(&self.free).filter(|(_, free)| **free);
+        free.fold(0.0, |most, (value, _)| most.max(value.abs()))
+    }
+
     /// Sets the entries of prescribed degrees of freedom to zero.
     pub fn mask(&self, values: &mut [f64]) {
         for (value, &free) in values.iter_mut().zip(&self.free) {

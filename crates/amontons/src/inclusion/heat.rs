@@ -288,10 +288,16 @@ impl Term for Thermal<'_> {
     }
 
     fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
-        let of = |(row, law): (&super::interface::Row, &Law)| {
-            row.weight * law.softening * law.curve.by_temperature * (law.temperature.abs() + law.foundation.abs())
+        // The flux into a body of prescribed temperature is given, but for a foundation that it warms.
+        let matters = |i: usize| {
+            let lumped = self.step.lumped.get(self.interface.rows[i].side);
+            self.lambda[i] > 0.0 || lumped.is_some_and(Option::is_some)
         };
-        self.interface.rows.iter().zip(laws).map(of).fold(0.0, f64::max)
+        let of = |(i, law): (usize, &Law)| {
+            let size = law.temperature.abs() + law.foundation.abs();
+            self.interface.rows[i].weight * law.softening * law.curve.by_temperature * size
+        };
+        laws.iter().enumerate().filter(|(i, _)| matters(*i)).map(of).fold(0.0, f64::max)
     }
 
     fn linearise(&self, laws: &Vec<Law>, entries: &mut Vec<Entry>, right: &mut [f64]) {

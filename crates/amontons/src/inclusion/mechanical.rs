@@ -11,10 +11,12 @@ use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
 use crate::linalg::{Condensed, Entry, is_positive_definite, max_abs};
 use crate::tensor::{Point, dot, length};
 
-/// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is 1 + λ
-/// G′ times the defect p − J.
+/// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is
+/// 1 + λ G′ times the defect p − J. A defect of 1e-12 of the largest term is then one of 1e-9 in the pressure, which is
+/// as sharp as (2.8) is asked to hold; for a stiffer law the multiplier is the more accurate pressure.
 const SHARPEST: f64 = 1024.0;
-/// Relative change of a pressure within the round-off of the penetration above which the law jumps there.
+/// Relative change of a pressure within the round-off of the penetration above which the law jumps there. Of a law
+/// without a jump it is at most 1e-9 of the largest pressure, by the number above; a jump is of the order of one.
 const JUMP: f64 = 1e-3;
 
 /// State of the contact points that a step starts from and ends with.

@@ -122,7 +122,8 @@ impl Begun {
             let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
             discrete.q.mask(&mut rest);
             let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
-            let driven = [&*coupling, supply, &chi].map(|term| max_abs(term)).into_iter().fold(storage, f64::max);
+            // A flux into a prescribed temperature may be of any size and is no term of an equation.
+            let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
             let scale = driven.max(max_abs(d_theta));
             let residual = step.relative(max_abs(&rest), scale, "heat")?;
             if residual > REFINE && residual < 0.5 * previous {

@@ -308,7 +308,7 @@ impl Iterate {
         let inertia =
             discrete.inertia().0 / step.rule.delta * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
         let (driven, contact) =
-            ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), max_abs(&contact_force));
+            ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), discrete.v.largest(&contact_force));
         let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing]
             .map(max_abs)
             .into_iter()
