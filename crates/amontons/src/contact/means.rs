@@ -20,9 +20,32 @@ use faer::prelude::Solve;
 use super::boundary::{ContactBoundary, Lumping};
 use crate::element::Element;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
+use crate::tensor::{Point, length};
 
 /// Contact points with their shares in a value.
 pub type Shares = Vec<(usize, f64)>;
+
+/// A number at contact points, read with shares: within the range of the values that it is made of, which the linear
+/// function at the end of a side may leave where the contact ends in the facet.
+#[must_use]
+pub fn read(shares: &[(usize, f64)], value: impl Fn(usize) -> f64) -> f64 {
+    let values = || shares.iter().map(|&(i, _)| value(i));
+    let (low, high) = (values().fold(f64::INFINITY, f64::min), values().fold(f64::NEG_INFINITY, f64::max));
+    let sum: f64 = shares.iter().map(|&(i, share)| share * value(i)).sum();
+    if low <= high { sum.clamp(low, high) } else { sum }
+}
+
+/// A vector likewise: no longer than the longest that it is made of.
+#[must_use]
+pub fn read_vector(shares: &[(usize, f64)], value: impl Fn(usize) -> Point) -> Point {
+    let longest = shares.iter().map(|&(i, _)| length(&value(i))).fold(0.0, f64::max);
+    let sum = shares.iter().fold([0.0; 3], |sum, &(i, share)| {
+        let value = value(i);
+        std::array::from_fn(|c| sum[c] + share * value[c])
+    });
+    let found = length(&sum);
+    if found > longest { sum.map(|c| c * (longest / found)) } else { sum }
+}
 
 /// Sums of shares by contact point, and of what they were weighed with.
 #[derive(Default)]

@@ -23,7 +23,7 @@ pub use heat::{
     Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp,
     STEFAN_BOLTZMANN, Sum,
 };
-pub use means::Shares;
+pub use means::{Shares, read, read_vector};
 pub use normal::{
     Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable,
     PressureTableFault, Signorini, Softening, Stop, resolvent,

@@ -6,7 +6,7 @@ use super::cells::Tables;
 use super::quantity::{Base, OnContact, Part, Quantity};
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
-use crate::contact::{ContactBoundary, Status};
+use crate::contact::{ContactBoundary, Status, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, Table};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
@@ -197,11 +197,11 @@ impl ProbeSet {
 impl Prepared {
     fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
         if let Base::Contact(quantity) = self.quantity.base {
-            let mean = |shares: &[(usize, f64)]| {
-                shares.iter().fold([0.0; 3], |sum, &(i, share)| {
-                    let value = on_contact(now, quantity, i);
-                    std::array::from_fn(|c| sum[c] + share * value[c])
-                })
+            let value = |i: usize| on_contact(now, quantity, i);
+            let mean = |shares: &[(usize, f64)]| match (shares, quantity) {
+                (&[(i, _)], _) => value(i),
+                (_, OnContact::Traction) => read_vector(shares, value),
+                _ => [read(shares, |i| value(i)[0]), 0.0, 0.0],
             };
             let all: Vec<(f64, Vec<f64>)> = self
                 .contact

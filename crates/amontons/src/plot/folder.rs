@@ -10,7 +10,7 @@ use super::surface::Surface;
 use super::table::CsvTable;
 use super::{PlotError, frames, vtu};
 use crate::case::{self, CaseError};
-use crate::contact::Status;
+use crate::contact::{Status, read, read_vector};
 use crate::output::columns::{self, Column, OnContact};
 use crate::problem::Problem;
 
@@ -128,8 +128,9 @@ impl Results<'_> {
         for (side, contact) in self.problem.contacts.iter().enumerate() {
             let Some(set) = mesh.facets.get(&contact.on) else { continue };
             for (point, shares) in boundary.readable(mesh, side, set) {
-                rows[point]
-                    .replace(std::array::from_fn(|c| shares.iter().map(|&(i, share)| share * before[i][c]).sum()));
+                let [pressure, bound] = [0, 3].map(|c| read(&shares, |i| before[i][c]));
+                let [x, y, _] = read_vector(&shares, |i| [before[i][1], before[i][2], 0.0]);
+                rows[point].replace([pressure, x, y, bound]);
             }
         }
     }
