@@ -403,4 +403,16 @@ mod tests {
             }
         }
     }
+
+    /// Friction that falls with the slip speed, on bodies in which parts of a step decide nothing: few parts are made.
+    #[test]
+    fn weakening_friction_takes_few_parts() {
+        for seed in [20011, 20169, 20200] {
+            let (classes, _) = search(&Arguments { seed, steps: 1, only: false, certified: false, with: None });
+            for (name, class) in classes {
+                assert!(name.contains("slip-rate") && class.halved > 0, "seed {seed}: {name}");
+                assert!(class.failed == 0 && class.most <= 2 * MOST, "seed {seed}: {} iterations", class.most);
+            }
+        }
+    }
 }

@@ -241,4 +241,27 @@ mod tests {
         }
         Ok(())
     }
+
+    /// A contact that ends within the last facet of a side: the linear function nearest to 0, 0, 3 at its nodes is
+    /// negative at the open end, which is read as 0, and so is the other end within the range. A traction is no longer
+    /// than those that it is made of, whatever its direction.
+    #[test]
+    fn what_is_read_stays_within_the_range_of_the_values() -> Result<(), MeshError> {
+        let mesh = Mesh::rectangle_of(Elements::Q2, [1.0, 1.0], [1, 1], Diagonal::Left)?;
+        let set = &mesh.facets["bottom"];
+        let boundary = ContactBoundary::new(&mesh, set, Quadrature::Nodal);
+        let pressure = |i: usize| if boundary.points[i].x[0] > 0.9 { 3.0 } else { 0.0 };
+        let mut least = f64::INFINITY;
+        for shares in boundary.vertex_means(&mesh, 0, set) {
+            least = least.min(shares.iter().map(|&(i, share)| share * pressure(i)).sum());
+            assert!((0.0..=3.0).contains(&read(&shares, pressure)));
+            for angle in [0.0f64, 0.7, 2.0, 4.0] {
+                let traction = |i: usize| -> Point { [angle.cos() * pressure(i), angle.sin() * pressure(i), 0.0] };
+                assert!(length(&read_vector(&shares, traction)) <= 3.0 * (1.0 + 1e-15));
+            }
+        }
+        // Simpson's weights 1, 4, 1: the fit at the open end is 2 (p₀ + 2 p_m)/3 − (p₁ + 2 p_m)/3 = −1.
+        assert!((least + 1.0).abs() < 1e-14, "{least}");
+        Ok(())
+    }
 }

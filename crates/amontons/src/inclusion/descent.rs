@@ -28,6 +28,7 @@ const HOLD: f64 = 1.0 / STIFF;
 const FOUND: f64 = 1e-6;
 /// Shares of λ in series with the layers, in turn.
 const SOFTENED: [f64; 4] = [1.0, 1e-2, 1e-4, STIFFEST];
+/// The last of them, with which a graph stays.
 const STIFFEST: f64 = 1e-6;
 /// Residual at which the minimum with softer layers is found, and from which on a residual that stalls is all that can
 /// be reached.

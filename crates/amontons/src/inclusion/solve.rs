@@ -157,7 +157,8 @@ impl Mechanical<'_> {
     }
 
     /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one solution when β
-    /// is large; the anchor follows it, and β falls as the steps succeed.
+    /// is large; the anchor follows it, and β falls as the steps succeed. Beyond 1/ε_machine it holds the step where it
+    /// is.
     fn approach(
         &self,
         condensed: &mut Condensed,
@@ -166,12 +167,12 @@ impl Mechanical<'_> {
         mut why: NotConverged,
     ) -> Result<(Mechanics, usize), NotConverged> {
         let mut beta = 1.0;
-        while why.iterations < APPROACH {
+        while why.iterations < APPROACH && beta * f64::EPSILON < 1.0 {
             let before = why.iterations;
             let near = Right { proximal: Some((beta, reached.x.clone())), ..right.clone() };
             let made = iterate(self, condensed, &near, reached.clone(), &NEAR);
-            if let Some(failure) = made.failure {
-                (beta, why) = (16.0 * beta, NotConverged { iterations: before + made.iterations, ..failure });
+            if made.failure.is_some() {
+                (beta, why.iterations) = (16.0 * beta, before + made.iterations);
                 continue;
             }
             (reached, beta) = (made.end, 0.25 * beta);
