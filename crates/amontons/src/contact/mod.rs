@@ -26,7 +26,7 @@ pub use heat::{
 pub use means::{Shares, read, read_vector};
 pub use normal::{
     Adhesion, Bilateral, Compliance, Damped, GraphKind, HuntCrossley, NormalLaw, Power, Pressure, PressureTable,
-    PressureTableFault, Signorini, Softening, Stop, resolvent,
+    PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,
 };
 pub use obstacle::Obstacle;
 pub use table::{PiecewiseLinear, TableFault};

@@ -1,7 +1,7 @@
 //! What laws of contact must satisfy.
 
 use super::{near, samples, slope_between};
-use crate::contact::{Bound, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, resolvent};
+use crate::contact::{Bound, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, Yield, resolvent};
 use crate::tensor::Point;
 
 /// Where laws are evaluated.
@@ -56,7 +56,7 @@ pub fn assert_normal_law(law: &dyn NormalLaw, r: f64) {
         );
         // What wears off makes it softer: p = G(r − λ p₊), with the slope that it has.
         let by_wear = r / size * 10f64.powf(3.0 * random.number());
-        let rubbed = |h: f64| resolvent(law, &X, a + h, 0.0, [0.0, by_wear]);
+        let rubbed = |h: f64| resolvent(law, &X, a + h, 0.0, &Yield { by_wear, ..Yield::default() });
         let value = rubbed(0.0).value;
         near(
             value,
@@ -83,6 +83,25 @@ fn assert_rate(law: &dyn NormalLaw, a: f64, [rate, other]: [f64; 2], [r, size]: 
     let p = |r: f64, rate: f64| law.pressure(&X, r, rate, 0.0);
     let (moving, h) = (p(a, rate), 1e-6 * r);
     assert!((moving.value - p(a, other).value) * (rate - other) >= 0.0, "{law:?}: not monotone in the rate at {a:e}");
+    if let Some(l) = law.lipschitz_in_rate() {
+        assert!(
+            (moving.value - p(a, other).value).abs() <= l * (rate - other).abs() + 1e-12 * size,
+            "{law:?}: declared constant {l:e} of the rate fails between {rate:e} and {other:e} at {a:e}"
+        );
+    }
+    if a > 0.0 && law.least_slope(&X, f64::NEG_INFINITY, f64::INFINITY) >= 0.0 {
+        // In series with a layer: p = G(r − λ p, ṙ − λ p/γ), with the slopes that it has.
+        let (lambda, gamma) = (r / size, 0.1);
+        let by = Yield { lambda, lambda_rate: lambda / gamma, by_wear: 0.0 };
+        let series = |h: f64, v: f64| resolvent(law, &X, a + h, rate + v, &by);
+        let found = series(0.0, 0.0);
+        let left = a - lambda * found.value;
+        let made = if left > 0.0 { p(left, rate - by.lambda_rate * found.value).value } else { p(left, 0.0).value };
+        near(found.value, made, 1e-12 * size.max(moving.value), &format!("{law:?}: in series at {a:e}, {rate:e}"));
+        let text = format!("{law:?}: in series at {a:e}, {rate:e}");
+        slope_between(found.slope, |h| series(h, 0.0).value, h, 1e-4 * size / r, &text);
+        slope_between(found.by_rate, |v| series(0.0, v).value, 1e-6, 1e-4 * size, &text);
+    }
     slope_between(
         moving.by_rate,
         |h| p(a, rate + h).value,

@@ -64,7 +64,9 @@ impl Mechanical<'_> {
     fn is_softer(&self, soft: Option<f64>) -> bool {
         (0..self.interface.len()).any(|i| match (soft, self.response[i]) {
             (Some(share), Response::Multiplier { lambda }) => {
-                self.contact(i).normal.lipschitz().is_none_or(|c| c * lambda * share > 1.0)
+                let law = &self.contact(i).normal;
+                let stiffness = law.lipschitz().zip(law.lipschitz_in_rate()).map(|(c, d)| c + d / self.step.rule.gamma);
+                stiffness.is_none_or(|c| c * lambda * share > 1.0)
             }
             _ => false,
         })
@@ -86,10 +88,7 @@ impl Mechanical<'_> {
             stalled = if left < 0.5 * least { 0 } else { stalled + 1 };
             least = left.min(least);
             let is_found = left <= enough * now.scale || (left <= NEAR * now.scale && stalled >= STALLED);
-            // In series the rates of both layers would differ, too.
-            let is_rated =
-                soft.is_some() && now.laws.iter().any(|laws| laws.normal.depends_on_rate(self.step.rule.gamma));
-            if is_found || is_rated || right.is_round_off(condensed, &w, left) {
+            if is_found || right.is_round_off(condensed, &w, left) {
                 return (w, iteration);
             }
             let Some(step) = self.downhill(condensed, &now) else { return (w, iteration) };

@@ -120,8 +120,8 @@ impl<'a> Mechanical<'a> {
         // r = ū_ν + γ w_ν − g.
         let penetration = self.opening[i][0] + gamma * w_nu;
         let rate = w_nu - frame.gap_rate;
-        // That of r₊, so that the pressure does not jump where the gap closes within the step.
-        let rate = if penetration <= 0.0 { 0.0 } else { rate.min(penetration / gamma) };
+        // That of r₊ where r > 0, so that the pressure does not jump where the gap closes within the step.
+        let rate = rate.min(penetration / gamma);
         let [v1, v2] = self.foundation[i];
         Kinematics { penetration, rate, slip: [t1 - v1, t2 - v2], temperature: self.step.temperature[i] }
     }
@@ -165,7 +165,7 @@ impl<'a> Mechanical<'a> {
             return given;
         }
         let found = self.laws_with(i, w, multiplier, Response::Function);
-        let is_soft = lambda * found.normal.by_penetration <= SHARPEST;
+        let is_soft = lambda * found.normal.slope <= SHARPEST * self.step.rule.gamma;
         let p = found.normal.pressed;
         if is_soft && (p - multiplier.p).abs() <= JUMP * p.abs().max(multiplier.p.abs()) { found } else { given }
     }

@@ -7,11 +7,12 @@
 //!     S w + Σ ω Nᵀ (p ν + q) = r̂,      p = J(r + λ p),      q = Π_{‖·‖ ≤ s}(q + ρ w_τ),  s = p_τ(r, p, ‖w_τ‖)
 //! ```
 //!
-//! where J(z) solves p ∈ G(z − λ p, ṙ) for the graph G of the normal law. The pressure is a multiplier of every law
-//! that does not fall, soft, stiff or rigid; a law that falls is taken as the function p = G(r, ṙ) that it is. The
-//! semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated point by point needs linear systems in
-//! w only. ρ is the diagonal of S over the weight of the point and λ = γ/ρ, so decisions do not depend on units. In
-//! heat, S θ + Σ ω Nᵀ Q = r̂ with Q = k_c φ_L(θ − θ_F) is the same without friction.
+//! where J(z) solves p ∈ G(z − λ p) for the graph G of the normal law, of which λ p/γ shifts the rate likewise. The
+//! pressure is a multiplier of every law that does not fall, soft, stiff or rigid; a law that falls is taken as the
+//! function p = G(r, ṙ) that it is. The semismooth Newton iteration (Alart and Curnier, 1988) with p and q eliminated
+//! point by point needs linear systems in w only. ρ is the diagonal of S over the weight of the point and λ = γ/ρ, so
+//! decisions do not depend on units. In heat, S θ + Σ ω Nᵀ Q = r̂ with Q = k_c φ_L(θ − θ_F) is the same without
+//! friction.
 //!
 //! | module | holds |
 //! |---|---|

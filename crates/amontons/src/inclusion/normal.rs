@@ -1,14 +1,14 @@
 //! (2.8) at one contact point: the pressure p as multiplier of the penetration, linearised.
 
 use super::STIFF;
-use crate::contact::{NormalLaw, Pressure, resolvent};
+use crate::contact::{NormalLaw, Pressure, Yield, resolvent};
 use crate::tensor::Point;
 
 /// How the pressure of a point is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Response {
-    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p): laws that do not fall,
-    /// of any stiffness.
+    /// p is a multiplier, equal to J(r + λ p) at a solution, with J(z) the p of p ∈ G(z − λ p, ż − λ p/γ), ż = ṙ + λ
+    /// p/γ: laws that do not fall, of any stiffness and damping.
     Multiplier {
         /// λ in m/Pa.
         lambda: f64,
@@ -26,7 +26,7 @@ pub(super) struct Approach<'a> {
     /// γ of the rule in time, s.
     pub gamma: f64,
     pub response: Response,
-    /// r but for what wears off in the step, m, and the rate of r₊ in m/s.
+    /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
     pub penetration: f64,
     pub rate: f64,
     /// λ_w in m/Pa: λ_w p₊ is the depth that wears off.
@@ -44,38 +44,35 @@ pub(super) struct Normal {
     pub slope: f64,
     /// ∂J/∂z at fixed w_ν, Pa/m.
     pub by_penetration: f64,
-    /// 1 − λ ∂J/∂z, but not zero; 1 for a function.
+    /// 1 − λ ∂J/∂z − λ/γ ∂J/∂ż, but not zero; 1 for a function.
     pub yielding: f64,
 }
 
 impl Normal {
     /// Evaluates the law at the multiplier `p`.
     pub fn new(at: &Approach, p: f64) -> Normal {
-        let (z, lambda) = match at.response {
+        let lambda = match at.response {
             Response::Given => {
                 return Normal { pressure: p, pressed: p, slope: 0.0, by_penetration: 0.0, yielding: 1.0 };
             }
-            Response::Function => (at.penetration, 0.0),
-            Response::Multiplier { lambda } => (at.penetration + lambda * p, lambda),
+            Response::Function => 0.0,
+            Response::Multiplier { lambda } => lambda,
         };
-        let Pressure { value, slope, by_rate } = resolvent(at.law, at.x, z, at.rate, [lambda, at.by_wear]);
+        let by = Yield { lambda, lambda_rate: lambda / at.gamma, by_wear: at.by_wear };
+        let (z, rate) = (at.penetration + lambda * p, at.rate + by.lambda_rate * p);
+        let Pressure { value, slope, by_rate } = resolvent(at.law, at.x, z, rate, &by);
         Normal {
             pressure: if at.response == Response::Function { value } else { p },
             pressed: value,
-            slope: at.gamma * slope + if at.penetration > 0.0 { by_rate } else { 0.0 },
+            slope: at.gamma * slope + by_rate,
             by_penetration: slope,
-            yielding: (1.0 - slope * lambda).max(STIFF.recip()),
+            yielding: (1.0 - slope * lambda - by_rate * by.lambda_rate).max(STIFF.recip()),
         }
     }
 
-    /// Pressure of the linearised law at an unchanged velocity, δp = (∂J/∂w_ν δw_ν + J − p)/(1 − λ ∂J/∂z).
+    /// Pressure of the linearised law at an unchanged velocity, δp = (∂J/∂w_ν δw_ν + J − p)/yielding.
     pub fn linear(&self) -> f64 {
         self.pressure + (self.pressed - self.pressure) / self.yielding
-    }
-
-    /// Whether the pressure depends on the rate of the penetration.
-    pub fn depends_on_rate(&self, gamma: f64) -> bool {
-        (self.slope - gamma * self.by_penetration).abs() > 1e-12 * self.slope.abs()
     }
 
     /// Slope of the pressure of the linearised law in w_ν, Pa s/m.

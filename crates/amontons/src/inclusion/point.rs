@@ -32,7 +32,7 @@ pub(super) struct Site<'a> {
 
 /// What moves a point: its kinematics at an iterate.
 pub(super) struct Kinematics {
-    /// r but for what wears off in the step, m, and the rate of r₊ in m/s.
+    /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
     pub penetration: f64,
     pub rate: f64,
     /// w_τ − v_F in m/s.

@@ -31,6 +31,9 @@ impl NormalLaw for Damped {
     fn lipschitz(&self) -> Option<f64> {
         Some(self.stiffness)
     }
+    fn lipschitz_in_rate(&self) -> Option<f64> {
+        Some(self.damping)
+    }
 }
 
 /// p = c r₊^m (1 + a ṙ)₊: damping grows with the penetration, so that the pressure starts and ends at zero.
@@ -56,6 +59,9 @@ impl NormalLaw for HuntCrossley {
     }
     fn lipschitz(&self) -> Option<f64> {
         self.at_rest.lipschitz()
+    }
+    fn lipschitz_in_rate(&self) -> Option<f64> {
+        if self.damping == 0.0 { Some(0.0) } else { None }
     }
 }
 

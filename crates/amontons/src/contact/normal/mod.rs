@@ -62,6 +62,11 @@ pub trait NormalLaw: Debug + Send + Sync {
     fn potential(&self, x: &Point, r: f64) -> f64;
     /// L_ν of (H8) in Pa/m; none for a multivalued graph and where slopes are not bounded.
     fn lipschitz(&self) -> Option<f64>;
+    /// Largest derivative in the rate, Pa s/m; none where it is not bounded. Zero stands for any law that does not
+    /// depend on the rate.
+    fn lipschitz_in_rate(&self) -> Option<f64> {
+        Some(0.0)
+    }
     /// Least slope in Pa/m between two penetrations, the first the smaller; −∞ across a drop. Zero stands for any law
     /// that does not fall.
     fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
@@ -76,28 +81,42 @@ pub trait NormalLaw: Debug + Send + Sync {
 /// Most iterations of [`resolvent`]; every third halves the interval.
 const ITERATIONS: usize = 200;
 
-/// Solves p ∈ G(z − λ p − λ_w p₊, ṙ), λ_w p₊ the depth in m that wears off in a step, for a law that does not fall or
-/// with λ = λ_w = 0: where the law is a function, by Newton's method between zero and its value at z, where the
-/// difference of both sides changes its sign.
+/// What the arguments of a normal law lose with the pressure p.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Yield {
+    /// λ in m/Pa: λ p is taken off the penetration, and λ p/γ off its rate.
+    pub lambda: f64,
+    /// λ/γ in m/(Pa s), γ that of the rule in time.
+    pub lambda_rate: f64,
+    /// λ_w in m/Pa: λ_w p₊ is the depth that wears off in a step.
+    pub by_wear: f64,
+}
+
+/// Solves p ∈ G(z − λ p − λ_w p₊, ż − λ p/γ), for a law that does not fall or with λ = λ_w = 0: where the law is a
+/// function, by Newton's method between zero and its value at z, where the difference of both sides changes its sign.
+/// The slopes are those of p in z and ż.
 #[must_use]
-pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, [lambda, by_wear]: [f64; 2]) -> Pressure {
+pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, by: &Yield) -> Pressure {
+    let Yield { lambda, lambda_rate, by_wear } = *by;
     if law.graph() != GraphKind::Function {
         let fresh = law.pressure(x, z, rate, lambda);
         return if by_wear <= 0.0 || fresh.value <= 0.0 { fresh } else { law.pressure(x, z, rate, lambda + by_wear) };
     }
-    let fresh = law.pressure(x, z, rate, 0.0);
+    let at = |z: f64, rate: f64| law.pressure(x, z, if z > 0.0 { rate } else { 0.0 }, 0.0);
+    let fresh = at(z, rate);
     let lambda = if fresh.value > 0.0 { lambda + by_wear } else { lambda };
     if lambda <= 0.0 || fresh.value == 0.0 {
         return Pressure { slope: fresh.slope / (1.0 + lambda * fresh.slope), ..fresh };
     }
+    let yielding = |at: &Pressure| 1.0 + lambda * at.slope + lambda_rate * at.by_rate;
     // A law that falls presses harder at a smaller penetration, but not without one.
     let falls = law.least_slope(x, f64::NEG_INFINITY, f64::INFINITY) < 0.0;
     let (mut below, mut above) = (fresh.value.min(0.0), if falls { z / lambda } else { fresh.value.max(0.0) });
-    let mut p = fresh.value / (1.0 + lambda * fresh.slope);
+    let mut p = fresh.value / yielding(&fresh);
     let mut found = fresh;
     for iteration in 0..ITERATIONS {
-        let at = law.pressure(x, z - lambda * p, rate, 0.0);
-        let (excess, yielding) = (p - at.value, 1.0 + lambda * at.slope);
+        let at = at(z - lambda * p, rate - lambda_rate * p);
+        let (excess, yielding) = (p - at.value, yielding(&at));
         found = Pressure { value: p, slope: at.slope / yielding, by_rate: at.by_rate / yielding };
         let newton = p - excess / yielding;
         if above - below <= 4.0 * f64::EPSILON * above.abs().max(below.abs())
