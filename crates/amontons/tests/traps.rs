@@ -143,6 +143,8 @@ fn nodes_that_were_not_merged_and_parts_that_nothing_holds() {
     );
     assert_eq!(warns(Some(finding), "mesh.file"), [5.0, 0.0]);
     assert_eq!(warns(told(&cut, "part-free"), "boundary")[0], 3.0);
+    // Coordinates that differ by the digits that a file has left out are one place.
+    assert!(told(&doubled(&whole, 2.0 + 1e-8), "coincident-nodes").is_some());
     no_word(told(&doubled(&whole, 2.1), "coincident-nodes"));
 }
 
