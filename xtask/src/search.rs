@@ -9,7 +9,6 @@ use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::hypotheses::{self, FindingId};
-use amontons::linalg::Supernodal;
 use amontons::mesh::Mesh;
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme};
@@ -122,7 +121,7 @@ fn search(arguments: &Arguments) -> (BTreeMap<String, Class>, u64) {
 
 /// Makes the steps of a case; returns how many were tried.
 fn steps(problem: &Problem, class: &mut Class, seed: u64, talk: bool) -> usize {
-    let mut scheme = match BackwardEuler::new(problem, Arc::new(Supernodal)) {
+    let mut scheme = match BackwardEuler::new(problem) {
         Ok(scheme) => scheme,
         Err(error) => {
             println!("seed {seed}: {error}");

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use amontons::case::{CaseError, StudyRequestError};
 use amontons::convergence::StudyError;
-use amontons::linalg::FactorError;
+use amontons::linalg::SolveError;
 use amontons::output::{CheckpointError, OutputError, Summary};
 use amontons::plot::PlotError;
 use amontons::run::RunError;
@@ -42,7 +42,7 @@ pub enum Failure {
         table: Value,
     },
     /// Constants of the domain that cannot be computed.
-    Constants(FactorError),
+    Constants(SolveError),
     /// A picture that cannot be drawn.
     Plot(PlotError),
     /// A file that must not be replaced.
@@ -79,8 +79,8 @@ impl From<VerifyError> for Failure {
     }
 }
 
-impl From<FactorError> for Failure {
-    fn from(error: FactorError) -> Failure {
+impl From<SolveError> for Failure {
+    fn from(error: SolveError) -> Failure {
         Failure::Constants(error)
     }
 }

@@ -9,7 +9,6 @@ use std::path::Path;
 use std::time::Instant;
 
 use amontons::case;
-use amontons::linalg::Supernodal;
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
 use amontons::scheme::BackwardEuler;
@@ -46,7 +45,7 @@ fn main() {
         format!("contact.heat.foundation_temperature={foundation}"),
     ];
     let problem = case::read(&path, &overrides).expect("the paper's case").problem;
-    let stored = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system").stored();
+    let stored = BackwardEuler::new(&problem).expect("a regular system").stored();
     let before = bandwidth(stored);
     let summary = run(&problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut Memory::default()])
         .expect("a run that ends");

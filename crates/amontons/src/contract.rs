@@ -9,20 +9,18 @@
 //! ```
 #![allow(clippy::panic, reason = "an assertion is there to panic")]
 
+mod backend;
 mod contact;
 
-use std::sync::Arc;
-
+pub use backend::assert_backend;
 pub use contact::{assert_friction_law, assert_heat_law, assert_normal_law};
 
 use crate::contact::obstacle::Shape;
 use crate::contact::{ContactPoint, WearLaw};
 use crate::element::{Element, MAX_NODES, Table};
-use crate::forms;
 use crate::hypotheses::Samples;
-use crate::linalg::{Backend, Graph, Unknowns};
-use crate::material::{Isotropic, StressState, TensorLaw};
-use crate::mesh::{Diagonal, FacetMap, Mesh};
+use crate::material::TensorLaw;
+use crate::mesh::{FacetMap, Mesh};
 use crate::quadrature::rule;
 use crate::tensor::{Point, Rotation, Sym, length, mandel_len};
 
@@ -318,52 +316,6 @@ pub fn assert_shape(shape: &dyn Shape, about: &Point, size: f64, dim: usize) {
         shape.fields().iter().all(|(_, field)| !field.depends_on_time()) || shape.depends_on_time(),
         "{shape:?}: data that move, a shape that does not"
     );
-}
-
-/// The sweeps around a contact problem without forces solve the system, the condensed operator is the
-/// Schur complement, and a matrix that is not positive definite is refused.
-///
-/// # Panics
-/// When the backend breaks the contract, or the small mesh of the test cannot be made.
-pub fn assert_backend(backend: &dyn Backend) {
-    let Ok(mesh) = Mesh::rectangle([1.0, 0.7], [9, 7], Diagonal::Left) else { panic!("a mesh of 9 × 7 squares") };
-    let graph = Arc::new(Graph::of_mesh(&mesh));
-    let mut matrix = forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]);
-    let size = graph.len() * 2;
-    let mut free = vec![true; size];
-    for node in mesh.facets["top"].node_list() {
-        free[2 * node as usize] = false;
-        free[2 * node as usize + 1] = false;
-    }
-    let contact = mesh.facets["bottom"].node_list();
-    let unknowns = Unknowns::new(&matrix, &mesh.points, 2, &free, &contact);
-    assert_eq!(unknowns.contact().len(), 2 * contact.len(), "{backend:?}: contact unknowns");
-    let Ok(factor) = backend.factorize(&matrix, &unknowns) else {
-        panic!("{backend:?}: a positive definite matrix was refused")
-    };
-    let mut random = samples();
-    let solution: Vec<f64> = free.iter().map(|&f| if f { random.number() } else { 0.0 }).collect();
-    let right = matrix.apply(&solution);
-
-    // Without forces on Γ_C its unknowns are those of S w = r̂; taken from the solution they must satisfy it.
-    let mut x = unknowns.gather(&right);
-    factor.forward(&mut x);
-    let s = factor.condensed();
-    let on_contact: Vec<f64> = unknowns.contact().iter().map(|&d| solution[d as usize]).collect();
-    for i in 0..s.nrows() {
-        let row: f64 = (0..s.ncols()).map(|j| s[(i, j)] * on_contact[j]).sum();
-        near(row, x[unknowns.interior + i], 1e-11, &format!("{backend:?}: condensed system, row {i}"));
-        for j in 0..i {
-            near(s[(i, j)], s[(j, i)], 1e-12, &format!("{backend:?}: symmetry of S"));
-        }
-    }
-    x[unknowns.interior..].copy_from_slice(&on_contact);
-    factor.backward(&mut x);
-    for (&dof, value) in unknowns.dofs.iter().zip(&x) {
-        near(*value, solution[dof as usize], 1e-11, &format!("{backend:?}: solution at degree of freedom {dof}"));
-    }
-    matrix.add_scaled(-1e6, &forms::inner_h(&mesh, &graph));
-    assert!(backend.factorize(&matrix, &unknowns).is_err(), "{backend:?}: an indefinite matrix was accepted");
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use crate::hypotheses::{self, Finding};
-use crate::linalg::{Backend, BlockMatrix, Factor, FactorError, Supernodal, Unknowns};
+use crate::linalg::{Backend, BlockMatrix, Factor, Layout, SolveError, Unknowns};
 use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
 };
@@ -136,8 +136,8 @@ fn drive(
     let findings = within(pool.as_ref(), || judged(problem, settings));
     let certificate = begin.elapsed().as_secs_f64();
     begins(Phase::Assembly);
-    let backend = Arc::new(Timed { watch: Mutex::new(settings.watch.clone()), ..Timed::default() });
-    let mut scheme = within(pool.as_ref(), || BackwardEuler::new(problem, Arc::<Timed>::clone(&backend)))?;
+    let backend = Arc::new(Timed::new(&problem.backend, settings.watch.clone()));
+    let mut scheme = within(pool.as_ref(), || BackwardEuler::with_backend(problem, Arc::<Timed>::clone(&backend)))?;
     let unknowns = counted(&scheme);
     let resumed = from.is_some();
     let Checkpoint { mut state, mut report, work: before } = beginning(from, problem, &scheme)?;
@@ -291,15 +291,19 @@ impl Clock {
 }
 
 /// A backend that notes when it factorizes.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Timed {
-    backend: Supernodal,
+    backend: Arc<dyn Backend>,
     /// Notes the first factorization.
     watch: Mutex<Option<Watch>>,
     intervals: Mutex<Vec<(Instant, Instant)>>,
 }
 
 impl Timed {
+    fn new(backend: &Arc<dyn Backend>, watch: Option<Watch>) -> Timed {
+        Timed { backend: Arc::clone(backend), watch: Mutex::new(watch), intervals: Mutex::default() }
+    }
+
     /// Seconds during which it factorized; factorizations at the same time count once.
     fn seconds(&self) -> f64 {
         let mut intervals = self.intervals.lock().unwrap_or_else(PoisonError::into_inner).clone();
@@ -316,7 +320,13 @@ impl Timed {
 }
 
 impl Backend for Timed {
-    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+    fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
+        self.backend.order(matrix, layout)
+    }
+    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
+        self.backend.is_positive_definite(matrix, layout)
+    }
+    fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
         if let Some(watch) = self.watch.lock().unwrap_or_else(PoisonError::into_inner).take() {
             (watch.0)(Phase::Factor);
         }

@@ -17,7 +17,6 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::contact::{Compliance, NormalLaw, Pressure, Status};
 use amontons::hypotheses::{self, Finding};
-use amontons::linalg::Supernodal;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self as driver, Settings};
@@ -66,7 +65,7 @@ fn rod(overrides: &[&str]) -> Problem {
 }
 
 fn scheme(problem: &Problem) -> (BackwardEuler, State) {
-    let scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).expect("a regular system");
+    let scheme = BackwardEuler::new(problem).expect("a regular system");
     let start = scheme.initial().expect("finite initial data");
     (scheme, start)
 }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use amontons::contact::{Compliance, ContactPoint, Flux, HeatLaw, NormalLaw, Pressure};
 use amontons::forms;
 use amontons::hypotheses::{Certificate, Finding, certificate, findings, full, monotonicity_loss};
-use amontons::linalg::{Backend, Dense, Graph, Supernodal, Unknowns};
+use amontons::linalg::{Backend, Dense, Graph, Layout, System};
 use amontons::material::{Constants, Isotropic, StressState, TensorLaw};
 use amontons::problem::{Coupling, Problem};
 use amontons::scheme::{BackwardEuler, Scheme};
@@ -299,13 +299,16 @@ fn dense_least(problem: &Problem) -> f64 {
     matrix.add_scaled(problem.materials[0].density / k, &forms::inner_h(mesh, &graph));
     let held = mesh.facets["top"].node_list();
     let free: Vec<bool> = (0..2 * graph.len()).map(|dof| !held.contains(&(dof as u32 / 2))).collect();
-    let unknowns = Unknowns::new(&matrix, &mesh.points, 2, &free, &mesh.facets["bottom"].node_list());
-    let s = Dense.factorize(&matrix, &unknowns).expect("a positive definite matrix").condensed();
+    let contact = mesh.facets["bottom"].node_list();
+    let layout = Layout { points: &mesh.points, components: 2, free: &free, contact: &contact };
+    let backend: Arc<dyn Backend> = Arc::new(Dense);
+    let system = System::new(&backend, &Arc::new(matrix), &layout).expect("a positive definite matrix");
+    let s = system.condensed().dense().expect("a dense matrix");
     let weight = |dof: u32| {
         let x = mesh.points[dof as usize / 2][0];
         (if x > 0.0 && x < 1.0 { 1.0 } else { 0.5 }) / 16.0
     };
-    let w: Vec<f64> = unknowns.contact().iter().map(|&dof| weight(dof)).collect();
+    let w: Vec<f64> = system.unknowns().kept().iter().map(|&dof| weight(dof)).collect();
     let scaled = faer::Mat::from_fn(w.len(), w.len(), |i, j| s[(i, j)] / (w[i] * w[j]).sqrt());
     scaled.self_adjoint_eigenvalues(faer::Side::Lower).expect("eigenvalues")[0]
 }
@@ -418,7 +421,7 @@ fn the_quality_of_slender_cells_is_named() {
 
 /// Largest u_ν on Γ_C over all steps of a run whose gap it never closes.
 fn farthest(problem: &Problem) -> f64 {
-    let mut scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = f64::NEG_INFINITY;
     for _ in 0..problem.steps {

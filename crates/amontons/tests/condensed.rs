@@ -11,7 +11,7 @@
 mod common;
 
 use amontons::inclusion::Rule;
-use amontons::linalg::{BlockMatrix, Supernodal};
+use amontons::linalg::BlockMatrix;
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use common::paper;
 use faer::linalg::solvers::Solve;
@@ -161,7 +161,7 @@ fn condensed_and_plain_solutions_agree_to_1e_9() {
             &format!("contact.heat.foundation_temperature={foundation:?}"),
         ]);
         let problem = case.problem;
-        let mut scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
         let mut state = scheme.initial().expect("finite initial data");
         let mut plain = state.clone();
         let mut multiplier = vec![0.0; n + 1];

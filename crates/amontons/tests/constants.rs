@@ -16,7 +16,7 @@ use std::sync::Arc;
 use amontons::convergence::{ConstantsTable, limit};
 use amontons::forms;
 use amontons::hypotheses::{Constant, DomainConstants, domain_constants};
-use amontons::linalg::{BlockMatrix, Eigenpair, Graph, Quotient, System, Unknowns, largest};
+use amontons::linalg::{Backend, BlockMatrix, Eigenpair, Graph, Layout, Quotient, Supernodal, System, largest};
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Block, Diagonal, Mesh};
 use amontons::problem::{Problem, ProblemData};
@@ -32,9 +32,10 @@ fn identity(dim: usize) -> Sym {
 
 /// sup B/K over the functions that vanish where `free` says so.
 fn supremum(mesh: &Mesh, b: &BlockMatrix, k: &BlockMatrix, free: &[bool]) -> Eigenpair {
-    let unknowns = Unknowns::new(k, &mesh.points, k.block_shape().0, free, &[]);
-    let mut system = System::new(k, unknowns).expect("a positive definite form");
-    largest(&mut Quotient { numerator: b, denominator: k, system: &mut system })
+    let layout = Layout { points: &mesh.points, components: k.block_shape().0, free, contact: &[] };
+    let backend: Arc<dyn Backend> = Arc::new(Supernodal);
+    let mut system = System::new(&backend, &Arc::new(k.clone()), &layout).expect("a positive definite form");
+    largest(&mut Quotient { numerator: b, denominator: k, system: &mut system }).expect("a solution")
 }
 
 fn held(mesh: &Mesh, components: usize, sides: &[&str]) -> Vec<bool> {

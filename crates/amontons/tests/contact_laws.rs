@@ -10,7 +10,6 @@ use std::sync::Arc;
 use amontons::contact::{Bound, Cone, ContactPoint, FrictionLaw, Signorini, Status, Tresca};
 use amontons::field::Field;
 use amontons::inclusion::Rule;
-use amontons::linalg::Supernodal;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Elements, Mesh};
 use amontons::problem::{BoundaryCondition, Initial, Problem};
@@ -22,13 +21,13 @@ use common::{Random, checked, disturb, largest, paper};
 
 fn scheme(overrides: &[&str]) -> (Problem, BackwardEuler) {
     let problem = paper(overrides).problem;
-    let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    let scheme = BackwardEuler::new(&problem).expect("a regular system");
     (problem, scheme)
 }
 
 /// The last state and all reports of a run.
 fn run(problem: &Problem) -> (State, Vec<StepReport>) {
-    let mut scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut reports = Vec::new();
     for _ in 0..problem.steps {
@@ -408,7 +407,7 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
     let contact = &mut problem.contacts[0];
     (contact.normal, contact.friction) = (Arc::new(Signorini), friction);
     let problem = checked(problem);
-    let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    let scheme = BackwardEuler::new(&problem).expect("a regular system");
     let mut state = scheme.initial().unwrap();
     let mut random = Random(1234 + dim as u64);
     for (i, w) in state.w.iter_mut().enumerate() {

@@ -8,7 +8,6 @@ use std::sync::Arc;
 
 use amontons::contact::Coulomb;
 use amontons::field::Field;
-use amontons::linalg::Supernodal;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::Memory;
@@ -208,7 +207,7 @@ fn friction_in_the_tangent_plane() {
         );
         assert!(memory.states.last().unwrap().ledger.relative_closing_error().abs() < 1e-12);
 
-        let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+        let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
         let mut random = Random(7);
         for round in 0..20 {
             let mut state = memory.states[round].clone();

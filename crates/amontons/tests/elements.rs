@@ -17,7 +17,7 @@ use amontons::element::{self, Element, Table};
 use amontons::expression::Expression;
 use amontons::field::Field;
 use amontons::forms::{self, Dilatation};
-use amontons::linalg::{BlockMatrix, Graph, System, Unknowns};
+use amontons::linalg::{Backend, BlockMatrix, Graph, Layout, Supernodal, System};
 use amontons::material::{Isotropic, StressState, TensorLaw};
 use amontons::mesh::{Diagonal, Elements, FacetMap, Mesh};
 use amontons::tensor::{Point, Sym, dot};
@@ -27,14 +27,15 @@ use bodies::{cells, component, distorted, errors, on_boundary, unit};
 fn solve(mesh: &Mesh, matrix: &BlockMatrix, load: &[f64], prescribed: &[f64], free: &[bool]) -> Vec<f64> {
     let components = matrix.block_shape().0;
     let mut x: Vec<f64> = prescribed.iter().zip(free).map(|(v, &free)| if free { 0.0 } else { *v }).collect();
-    let mut system = System::new(matrix, Unknowns::new(matrix, &mesh.points, components, free, &[]))
-        .expect("a positive definite matrix");
+    let backend: Arc<dyn Backend> = Arc::new(Supernodal);
+    let layout = Layout { points: &mesh.points, components, free, contact: &[] };
+    let mut system = System::new(&backend, &Arc::new(matrix.clone()), &layout).expect("a positive definite matrix");
     // Once more for the rest: the solution is then that of the matrix to round-off.
     for _ in 0..2 {
         let applied = matrix.apply(&x);
         let rest: Vec<f64> = load.iter().zip(applied).map(|(r, a)| r - a).collect();
         let mut y = system.unknowns().gather(&rest);
-        system.solve(&mut y);
+        system.solve(&mut y).expect("a solution");
         system.unknowns().add(&y, &mut x);
     }
     x

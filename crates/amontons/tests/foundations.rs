@@ -8,7 +8,7 @@ mod common;
 use std::sync::Arc;
 
 use amontons::case::{self, Source};
-use amontons::linalg::{Supernodal, dot};
+use amontons::linalg::dot;
 use amontons::mesh::{FacetBlock, FacetSet};
 use amontons::output::Memory;
 use amontons::problem::Problem;
@@ -139,7 +139,7 @@ fn what_a_step_satisfies_with_everything_at_once() {
         [(2, "staggered"), (2, "fixed-point"), (2, "monolithic"), (3, "staggered"), (3, "monolithic")]
     {
         let problem = problem(&everything(dim, SI, 24), &[format!("scheme.coupling=\"{coupling}\"")]);
-        let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+        let scheme = BackwardEuler::new(&problem).expect("a regular system");
         let discrete = scheme.discretization();
         let memory = solve(&problem);
         let (mut pressed, mut slipped, mut worst) = ([0; 2], [0; 2], [0.0f64; 6]);
@@ -548,7 +548,7 @@ fn an_obstacle_that_is_not_defined_is_told() {
         .replace("TOP", "[0, 0]")
         .replace("WHERE", "obstacle = { shape = \"surface\", level = \"y + 0.1*sqrt(0.5 - t)\" }");
     let problem = problem(&text, &[]);
-    let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).unwrap();
+    let mut scheme = BackwardEuler::new(&problem).unwrap();
     let mut state = scheme.initial().unwrap();
     let error = loop {
         match scheme.step(&state) {

@@ -8,7 +8,6 @@ mod column;
 use std::sync::Arc;
 
 use amontons::contact::{Bound, ContactPoint, FrictionLaw};
-use amontons::linalg::Supernodal;
 use amontons::problem::{Coupling, Problem};
 use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
 use column::column;
@@ -38,7 +37,7 @@ const H: f64 = 1.0 / K + 1.0;
 
 fn step(problem: &Problem, coupling: Coupling) -> (State, StepReport) {
     let problem = problem.with(|data| data.coupling = coupling).expect("valid data");
-    let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
     let start = scheme.initial().expect("finite initial data");
     scheme.step(&start).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -2,10 +2,8 @@
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use amontons::case::{self, Source};
-use amontons::linalg::Supernodal;
 use amontons::scheme::{BackwardEuler, Scheme};
 use amontons::verify::BENCHMARKS;
 
@@ -23,7 +21,7 @@ fn the_mean_pressure_of_a_bounce_lacks_the_root_of_the_step() {
         .unwrap_or_else(|error| panic!("{error}"))
         .problem;
         let (k, h) = (problem.k(), 1.0 / 256.0);
-        let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).unwrap();
+        let mut scheme = BackwardEuler::new(&problem).unwrap();
         let mut state = scheme.initial().unwrap();
         let mut impulse = 0.0;
         for _ in 0..problem.steps {

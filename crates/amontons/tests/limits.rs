@@ -3,16 +3,13 @@
 
 mod common;
 
-use std::sync::Arc;
-
-use amontons::linalg::Supernodal;
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use common::{largest, paper};
 
 /// The last state of the paper's example on a coarse mesh, with identities that close.
 fn end(overrides: &[&str]) -> State {
     let problem = paper(&[&["mesh.n=8", "time.steps=8"], overrides].concat()).problem;
-    let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     for _ in 0..problem.steps {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{overrides:?}: {error}")).0;

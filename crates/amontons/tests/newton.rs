@@ -12,14 +12,13 @@ mod common;
 
 use amontons::case::{self, Source};
 use amontons::contact::Status;
-use amontons::linalg::Supernodal;
 use amontons::scheme::{BackwardEuler, Scheme, State, StepReport};
 use amontons::tensor::{dot, length};
 use common::{Random, disturb, paper, reading};
 
 fn scheme(overrides: &[&str]) -> (amontons::problem::Problem, BackwardEuler) {
     let problem = paper(overrides).problem;
-    let scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+    let scheme = BackwardEuler::new(&problem).expect("a regular system");
     (problem, scheme)
 }
 
@@ -114,7 +113,7 @@ heat = {{ law = "ramp", conductance = 1.0, width = 1e-3, foundation_temperature 
 "#
     );
     let problem = case::parse(&Source::new("block.toml", text), &[]).expect("a case without faults").problem;
-    let scheme = BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+    let scheme = BackwardEuler::new(&problem).expect("a regular system");
     (problem, scheme)
 }
 
@@ -257,8 +256,7 @@ fn steps_without_friction_take_few_iterations() {
                 let overrides =
                     [format!("material.elasticity.young={young}"), format!("contact.quadrature=\"{quadrature}\"")];
                 let problem = common::case(&format!("crates/amontons/benchmarks/{name}.toml"), &overrides).problem;
-                let mut scheme =
-                    BackwardEuler::new(&problem, std::sync::Arc::new(Supernodal)).expect("a regular system");
+                let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
                 let start = scheme.initial().expect("finite initial data");
                 let (_, report) =
                     scheme.step(&start).unwrap_or_else(|error| panic!("{name}, {quadrature}, E = {young}: {error}"));

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use amontons::contact::{ContactBoundary, Quadrature};
 use amontons::forms::{self, Dilatation};
-use amontons::linalg::{Graph, System, Unknowns};
+use amontons::linalg::{Backend, Graph, Layout, Supernodal, System};
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::strain_norm;
@@ -97,11 +97,12 @@ fn a_tube_has_the_displacement_of_lame() {
                     *u = 0.0;
                 }
             });
-            let mut system =
-                System::new(&matrix, Unknowns::new(&matrix, &mesh.points, 2, &free, &[])).expect("a regular system");
             let rest: Vec<f64> = matrix.apply(&u).into_iter().map(|f| -f).collect();
+            let backend: Arc<dyn Backend> = Arc::new(Supernodal);
+            let layout = Layout { points: &mesh.points, components: 2, free: &free, contact: &[] };
+            let mut system = System::new(&backend, &Arc::new(matrix), &layout).expect("a regular system");
             let mut x = system.unknowns().gather(&rest);
-            system.solve(&mut x);
+            system.solve(&mut x).expect("a solution");
             system.unknowns().add(&x, &mut u);
             errors(&mesh, &component(&u, 2, 0), |x| (exact(x[0]).0, [exact(x[0]).1, 0.0, 0.0]))
         });

@@ -2,10 +2,7 @@
 //! terms.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::sync::Arc;
-
 use amontons::case::{self, Source};
-use amontons::linalg::Supernodal;
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use amontons::verify::BENCHMARKS;
@@ -16,7 +13,7 @@ fn problem(text: &str, overrides: &[&str]) -> Problem {
 }
 
 fn end(problem: &Problem) -> State {
-    let mut scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).unwrap();
+    let mut scheme = BackwardEuler::new(problem).unwrap();
     let mut state = scheme.initial().unwrap();
     for _ in 0..problem.steps {
         state = scheme.step(&state).unwrap_or_else(|error| panic!("{error}")).0;

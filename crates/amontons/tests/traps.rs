@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::hypotheses::{Finding, FindingId, FindingStatus, Kind, findings};
-use amontons::linalg::{Graph, Supernodal, Unknowns, fill};
+use amontons::linalg::{Graph, Layout, Unknowns, fill};
 use amontons::material::{Constants, TensorLaw};
 use amontons::mesh::{Elements, Mesh};
 use amontons::model::Model;
@@ -557,12 +557,13 @@ fn the_cost_is_that_of_the_factors() {
     ] {
         let problem = problem(BLOCK, overrides);
         let cost = Model::new(&problem).cost.expect("a cost");
-        let scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("factors");
+        let scheme = BackwardEuler::new(&problem).expect("factors");
         assert_eq!((cost.unknowns, cost.factors.iter().sum::<usize>()), (scheme.unknowns(), scheme.stored()));
     }
     let mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2).expect("a mesh");
     let matrix = amontons::linalg::BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), 3, 3);
-    let unknowns = Unknowns::new(&matrix, &mesh.points, 3, &[true; 81], &[]);
+    let layout = Layout { points: &mesh.points, components: 3, free: &[true; 81], contact: &[] };
+    let unknowns = Unknowns::new(&matrix, &layout);
     let counted = fill(&matrix, &unknowns).expect("a pattern");
     assert_eq!((counted.size, counted.stored), (81, 81 * 81));
     near(counted.flops, 81f64.powi(3) / 3.0, 1e-14);

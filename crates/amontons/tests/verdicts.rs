@@ -5,10 +5,7 @@
 
 mod common;
 
-use std::sync::Arc;
-
 use amontons::hypotheses::{Finding, findings, full};
-use amontons::linalg::Supernodal;
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme};
 use common::paper;
@@ -33,7 +30,7 @@ fn over_a_gap(overrides: &[&str]) -> Problem {
 
 /// Largest force of contact and largest |θ| over a run, and the largest u_ν of a side.
 fn effect(problem: &Problem) -> [f64; 3] {
-    let mut scheme = BackwardEuler::new(problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut scheme = BackwardEuler::new(problem).expect("a regular system");
     let mut state = scheme.initial().expect("finite initial data");
     let mut largest = [0.0, 0.0, f64::NEG_INFINITY];
     for _ in 0..problem.steps {

@@ -12,6 +12,7 @@ use super::raw;
 use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
+use crate::linalg::Supernodal;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
@@ -69,6 +70,7 @@ pub(super) fn problem(
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
+        backend: Arc::new(Supernodal),
     };
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));

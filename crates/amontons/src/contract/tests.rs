@@ -5,6 +5,7 @@ use crate::contact::obstacle::{Nearest, Shape};
 use crate::contact::{Bound, Compliance, Coulomb, Flux, Pressure, Ramp};
 use crate::contact::{FrictionLaw, HeatLaw, NormalLaw};
 use crate::material::Constants;
+use crate::material::{Isotropic, StressState};
 use crate::tensor::{Point, SymMap};
 
 #[test]
@@ -93,7 +94,7 @@ fn a_gap_that_is_no_distance_is_caught() {
 #[test]
 fn every_backend_keeps_its_contract() {
     for backend in crate::linalg::backends() {
-        assert_backend(backend.as_ref());
+        assert_backend(&backend);
     }
 }
 

@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 use super::norms::{Errors, Exact, against_exact};
 use super::transfer::{Transfer, TransferError};
 use crate::forms;
-use crate::linalg::Supernodal;
 use crate::material::{Isotropic, StressState};
 use crate::problem::Problem;
 use crate::scheme::{BackwardEuler, Scheme, SetupError, State, StepError};
@@ -367,8 +366,7 @@ fn check(settings: &StudySettings) -> Result<(), StudyError> {
 }
 
 fn scheme_of(level: &Level) -> Result<BackwardEuler, StudyError> {
-    BackwardEuler::new(&level.problem, std::sync::Arc::new(Supernodal))
-        .map_err(|source| StudyError::Setup { level: level.level, source })
+    BackwardEuler::new(&level.problem).map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
 /// Makes all steps of a level and hands over each state.

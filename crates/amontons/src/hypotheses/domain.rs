@@ -22,7 +22,7 @@ use serde::Serialize;
 use crate::element::Table;
 use crate::forms;
 use crate::linalg::{
-    BlockMatrix, Eigenpair, Entry, FactorError, Graph, Pencil, Quotient, System, Unknowns, dot, largest,
+    Backend, BlockMatrix, Eigenpair, Entry, Graph, Layout, Pencil, Quotient, SolveError, System, Unknowns, dot, largest,
 };
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -91,23 +91,23 @@ impl DomainConstants {
 ///
 /// # Errors
 /// When a matrix does not fit into memory, or the prescribed displacements leave a motion without strain.
-pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, FactorError> {
+pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, SolveError> {
     let mesh = &*problem.mesh;
     let graph = Arc::new(Graph::of_mesh(mesh));
     let mass = forms::inner_h(mesh, &graph);
     let contact = problem.contact_facets();
-    let contact = contact.as_ref();
+    let on = Domain { mesh, mass: &mass, contact: contact.as_ref(), backend: &problem.backend };
     let mechanics = || {
         let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.
         let strain =
             || forms::a(mesh, &graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
-        constants_of(mesh, &v, &mass, strain, contact, [Part::Whole, Part::Normal, Part::Tangential])
+        constants_of(&on, &v, strain, [Part::Whole, Part::Normal, Part::Tangential])
     };
     let heat = || {
         let q = problem.temperature_space();
         let gradient = || forms::d(mesh, &graph, &[&Sym::identity(mesh.dim)]);
-        constants_of(mesh, &q, &mass, gradient, contact, [Part::Whole])
+        constants_of(&on, &q, gradient, [Part::Whole])
     };
     let (mechanics, heat) = rayon::join(mechanics, heat);
     let ((c_k, [s1, s1_normal, s1_tangential]), (c_f, [s2])) = (mechanics?, heat?);
@@ -122,39 +122,51 @@ enum Part {
     Tangential,
 }
 
+/// What the constants of both spaces are computed on.
+struct Domain<'a> {
+    mesh: &'a Mesh,
+    mass: &'a BlockMatrix,
+    contact: Option<&'a FacetSet>,
+    backend: &'a Arc<dyn Backend>,
+}
+
 /// The constant of the norm and those of the parts of the trace, none where the space has constants or rigid motions.
 fn constants_of<const N: usize>(
-    mesh: &Mesh,
+    on: &Domain,
     space: &Space,
-    mass: &BlockMatrix,
     energy: impl FnOnce() -> BlockMatrix,
-    contact: Option<&FacetSet>,
     parts: [Part; N],
-) -> Result<(Option<Constant>, [Option<Constant>; N]), FactorError> {
-    if !is_held(mass.graph(), space) {
+) -> Result<(Option<Constant>, [Option<Constant>; N]), SolveError> {
+    if !is_held(on.mass.graph(), space) {
         return Ok((None, [None; N]));
     }
-    let energy = energy();
-    let nodes = contact.map(FacetSet::node_list).unwrap_or_default();
-    let unknowns = Unknowns::new(&energy, &mesh.points, space.components, &space.free, &nodes);
-    let mut system = System::new(&energy, unknowns)?;
-    let mut whole = Quotient { numerator: mass, denominator: &energy, system: &mut system };
-    let norm = largest(&mut whole);
-    let traces = parts.map(|part| {
-        let entries = trace_mass(mesh, contact?, whole.system.unknowns(), space.components, part);
-        let mut on_contact = TraceQuotient { entries, system: &mut *whole.system };
-        let mut pair = largest(&mut on_contact);
-        let trace = dot(&pair.vector, &on_contact.numerator(&pair.vector));
-        if trace > 0.0 {
-            // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
-            let body = whole.system.extend(&pair.vector);
-            let quotient = trace / dot(&body, &whole.denominator(&body));
-            pair.error += (quotient - pair.value).abs();
-            pair.value = quotient;
-        }
-        Some(Constant::of_trace(&pair))
-    });
+    let energy = Arc::new(energy());
+    let nodes = on.contact.map(FacetSet::node_list).unwrap_or_default();
+    let mut system = System::new(on.backend, &energy, &Layout::of(on.mesh, space, &nodes))?;
+    let mut whole = Quotient { numerator: on.mass, denominator: &energy, system: &mut system };
+    let norm = largest(&mut whole)?;
+    let mut traces = [None; N];
+    for (trace, part) in traces.iter_mut().zip(parts) {
+        let Some(contact) = on.contact else { continue };
+        let entries = trace_mass(on.mesh, contact, whole.system.unknowns(), space.components, part);
+        *trace = Some(Constant::of_trace(&trace_pair(&mut whole, entries)?));
+    }
     Ok((Some(Constant::of_norm(&norm)), traces))
+}
+
+/// The largest eigenvalue of a form on Γ_C over the energy of the body.
+fn trace_pair(whole: &mut Quotient, entries: Vec<Entry>) -> Result<Eigenpair, SolveError> {
+    let mut on_contact = TraceQuotient { entries, system: &mut *whole.system };
+    let mut pair = largest(&mut on_contact)?;
+    let trace = dot(&pair.vector, &on_contact.numerator(&pair.vector));
+    if trace > 0.0 {
+        // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
+        let body = whole.system.extend(&pair.vector)?;
+        let quotient = trace / dot(&body, &whole.denominator(&body)?);
+        pair.error += (quotient - pair.value).abs();
+        pair.value = quotient;
+    }
+    Ok(pair)
 }
 
 /// Whether every node is joined by cells to one with a prescribed value.
@@ -174,10 +186,7 @@ fn is_held(graph: &Graph, space: &Space) -> bool {
 
 /// Entries of ∫_{Γ_C} of the product of two traces, on the contact unknowns in elimination order.
 fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: usize, part: Part) -> Vec<Entry> {
-    let mut position = vec![None; mesh.points.len() * components];
-    for (k, &dof) in unknowns.contact().iter().enumerate() {
-        position[dof as usize] = Some(k as u32);
-    }
+    let position = unknowns.positions(mesh.points.len() * components);
     let mut entries = Vec::new();
     let tables: Vec<Table> =
         contact.blocks.iter().map(|block| Table::new(block.element, 2 * block.element.degree)).collect();
@@ -227,7 +236,7 @@ pub(super) struct TraceQuotient<'a> {
 
 impl Pencil for TraceQuotient<'_> {
     fn size(&self) -> usize {
-        self.system.unknowns().contact().len()
+        self.system.condensed().len()
     }
     fn numerator(&self, x: &[f64]) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
@@ -236,10 +245,10 @@ impl Pencil for TraceQuotient<'_> {
         }
         y
     }
-    fn denominator(&self, x: &[f64]) -> Vec<f64> {
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.system.condensed().apply(x)
     }
-    fn solve(&mut self, r: &mut [f64]) {
-        self.system.solve_condensed(r);
+    fn solve(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
+        self.system.solve_condensed(r)
     }
 }

@@ -32,7 +32,7 @@ pub mod warnings;
 
 use serde::{Deserialize, Serialize};
 
-use crate::linalg::FactorError;
+use crate::linalg::SolveError;
 use crate::material::Material;
 use crate::problem::{Physics, Problem};
 use crate::tensor::Sym;
@@ -186,7 +186,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
 ///
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
-pub fn certificate(problem: &Problem) -> Result<Certificate, FactorError> {
+pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
     let (domain, unique) = rayon::join(|| domain_constants(problem), || step::unique(problem));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
     let mut findings = judged(problem, &constants);

@@ -14,6 +14,8 @@
 //! y², and dissipate. All constants are those of the discrete problem, so the bound is one of its solution. Proof:
 //! `book/src/theory.md`.
 
+use std::sync::Arc;
+
 use super::laws::{Test, at, norm, tests};
 use super::step::{heat_acts_at_once, holds_the_body};
 use super::{Constants, Finding, FindingId, FindingStatus};
@@ -22,7 +24,7 @@ use crate::discretization::Discretization;
 use crate::element::Table;
 use crate::field::Field;
 use crate::forms;
-use crate::linalg::{BlockMatrix, FactorError, System, Unknowns, dot};
+use crate::linalg::{BlockMatrix, Layout, SolveError, System, dot};
 use crate::material::{Dilatation, Material};
 use crate::mesh::CellMap;
 use crate::problem::Problem;
@@ -213,7 +215,7 @@ impl<'a> Body<'a> {
         &self,
         contact: &Contact,
         c_f: Option<f64>,
-    ) -> Result<Result<Bound, (&'static str, &'static str)>, FactorError> {
+    ) -> Result<Result<Bound, (&'static str, &'static str)>, SolveError> {
         let (problem, m) = (self.problem, self.material);
         let mesh = &problem.mesh;
         let discrete = Discretization::new(problem);
@@ -224,10 +226,11 @@ impl<'a> Body<'a> {
         if !holds_the_body(problem, &discrete, &a)? {
             return Ok(Err(("no displacement and no spring holds the body", "boundary")));
         }
-        let unknowns = Unknowns::new(&a, &mesh.points, mesh.dim, &self.space.free, &self.boundary.nodes);
-        let mut system = System::new(&a, unknowns)?;
+        let a = Arc::new(a);
+        let layout = Layout::of(mesh, &self.space, &self.boundary.nodes);
+        let mut system = System::new(&problem.backend, &a, &layout)?;
         let normals: Vec<Vec<(usize, f64)>> = self.normals().collect();
-        let reach = reach(&mut system, &normals, self.space.free.len());
+        let reach = reach(&mut system, &normals, self.space.free.len())?;
         let load = forms::f(mesh, &problem.body_force, &problem.boundary);
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
@@ -235,7 +238,7 @@ impl<'a> Body<'a> {
         let thermal = norm(&m.expansion, mesh.tensor_dim());
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
         let k = problem.k();
-        let mut statics = static_answer(&mut system, &load.at(problem.time(1)));
+        let mut statics = static_answer(&mut system, &load.at(problem.time(1)))?;
         let mut y = (m.density * dot(&self.w, &mass.apply(&self.w)) + energy(&a, &difference(&self.u, &statics)))
             .max(0.0)
             .sqrt();
@@ -247,7 +250,7 @@ impl<'a> Body<'a> {
         for n in 1..=problem.steps {
             let t = problem.time(n);
             if varies && n > 1 {
-                let next = static_answer(&mut system, &load.at(t));
+                let next = static_answer(&mut system, &load.at(t))?;
                 y += energy(&a, &difference(&next, &statics)).sqrt();
                 statics = next;
             }
@@ -280,33 +283,30 @@ fn at_rest(contact: &Contact) -> bool {
 }
 
 /// G at each contact point.
-fn reach(system: &mut System, normals: &[Vec<(usize, f64)>], size: usize) -> Vec<f64> {
-    let mut position = vec![None; size];
-    for (k, &dof) in system.unknowns().contact().iter().enumerate() {
-        position[dof as usize] = Some(k);
-    }
-    let length = system.unknowns().contact().len();
+fn reach(system: &mut System, normals: &[Vec<(usize, f64)>], size: usize) -> Result<Vec<f64>, SolveError> {
+    let position = system.unknowns().positions(size);
+    let length = system.condensed().len();
     let one = |terms: &Vec<(usize, f64)>| {
         let mut c = vec![0.0; length];
         for &(dof, factor) in terms {
             if let Some(k) = position[dof] {
-                c[k] += factor;
+                c[k as usize] += factor;
             }
         }
         let mut x = c.clone();
-        system.solve_condensed(&mut x);
-        dot(&c, &x).max(0.0)
+        system.solve_condensed(&mut x)?;
+        Ok(dot(&c, &x).max(0.0))
     };
     normals.iter().map(one).collect()
 }
 
 /// The solution of K x = f with zero prescribed values, over all degrees of freedom.
-fn static_answer(system: &mut System, f: &[f64]) -> Vec<f64> {
+fn static_answer(system: &mut System, f: &[f64]) -> Result<Vec<f64>, SolveError> {
     let mut x = system.unknowns().gather(f);
-    system.solve(&mut x);
+    system.solve(&mut x)?;
     let mut full = vec![0.0; f.len()];
     system.unknowns().add(&x, &mut full);
-    full
+    Ok(full)
 }
 
 fn energy(a: &BlockMatrix, u: &[f64]) -> f64 {

@@ -28,7 +28,7 @@ use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::inclusion::Rule;
-use crate::linalg::{Backend, BlockMatrix, Entry, FactorError, Supernodal, System, Unknowns, dot, largest};
+use crate::linalg::{BlockMatrix, Entry, Layout, SolveError, System, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
@@ -125,7 +125,7 @@ impl<'a> Step<'a> {
     }
 
     /// Whether K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
-    fn dominates(&self, k: f64, loss: f64) -> Result<bool, FactorError> {
+    fn dominates(&self, k: f64, loss: f64) -> Result<bool, SolveError> {
         let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
         let mut less = matrix.clone();
         less.add_scaled(-loss * k, &self.weights);
@@ -133,26 +133,25 @@ impl<'a> Step<'a> {
     }
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
-    fn heat_is_definite(&self, k: f64) -> Result<bool, FactorError> {
+    fn heat_is_definite(&self, k: f64) -> Result<bool, SolveError> {
         let matrix = self.discrete.thermal_matrix(Rule::backward_euler(k));
         is_positive_definite(self.problem, &self.discrete.q, &matrix, matrix.clone())
     }
 
     /// λ_min(S, W) of K_u = ρM/k + B + kA; infinite without unknowns on Γ_C.
-    fn least(&self, k: f64) -> Result<Least, FactorError> {
-        let (mesh, matrix) = (&self.problem.mesh, self.discrete.mechanical_matrix(Rule::backward_euler(k)));
-        let unknowns =
-            Unknowns::new(&matrix, &mesh.points, mesh.dim, &self.discrete.v.free, &self.discrete.boundary.nodes);
-        let mut system = System::new(&matrix, unknowns)?;
+    fn least(&self, k: f64) -> Result<Least, SolveError> {
+        let matrix = Arc::new(self.discrete.mechanical_matrix(Rule::backward_euler(k)));
+        let layout = Layout::of(&self.problem.mesh, &self.discrete.v, &self.discrete.boundary.nodes);
+        let mut system = System::new(&self.problem.backend, &matrix, &layout)?;
         let mut pencil = TraceQuotient { entries: self.entries(system.unknowns()), system: &mut system };
         // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
-        let pair = largest(&mut pencil);
+        let pair = largest(&mut pencil)?;
         if pair.value <= 0.0 {
             return Ok(Least { above: f64::INFINITY, below: f64::INFINITY });
         }
         // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
         let mut body = vec![0.0; self.discrete.v.free.len()];
-        system.unknowns().add(&system.extend(&pair.vector), &mut body);
+        system.unknowns().add(&system.extend(&pair.vector)?, &mut body);
         let above = dot(&body, &matrix.apply(&body)) / dot(&body, &self.weights.apply(&body));
         Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
     }
@@ -160,10 +159,7 @@ impl<'a> Step<'a> {
     /// W on the contact unknowns.
     fn entries(&self, unknowns: &Unknowns) -> Vec<Entry> {
         let dim = self.problem.mesh.dim;
-        let mut position = vec![None; self.discrete.v.free.len()];
-        for (k, &dof) in unknowns.contact().iter().enumerate() {
-            position[dof as usize] = Some(k as u32);
-        }
+        let position = unknowns.positions(self.discrete.v.free.len());
         let mut entries = Vec::new();
         for &node in &self.discrete.boundary.nodes {
             for (column, value) in self.weights.row(node as usize) {
@@ -183,7 +179,7 @@ fn is_positive_definite(
     space: &Space,
     size: &BlockMatrix,
     mut matrix: BlockMatrix,
-) -> Result<bool, FactorError> {
+) -> Result<bool, SolveError> {
     let (mesh, components) = (&problem.mesh, space.components);
     for node in 0..mesh.points.len() {
         let mut block = vec![0.0; components * components];
@@ -192,13 +188,7 @@ fn is_positive_definite(
         }
         matrix.add(&[node as u32], &block);
     }
-    // No unknowns last: the factor is the plain one, which a matrix without it does not have.
-    let unknowns = Unknowns::new(&matrix, &mesh.points, components, &space.free, &[]);
-    match Supernodal.factorize(&matrix, &unknowns) {
-        Ok(_) => Ok(true),
-        Err(FactorError::NotPositive { .. }) => Ok(false),
-        Err(error) => Err(error),
-    }
+    problem.backend.is_positive_definite(&Arc::new(matrix), &Layout::of(mesh, space, &[]))
 }
 
 /// Whether a linear form is positive definite beyond round-off on the displacements that are free.
@@ -206,7 +196,7 @@ pub(super) fn holds_the_body(
     problem: &Problem,
     discrete: &Discretization,
     form: &BlockMatrix,
-) -> Result<bool, FactorError> {
+) -> Result<bool, SolveError> {
     is_positive_definite(problem, &discrete.v, form, form.clone())
 }
 
@@ -307,7 +297,7 @@ fn up_to_a_pressure(id: FindingId, [found, needed]: [f64; 2], with_speed: f64, s
     Finding::new(id, FindingStatus::NotCovered, message, "contact.friction")
 }
 
-fn not_factorized(id: FindingId, error: &FactorError) -> Finding {
+fn not_factorized(id: FindingId, error: &SolveError) -> Finding {
     Finding::new(
         id,
         FindingStatus::NotCovered,
@@ -331,7 +321,7 @@ pub(super) fn unique(problem: &Problem) -> Finding {
         .map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
-fn judge(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
+fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
     let k = step.problem.k();
     let needed = step.loss * k;
     let holds = step.dominates(k, step.loss)?;
@@ -377,7 +367,7 @@ pub(super) fn time_step(problem: &Problem) -> Finding {
         .map_or_else(|finding| *finding, |step| search(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
-fn search(step: &Step, id: FindingId) -> Result<Finding, FactorError> {
+fn search(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
     let problem = step.problem;
     let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
     let k = |doubling: u32| problem.end / steps(doubling);

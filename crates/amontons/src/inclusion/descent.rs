@@ -18,7 +18,7 @@ use super::normal::Response;
 use super::point::{Laws, Multiplier};
 use super::{ITERATIONS, STIFF};
 use crate::contact::GraphKind;
-use crate::linalg::{Condensed, Entry, dot, max_abs};
+use crate::linalg::{Condensed, Entry, SolveError, dot, max_abs};
 
 /// Share of the diagonal of S that holds a body that nothing holds.
 const HOLD: f64 = 1.0 / STIFF;
@@ -52,12 +52,16 @@ impl Mechanical<'_> {
 
     /// The minimum of the energy, or what is reached of it, and the Newton iterations. Layers are taken as softer than
     /// they are at first: then few points open and close in each iteration, however stiff the layers are.
-    pub(super) fn descend(&self, condensed: &mut Condensed, right: &Right) -> (Vec<f64>, usize) {
+    pub(super) fn descend(
+        &self,
+        condensed: &mut dyn Condensed,
+        right: &Right,
+    ) -> Result<(Vec<f64>, usize), SolveError> {
         let mut reached = (right.guess.to_vec(), 0);
         for soft in SOFTENED.map(Some).into_iter().filter(|soft| self.is_softer(*soft)).chain([None]) {
-            reached = self.descend_from(condensed, right, reached, soft);
+            reached = self.descend_from(condensed, right, reached, soft)?;
         }
-        if reached.0.iter().all(|w| w.is_finite()) { reached } else { (right.guess.to_vec(), reached.1) }
+        Ok(if reached.0.iter().all(|w| w.is_finite()) { reached } else { (right.guess.to_vec(), reached.1) })
     }
 
     /// Whether a layer in series makes one of the layers much softer.
@@ -75,12 +79,12 @@ impl Mechanical<'_> {
     /// The same for layers with λ times this share in series.
     fn descend_from(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         right: &Right,
         (mut w, before): (Vec<f64>, usize),
         soft: Option<f64>,
-    ) -> (Vec<f64>, usize) {
-        let mut now = self.gradient(condensed, right, &w, soft);
+    ) -> Result<(Vec<f64>, usize), SolveError> {
+        let mut now = self.gradient(condensed, right, &w, soft)?;
         let (mut least, mut stalled) = (f64::INFINITY, 0);
         let enough = if soft.is_some() { NEAR } else { FOUND };
         for iteration in before..before + ITERATIONS {
@@ -88,47 +92,54 @@ impl Mechanical<'_> {
             stalled = if left < 0.5 * least { 0 } else { stalled + 1 };
             least = left.min(least);
             let is_found = left <= enough * now.scale || (left <= NEAR * now.scale && stalled >= STALLED);
-            if is_found || right.is_round_off(condensed, &w, left) {
-                return (w, iteration);
+            if is_found || right.is_round_off(condensed, &w, left)? {
+                return Ok((w, iteration));
             }
-            let Some(step) = self.downhill(condensed, &now) else { return (w, iteration) };
+            let Some(step) = self.downhill(condensed, &now)? else { return Ok((w, iteration)) };
             let start = dot(&now.f, &step);
-            let Some((next, there)) = self.search(condensed, right, [&w, &step], start, soft) else {
-                return (w, iteration);
+            let Some((next, there)) = self.search(condensed, right, [&w, &step], start, soft)? else {
+                return Ok((w, iteration));
             };
             (w, now) = (next, there);
         }
-        (w, before + ITERATIONS)
+        Ok((w, before + ITERATIONS))
     }
 
     /// Newton's direction; none where there is none that leads down.
-    fn downhill(&self, condensed: &mut Condensed, now: &Gradient) -> Option<Vec<f64>> {
+    fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
         let mut entries = self.curvature(now);
         let mut step: Vec<f64> = now.f.iter().map(|f| -f).collect();
-        if !condensed.solve(&entries, &mut step) {
+        let held = condensed.solve(&entries, &mut step);
+        if let Err(SolveError::Singular { .. }) = held {
             entries.extend((0..step.len()).map(|i| (i as u32, i as u32, HOLD * condensed.scale()[i])));
             step = now.f.iter().map(|f| -f).collect();
-            condensed.solve(&entries, &mut step);
+            match condensed.solve(&entries, &mut step) {
+                // What it leaves is no obstacle: whether the direction leads down is asked for.
+                Ok(()) | Err(SolveError::Singular { .. }) => {}
+                Err(error) => return Err(error),
+            }
+        } else {
+            held?;
         }
-        (dot(&now.f, &step) < 0.0).then_some(step)
+        Ok((dot(&now.f, &step) < 0.0).then_some(step))
     }
 
     /// The point on a direction where the energy has fallen far enough.
     fn search(
         &self,
-        condensed: &Condensed,
+        condensed: &dyn Condensed,
         right: &Right,
         [w, step]: [&[f64]; 2],
         start: f64,
         soft: Option<f64>,
-    ) -> Option<(Vec<f64>, Gradient)> {
+    ) -> Result<Option<(Vec<f64>, Gradient)>, SolveError> {
         let (mut low, mut high, mut alpha) = (0.0, f64::INFINITY, 1.0);
         for _ in 0..SEARCH {
             let there: Vec<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
-            let gradient = self.gradient(condensed, right, &there, soft);
+            let gradient = self.gradient(condensed, right, &there, soft)?;
             let share = dot(&gradient.f, step) / start.abs();
             if (ENOUGH[0]..=ENOUGH[1]).contains(&share) {
-                return Some((there, gradient));
+                return Ok(Some((there, gradient)));
             }
             if share < 0.0 {
                 low = alpha;
@@ -142,15 +153,21 @@ impl Mechanical<'_> {
                 (true, true) => 0.5 * (low + high),
             };
         }
-        None
+        Ok(None)
     }
 
-    fn gradient(&self, condensed: &Condensed, right: &Right, w: &[f64], soft: Option<f64>) -> Gradient {
+    fn gradient(
+        &self,
+        condensed: &dyn Condensed,
+        right: &Right,
+        w: &[f64],
+        soft: Option<f64>,
+    ) -> Result<Gradient, SolveError> {
         let free = Multiplier::default();
         let laws: Vec<Laws> =
             (0..self.interface.len()).map(|i| self.laws_with(i, w, &free, self.in_energy(i, soft))).collect();
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
-        let mut f = condensed.apply(&increment);
+        let mut f = condensed.apply(&increment)?;
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);
         let mut forces = vec![0.0; w.len()];
@@ -160,7 +177,7 @@ impl Mechanical<'_> {
         }
         scale = scale.max(max_abs(&forces));
         f.iter_mut().zip(&forces).for_each(|(f, force)| *f += force);
-        Gradient { f, scale, laws }
+        Ok(Gradient { f, scale, laws })
     }
 
     /// How the energy takes a pressure: as the function that it is, or with a layer in series; a graph always with a

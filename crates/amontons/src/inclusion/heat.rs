@@ -6,7 +6,7 @@
 use super::frame::PointState;
 use super::interface::Interface;
 use super::newton::{Effort, Iterate, Right, Term, iterate};
-use super::{ITERATIONS, NotConverged, STIFF, Solved};
+use super::{Failure, ITERATIONS, STIFF, Solved};
 use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux};
 use crate::linalg::{Condensed, Entry};
 use crate::tensor::{dot, length};
@@ -112,13 +112,13 @@ impl HeatStep<'_> {
     /// temperature over the guess. Returns the temperatures on Γ_C and the exchange there.
     ///
     /// # Errors
-    /// When the iteration does not end.
+    /// When the iteration does not end, or a linear system is not solved.
     pub fn solve(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         r: &[f64],
         guess: &[f64],
-    ) -> Result<(Solved, Exchange), NotConverged> {
+    ) -> Result<(Solved, Exchange), Failure> {
         condensed.turn(&[]);
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
         let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
@@ -132,9 +132,9 @@ impl HeatStep<'_> {
             &right,
             start,
             &Effort { leaps: 0, is_free: false, iterations: ITERATIONS, enough: 0.0 },
-        );
+        )?;
         if let Some(failure) = outcome.failure {
-            return Err(failure);
+            return Err(failure.into());
         }
         let exchange = term.exchange(&outcome.end.x, &outcome.end.multipliers);
         Ok((Solved { x: outcome.end.x, iterations: outcome.iterations }, exchange))

@@ -8,7 +8,7 @@ use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::rule::Rule;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
-use crate::linalg::{Condensed, Entry, is_positive_definite, max_abs};
+use crate::linalg::{Condensed, Entry, SolveError, max_abs};
 use crate::tensor::{Point, dot, length};
 
 /// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is
@@ -90,7 +90,7 @@ pub(super) struct Mechanical<'a> {
 
 impl<'a> Mechanical<'a> {
     /// The term of a step. Without `condensed` multipliers are taken as they are.
-    pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&Condensed>) -> Mechanical<'a> {
+    pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
         let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
         let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.dim);
         let rho = condensed.map_or_else(
@@ -224,7 +224,7 @@ impl MechanicalStep<'_> {
 
     /// The states of the contact points at velocities on Γ_C, the multipliers as they are.
     #[must_use]
-    pub fn states(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+    pub fn states(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
         let term = Mechanical::new(self, Some(condensed));
         let w = term.interface.turned(w);
         let local = term.local(multipliers);
@@ -245,7 +245,7 @@ impl MechanicalStep<'_> {
     /// each point. The entries are in the basis that `condensed` has.
     pub fn tangent(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         w: &[f64],
         multipliers: &Multipliers,
     ) -> (Vec<Entry>, Vec<PointDerivative>) {
@@ -265,7 +265,7 @@ impl MechanicalStep<'_> {
     /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the
     /// cone, in Pa. At a solution that is the force p ν + q.
     #[must_use]
-    pub fn forces(&self, condensed: &Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
+    pub fn forces(&self, condensed: &dyn Condensed, w: &[f64], multipliers: &Multipliers) -> Vec<Point> {
         let term = Mechanical::new(self, Some(condensed));
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
         let of = |i: usize| {
@@ -279,13 +279,15 @@ impl MechanicalStep<'_> {
     /// slopes that the laws have between them, friction at the larger of the pressures of both ends, is positive
     /// definite. Of friction, the fall with the slip speed counts, and not the drop from rest, after which a point that
     /// sticks goes on sticking as long as it can. Proof: `book/src/theory.md`, section 3.5.
-    #[must_use]
+    ///
+    /// # Errors
+    /// When definiteness cannot be found out.
     pub fn is_unique(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         [from, to]: [&[f64]; 2],
         multipliers: [&Multipliers; 2],
-    ) -> bool {
+    ) -> Result<bool, SolveError> {
         let term = Mechanical::new(self, None);
         let [from, to] = [from, to].map(|w| term.interface.turned(w));
         let local = term.local(multipliers[1]);
@@ -293,10 +295,10 @@ impl MechanicalStep<'_> {
             .map(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i])))
             .collect();
         if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
-            return true;
+            return Ok(true);
         }
         if slopes.iter().flatten().any(|slope| !slope.is_finite()) {
-            return false;
+            return Ok(false);
         }
         condensed.turn(&term.interface.turns);
         let mut entries = Vec::new();
@@ -308,7 +310,7 @@ impl MechanicalStep<'_> {
             }
             term.interface.entries(i, &tangent, &mut entries);
         }
-        is_positive_definite(condensed.with(&entries))
+        condensed.is_positive_definite(&entries)
     }
 }
 

@@ -41,6 +41,8 @@ pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use rule::Rule;
 
+use crate::linalg::SolveError;
+
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.
 pub const TOLERANCE: f64 = 1e-12;
@@ -58,6 +60,27 @@ pub struct Solved {
     pub x: Vec<f64>,
     /// Newton iterations.
     pub iterations: usize,
+}
+
+/// Why a step on Γ_C has no solution.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Failure {
+    /// The nonsmooth iteration did not end.
+    NotConverged(NotConverged),
+    /// The condensed system could not be applied or solved.
+    Linear(SolveError),
+}
+
+impl From<NotConverged> for Failure {
+    fn from(why: NotConverged) -> Failure {
+        Failure::NotConverged(why)
+    }
+}
+
+impl From<SolveError> for Failure {
+    fn from(why: SolveError) -> Failure {
+        Failure::Linear(why)
+    }
 }
 
 /// A nonsmooth iteration that did not end.

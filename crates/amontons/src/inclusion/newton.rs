@@ -5,7 +5,7 @@
 //! residual decreases; where that ends at a kink, a full step leaves it.
 
 use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
-use crate::linalg::{Condensed, Entry, max_abs};
+use crate::linalg::{Condensed, Entry, SolveError, max_abs};
 
 /// A nonsmooth term on Γ_C: laws at contact points with multipliers.
 pub(super) trait Term {
@@ -53,10 +53,10 @@ pub(super) struct Right<'a> {
 impl Right<'_> {
     /// Whether a residual is no more than the round-off of S (x − x̂): a sum of n terms has √n/2 last bits of theirs,
     /// and never less than one.
-    pub fn is_round_off(&self, condensed: &Condensed, x: &[f64], residual: f64) -> bool {
+    pub fn is_round_off(&self, condensed: &dyn Condensed, x: &[f64], residual: f64) -> Result<bool, SolveError> {
         let sizes = self.sizes(x);
         let bits = f64::EPSILON * (0.5 * (x.len() as f64).sqrt()).max(1.0);
-        residual <= bits * condensed.magnitude_bound(&sizes) && residual <= bits * condensed.magnitude(&sizes)
+        Ok(residual <= bits * condensed.magnitude_bound(&sizes) && residual <= bits * condensed.magnitude(&sizes)?)
     }
 
     /// |x| + |x̂|: x − x̂ is a difference of larger numbers.
@@ -65,13 +65,13 @@ impl Right<'_> {
     }
 
     /// What the last bits of x and x̂ make of S (x − x̂), if a residual may be that.
-    fn round_off(&self, condensed: &Condensed, x: &[f64], residual: f64) -> f64 {
+    fn round_off(&self, condensed: &dyn Condensed, x: &[f64], residual: f64) -> Result<f64, SolveError> {
         let sizes = self.sizes(x);
         // A residual beyond the bound is no round-off, whatever the product, which costs as much as S (x − x̂).
         if residual > f64::EPSILON * condensed.magnitude_bound(&sizes) {
-            0.0
+            Ok(0.0)
         } else {
-            f64::EPSILON * condensed.magnitude(&sizes)
+            Ok(f64::EPSILON * condensed.magnitude(&sizes)?)
         }
     }
 }
@@ -99,11 +99,16 @@ pub(super) struct Evaluation<T: Term> {
 
 impl<T: Term> Evaluation<T> {
     /// Evaluates an iterate.
-    pub fn new(term: &T, condensed: &Condensed, right: &Right, at: Iterate<T::Multipliers>) -> Evaluation<T> {
+    pub fn new(
+        term: &T,
+        condensed: &dyn Condensed,
+        right: &Right,
+        at: Iterate<T::Multipliers>,
+    ) -> Result<Evaluation<T>, SolveError> {
         let x = &at.x;
         let laws = term.laws(x, &at.multipliers);
         let increment: Vec<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
-        let inner = condensed.apply(&increment);
+        let inner = condensed.apply(&increment)?;
         let mut forces = vec![0.0; x.len()];
         term.forces(&laws, &mut forces);
         let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
@@ -124,12 +129,12 @@ impl<T: Term> Evaluation<T> {
         };
         let tight = TOLERANCE * scale;
         let tolerance = if residual > tight {
-            tight.max(right.round_off(condensed, x, residual)).max(f64::EPSILON * term.round_off(x, &laws))
+            tight.max(right.round_off(condensed, x, residual)?).max(f64::EPSILON * term.round_off(x, &laws))
         } else {
             tight
         };
         let is_sharp = residual > tolerance || term.is_sharp(x, &laws, tight);
-        Evaluation { at, laws, rest, norm, residual, scale, tolerance, is_sharp }
+        Ok(Evaluation { at, laws, rest, norm, residual, scale, tolerance, is_sharp })
     }
 
     /// Whether the residual is as small as it may be.
@@ -176,30 +181,30 @@ pub(super) struct Outcome<M> {
 /// Newton's method from an iterate.
 pub(super) fn iterate<T: Term>(
     term: &T,
-    condensed: &mut Condensed,
+    condensed: &mut dyn Condensed,
     right: &Right,
     start: Iterate<T::Multipliers>,
     effort: &Effort,
-) -> Outcome<T::Multipliers> {
-    let mut now = Evaluation::<T>::new(term, condensed, right, start);
+) -> Result<Outcome<T::Multipliers>, SolveError> {
+    let mut now = Evaluation::<T>::new(term, condensed, right, start)?;
     let (mut left, mut leap) = (effort.leaps.saturating_sub(1), effort.leaps > 0);
     for iteration in 0..effort.iterations {
         if now.converged() || now.residual <= effort.enough * now.scale {
-            return now.end(term, iteration);
+            return Ok(now.end(term, iteration));
         }
         if iteration == 0 {
             term.begin(&mut now.laws, &now.at.multipliers);
         }
-        let Some(step) = newton_step(term, condensed, right, &now) else {
+        let Some(step) = newton_step(term, condensed, right, &now)? else {
             // Nothing holds the body at this iterate, as where all points are open; a proximal step does.
-            return now.fail(term, iteration + 1);
+            return Ok(now.fail(term, iteration + 1));
         };
         let after = term.after(&now.laws, &now.at.multipliers, &step);
         let mut alpha = 1.0;
         loop {
             let x = now.at.x.iter().zip(&step).map(|(x, step)| x + alpha * step).collect();
             let multipliers = T::towards(&now.at.multipliers, &after, alpha);
-            let trial = Evaluation::new(term, condensed, right, Iterate { x, multipliers });
+            let trial = Evaluation::new(term, condensed, right, Iterate { x, multipliers })?;
             if trial.converged()
                 || trial.norm < now.norm * (1.0 - 5e-5 * alpha)
                 || ((leap || effort.is_free) && trial.norm.is_finite())
@@ -209,25 +214,34 @@ pub(super) fn iterate<T: Term>(
             }
             alpha *= 0.5;
             if alpha < SHORTEST_STEP {
-                if now.residual <= now.tolerance || right.is_round_off(condensed, &now.at.x, now.residual) {
-                    return now.end(term, iteration);
+                if now.residual <= now.tolerance || right.is_round_off(condensed, &now.at.x, now.residual)? {
+                    return Ok(now.end(term, iteration));
                 }
                 if left == 0 {
-                    return now.fail(term, iteration + 1);
+                    return Ok(now.fail(term, iteration + 1));
                 }
                 (left, leap, alpha) = (left - 1, true, 1.0);
             }
         }
     }
-    now.fail(term, effort.iterations)
+    Ok(now.fail(term, effort.iterations))
 }
 
 /// δx of (S + J) δx = r − S (x − x̂) − Σ ω Nᵀ f, f of the linearised laws; none where the matrix is singular.
-fn newton_step<T: Term>(term: &T, condensed: &mut Condensed, right: &Right, now: &Evaluation<T>) -> Option<Vec<f64>> {
+fn newton_step<T: Term>(
+    term: &T,
+    condensed: &mut dyn Condensed,
+    right: &Right,
+    now: &Evaluation<T>,
+) -> Result<Option<Vec<f64>>, SolveError> {
     let (mut entries, mut step) = (Vec::new(), now.rest.clone());
     term.linearise(&now.laws, &mut entries, &mut step);
     if let Some((beta, _)) = right.proximal {
         entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.scale()[i])));
     }
-    condensed.solve(&entries, &mut step).then_some(step)
+    match condensed.solve(&entries, &mut step) {
+        Ok(()) => Ok(Some(step)),
+        Err(SolveError::Singular { .. }) => Ok(None),
+        Err(error) => Err(error),
+    }
 }

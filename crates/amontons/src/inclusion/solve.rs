@@ -5,8 +5,8 @@ use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
-use super::{ITERATIONS, NotConverged, Solved};
-use crate::linalg::{Condensed, max_abs};
+use super::{Failure, ITERATIONS, NotConverged, Solved};
+use crate::linalg::{Condensed, SolveError, max_abs};
 
 /// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the
 /// path.
@@ -30,14 +30,14 @@ impl MechanicalStep<'_> {
     /// the increment of the velocity over the guess.
     ///
     /// # Errors
-    /// When the iteration does not end; the multipliers are then as they were.
+    /// When the iteration does not end, or a linear system is not solved; the multipliers are then as they were.
     pub fn solve(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         r: &[f64],
         guess: &[f64],
         multipliers: &mut Multipliers,
-    ) -> Result<Solved, NotConverged> {
+    ) -> Result<Solved, Failure> {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let [r, guess] = [r, guess].map(|v| term.interface.turned(v));
@@ -66,10 +66,10 @@ impl Mechanical<'_> {
     /// Solves the step, with bounds that drop when slip starts on the right branches.
     fn solve(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         right: &Right,
         mut start: Mechanics,
-    ) -> Result<(Mechanics, usize), NotConverged> {
+    ) -> Result<(Mechanics, usize), Failure> {
         let before = start.multipliers.clone();
         let mut iterations = 0;
         let mut let_go = vec![false; self.rho.len()];
@@ -106,16 +106,16 @@ impl Mechanical<'_> {
     /// proximal steps.
     fn on_branches(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         right: &Right,
         start: Mechanics,
-    ) -> Result<(Mechanics, usize), NotConverged> {
+    ) -> Result<(Mechanics, usize), Failure> {
         let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
-        let mut made = iterate(self, condensed, right, start, &FIRST);
+        let mut made = iterate(self, condensed, right, start, &FIRST)?;
         let mut iterations = made.iterations;
         if made.failure.is_some() {
-            let (start, before) = self.path(condensed, right, &held);
-            made = iterate(self, condensed, right, start, &SECOND);
+            let (start, before) = self.path(condensed, right, &held)?;
+            made = iterate(self, condensed, right, start, &SECOND)?;
             iterations += before + made.iterations;
         }
         match made.failure {
@@ -127,18 +127,24 @@ impl Mechanical<'_> {
     /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
     /// then with smooth friction, ever sharper. Where the step has one solution, so has each of these (book, Theorem
     /// 2), and smooth steps are what Newton's method is made for.
-    fn path(&self, condensed: &mut Condensed, right: &Right, held: &[bool]) -> (Mechanics, usize) {
-        let (x, mut iterations) = if self.rises() { self.descend(condensed, right) } else { (right.guess.to_vec(), 0) };
+    fn path(
+        &self,
+        condensed: &mut dyn Condensed,
+        right: &Right,
+        held: &[bool],
+    ) -> Result<(Mechanics, usize), SolveError> {
+        let (x, mut iterations) =
+            if self.rises() { self.descend(condensed, right)? } else { (right.guess.to_vec(), 0) };
         let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
         let fastest = (0..self.interface.len()).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);
         if fastest == 0.0 || self.step.contacts.iter().all(|contact| contact.friction.is_frictionless()) {
-            return (now, iterations);
+            return Ok((now, iterations));
         }
         // Below it slip is the round-off of the velocities.
         let least = (f64::EPSILON * max_abs(&now.x)).max(f64::MIN_POSITIVE);
         let mut speed = fastest;
         loop {
-            let made = iterate(&self.with(Slip::Smooth { speed }), condensed, right, now, &SMOOTH);
+            let made = iterate(&self.with(Slip::Smooth { speed }), condensed, right, now, &SMOOTH)?;
             (now, iterations) = (made.end, iterations + made.iterations);
             let is_sharp = speed <= SHARP * fastest;
             if is_sharp || speed <= least {
@@ -147,13 +153,13 @@ impl Mechanical<'_> {
                     multiplier.sticks =
                         if self.drops(i) { held[i] } else { self.slip_speed(i, &now.x) < speed / SHARPER };
                 }
-                if speed <= least || Evaluation::new(self, condensed, right, now.clone()).converged() {
+                if speed <= least || Evaluation::new(self, condensed, right, now.clone())?.converged() {
                     break;
                 }
             }
             speed = (if is_sharp { SHARPEST } else { SHARPER } * speed).max(least);
         }
-        (now, iterations)
+        Ok((now, iterations))
     }
 
     /// Approaches the solution by proximal steps: with β diag(S) (w − anchor) added, the step has one solution when β
@@ -161,28 +167,28 @@ impl Mechanical<'_> {
     /// is.
     fn approach(
         &self,
-        condensed: &mut Condensed,
+        condensed: &mut dyn Condensed,
         right: &Right,
         mut reached: Mechanics,
         mut why: NotConverged,
-    ) -> Result<(Mechanics, usize), NotConverged> {
+    ) -> Result<(Mechanics, usize), Failure> {
         let mut beta = 1.0;
         while why.iterations < APPROACH && beta * f64::EPSILON < 1.0 {
             let before = why.iterations;
             let near = Right { proximal: Some((beta, reached.x.clone())), ..right.clone() };
-            let made = iterate(self, condensed, &near, reached.clone(), &NEAR);
+            let made = iterate(self, condensed, &near, reached.clone(), &NEAR)?;
             if made.failure.is_some() {
                 (beta, why.iterations) = (16.0 * beta, before + made.iterations);
                 continue;
             }
             (reached, beta) = (made.end, 0.25 * beta);
             let iterations = before + made.iterations;
-            let made = iterate(self, condensed, right, reached.clone(), &NEAR);
+            let made = iterate(self, condensed, right, reached.clone(), &NEAR)?;
             match made.failure {
                 None => return Ok((made.end, iterations + made.iterations)),
                 Some(failure) => why = NotConverged { iterations: iterations + made.iterations, ..failure },
             }
         }
-        Err(why)
+        Err(why.into())
     }
 }

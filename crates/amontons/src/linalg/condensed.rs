@@ -1,331 +1,79 @@
-//! Systems (S + J) x = b on Γ_C: with the factors of the last few J kept, or for a large Γ_C without a factor.
+//! The condensed system S x + (forces on Γ_C) = r: what a solver of the inclusion on Γ_C needs of a matrix K.
+//!
+//! A backend keeps some unknowns of K, those of Γ_C among them, and eliminates the others. A direct one keeps Γ_C
+//! alone, and S is the Schur complement; one that has no factor keeps all unknowns, and S is K.
 
-use std::collections::VecDeque;
-use std::sync::Arc;
+use std::fmt::Debug;
 
 use faer::Mat;
-use rayon::prelude::*;
 
-use super::krylov::gmres;
-use super::lu::Lu;
-use super::sparse::max_abs;
-use super::turn::{Turn, turned};
-
-/// Factors kept at once: steps alternate between a few contact patterns at the most.
-const KEPT: usize = 8;
-
-/// Unknowns on Γ_C from which on a factor of S + J, whose work is of their third power, costs more than an iteration.
-const LARGE: usize = 2000;
-/// Residual of the iteration, and most products with S that it makes. Newton's method meets what is left.
-const TOLERANCE: f64 = 1e-13;
-const PRODUCTS: usize = 400;
-/// Passes of the iteration over what the one before has left, and what each leaves of it: to ask for all in one pass
-/// would be to iterate on the round-off of the residuals.
-const PASSES: usize = 3;
-const PASS: f64 = 1e-7;
-
-/// Share of b in the round-off of S x above which a solution is looked at, and the share of b that it may leave.
-const SUSPICIOUS: f64 = 1e-8;
-const LEFT: f64 = 1e-2;
+use super::error::SolveError;
+use super::turn::Turn;
 
 /// An entry that the boundary term adds to S: row, column, value.
 pub type Entry = (u32, u32, f64);
 
-/// The condensed operator S with the factors of S + J for the last few J.
+/// The operator S on the unknowns that are kept, and systems with it.
 ///
-/// With piecewise linear laws J has the same bits whenever the same points are open, stuck and
-/// slipping, so a step with an unchanged contact pattern costs no factorization. The key is J
-/// itself: no law has to say that it is piecewise linear.
-///
-/// On a large Γ_C the systems are solved by GMRES with the blocks of the nodes on the diagonal of S + J as
-/// preconditioner. S acts like a derivative of first order along Γ_C, so its condition is that of 1/h, and J couples
-/// the unknowns of a node (with Gauss quadrature, of a facet): a few dozen products, whatever the contact pattern.
-#[derive(Debug)]
-pub struct Condensed {
-    /// S in the axes of space, and in the bases of the nodes that are turned.
-    straight: Arc<Mat<f64>>,
-    s: Arc<Mat<f64>>,
-    turns: Vec<Turn>,
-    /// The largest entry of S.
-    largest: f64,
-    /// Mean of the diagonal of S over the unknowns of its node, for each unknown: the same in every basis.
-    scale: Vec<f64>,
-    /// First unknown of each node, and their number.
-    nodes: Vec<usize>,
-    is_large: bool,
-    kept: VecDeque<(Vec<Entry>, Lu)>,
-    factorizations: usize,
-}
+/// Sums are taken in an order that does not depend on the number of threads. Any call may fail, as an iteration or a
+/// message between processes can.
+pub trait Condensed: Debug + Send + Sync {
+    /// The scale of S at each unknown: the mean of its diagonal over the node, the same in every basis.
+    fn scale(&self) -> &[f64];
 
-impl Condensed {
-    /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
-    #[must_use]
-    pub fn new(s: impl Into<Arc<Mat<f64>>>, nodes: Vec<usize>) -> Condensed {
-        let s = s.into();
-        let scale = scale(&s, &nodes);
-        let (is_large, largest) = (s.nrows() >= LARGE, s.norm_max());
-        Condensed {
-            is_large,
-            largest,
-            scale,
-            straight: Arc::clone(&s),
-            s,
-            turns: Vec::new(),
-            nodes,
-            kept: VecDeque::new(),
-            factorizations: 0,
-        }
+    /// S x.
+    ///
+    /// # Errors
+    /// When the product cannot be computed.
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError>;
+
+    /// Largest entry of |S| |x|: the size of the numbers whose sum S x is, for judging round-off.
+    ///
+    /// # Errors
+    /// When the product cannot be computed.
+    fn magnitude(&self, x: &[f64]) -> Result<f64, SolveError>;
+
+    /// A bound on [`Condensed::magnitude`] that takes no product; infinite where none is known.
+    fn magnitude_bound(&self, _x: &[f64]) -> f64 {
+        f64::INFINITY
     }
 
-    /// Goes over to another operator; factors of the one before are of no use.
-    pub fn replace(&mut self, s: Arc<Mat<f64>>) {
-        self.largest = s.norm_max();
-        self.scale = scale(&s, &self.nodes);
-        (self.straight, self.s) = (Arc::clone(&s), s);
-        self.turns.clear();
-        self.kept.clear();
-    }
+    /// Solves (S + J) x = b in place, J the sum of the entries.
+    ///
+    /// # Errors
+    /// [`SolveError::Singular`] where a solution leaves much of b, as that of a singular matrix does; another one when
+    /// the system cannot be solved.
+    fn solve(&mut self, entries: &[Entry], b: &mut [f64]) -> Result<(), SolveError>;
+
+    /// Whether S + J is positive definite, J the sum of the entries, which is symmetric.
+    ///
+    /// # Errors
+    /// When that cannot be found out.
+    fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError>;
 
     /// Takes the unknowns of some nodes in other bases: from here on S, products, solutions and entries are in these.
-    pub fn turn(&mut self, turns: &[Turn]) {
-        if self.turns != turns {
-            self.turns = turns.to_vec();
-            self.s =
-                if turns.is_empty() { Arc::clone(&self.straight) } else { Arc::new(turned(&self.straight, turns)) };
-            self.kept.clear();
-        }
-    }
+    fn turn(&mut self, turns: &[Turn]);
 
     /// The nodes that are turned.
-    #[must_use]
-    pub fn turns(&self) -> &[Turn] {
-        &self.turns
-    }
+    fn turns(&self) -> &[Turn];
 
-    /// The scale of S at each unknown: the mean of its diagonal over the node.
-    #[must_use]
-    pub fn scale(&self) -> &[f64] {
-        &self.scale
-    }
-
-    /// S + J, J the sum of the entries.
-    #[must_use]
-    pub fn with(&self, entries: &[Entry]) -> Mat<f64> {
-        let mut matrix = Mat::clone(&self.s);
-        for &(i, j, value) in entries {
-            matrix[(i as usize, j as usize)] += value;
-        }
-        matrix
-    }
-
-    /// Number of unknowns on Γ_C.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.s.nrows()
-    }
-
-    /// Whether there are no unknowns on Γ_C.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// S itself, where it is at hand.
+    fn dense(&self) -> Option<&Mat<f64>> {
+        None
     }
 
     /// Factorizations of S + J so far.
-    #[must_use]
-    pub fn factorizations(&self) -> usize {
-        self.factorizations
+    fn factorizations(&self) -> usize {
+        0
     }
 
-    /// The operator S.
-    #[must_use]
-    pub fn operator(&self) -> &Mat<f64> {
-        &self.s
+    /// Number of unknowns that are kept.
+    fn len(&self) -> usize {
+        self.scale().len()
     }
 
-    /// S x.
-    #[must_use]
-    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
-        self.product(x, |s, x| s * x)
-    }
-
-    /// Largest entry of |S| |x|: the size of the numbers whose sum S x is, for judging round-off.
-    #[must_use]
-    pub fn magnitude(&self, x: &[f64]) -> f64 {
-        max_abs(&self.product(x, |s, x| (s * x).abs()))
-    }
-
-    /// A bound on [`Condensed::magnitude`] that takes no product.
-    #[must_use]
-    pub fn magnitude_bound(&self, x: &[f64]) -> f64 {
-        // Twice, for the round-off of either sum.
-        2.0 * self.largest * x.iter().map(|x| x.abs()).sum::<f64>()
-    }
-
-    /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
-    fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        // S is symmetric and stored by columns: some rows at once, all columns in turn.
-        let rows = if self.is_large { 512 } else { x.len().max(1) };
-        y.par_chunks_mut(rows).enumerate().for_each(|(part, y)| {
-            for (j, &x) in x.iter().enumerate() {
-                let column = self.s.col(j).subrows(part * rows, y.len());
-                for (y, s) in y.iter_mut().zip(column.iter()) {
-                    *y += term(*s, x);
-                }
-            }
-        });
-        y
-    }
-
-    /// Solves (S + J) x = b in place, J the sum of the entries. Returns whether it did: a solution that leaves much of
-    /// b is that of a singular matrix.
-    pub fn solve(&mut self, entries: &[Entry], b: &mut [f64]) -> bool {
-        let right = b.to_vec();
-        self.solve_unchecked(entries, b);
-        // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
-        let suspicious = f64::EPSILON * self.largest * max_abs(b) > SUSPICIOUS * max_abs(&right);
-        if !suspicious && !max_abs(b).is_nan() {
-            return true;
-        }
-        let left: Vec<f64> = self.sum(entries, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
-        max_abs(&left) <= LEFT * max_abs(&right)
-    }
-
-    fn solve_unchecked(&mut self, entries: &[Entry], b: &mut [f64]) {
-        // S alone is solved with over and over, by eigenvalue problems; S + J changes with the contact pattern.
-        if self.is_large && !entries.is_empty() {
-            b.copy_from_slice(&self.iterate(entries, b));
-            return;
-        }
-        let same = |kept: &[Entry]| {
-            kept.len() == entries.len()
-                && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits())
-        };
-        let lu = match self.kept.iter().position(|(key, _)| same(key)) {
-            Some(0) => &self.kept[0].1,
-            Some(found) => {
-                if let Some(entry) = self.kept.remove(found) {
-                    self.kept.push_front(entry);
-                }
-                &self.kept[0].1
-            }
-            None => {
-                let matrix = self.with(entries);
-                self.factorizations += 1;
-                self.kept.truncate(KEPT - 1);
-                self.kept.push_front((entries.to_vec(), Lu::new(matrix)));
-                &self.kept[0].1
-            }
-        };
-        lu.solve(b);
-    }
-
-    /// The same by GMRES, preconditioned from the right.
-    fn iterate(&self, entries: &[Entry], b: &[f64]) -> Vec<f64> {
-        let blocks = self.blocks(entries);
-        let mut x = vec![0.0; b.len()];
-        let mut rest = b.to_vec();
-        for _ in 0..PASSES {
-            let before = max_abs(&rest);
-            let wanted = (TOLERANCE * max_abs(b) / before).max(PASS);
-            let solved = gmres(|y| self.sum(entries, &precondition(&blocks, y)), &rest, wanted, PRODUCTS);
-            x.iter_mut().zip(precondition(&blocks, &solved.x)).for_each(|(x, change)| *x += change);
-            rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
-            if max_abs(&rest) <= TOLERANCE * max_abs(b) || max_abs(&rest) > 0.1 * before {
-                break;
-            }
-        }
-        x
-    }
-
-    /// (S + J) x.
-    fn sum(&self, entries: &[Entry], x: &[f64]) -> Vec<f64> {
-        let mut y = self.apply(x);
-        for &(i, j, value) in entries {
-            y[i as usize] += value * x[j as usize];
-        }
-        y
-    }
-
-    /// The blocks of S + J on the diagonal, a node each, factorized.
-    fn blocks(&self, entries: &[Entry]) -> Vec<(usize, Lu)> {
-        let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.len());
-        let mut blocks: Vec<(usize, Mat<f64>)> = self
-            .nodes
-            .iter()
-            .enumerate()
-            .map(|(node, &first)| {
-                (first, self.s.submatrix(first, first, end(node) - first, end(node) - first).to_owned())
-            })
-            .collect();
-        for &(i, j, value) in entries {
-            let (i, j) = (i as usize, j as usize);
-            let node = self.nodes.partition_point(|&first| first <= i).saturating_sub(1);
-            if let Some((first, block)) =
-                blocks.get_mut(node).filter(|(first, block)| j >= *first && j < *first + block.ncols())
-            {
-                block[(i - *first, j - *first)] += value;
-            }
-        }
-        blocks.into_iter().map(|(first, block)| (first, Lu::new(block))).collect()
-    }
-}
-
-/// The mean of the diagonal over the unknowns of the node, for each unknown.
-fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
-    let mut scale = Vec::with_capacity(s.nrows());
-    for (node, &first) in nodes.iter().enumerate() {
-        let end = nodes.get(node + 1).copied().unwrap_or(s.nrows());
-        let mean = (first..end).map(|i| s[(i, i)]).sum::<f64>() / (end - first).max(1) as f64;
-        scale.resize(end, mean);
-    }
-    scale
-}
-
-/// The solution of the systems on the diagonal.
-fn precondition(blocks: &[(usize, Lu)], y: &[f64]) -> Vec<f64> {
-    let mut x = y.to_vec();
-    for (first, lu) in blocks {
-        lu.solve(&mut x[*first..first + lu.size()]);
-    }
-    x
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// A matrix like S, of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a
-    /// nonsymmetric coupling, as pressed and sliding points make them, the iteration agrees with the factor.
-    #[test]
-    fn the_iteration_agrees_with_the_factor() {
-        let (nodes, dim) = (60, 3);
-        let n = nodes * dim;
-        let mode =
-            |k: usize, i: usize| (std::f64::consts::PI * (k as f64 + 0.5) * (i as f64 + 0.5) / nodes as f64).cos();
-        let s = Mat::from_fn(n, n, |i, j| {
-            let scalar: f64 = (0..nodes).map(|k| (k as f64 + 1.0) * mode(k, i / dim) * mode(k, j / dim)).sum();
-            scalar * if i % dim == j % dim { 2.0 } else { 0.3 }
-        });
-        let mut entries = Vec::new();
-        for node in (0..nodes as u32).filter(|node| node % 3 > 0) {
-            let at = |c: u32| node * dim as u32 + c;
-            let stiff = if node % 3 == 1 { 1e12 } else { 0.0 };
-            entries.extend([(at(1), at(1), 1e5), (at(0), at(1), 4e4), (at(0), at(0), stiff), (at(2), at(2), stiff)]);
-        }
-        let first: Vec<usize> = (0..nodes).map(|node| node * dim).collect();
-        let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
-        let (mut factor, mut iteration) = (Condensed::new(s.clone(), first.clone()), Condensed::new(s, first));
-        iteration.is_large = true;
-        let (mut x, mut y) = (b.clone(), b.clone());
-        factor.solve(&entries, &mut x);
-        iteration.solve(&entries, &mut y);
-        let rest: Vec<f64> = iteration.sum(&entries, &y).iter().zip(&b).map(|(s, b)| s - b).collect();
-        assert!(max_abs(&rest) < 1e-11, "{:e}", max_abs(&rest));
-        let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
-        assert!(max_abs(&difference) < 1e-10 * max_abs(&x), "{:e}", max_abs(&difference));
-        let (small, large) = (factor.apply(&b), iteration.apply(&b));
-        assert_eq!(small, large, "products in parts have the bits of those in one");
-        assert!(factor.magnitude(&b) <= factor.magnitude_bound(&b));
+    /// Whether no unknowns are kept.
+    fn is_empty(&self) -> bool {
+        self.len() == 0
     }
 }

@@ -6,8 +6,12 @@ use faer::linalg::matmul::matmul;
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
 
-use super::factor::{Backend, Factor, FactorError, Unknowns, upper_columns};
+use super::condensed::Condensed;
+use super::error::SolveError;
+use super::factor::{Backend, Factor, upper_columns};
+use super::schur::Schur;
 use super::sparse::BlockMatrix;
+use super::unknowns::Unknowns;
 
 /// A dense factorization, for small systems and as the reference of the sparse one.
 #[derive(Debug, Clone, Copy, Default)]
@@ -17,10 +21,12 @@ pub struct Dense;
 struct DenseFactor {
     l: Mat<f64>,
     interior: usize,
+    /// First unknown of each contact node.
+    nodes: Vec<usize>,
 }
 
 impl Backend for Dense {
-    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+    fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
         let size = unknowns.len();
         let upper = upper_columns(matrix, unknowns);
         let mut l = Mat::<f64>::zeros(size, size);
@@ -40,36 +46,40 @@ impl Backend for Dense {
                 continue;
             }
             if l[(j, j)].is_nan() || l[(j, j)] <= 0.0 {
-                return Err(FactorError::NotPositive { pivot: j, size });
+                return Err(SolveError::NotPositive { pivot: j, size });
             }
             let d = l[(j, j)].sqrt();
             for i in j..size {
                 l[(i, j)] /= d;
             }
         }
-        Ok(Box::new(DenseFactor { l, interior: unknowns.interior }))
+        let nodes = unknowns.kept_nodes(matrix.block_shape().0);
+        Ok(Box::new(DenseFactor { l, interior: unknowns.interior, nodes }))
     }
 }
 
 impl Factor for DenseFactor {
-    fn forward(&self, r: &mut [f64]) {
+    fn forward(&self, r: &mut [f64]) -> Result<(), SolveError> {
         for j in 0..self.interior {
             r[j] /= self.l[(j, j)];
             for i in j + 1..r.len() {
                 r[i] -= self.l[(i, j)] * r[j];
             }
         }
+        Ok(())
     }
-    fn backward(&self, x: &mut [f64]) {
+    fn backward(&self, x: &mut [f64]) -> Result<(), SolveError> {
         for j in (0..self.interior).rev() {
             let sum: f64 = (j + 1..x.len()).map(|i| self.l[(i, j)] * x[i]).sum();
             x[j] = (x[j] - sum) / self.l[(j, j)];
         }
+        Ok(())
     }
-    fn condensed(&self) -> Arc<Mat<f64>> {
+    fn condensed(&self) -> Box<dyn Condensed> {
         let n = self.l.nrows() - self.interior;
         let s = self.l.submatrix(self.interior, self.interior, n, n);
-        Arc::new(Mat::from_fn(n, n, |i, j| s[(i.max(j), i.min(j))]))
+        let whole = Mat::from_fn(n, n, |i, j| s[(i.max(j), i.min(j))]);
+        Box::new(Schur::new(Arc::new(whole), self.nodes.clone()))
     }
     fn stored(&self) -> usize {
         self.l.nrows() * (self.l.nrows() + 1) / 2

@@ -9,10 +9,9 @@
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
-use super::condensed::Condensed;
-use super::factor::{Backend, Factor, FactorError, Unknowns};
+use super::error::SolveError;
 use super::sparse::{BlockMatrix, dot};
-use super::supernodal::Supernodal;
+use super::system::System;
 
 /// Residual at which the iteration ends, relative to the eigenvalue.
 const TOLERANCE: f64 = 1e-12;
@@ -30,9 +29,15 @@ pub trait Pencil {
     /// B x.
     fn numerator(&self, x: &[f64]) -> Vec<f64>;
     /// K x.
-    fn denominator(&self, x: &[f64]) -> Vec<f64>;
+    ///
+    /// # Errors
+    /// When the product cannot be computed.
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError>;
     /// K⁻¹ r in place.
-    fn solve(&mut self, r: &mut [f64]);
+    ///
+    /// # Errors
+    /// When the system cannot be solved.
+    fn solve(&mut self, r: &mut [f64]) -> Result<(), SolveError>;
 }
 
 /// The largest eigenvalue of a pencil with its vector.
@@ -49,12 +54,15 @@ pub struct Eigenpair {
 
 /// The largest eigenvalue μ of B x = μ K x. The start vector is fixed and no sum depends on the number of
 /// threads, so the bits are the same in every run.
-pub fn largest(pencil: &mut impl Pencil) -> Eigenpair {
+///
+/// # Errors
+/// When a system with K cannot be solved.
+pub fn largest(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
     let start: Vec<f64> = (1..=pencil.size()).map(|i| 0.5 + (i as f64 * 0.618_033_988_749_894_9).fract()).collect();
     // One application puts it into the range of K⁻¹B, where x·Bx vanishes for x = 0 only.
     let mut x = pencil.numerator(&start);
-    pencil.solve(&mut x);
+    pencil.solve(&mut x)?;
     let mut bx = pencil.numerator(&x);
     let mut norm = dot(&x, &bx).max(0.0).sqrt();
     let mut span = Span::default();
@@ -67,7 +75,7 @@ pub fn largest(pencil: &mut impl Pencil) -> Eigenpair {
         let mut next: Vec<f64> = bx.iter().map(|b| b / norm).collect();
         span.images.push(next.clone());
         span.basis.push(x.into_iter().map(|x| x / norm).collect());
-        pencil.solve(&mut next);
+        pencil.solve(&mut next)?;
         span.project(&mut next);
         x = next;
         bx = pencil.numerator(&x);
@@ -159,18 +167,18 @@ fn combination(factors: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
 }
 
 /// The vector's own quotient and residual.
-fn judged(pencil: &mut impl Pencil, mut x: Vec<f64>) -> Eigenpair {
-    let energy = dot(&x, &pencil.denominator(&x));
+fn judged(pencil: &mut impl Pencil, mut x: Vec<f64>) -> Result<Eigenpair, SolveError> {
     if x.iter().all(|&x| x == 0.0) {
-        return Eigenpair { value: 0.0, error: 0.0, vector: x };
+        return Ok(Eigenpair { value: 0.0, error: 0.0, vector: x });
     }
+    let energy = dot(&x, &pencil.denominator(&x)?);
     scale(&mut x, 1.0 / energy.sqrt());
-    let (kx, mut residual) = (pencil.denominator(&x), pencil.numerator(&x));
+    let (kx, mut residual) = (pencil.denominator(&x)?, pencil.numerator(&x));
     let value = dot(&x, &residual) / dot(&x, &kx);
     subtract(&mut residual, value, &kx);
-    pencil.solve(&mut residual);
+    pencil.solve(&mut residual)?;
     let error = (dot(&residual, &pencil.numerator(&residual)).max(0.0) / value).sqrt();
-    Eigenpair { value, error, vector: x }
+    Ok(Eigenpair { value, error, vector: x })
 }
 
 fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
@@ -182,63 +190,6 @@ fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
 fn scale(x: &mut [f64], factor: f64) {
     for x in x {
         *x *= factor;
-    }
-}
-
-/// A matrix on its unknowns, factorized with the contact unknowns last, that is solved as a whole.
-#[derive(Debug)]
-pub struct System {
-    unknowns: Unknowns,
-    factor: Box<dyn Factor>,
-    condensed: Condensed,
-}
-
-impl System {
-    /// Factorizes the rows and columns of `matrix` that `unknowns` names.
-    ///
-    /// # Errors
-    /// When the matrix is not positive definite or does not fit into memory.
-    pub fn new(matrix: &BlockMatrix, unknowns: Unknowns) -> Result<System, FactorError> {
-        let factor = Supernodal.factorize(matrix, &unknowns)?;
-        let condensed = Condensed::new(factor.condensed(), unknowns.contact_nodes(matrix.block_shape().0));
-        Ok(System { unknowns, factor, condensed })
-    }
-
-    /// The unknowns in elimination order.
-    #[must_use]
-    pub fn unknowns(&self) -> &Unknowns {
-        &self.unknowns
-    }
-
-    /// The condensed operator S on the contact unknowns: x·Sx is the least energy of all vectors with these contact
-    /// entries.
-    #[must_use]
-    pub fn condensed(&self) -> &Condensed {
-        &self.condensed
-    }
-
-    /// Solves S x = r in place on the contact unknowns.
-    pub fn solve_condensed(&mut self, r: &mut [f64]) {
-        if !self.condensed.is_empty() {
-            self.condensed.solve(&[], r);
-        }
-    }
-
-    /// The vector with these contact entries whose energy is the least, in elimination order.
-    #[must_use]
-    pub fn extend(&self, contact: &[f64]) -> Vec<f64> {
-        let mut x = vec![0.0; self.unknowns.interior];
-        x.extend_from_slice(contact);
-        self.factor.backward(&mut x);
-        x
-    }
-
-    /// Solves K x = r in place, in elimination order.
-    pub fn solve(&mut self, r: &mut [f64]) {
-        let interior = self.unknowns.interior;
-        self.factor.forward(r);
-        self.solve_condensed(&mut r[interior..]);
-        self.factor.backward(r);
     }
 }
 
@@ -255,7 +206,7 @@ pub struct Quotient<'a> {
 
 impl Quotient<'_> {
     fn product(&self, matrix: &BlockMatrix, x: &[f64]) -> Vec<f64> {
-        let unknowns = &self.system.unknowns;
+        let unknowns = self.system.unknowns();
         let mut full = vec![0.0; self.denominator.graph().len() * self.denominator.block_shape().0];
         unknowns.add(x, &mut full);
         unknowns.gather(&matrix.apply(&full))
@@ -264,16 +215,16 @@ impl Quotient<'_> {
 
 impl Pencil for Quotient<'_> {
     fn size(&self) -> usize {
-        self.system.unknowns.len()
+        self.system.unknowns().len()
     }
     fn numerator(&self, x: &[f64]) -> Vec<f64> {
         self.product(self.numerator, x)
     }
-    fn denominator(&self, x: &[f64]) -> Vec<f64> {
-        self.product(self.denominator, x)
+    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+        Ok(self.product(self.denominator, x))
     }
-    fn solve(&mut self, r: &mut [f64]) {
-        self.system.solve(r);
+    fn solve(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
+        self.system.solve(r)
     }
 }
 
@@ -291,14 +242,16 @@ mod tests {
         fn numerator(&self, x: &[f64]) -> Vec<f64> {
             self.0.iter().zip(x).map(|(d, x)| d * x).collect()
         }
-        fn denominator(&self, x: &[f64]) -> Vec<f64> {
-            x.to_vec()
+        fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+            Ok(x.to_vec())
         }
-        fn solve(&mut self, _r: &mut [f64]) {}
+        fn solve(&mut self, _r: &mut [f64]) -> Result<(), SolveError> {
+            Ok(())
+        }
     }
 
     #[test]
-    fn semidefinite_multiple_and_empty_pencils() {
+    fn semidefinite_multiple_and_empty_pencils() -> Result<(), SolveError> {
         for (values, expected) in [
             (vec![], 0.0),
             (vec![0.0; 5], 0.0),
@@ -307,7 +260,7 @@ mod tests {
             (vec![1e-20; 9], 1e-20),
             (vec![3.0, 3.0, 1.0, 0.0, 3.0, 2.0], 3.0),
         ] {
-            let pair = largest(&mut Diagonal(values.clone()));
+            let pair = largest(&mut Diagonal(values.clone()))?;
             assert!(
                 (pair.value - expected).abs() <= 1e-15 * expected && pair.error <= 1e-12 * expected,
                 "{values:?}: {} ± {:e}",
@@ -315,19 +268,21 @@ mod tests {
                 pair.error
             );
         }
+        Ok(())
     }
 
     /// Eigenvalues of a strip a hundred times as long as wide crowd at the largest: 1/μ = 1 + (j/50)². They need
     /// more vectors than are kept, fewer than there are.
     #[test]
-    fn crowded_eigenvalues_are_reached_with_a_reduced_basis() {
+    fn crowded_eigenvalues_are_reached_with_a_reduced_basis() -> Result<(), SolveError> {
         let values: Vec<f64> = (0..2000).map(|j| 1.0 / (1.0 + (f64::from(j) / 50.0).powi(2))).collect();
-        let pair = largest(&mut Diagonal(values));
+        let pair = largest(&mut Diagonal(values))?;
         assert!(
             (pair.value - 1.0).abs() < 1e-14 && pair.error < 2.0 * TOLERANCE,
             "{:e} ± {:e}",
             pair.value - 1.0,
             pair.error
         );
+        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Factorizations of a system whose contact unknowns are last: what one gives, and who makes one.
+//! Factorizations of a system whose contact unknowns are last: what one gives, and which backend makes one.
 //!
 //! With the unknowns ordered (I, C), interior before contact, the condensed operator is
 //! S = K_CC − K_CI K_II⁻¹ K_IC. The forward sweep over the interior columns reduces the right-hand side to Γ_C; with
@@ -7,118 +7,54 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
-use faer::Mat;
-
-use super::ordering::nested_dissection;
+use super::condensed::Condensed;
+use super::error::SolveError;
 use super::sparse::BlockMatrix;
-use crate::tensor::Point;
+use super::unknowns::{Layout, Unknowns};
 
-/// Why a system could not be factorized.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum FactorError {
-    /// A pivot was not positive: the matrix is not positive definite.
-    #[error(
-        "the matrix is not positive definite: pivot {pivot} of {size} is not positive; a body that no side holds needs inertia: a larger density or shorter steps"
-    )]
-    NotPositive {
-        /// Number of the pivot in elimination order.
-        pivot: usize,
-        /// Size of the matrix.
-        size: usize,
-    },
-    /// The factor does not fit.
-    #[error("the factor of {size} unknowns does not fit into memory")]
-    Memory {
-        /// Size of the matrix.
-        size: usize,
-    },
-}
-
-/// The unknowns of a system in elimination order: interior, then contact.
-#[derive(Clone, Debug)]
-pub struct Unknowns {
-    /// Degree of freedom at each position.
-    pub dofs: Vec<u32>,
-    /// How many positions are interior.
-    pub interior: usize,
-}
-
-impl Unknowns {
-    /// Orders the degrees of freedom that are `free` (node-major, `components` a node), those of
-    /// the nodes `contact` last.
-    #[must_use]
-    pub fn new(matrix: &BlockMatrix, points: &[Point], components: usize, free: &[bool], contact: &[u32]) -> Unknowns {
-        let keep: Vec<bool> = free.chunks_exact(components).map(|node| node.iter().any(|&f| f)).collect();
-        let ordering = nested_dissection(matrix.graph(), points, &keep, contact);
-        let (mut dofs, mut interior) = (Vec::new(), 0);
-        for (k, &node) in ordering.order.iter().enumerate() {
-            dofs.extend((0..components as u32).map(|c| node * components as u32 + c).filter(|&d| free[d as usize]));
-            if k < ordering.interior {
-                interior = dofs.len();
-            }
-        }
-        Unknowns { dofs, interior }
-    }
-
-    /// Number of unknowns.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.dofs.len()
-    }
-
-    /// Whether there is nothing to solve for.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.dofs.is_empty()
-    }
-
-    /// Degrees of freedom of the contact unknowns.
-    #[must_use]
-    pub fn contact(&self) -> &[u32] {
-        &self.dofs[self.interior..]
-    }
-
-    /// The first contact unknown of each contact node, counted from the first of all, with `components` degrees of
-    /// freedom a node.
-    #[must_use]
-    pub fn contact_nodes(&self, components: usize) -> Vec<usize> {
-        let node = |dof: u32| dof as usize / components.max(1);
-        let contact = self.contact();
-        (0..contact.len()).filter(|&i| i == 0 || node(contact[i]) != node(contact[i - 1])).collect()
-    }
-
-    /// The entries of a vector over all degrees of freedom, in elimination order.
-    #[must_use]
-    pub fn gather(&self, full: &[f64]) -> Vec<f64> {
-        self.dofs.iter().map(|&d| full[d as usize]).collect()
-    }
-
-    /// Adds a vector in elimination order to its degrees of freedom.
-    pub fn add(&self, x: &[f64], full: &mut [f64]) {
-        for (&d, &value) in self.dofs.iter().zip(x) {
-            full[d as usize] += value;
-        }
-    }
-}
-
-/// A way to factorize symmetric positive definite systems.
+/// A way to solve symmetric positive definite systems.
 pub trait Backend: Debug + Send + Sync {
-    /// Factorizes the rows and columns of `matrix` that `unknowns` names.
+    /// The order of the unknowns, and which are kept: those of the contact nodes at least, after the others.
+    fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
+        Unknowns::new(matrix, layout)
+    }
+
+    /// Eliminates the interior of the rows and columns of `matrix` that `unknowns` names.
     ///
     /// # Errors
     /// When the matrix is not positive definite or does not fit into memory.
-    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError>;
+    fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError>;
+
+    /// Whether a matrix is positive definite on the unknowns of the layout.
+    ///
+    /// # Errors
+    /// When that cannot be found out.
+    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
+        // No unknowns last: the factor is the plain one, which a matrix that is not positive definite does not have.
+        let unknowns = self.order(matrix, &Layout { contact: &[], ..*layout });
+        match self.factorize(matrix, &unknowns) {
+            Ok(_) => Ok(true),
+            Err(SolveError::NotPositive { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
 }
 
-/// A factorized system, vectors in elimination order.
+/// A matrix whose interior is eliminated, vectors in elimination order.
 pub trait Factor: Debug + Send + Sync {
-    /// Eliminates the interior: on return the contact entries hold the reduced right-hand side
+    /// Eliminates the interior: on return the kept entries hold the reduced right-hand side
     /// r_C − K_CI K_II⁻¹ r_I, the interior ones what [`Factor::backward`] needs.
-    fn forward(&self, r: &mut [f64]);
-    /// Expands: takes the contact entries as solved and returns the interior ones.
-    fn backward(&self, x: &mut [f64]);
-    /// The condensed operator S = K_CC − K_CI K_II⁻¹ K_IC, shared: on a large Γ_C a copy is as large as the factor.
-    fn condensed(&self) -> Arc<Mat<f64>>;
+    ///
+    /// # Errors
+    /// When the sweep fails.
+    fn forward(&self, r: &mut [f64]) -> Result<(), SolveError>;
+    /// Expands: takes the kept entries as solved and returns the interior ones.
+    ///
+    /// # Errors
+    /// When the sweep fails.
+    fn backward(&self, x: &mut [f64]) -> Result<(), SolveError>;
+    /// The condensed operator S = K_CC − K_CI K_II⁻¹ K_IC.
+    fn condensed(&self) -> Box<dyn Condensed>;
     /// Numbers that the factor stores; a sweep reads them once.
     fn stored(&self) -> usize;
 }

@@ -16,11 +16,18 @@ pub struct Krylov {
 /// Solves A x = b by the generalized minimal residual method without restart (Saad and Schultz, 1986): `apply` is the
 /// product with A. Ends when the residual is `tolerance` times that of x = 0 or after `limit` products; the caller
 /// looks at [`Krylov::residual`]. Sums are taken in a fixed order, so the bits do not depend on the number of threads.
-#[must_use]
-pub fn gmres(mut apply: impl FnMut(&[f64]) -> Vec<f64>, b: &[f64], tolerance: f64, limit: usize) -> Krylov {
+///
+/// # Errors
+/// When a product cannot be computed.
+pub fn gmres<E>(
+    mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
+    b: &[f64],
+    tolerance: f64,
+    limit: usize,
+) -> Result<Krylov, E> {
     let norm = dot(b, b).sqrt();
     if norm == 0.0 || !norm.is_finite() {
-        return Krylov { x: vec![0.0; b.len()], iterations: 0, residual: if norm == 0.0 { 0.0 } else { norm } };
+        return Ok(Krylov { x: vec![0.0; b.len()], iterations: 0, residual: if norm == 0.0 { 0.0 } else { norm } });
     }
     let mut basis: Vec<Vec<f64>> = vec![b.iter().map(|b| b / norm).collect()];
     // The triangular factor of the Hessenberg matrix by columns, its rotations, and the rotated right-hand side.
@@ -28,7 +35,7 @@ pub fn gmres(mut apply: impl FnMut(&[f64]) -> Vec<f64>, b: &[f64], tolerance: f6
         (Vec::new(), Vec::new(), vec![norm]);
     while columns.len() < limit {
         let k = columns.len();
-        let mut next = apply(&basis[k]);
+        let mut next = apply(&basis[k])?;
         let mut column = vec![0.0; k + 1];
         // Twice is enough (Kahan): the basis is orthogonal to round-off.
         for _ in 0..2 {
@@ -71,12 +78,13 @@ pub fn gmres(mut apply: impl FnMut(&[f64]) -> Vec<f64>, b: &[f64], tolerance: f6
     for (y, v) in y.iter().zip(&basis) {
         x.iter_mut().zip(v).for_each(|(x, v)| *x += y * v);
     }
-    Krylov { x, iterations: size, residual: rotated[size].abs() / norm }
+    Ok(Krylov { x, iterations: size, residual: rotated[size].abs() / norm })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::convert::Infallible;
 
     /// A matrix that is neither symmetric nor definite, with its solution known.
     #[test]
@@ -87,7 +95,7 @@ mod tests {
         };
         let apply = |x: &[f64]| (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect::<Vec<f64>>();
         let exact: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
-        let solved = gmres(apply, &apply(&exact), 1e-14, n);
+        let Ok(solved) = gmres(|x| Ok::<_, Infallible>(apply(x)), &apply(&exact), 1e-14, n);
         assert!(solved.iterations <= n && solved.residual <= 1e-13, "{solved:?}");
         assert!(solved.x.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-11));
     }
@@ -100,8 +108,10 @@ mod tests {
             let (s, t): (f64, f64) = (x.iter().sum(), x.iter().enumerate().map(|(i, x)| x * (i as f64).cos()).sum());
             (0..n).map(|i| x[i] + 0.1 * s + t * (i as f64).sin()).collect::<Vec<f64>>()
         };
-        let solved = gmres(apply, &vec![1.0; n], 1e-12, 50);
+        let product = |x: &[f64]| Ok::<_, Infallible>(apply(x));
+        let Ok(solved) = gmres(product, &vec![1.0; n], 1e-12, 50);
         assert!(solved.iterations <= 3 && solved.residual <= 1e-12, "{}", solved.iterations);
-        assert_eq!(gmres(apply, &vec![0.0; n], 1e-12, 50).x, vec![0.0; n]);
+        let Ok(still) = gmres(product, &vec![0.0; n], 1e-12, 50);
+        assert_eq!(still.x, vec![0.0; n]);
     }
 }

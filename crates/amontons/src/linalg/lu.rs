@@ -59,7 +59,7 @@ impl Lu {
 
 /// Whether a symmetric matrix, its lower half given, is positive definite.
 #[must_use]
-pub fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
+pub(super) fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
     let mut buffer =
         MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Spec::default()));
     llt::factor::cholesky_in_place(

@@ -3,27 +3,35 @@
 mod condensed;
 mod dense;
 mod eigen;
+mod error;
 mod factor;
 mod krylov;
 mod lu;
 mod ordering;
+mod schur;
 mod sparse;
 mod supernodal;
+mod system;
 mod turn;
+mod unknowns;
+
+use std::sync::Arc;
 
 pub use condensed::{Condensed, Entry};
 pub use dense::Dense;
-pub use eigen::{Eigenpair, Pencil, Quotient, System, largest};
-pub use factor::{Backend, Factor, FactorError, Unknowns};
+pub use eigen::{Eigenpair, Pencil, Quotient, largest};
+pub use error::SolveError;
+pub use factor::{Backend, Factor};
 pub use krylov::{Krylov, gmres};
-pub use lu::is_positive_definite;
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
 pub use supernodal::{Fill, Supernodal, fill};
+pub use system::System;
 pub use turn::Turn;
+pub use unknowns::{Layout, Unknowns};
 
 /// Every backend, for tests that loop over them.
 #[must_use]
-pub fn backends() -> Vec<Box<dyn Backend>> {
-    vec![Box::new(Supernodal), Box::new(Dense)]
+pub fn backends() -> Vec<Arc<dyn Backend>> {
+    vec![Arc::new(Supernodal), Arc::new(Dense)]
 }

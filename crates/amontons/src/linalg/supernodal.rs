@@ -15,16 +15,20 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{Mat, Par, Side};
 use rayon::prelude::*;
 
+use super::condensed::Condensed;
 use super::dense::gram;
-use super::factor::{Backend, Factor, FactorError, Unknowns, UpperColumns, upper_columns};
+use super::error::SolveError;
+use super::factor::{Backend, Factor, UpperColumns, upper_columns};
+use super::schur::Schur;
 use super::sparse::BlockMatrix;
+use super::unknowns::Unknowns;
 
 /// The sparse supernodal Cholesky factorization of `faer` with sweeps of our own.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Supernodal;
 
 impl Backend for Supernodal {
-    fn factorize(&self, matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Box<dyn Factor>, FactorError> {
+    fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
         Ok(Box::new(SupernodalFactor::held(matrix, unknowns)?))
     }
 }
@@ -69,19 +73,21 @@ struct SupernodalFactor {
     size: usize,
     interior: usize,
     condensed: Arc<Mat<f64>>,
+    /// First unknown of each contact node.
+    nodes: Vec<usize>,
 }
 
 impl SupernodalFactor {
     /// The factor; of a body that only contact holds, that of K with a multiple of the identity added at the contact
     /// unknowns. These are last, so the multiple is in S as it is, and is taken off again: S is singular then, S + J
     /// with the contact forces is not.
-    fn held(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<SupernodalFactor, FactorError> {
+    fn held(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<SupernodalFactor, SolveError> {
         let free = match SupernodalFactor::new(matrix, unknowns, 0.0) {
-            Err(error @ FactorError::NotPositive { .. }) if unknowns.interior < unknowns.len() => error,
+            Err(error @ SolveError::NotPositive { .. }) if unknowns.interior < unknowns.len() => error,
             done => return done,
         };
         let (components, _) = matrix.block_shape();
-        let diagonal = unknowns.contact().iter().map(|&dof| {
+        let diagonal = unknowns.kept().iter().map(|&dof| {
             matrix.get(
                 dof as usize / components,
                 dof as usize % components,
@@ -99,7 +105,7 @@ impl SupernodalFactor {
     }
 
     /// The factor of K with `shift` times the identity added at the contact unknowns.
-    fn new(matrix: &BlockMatrix, unknowns: &Unknowns, shift: f64) -> Result<SupernodalFactor, FactorError> {
+    fn new(matrix: &BlockMatrix, unknowns: &Unknowns, shift: f64) -> Result<SupernodalFactor, SolveError> {
         let size = unknowns.len();
         if size == 0 {
             return Ok(SupernodalFactor {
@@ -108,9 +114,10 @@ impl SupernodalFactor {
                 size,
                 interior: 0,
                 condensed: Arc::new(Mat::new()),
+                nodes: Vec::new(),
             });
         }
-        let memory = || FactorError::Memory { size };
+        let memory = || SolveError::Memory { size };
         let mut upper = upper_columns(matrix, unknowns);
         if shift > 0.0 {
             for column in unknowns.interior..size {
@@ -135,7 +142,7 @@ impl SupernodalFactor {
                 MemStack::new(&mut buffer),
                 faer::Spec::default(),
             )
-            .map_err(|LltError::NonPositivePivot { index }| FactorError::NotPositive { pivot: index, size })?;
+            .map_err(|LltError::NonPositivePivot { index }| SolveError::NotPositive { pivot: index, size })?;
         let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(memory()) };
         let tree = Tree::new(symbolic, unknowns.interior);
         let root = tree.root(size);
@@ -146,14 +153,15 @@ impl SupernodalFactor {
             l[(*i, *i)].powi(2) <= VANISHING * upper.values[upper.start[at + 1] as usize - 1]
         };
         if let Some(index) = (0..l.nrows()).find(vanishes).filter(|_| shift == 0.0) {
-            return Err(FactorError::NotPositive { pivot: unknowns.interior + index, size });
+            return Err(SolveError::NotPositive { pivot: unknowns.interior + index, size });
         }
-        Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed: Arc::new(gram(&l)) })
+        let nodes = unknowns.kept_nodes(matrix.block_shape().0);
+        Ok(SupernodalFactor { values, root, size, interior: unknowns.interior, condensed: Arc::new(gram(&l)), nodes })
     }
 }
 
 /// The pattern of the factor.
-fn symbolic(upper: &UpperColumns, size: usize) -> Result<SymbolicCholesky<u32>, FactorError> {
+fn symbolic(upper: &UpperColumns, size: usize) -> Result<SymbolicCholesky<u32>, SolveError> {
     let pattern = SymbolicSparseColMatRef::new_checked(size, size, &upper.start, None, &upper.rows);
     let params = CholeskySymbolicParams {
         supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
@@ -161,7 +169,7 @@ fn symbolic(upper: &UpperColumns, size: usize) -> Result<SymbolicCholesky<u32>, 
         ..CholeskySymbolicParams::default()
     };
     factorize_symbolic_cholesky(pattern, Side::Upper, SymmetricOrdering::Identity, params)
-        .map_err(|_| FactorError::Memory { size })
+        .map_err(|_| SolveError::Memory { size })
 }
 
 /// What a factor of [`Supernodal`] stores and costs.
@@ -182,13 +190,13 @@ pub struct Fill {
 ///
 /// # Errors
 /// When the pattern does not fit into memory.
-pub fn fill(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Fill, FactorError> {
+pub fn fill(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Fill, SolveError> {
     let size = unknowns.len();
     if size == 0 {
         return Ok(Fill::default());
     }
     let symbolic = symbolic(&upper_columns(matrix, unknowns), size)?;
-    let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else { return Err(FactorError::Memory { size }) };
+    let SymbolicCholeskyRaw::Supernodal(supernodes) = symbolic.raw() else { return Err(SolveError::Memory { size }) };
     let flops = (0..supernodes.n_supernodes()).map(|s| {
         let view = supernodes.supernode(s);
         let (n, m) = ((supernodes.supernode_end()[s] as usize - view.start()) as f64, view.pattern().len() as f64);
@@ -198,19 +206,21 @@ pub fn fill(matrix: &BlockMatrix, unknowns: &Unknowns) -> Result<Fill, FactorErr
 }
 
 impl Factor for SupernodalFactor {
-    fn forward(&self, r: &mut [f64]) {
+    fn forward(&self, r: &mut [f64]) -> Result<(), SolveError> {
         let (interior, contact) = r.split_at_mut(self.interior);
         let update = self.root.forward(&self.values, interior);
         for (r, u) in contact.iter_mut().zip(&update) {
             *r += u;
         }
+        Ok(())
     }
-    fn backward(&self, x: &mut [f64]) {
+    fn backward(&self, x: &mut [f64]) -> Result<(), SolveError> {
         let (interior, contact) = x.split_at_mut(self.interior);
         self.root.backward(&self.values, interior, contact);
+        Ok(())
     }
-    fn condensed(&self) -> Arc<Mat<f64>> {
-        Arc::clone(&self.condensed)
+    fn condensed(&self) -> Box<dyn Condensed> {
+        Box::new(Schur::new(Arc::clone(&self.condensed), self.nodes.clone()))
     }
     fn stored(&self) -> usize {
         debug_assert!(self.size >= self.interior);

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::linalg::{BlockMatrix, Fill, Graph, Unknowns, fill};
+use crate::linalg::{BlockMatrix, Fill, Graph, Layout, Unknowns, fill};
 use crate::problem::Problem;
 use crate::space::Space;
 
@@ -64,8 +64,8 @@ struct Counted {
 fn of_system(problem: &Problem, graph: &Arc<Graph>, space: &Space) -> Option<Counted> {
     let matrix = BlockMatrix::zero(graph, space.components, space.components);
     let boundary = problem.contact_boundary();
-    let unknowns = Unknowns::new(&matrix, &problem.mesh.points, space.components, &space.free, &boundary.nodes);
-    Some(Counted { fill: fill(&matrix, &unknowns).ok()?, contact: unknowns.contact().len() })
+    let unknowns = Unknowns::new(&matrix, &Layout::of(&problem.mesh, space, &boundary.nodes));
+    Some(Counted { fill: fill(&matrix, &unknowns).ok()?, contact: unknowns.kept().len() })
 }
 
 /// Pairs of nodes that share a cell, each node with itself included.

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::supports::{holds_temperature, rigid_motions};
 use crate::forms;
-use crate::linalg::{BlockMatrix, Graph, Quotient, System, Unknowns, largest};
+use crate::linalg::{BlockMatrix, Graph, Layout, Quotient, System, largest};
 use crate::material::{Material, TensorLaw};
 use crate::mesh::defects::components;
 use crate::problem::Problem;
@@ -66,7 +66,7 @@ fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     if let Some(springs) = forms::springs(mesh, graph, &problem.boundary) {
         stiffness.add_scaled(1.0, &springs);
     }
-    slowest(problem, &space, &forms::weighted_inner_h(mesh, graph, &densities), &stiffness).map(|mu| TAU * mu.sqrt())
+    slowest(problem, &space, &forms::weighted_inner_h(mesh, graph, &densities), stiffness).map(|mu| TAU * mu.sqrt())
 }
 
 fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
@@ -76,7 +76,7 @@ fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     if let Some(convection) = forms::convection(mesh, graph, &problem.boundary) {
         conduction.add_scaled(1.0, &convection);
     }
-    slowest(problem, &problem.temperature_space(), &forms::weighted_inner_h(mesh, graph, &capacities), &conduction)
+    slowest(problem, &problem.temperature_space(), &forms::weighted_inner_h(mesh, graph, &capacities), conduction)
 }
 
 /// A number per material; none if it is zero in all of them.
@@ -86,9 +86,9 @@ fn of_materials(problem: &Problem, of: fn(&Material) -> f64) -> Option<Vec<f64>>
 }
 
 /// sup (storage x, x)/(energy x, x); none if the energy is not positive.
-fn slowest(problem: &Problem, space: &Space, storage: &BlockMatrix, energy: &BlockMatrix) -> Option<f64> {
-    let unknowns = Unknowns::new(energy, &problem.mesh.points, space.components, &space.free, &[]);
-    let mut system = System::new(energy, unknowns).ok()?;
-    let pair = largest(&mut Quotient { numerator: storage, denominator: energy, system: &mut system });
+fn slowest(problem: &Problem, space: &Space, storage: &BlockMatrix, energy: BlockMatrix) -> Option<f64> {
+    let energy = Arc::new(energy);
+    let mut system = System::new(&problem.backend, &energy, &Layout::of(&problem.mesh, space, &[])).ok()?;
+    let pair = largest(&mut Quotient { numerator: storage, denominator: &energy, system: &mut system }).ok()?;
     (pair.value > 0.0 && pair.value.is_finite()).then_some(pair.value)
 }

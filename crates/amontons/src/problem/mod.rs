@@ -19,6 +19,7 @@ pub use physics::Physics;
 
 use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;
+use crate::linalg::{Backend, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{FacetSet, Mesh};
 use crate::units::{Extent, System, Units};
@@ -147,6 +148,8 @@ pub struct ProblemData {
     pub coupling: Coupling,
     /// The strain that elasticity and viscosity see.
     pub dilatation: Dilatation,
+    /// How linear systems are solved: of a run, a study and the certificate.
+    pub backend: Arc<dyn Backend>,
 }
 
 /// A problem whose data are checked; it reads like its [`ProblemData`].
@@ -206,6 +209,7 @@ impl ProblemData {
             initial: Initial::default(),
             coupling: Coupling::Staggered,
             dilatation: Dilatation::Full,
+            backend: Arc::new(Supernodal),
         }
     }
 

@@ -3,19 +3,19 @@
 use super::coupling::Made;
 use super::heat::{Amounts, Begun, Heat};
 use super::mechanics::{Given, Mechanics};
-use super::system::{Step, System};
+use super::system::{HalfStep, Step};
 use super::{CouplingReport, StepError};
 use crate::contact::Flux;
 use crate::inclusion::Exchange;
 
 /// Solves (4.1) without a temperature.
-pub(super) fn mechanics(step: &Step, system: &mut System) -> Result<Made, StepError> {
-    Ok(made(Mechanics::solve(step, system, &step.old.theta, None)?, no_heat(step)))
+pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
+    Ok(made(Mechanics::solve(step, half, &step.old.theta, None)?, no_heat(step)))
 }
 
 /// Solves (4.2) of a body that does not move and has no contact.
-pub(super) fn heat(step: &Step, system: &mut System) -> Result<Made, StepError> {
-    let heat = Begun::new(step, system, &step.old.u, None)?.solve(step, system, &[])?;
+pub(super) fn heat(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
+    let heat = Begun::new(step, half, &step.old.u, None)?.solve(step, half, &[])?;
     Ok(made(no_mechanics(step), heat))
 }
 

@@ -8,10 +8,10 @@
 
 use super::heat::{self, Heat, on_nodes};
 use super::mechanics::Mechanics;
-use super::system::{ACCEPTED, Step, System, difference, on_degrees, scalars_at, vector_at};
+use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees, scalars_at, vector_at};
 use super::{Contraction, CouplingReport, StepError};
 use crate::inclusion::{PointDerivative, Rule};
-use crate::linalg::{Entry, dot, gmres, max_abs};
+use crate::linalg::{Entry, SolveError, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
@@ -49,15 +49,15 @@ struct Pass {
 /// The systems of both half-steps, and what was done with them.
 pub(super) struct Coupled<'a> {
     pub step: Step<'a>,
-    pub mechanics: &'a mut System,
-    pub heat: &'a mut System,
+    pub mechanics: &'a mut HalfStep,
+    pub heat: &'a mut HalfStep,
     passes: usize,
     iterations: [usize; 2],
     sweeps: usize,
 }
 
 impl<'a> Coupled<'a> {
-    pub fn new(step: Step<'a>, mechanics: &'a mut System, heat: &'a mut System) -> Coupled<'a> {
+    pub fn new(step: Step<'a>, mechanics: &'a mut HalfStep, heat: &'a mut HalfStep) -> Coupled<'a> {
         Coupled { step, mechanics, heat, passes: 0, iterations: [0; 2], sweeps: 0 }
     }
 
@@ -191,8 +191,9 @@ impl<'a> Coupled<'a> {
     /// shorter parts of the Newton step.
     fn newton(&mut self, now: &Iterate) -> Option<Iterate> {
         let tangent = Tangent::new(self, &now.pass);
-        let change =
-            gmres(|change| tangent.apply(self, change), &now.residual, LINEAR, now.residual.len().min(PRODUCTS)).x;
+        let most = now.residual.len().min(PRODUCTS);
+        // A direction that cannot be found is none: passes of the fixed point go on.
+        let change = gmres(|change| tangent.apply(self, change), &now.residual, LINEAR, most).ok()?.x;
         let part = |alpha: f64| {
             now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>()
         };
@@ -307,7 +308,7 @@ impl Tangent {
     }
 
     /// δθ − Φ′ δθ.
-    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Vec<f64> {
+    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
         let Step { discrete, rule: Rule { gamma, .. }, .. } = coupled.step;
         let warmer = scalars_at(discrete, change);
         let contact = on_degrees(
@@ -316,7 +317,7 @@ impl Tangent {
         );
         let right: Vec<f64> =
             discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
-        let w = coupled.mechanics.linearised(&self.mechanics, &right);
+        let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
         let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
         let points = discrete.boundary.points.iter().enumerate();
         let chi: Vec<f64> = points
@@ -341,8 +342,8 @@ impl Tangent {
             .collect();
         let chi = on_nodes(&coupled.step, &chi);
         let right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
-        let theta = coupled.heat.linearised(&self.heat, &right);
+        let theta = coupled.heat.system.linearised(&self.heat, &right)?;
         coupled.sweeps += 4;
-        change.iter().zip(&theta).map(|(change, theta)| change - theta).collect()
+        Ok(change.iter().zip(&theta).map(|(change, theta)| change - theta).collect())
     }
 }

@@ -8,10 +8,10 @@ use super::coupling::{Coupled, Made};
 use super::datum;
 use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
-use super::system::{Products, Step, System, vector_at};
+use super::system::{HalfStep, Products, Step, vector_at};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
 use crate::inclusion::{Multipliers, Rule};
-use crate::linalg::{Backend, FactorError, dot};
+use crate::linalg::{Backend, SolveError, System, dot};
 use crate::problem::Problem;
 use crate::tensor;
 
@@ -41,8 +41,8 @@ pub struct BackwardEuler {
 #[derive(Debug)]
 struct Systems {
     k: f64,
-    mechanics: Option<System>,
-    heat: Option<System>,
+    mechanics: Option<HalfStep>,
+    heat: Option<HalfStep>,
 }
 
 impl Systems {
@@ -56,12 +56,12 @@ impl Systems {
         discrete: &Discretization,
         k: f64,
         backend: &Arc<dyn Backend>,
-    ) -> Result<Systems, (&'static str, FactorError)> {
+    ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
         let mechanics =
-            || System::new(&discrete.mechanical_tangent(rule, &rest, &rest), discrete, &discrete.v, backend);
-        let heat = || System::new(&discrete.thermal_matrix(rule), discrete, &discrete.q, backend);
+            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest), discrete, &discrete.v, backend);
+        let heat = || HalfStep::new(discrete.thermal_matrix(rule), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
             || physics.has_mechanics().then(mechanics).transpose(),
@@ -75,12 +75,13 @@ impl Systems {
     }
 
     fn all(&self) -> impl Iterator<Item = &System> {
-        self.mechanics.iter().chain(&self.heat)
+        self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
     }
 
     fn factorizations(&self) -> (usize, usize) {
         self.all().fold((0, 0), |(matrices, contacts), system| {
-            (matrices + system.factorizations(), contacts + system.condensed.factorizations())
+            let (matrix, contact) = system.factorizations();
+            (matrices + matrix, contacts + contact)
         })
     }
 }
@@ -91,7 +92,15 @@ impl BackwardEuler {
     ///
     /// # Errors
     /// When a system is singular or does not fit into memory.
-    pub fn new(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
+    pub fn new(problem: &Problem) -> Result<BackwardEuler, SetupError> {
+        BackwardEuler::with_backend(problem, Arc::clone(&problem.backend))
+    }
+
+    /// The same with another backend than that of the problem.
+    ///
+    /// # Errors
+    /// Those of [`BackwardEuler::new`].
+    pub fn with_backend(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
         let k = problem.k();
         let systems = Systems::factorize(problem, &discrete, k, &backend)
@@ -111,14 +120,15 @@ impl BackwardEuler {
     #[must_use]
     pub fn unknowns(&self) -> [usize; 3] {
         let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
-            .map(|system| system.as_ref().map_or(0, |system| system.unknowns.len()));
-        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, |system| system.condensed.len())]
+            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
+        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
+        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
     }
 
     /// Numbers that both factors store.
     #[must_use]
     pub fn stored(&self) -> usize {
-        self.systems.all().map(|system| system.factor.stored()).sum()
+        self.systems.all().map(System::stored).sum()
     }
 
     /// Goes from a state to t, a part 2^−halvings of the step n; in halves where it has to be.
@@ -189,7 +199,7 @@ impl BackwardEuler {
             k: *k,
             rule: Rule::backward_euler(*k),
         };
-        Ok(Mechanics::is_unique(&now, mechanics, end))
+        Mechanics::is_unique(&now, mechanics, end)
     }
 
     /// Makes a step, or a part of it, as a whole.

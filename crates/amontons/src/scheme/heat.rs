@@ -2,7 +2,7 @@
 
 use super::StepError;
 use super::foundation::temperatures;
-use super::system::{REFINE, Step, System, at_nodes};
+use super::system::{HalfStep, REFINE, Step, at_nodes, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{Entry, max_abs};
 
@@ -50,7 +50,7 @@ pub(super) struct Begun {
 impl Begun {
     /// What of (4.2), with the displacement `u` in e, does not need the contact: up to the forward sweep. The half-step
     /// starts from θ_{n−1} or from a solution of the same step with another displacement.
-    pub fn new(step: &Step, system: &System, u: &[f64], from: Option<&Heat>) -> Result<Begun, StepError> {
+    pub fn new(step: &Step, half: &HalfStep, u: &[f64], from: Option<&Heat>) -> Result<Begun, StepError> {
         let Step { discrete, old, products, t, .. } = *step;
         let coupling = discrete.e.apply(u);
         let mut begun = if let Some(h) = from {
@@ -67,8 +67,13 @@ impl Begun {
             };
             Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
-        begun.reduced = system.reduce(&begun.right(step)?);
+        begun.reduced = begun.reduce(step, half)?;
         Ok(begun)
+    }
+
+    /// The forward sweep.
+    fn reduce(&self, step: &Step, half: &HalfStep) -> Result<Vec<f64>, StepError> {
+        half.system.reduce(&self.right(step)?).map_err(|source| step.unsolved("heat", source))
     }
 
     /// The right-hand side for the increment over θ at hand.
@@ -86,7 +91,7 @@ impl Begun {
     }
 
     /// Solves (4.2) at the contact that the mechanical half-step has found.
-    pub fn solve(mut self, step: &Step, system: &mut System, states: &[PointState]) -> Result<Heat, StepError> {
+    pub fn solve(mut self, step: &Step, half: &mut HalfStep, states: &[PointState]) -> Result<Heat, StepError> {
         let Step { discrete, products, k, rule: Rule { delta, .. }, .. } = *step;
         let (c, storage_form) = discrete.storage();
         let given = Given::new(step, &self.theta);
@@ -95,16 +100,18 @@ impl Begun {
         loop {
             let reduced = std::mem::take(&mut self.reduced);
             let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = &mut self;
-            let guess = system.contact_of(theta);
+            let HalfStep { system, on_contact } = &mut *half;
+            let guess = system.kept_of(theta);
             let (exchange, newton) = system
-                .expand(reduced, theta, |condensed, unknown, r| {
-                    let Some(on_boundary) = given.on_boundary(step, unknown, states) else {
-                        return Ok((Vec::new(), (Exchange::default(), 0)));
+                .expand(reduced, theta, |condensed, r| {
+                    let Some(on_boundary) = given.on_boundary(step, on_contact, states) else {
+                        let (x, iterations) = without_contact(condensed, r, &guess)?;
+                        return Ok((x, (Exchange::default(), iterations)));
                     };
                     let (solved, exchange) = on_boundary.solve(condensed, r, &guess)?;
                     Ok((solved.x, (exchange, solved.iterations)))
                 })
-                .map_err(|why| step.not_converged("heat", why))?;
+                .map_err(|why| step.failed("heat", why))?;
             iterations += newton;
             sweeps += 2;
             step.finite(theta, "heat")?;
@@ -128,7 +135,7 @@ impl Begun {
             let residual = step.relative(max_abs(&rest), scale, "heat")?;
             if residual > REFINE && residual < 0.5 * previous {
                 previous = residual;
-                self.reduced = system.reduce(&self.right(step)?);
+                self.reduced = self.reduce(step, half)?;
                 continue;
             }
             let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(theta))?;
@@ -160,10 +167,10 @@ impl Begun {
 
 impl Heat {
     /// The derivative of χ in θ at the solution: the entries it adds to S.
-    pub fn contact_tangent(&self, step: &Step, system: &System, states: &[PointState]) -> Vec<Entry> {
+    pub fn contact_tangent(&self, step: &Step, half: &HalfStep, states: &[PointState]) -> Vec<Entry> {
         let given = Given::new(step, &self.theta);
         given
-            .on_boundary(step, system.on_contact(), states)
+            .on_boundary(step, &half.on_contact, states)
             .map_or_else(Vec::new, |on_boundary| on_boundary.tangent(&self.exchange))
     }
 }

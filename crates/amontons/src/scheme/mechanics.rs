@@ -2,11 +2,12 @@
 
 use super::Discretization;
 use super::foundation::frames;
-use super::system::{ACCEPTED, REFINE, Step, System, at_nodes, on_degrees, scalars_at};
+use super::system::{ACCEPTED, HalfStep, REFINE, Step, at_nodes, on_degrees, scalars_at, without_contact};
 use super::{State, StepError};
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{Entry, max_abs};
+use crate::linalg::{Entry, SolveError, max_abs};
 use crate::tensor::Point;
+use std::sync::Arc;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
@@ -82,19 +83,24 @@ impl Given {
     }
 
     /// Whether there is one solution between w_{n−1} and a velocity, as far as laws that fall are concerned.
-    fn is_unique(&self, step: &Step, system: &mut System, w: &[f64], multipliers: &Multipliers) -> bool {
-        let [from, to] = [&step.old.w, w].map(|w| system.contact_of(w));
-        let System { condensed, on_contact, .. } = system;
-        let on_boundary = self.on_boundary(step, on_contact);
-        on_boundary.is_none_or(|on_boundary| {
-            on_boundary.is_unique(condensed, [&from, &to], [&step.old.multipliers, multipliers])
+    fn is_unique(
+        &self,
+        step: &Step,
+        half: &mut HalfStep,
+        w: &[f64],
+        multipliers: &Multipliers,
+    ) -> Result<bool, SolveError> {
+        let [from, to] = [&step.old.w, w].map(|w| half.system.kept_of(w));
+        let HalfStep { system, on_contact } = half;
+        self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
+            on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
         })
     }
 
     /// The states of the contact points.
-    fn states(&self, step: &Step, system: &System, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        self.on_boundary(step, system.on_contact()).map_or_else(Vec::new, |on_boundary| {
-            on_boundary.states(&system.condensed, &system.contact_of(w), multipliers)
+    fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
+        self.on_boundary(step, &half.on_contact).map_or_else(Vec::new, |on_boundary| {
+            on_boundary.states(half.system.condensed(), &half.system.kept_of(w), multipliers)
         })
     }
 }
@@ -114,7 +120,7 @@ impl Mechanics {
     /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand.
     pub fn solve(
         step: &Step,
-        system: &mut System,
+        half: &mut HalfStep,
         theta: &[f64],
         from: Option<&Mechanics>,
     ) -> Result<Mechanics, StepError> {
@@ -134,25 +140,29 @@ impl Mechanics {
         loop {
             if is_stale {
                 let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w);
-                system.refactorize(&tangent).map_err(|source| step.singular(source))?;
+                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
             }
             let right = now.right(step, &load, &thermal);
             step.finite(&right, "the data")?;
-            let guess = system.contact_of(&now.w);
+            let HalfStep { system, on_contact } = &mut *half;
+            let guess = system.kept_of(&now.w);
             let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
+            let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
             let iterations = system
-                .expand(system.reduce(&right), &mut w, |condensed, unknown, r| {
-                    let Some(on_boundary) = given.on_boundary(step, unknown) else { return Ok((Vec::new(), 0)) };
+                .expand(reduced, &mut w, |condensed, r| {
+                    let Some(on_boundary) = given.on_boundary(step, on_contact) else {
+                        return without_contact(condensed, r, &guess);
+                    };
                     let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
                     Ok((solved.x, solved.iterations))
                 })
-                .map_err(|why| step.not_converged("mechanics", why))?;
+                .map_err(|why| step.failed("mechanics", why))?;
             newton += iterations;
             sweeps += 2;
             passes += 1;
             step.finite(&w, "mechanics")?;
             let evaluate = |w: Vec<f64>, multipliers: Multipliers| {
-                let states = given.states(step, system, &w, &multipliers);
+                let states = given.states(step, half, &w, &multipliers);
                 Iterate::new(step, w, multipliers).balance(step, &load, &thermal, states)
             };
             let mut next = evaluate(w, multipliers)?;
@@ -186,7 +196,8 @@ impl Mechanics {
             let Balanced { iterate, states, residual, scale, force, support_work, .. } = next;
             let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
             let u = step.displacement(&w);
-            let is_unique = given.is_unique(step, system, &w, &multipliers);
+            let is_unique =
+                given.is_unique(step, half, &w, &multipliers).map_err(|source| step.unsolved("mechanics", source))?;
             return Ok(Mechanics {
                 u,
                 is_unique,
@@ -214,18 +225,18 @@ impl Mechanics {
 
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
-    pub fn is_unique(step: &Step, system: &mut System, end: &State) -> bool {
+    pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
         let given = Given { temperature: scalars_at(step.discrete, &step.old.theta), ..Given::new(step, &end.w) };
-        given.is_unique(step, system, &end.w, &end.multipliers)
+        given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
     /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
-    pub fn contact_change(&self, step: &Step, system: &System, temperature: &[f64]) -> Vec<f64> {
-        let w = system.contact_of(&self.w);
+    pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> Vec<f64> {
+        let w = half.system.kept_of(&self.w);
         let forces = |given: &Given| {
             given
-                .on_boundary(step, system.on_contact())
-                .map_or_else(Vec::new, |laws| laws.forces(&system.condensed, &w, &self.multipliers))
+                .on_boundary(step, &half.on_contact)
+                .map_or_else(Vec::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
         };
         let (now, then) =
             (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
@@ -234,12 +245,12 @@ impl Mechanics {
 
     /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
     /// sees.
-    pub fn contact_tangent(&self, step: &Step, system: &mut System) -> (Vec<Entry>, Vec<PointDerivative>) {
-        let w = system.contact_of(&self.w);
-        let System { condensed, on_contact, .. } = system;
+    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Vec<Entry>, Vec<PointDerivative>) {
+        let w = half.system.kept_of(&self.w);
+        let HalfStep { system, on_contact } = half;
         self.given
             .on_boundary(step, on_contact)
-            .map_or_else(Default::default, |on_boundary| on_boundary.tangent(condensed, &w, &self.multipliers))
+            .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
     }
 }
 

@@ -19,7 +19,7 @@ pub use system::{ACCEPTED, REFINE};
 
 use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
-use crate::linalg::FactorError;
+use crate::linalg::SolveError;
 use crate::problem::Coupling;
 use crate::tensor::Point;
 
@@ -193,6 +193,18 @@ pub enum StepError {
         /// The residual that is accepted.
         accepted: f64,
     },
+    /// A linear system of the step could not be solved.
+    #[error("step {step} (t = {t:.6e}): {part}: {source}")]
+    Linear {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// `mechanics` or `heat`.
+        part: &'static str,
+        /// Why.
+        source: SolveError,
+    },
     /// The tangent of laws that are not linear could not be factorized.
     #[error("step {step} (t = {t:.6e}): the tangent of the body: {source}")]
     Singular {
@@ -201,7 +213,7 @@ pub enum StepError {
         /// t_n in s.
         t: f64,
         /// Why.
-        source: FactorError,
+        source: SolveError,
     },
     /// The half-steps could not be brought together.
     #[error(
@@ -258,7 +270,7 @@ pub enum SetupError {
         /// `mechanical` or `heat`.
         part: &'static str,
         /// Why.
-        source: FactorError,
+        source: SolveError,
     },
     /// Initial data are not finite.
     #[error("the initial {0} is not finite at every node")]

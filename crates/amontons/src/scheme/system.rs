@@ -1,11 +1,11 @@
-//! A factorized system with its condensed operator, and what the parts of a step share.
+//! What the parts of a step share: what is known when it is made, and the systems of both half-steps.
 
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
 use crate::contact::PointOnBoundary;
-use crate::inclusion::{NotConverged, Rule};
-use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, Unknowns};
+use crate::inclusion::{Failure, Rule};
+use crate::linalg::{Backend, BlockMatrix, Condensed, Layout, SolveError, System};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
@@ -108,13 +108,21 @@ impl Step<'_> {
     }
 
     /// A tangent that could not be factorized.
-    pub fn singular(&self, source: FactorError) -> StepError {
+    pub fn singular(&self, source: SolveError) -> StepError {
         StepError::Singular { step: self.n, t: self.t, source }
     }
 
-    /// The iteration on Γ_C that did not end.
-    pub fn not_converged(&self, part: &'static str, why: NotConverged) -> StepError {
-        StepError::NotConverged { step: self.n, t: self.t, part, why }
+    /// A linear system that was not solved.
+    pub fn unsolved(&self, part: &'static str, source: SolveError) -> StepError {
+        StepError::Linear { step: self.n, t: self.t, part, source }
+    }
+
+    /// A problem on Γ_C that was not solved.
+    pub fn failed(&self, part: &'static str, why: Failure) -> StepError {
+        match why {
+            Failure::NotConverged(why) => StepError::NotConverged { step: self.n, t: self.t, part, why },
+            Failure::Linear(source) => self.unsolved(part, source),
+        }
     }
 }
 
@@ -142,112 +150,43 @@ impl Products {
     }
 }
 
-/// A factorized system with its condensed operator.
+/// A matrix of a half-step with the unknowns of its contact nodes.
 #[derive(Debug)]
-pub(super) struct System {
-    pub unknowns: Unknowns,
-    pub factor: Box<dyn Factor>,
-    backend: Arc<dyn Backend>,
-    factorizations: usize,
-    pub condensed: Condensed,
-    /// Contact unknown of each degree of freedom of the contact nodes.
+pub(super) struct HalfStep {
+    pub system: System,
+    /// Unknown of each degree of freedom of the contact nodes among those that are kept, none where prescribed.
     pub on_contact: Vec<Option<u32>>,
 }
 
-impl System {
+impl HalfStep {
     /// Factorizes a matrix with the contact unknowns last.
     pub fn new(
-        matrix: &BlockMatrix,
+        matrix: BlockMatrix,
         discrete: &Discretization,
         space: &Space,
         backend: &Arc<dyn Backend>,
-    ) -> Result<System, FactorError> {
-        let contact = &discrete.boundary.nodes;
-        let unknowns = Unknowns::new(matrix, &discrete.mesh.points, space.components, &space.free, contact);
-        let factor = backend.factorize(matrix, &unknowns)?;
-        let condensed = Condensed::new(factor.condensed(), unknowns.contact_nodes(space.components));
-        let mut next = 0;
-        let on_contact = contact
-            .iter()
-            .flat_map(|&node| (0..space.components).map(move |c| node as usize * space.components + c))
-            .map(|dof| {
-                space.free[dof].then(|| {
-                    next += 1;
-                    next - 1
-                })
-            })
-            .collect();
-        Ok(System { unknowns, factor, backend: Arc::clone(backend), factorizations: 1, condensed, on_contact })
+    ) -> Result<HalfStep, SolveError> {
+        let (contact, components) = (&discrete.boundary.nodes, space.components);
+        let system = System::new(backend, &Arc::new(matrix), &Layout::of(&discrete.mesh, space, contact))?;
+        let position = system.unknowns().positions(space.free.len());
+        let dofs = contact.iter().flat_map(|&node| (0..components).map(move |c| node as usize * components + c));
+        let on_contact = dofs.map(|dof| position[dof]).collect();
+        Ok(HalfStep { system, on_contact })
     }
+}
 
-    /// Factorizes another matrix with the same unknowns.
-    pub fn refactorize(&mut self, matrix: &BlockMatrix) -> Result<(), FactorError> {
-        self.factor = self.backend.factorize(matrix, &self.unknowns)?;
-        self.condensed.replace(self.factor.condensed());
-        self.factorizations += 1;
-        Ok(())
+/// The increment over the guess of a problem without contact, the guess added: a backend may keep unknowns of the body.
+pub(super) fn without_contact(
+    condensed: &mut dyn Condensed,
+    r: &[f64],
+    guess: &[f64],
+) -> Result<(Vec<f64>, usize), Failure> {
+    let mut x = r.to_vec();
+    if !x.is_empty() {
+        condensed.solve(&[], &mut x)?;
+        x.iter_mut().zip(guess).for_each(|(x, guess)| *x += guess);
     }
-
-    /// Factorizations so far.
-    pub fn factorizations(&self) -> usize {
-        self.factorizations
-    }
-
-    /// The forward sweep: the right-hand side in elimination order, reduced to Γ_C.
-    pub fn reduce(&self, right: &[f64]) -> Vec<f64> {
-        let mut x = self.unknowns.gather(right);
-        self.factor.forward(&mut x);
-        x
-    }
-
-    /// The problem on Γ_C, which `solve` finds from the reduced right-hand side, and the backward sweep:
-    /// adds the increment that the right-hand side causes to the values.
-    pub fn expand<T>(
-        &mut self,
-        mut x: Vec<f64>,
-        values: &mut [f64],
-        solve: impl FnOnce(&mut Condensed, &[Option<u32>], &[f64]) -> Result<(Vec<f64>, T), NotConverged>,
-    ) -> Result<T, NotConverged> {
-        let (_, contact) = x.split_at_mut(self.unknowns.interior);
-        let (solved, result) = solve(&mut self.condensed, &self.on_contact, contact)?;
-        for (x, (solved, &dof)) in contact.iter_mut().zip(solved.iter().zip(self.unknowns.contact())) {
-            *x = solved - values[dof as usize];
-        }
-        self.factor.backward(&mut x);
-        self.unknowns.add(&x, values);
-        Ok(result)
-    }
-
-    /// Solves the system with the entries of a contact term added, for all degrees of freedom.
-    pub fn linearised(&mut self, entries: &[Entry], right: &[f64]) -> Vec<f64> {
-        let mut x = self.reduce(right);
-        let (_, contact) = x.split_at_mut(self.unknowns.interior);
-        if !contact.is_empty() {
-            // The entries are in the bases of the contact points.
-            let turns = self.condensed.turns().to_vec();
-            for turn in &turns {
-                turn.forward(contact);
-            }
-            self.condensed.solve(entries, contact);
-            for turn in &turns {
-                turn.back(contact);
-            }
-        }
-        self.factor.backward(&mut x);
-        let mut values = vec![0.0; right.len()];
-        self.unknowns.add(&x, &mut values);
-        values
-    }
-
-    /// The contact unknowns of a vector over all degrees of freedom.
-    pub fn contact_of(&self, values: &[f64]) -> Vec<f64> {
-        self.unknowns.contact().iter().map(|&d| values[d as usize]).collect()
-    }
-
-    /// Contact unknown of each degree of freedom of the contact nodes, none where prescribed.
-    pub fn on_contact(&self) -> &[Option<u32>] {
-        &self.on_contact
-    }
+    Ok((x, 0))
 }
 
 /// Values at the contact nodes, node-major.

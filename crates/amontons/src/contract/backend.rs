@@ -1,0 +1,188 @@
+//! What a backend of linear systems must satisfy.
+
+use std::sync::Arc;
+
+use super::{near, samples};
+use crate::forms;
+use crate::linalg::{Backend, BlockMatrix, Entry, Graph, Layout, SolveError, System, Turn};
+use crate::material::{Isotropic, StressState};
+use crate::mesh::{Diagonal, Mesh};
+
+/// The sweeps around a contact problem without forces solve the system; the condensed operator is symmetric, has the
+/// scale and the magnitude that it claims, and is solved with stiff and nonsymmetric entries in any basis; a body that
+/// only contact holds is solved with contact and singular without; a matrix that is not positive definite is refused.
+///
+/// # Panics
+/// When the backend breaks the contract, or the small mesh of the test cannot be made.
+pub fn assert_backend(backend: &Arc<dyn Backend>) {
+    let Ok(mesh) = Mesh::rectangle([1.0, 0.7], [9, 7], Diagonal::Left) else { panic!("a mesh of 9 × 7 squares") };
+    let graph = Arc::new(Graph::of_mesh(&mesh));
+    let stiffness = Arc::new(forms::a(&mesh, &graph, &[&Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain)]));
+    let all = vec![true; graph.len() * 2];
+    let mut free = all.clone();
+    for node in mesh.facets["top"].node_list() {
+        free[2 * node as usize] = false;
+        free[2 * node as usize + 1] = false;
+    }
+    let contact = mesh.facets["bottom"].node_list();
+    let layout = Layout { points: &mesh.points, components: 2, free: &free, contact: &contact };
+    let Ok(mut system) = System::new(backend, &stiffness, &layout) else {
+        panic!("{backend:?}: a positive definite matrix was refused")
+    };
+    let on_contact = system.unknowns().positions(free.len());
+    assert!(
+        contact.iter().all(|&node| on_contact[2 * node as usize].is_some()),
+        "{backend:?}: unknowns of contact nodes are not kept"
+    );
+    assert_sweeps(backend, &mut system, &stiffness, &free);
+    assert_condensed(backend, &mut system);
+    let entries = contact_entries(&contact, &on_contact);
+    assert_solutions(backend, &mut system, &entries);
+    assert_bases(backend, &mut system, &entries, &contact);
+    // Without its support the body is held by the entries alone.
+    let loose = Layout { free: &all, ..layout };
+    let Ok(mut system) = System::new(backend, &stiffness, &loose) else {
+        panic!("{backend:?}: a body that only contact holds was refused")
+    };
+    let entries = contact_entries(&contact, &system.unknowns().positions(all.len()));
+    assert_solutions(backend, &mut system, &entries);
+    let mut pushed = vec![1.0; system.condensed().len()];
+    assert!(
+        system.condensed_mut().solve(&[], &mut pushed).is_err(),
+        "{backend:?}: a body that nothing holds was pushed and came to rest"
+    );
+    let mut indefinite = BlockMatrix::clone(&stiffness);
+    indefinite.add_scaled(-1e6, &forms::inner_h(&mesh, &graph));
+    for (matrix, expected) in [(stiffness, true), (Arc::new(indefinite), false)] {
+        assert_eq!(backend.is_positive_definite(&matrix, &layout), Ok(expected), "{backend:?}: definiteness");
+    }
+}
+
+/// What a call of a backend gives.
+fn given<T>(result: Result<T, SolveError>, what: &str) -> T {
+    result.unwrap_or_else(|error| panic!("{what}: {error}"))
+}
+
+/// Entries as of contact points that are stuck, pressed and sliding in turn: stiff, and not symmetric.
+fn contact_entries(contact: &[u32], position: &[Option<u32>]) -> Vec<Entry> {
+    let mut entries = Vec::new();
+    for (i, &node) in contact.iter().enumerate() {
+        let (Some(x), Some(y)) = (position[2 * node as usize], position[2 * node as usize + 1]) else { continue };
+        match i % 3 {
+            0 => entries.extend([(x, x, 1e8), (y, y, 1e8)]),
+            1 => entries.extend([(y, y, 40.0), (x, y, 12.0)]),
+            _ => {}
+        }
+    }
+    entries
+}
+
+/// The sweeps around the problem on the kept unknowns.
+fn assert_sweeps(backend: &Arc<dyn Backend>, system: &mut System, matrix: &BlockMatrix, free: &[bool]) {
+    let mut random = samples();
+    let solution: Vec<f64> = free.iter().map(|&f| if f { random.number() } else { 0.0 }).collect();
+    let right = matrix.apply(&solution);
+    // Without forces on Γ_C its unknowns are those of S w = r̂; taken from the solution they must satisfy it.
+    let text = format!("{backend:?}: the forward sweep");
+    let reduced = given(system.reduce(&right), &text);
+    let kept = system.kept_of(&solution);
+    let product = given(system.condensed().apply(&kept), &text);
+    for (i, (row, reduced)) in product.iter().zip(&reduced[system.unknowns().interior..]).enumerate() {
+        near(*row, *reduced, 1e-11, &format!("{text}, row {i}"));
+    }
+    let text = format!("{backend:?}: the solution");
+    let mut found = vec![0.0; free.len()];
+    let solved = system.expand(reduced, &mut found, |_, _| Ok::<_, SolveError>((kept.clone(), ())));
+    given(solved, &text);
+    let plain = given(system.linearised(&[], &right), &text);
+    for (dof, exact) in solution.iter().enumerate() {
+        near(found[dof], *exact, 1e-11, &format!("{text} at degree of freedom {dof}"));
+        near(plain[dof], *exact, 1e-10, &format!("{text} at degree of freedom {dof}, S solved"));
+    }
+}
+
+/// Symmetry, scale and magnitude of the condensed operator.
+fn assert_condensed(backend: &Arc<dyn Backend>, system: &mut System) {
+    let interior = system.unknowns().interior;
+    let nodes: Vec<u32> = system.unknowns().dofs[interior..].iter().map(|dof| dof / 2).collect();
+    let s = system.condensed();
+    let text = format!("{backend:?}: the condensed operator");
+    let columns: Vec<Vec<f64>> = (0..s.len())
+        .map(|j| given(s.apply(&(0..s.len()).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>()), &text))
+        .collect();
+    for i in 0..s.len() {
+        for j in 0..i {
+            near(columns[i][j], columns[j][i], 1e-12, &format!("{text}, symmetry of row {i}"));
+        }
+        let own: Vec<f64> = (0..s.len()).filter(|&j| nodes[j] == nodes[i]).map(|j| columns[j][j]).collect();
+        near(s.scale()[i], own.iter().sum::<f64>() / own.len() as f64, 1e-12, &format!("{text}, scale {i}"));
+        if let Some(dense) = s.dense() {
+            for j in 0..s.len() {
+                near(dense[(i, j)], columns[j][i], 1e-12, &format!("{text}, entry {i}, {j}"));
+            }
+        }
+    }
+    let mut random = samples();
+    let x: Vec<f64> = (0..s.len()).map(|_| random.number()).collect();
+    let exact = (0..s.len()).map(|i| (0..s.len()).map(|j| (columns[j][i] * x[j]).abs()).sum::<f64>());
+    let magnitude = given(s.magnitude(&x), &text);
+    near(magnitude, exact.fold(0.0, f64::max), 1e-12, &format!("{text}, magnitude"));
+    assert!(magnitude <= s.magnitude_bound(&x), "{text}: the magnitude exceeds its bound");
+}
+
+/// Systems with entries, and whether they are definite.
+fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, entries: &[Entry]) {
+    let mut random = samples();
+    let exact: Vec<f64> = (0..system.condensed().len()).map(|_| random.number()).collect();
+    let text = format!("{backend:?}: a system with contact");
+    let mut b = given(system.condensed().apply(&exact), &text);
+    for &(i, j, value) in entries {
+        b[i as usize] += value * exact[j as usize];
+    }
+    given(system.condensed_mut().solve(entries, &mut b), &text);
+    for (i, (found, exact)) in b.iter().zip(&exact).enumerate() {
+        near(*found, *exact, 1e-9, &format!("{text}, unknown {i}"));
+    }
+    let of = |sign: f64| entries.iter().filter(|e| e.0 == e.1).map(|e| (e.0, e.1, sign * e.2)).collect::<Vec<_>>();
+    for sign in [1.0, -1.0] {
+        let found = given(system.condensed_mut().is_positive_definite(&of(sign)), &text);
+        assert_eq!(found, sign > 0.0, "{text}: definiteness with the factor {sign}");
+    }
+}
+
+/// In other bases the same system has the same solution.
+fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, entries: &[Entry], contact: &[u32]) {
+    let position = system.unknowns().positions(1 + system.unknowns().dofs.iter().fold(0, |m, &d| m.max(d as usize)));
+    let (sin, cos) = 0.4f64.sin_cos();
+    let turn = |&node: &u32| {
+        let [x, y] = [position[2 * node as usize]?, position[2 * node as usize + 1]?];
+        Some(Turn { unknowns: [x, y, 0], basis: [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0; 3]], dim: 2 })
+    };
+    let turns: Vec<Turn> = contact.iter().filter_map(turn).collect();
+    let mut random = samples();
+    let exact: Vec<f64> = (0..system.condensed().len()).map(|_| random.number()).collect();
+    let text = format!("{backend:?}: a system in other bases");
+    let straight = given(system.condensed().apply(&exact), &text);
+    let forward = |x: &[f64]| {
+        let mut x = x.to_vec();
+        for turn in &turns {
+            turn.forward(&mut x);
+        }
+        x
+    };
+    system.condensed_mut().turn(&turns);
+    assert_eq!(system.condensed().turns(), turns.as_slice(), "{text}");
+    let turned = forward(&exact);
+    let mut b = given(system.condensed().apply(&turned), &text);
+    for (i, (found, exact)) in b.iter().zip(forward(&straight)).enumerate() {
+        near(*found, exact, 1e-11, &format!("{text}: product, unknown {i}"));
+    }
+    for &(i, j, value) in entries {
+        b[i as usize] += value * turned[j as usize];
+    }
+    given(system.condensed_mut().solve(entries, &mut b), &text);
+    for (i, (found, exact)) in b.iter().zip(&turned).enumerate() {
+        near(*found, *exact, 1e-9, &format!("{text}, unknown {i}"));
+    }
+    system.condensed_mut().turn(&[]);
+}

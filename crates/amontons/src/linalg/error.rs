@@ -1,0 +1,41 @@
+//! Why a linear system could not be solved.
+
+/// Why a linear system could not be factorized or solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SolveError {
+    /// A pivot was not positive: the matrix is not positive definite.
+    #[error(
+        "the matrix is not positive definite: pivot {pivot} of {size} is not positive; a body that no side holds needs inertia: a larger density or shorter steps"
+    )]
+    NotPositive {
+        /// Number of the pivot in elimination order.
+        pivot: usize,
+        /// Size of the matrix.
+        size: usize,
+    },
+    /// The factor does not fit.
+    #[error("the factor of {size} unknowns does not fit into memory")]
+    Memory {
+        /// Size of the matrix.
+        size: usize,
+    },
+    /// What was found leaves much of the right-hand side.
+    #[error("the linearised system of {size} unknowns is singular")]
+    Singular {
+        /// Unknowns of the system.
+        size: usize,
+    },
+    /// An iteration did not end.
+    #[error(
+        "the linear system of {size} unknowns is not solved after {iterations} iterations: relative residual {residual:.3e}"
+    )]
+    NotConverged {
+        /// Unknowns of the system.
+        size: usize,
+        /// Iterations made.
+        iterations: usize,
+        /// ‖b − A x‖ / ‖b‖.
+        residual: f64,
+    },
+}

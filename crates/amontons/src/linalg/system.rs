@@ -1,0 +1,166 @@
+//! A matrix with its factor and its condensed operator: the one object that schemes and the certificate solve with.
+
+use std::sync::Arc;
+
+use super::condensed::{Condensed, Entry};
+use super::error::SolveError;
+use super::factor::{Backend, Factor};
+use super::sparse::BlockMatrix;
+use super::unknowns::{Layout, Unknowns};
+
+/// A system K x = r, factorized by a backend, with its condensed operator.
+#[derive(Debug)]
+pub struct System {
+    backend: Arc<dyn Backend>,
+    unknowns: Unknowns,
+    factor: Box<dyn Factor>,
+    condensed: Box<dyn Condensed>,
+    /// Factorizations of K, and of S + J before the last of these.
+    factorizations: (usize, usize),
+}
+
+impl System {
+    /// Factorizes a matrix on the unknowns of the layout.
+    ///
+    /// # Errors
+    /// When the matrix is not positive definite or does not fit into memory.
+    pub fn new(backend: &Arc<dyn Backend>, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<System, SolveError> {
+        let unknowns = backend.order(matrix, layout);
+        let factor = backend.factorize(matrix, &unknowns)?;
+        let condensed = factor.condensed();
+        Ok(System { backend: Arc::clone(backend), unknowns, factor, condensed, factorizations: (1, 0) })
+    }
+
+    /// Factorizes another matrix with the same unknowns.
+    ///
+    /// # Errors
+    /// Those of [`System::new`]; the system is then as it was.
+    pub fn replace(&mut self, matrix: &Arc<BlockMatrix>) -> Result<(), SolveError> {
+        self.factor = self.backend.factorize(matrix, &self.unknowns)?;
+        self.factorizations = (self.factorizations.0 + 1, self.factorizations.1 + self.condensed.factorizations());
+        self.condensed = self.factor.condensed();
+        Ok(())
+    }
+
+    /// The unknowns in elimination order.
+    #[must_use]
+    pub fn unknowns(&self) -> &Unknowns {
+        &self.unknowns
+    }
+
+    /// The condensed operator S on the unknowns that are kept: x·Sx is the least energy of all vectors with these
+    /// entries.
+    #[must_use]
+    pub fn condensed(&self) -> &dyn Condensed {
+        self.condensed.as_ref()
+    }
+
+    /// The same, to solve with.
+    pub fn condensed_mut(&mut self) -> &mut dyn Condensed {
+        self.condensed.as_mut()
+    }
+
+    /// Factorizations of K and of S + J so far.
+    #[must_use]
+    pub fn factorizations(&self) -> (usize, usize) {
+        (self.factorizations.0, self.factorizations.1 + self.condensed.factorizations())
+    }
+
+    /// Numbers that the factor stores; a sweep reads them once.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        self.factor.stored()
+    }
+
+    /// The forward sweep: a right-hand side over all degrees of freedom in elimination order, reduced to the unknowns
+    /// that are kept.
+    ///
+    /// # Errors
+    /// When the sweep fails.
+    pub fn reduce(&self, right: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut x = self.unknowns.gather(right);
+        self.factor.forward(&mut x)?;
+        Ok(x)
+    }
+
+    /// The problem on the unknowns that are kept, which `solve` finds from the reduced right-hand side, and the
+    /// backward sweep: adds the increment that the right-hand side causes to the values.
+    ///
+    /// # Errors
+    /// Those of `solve`, and when the sweep fails.
+    pub fn expand<T, E: From<SolveError>>(
+        &mut self,
+        mut x: Vec<f64>,
+        values: &mut [f64],
+        solve: impl FnOnce(&mut dyn Condensed, &[f64]) -> Result<(Vec<f64>, T), E>,
+    ) -> Result<T, E> {
+        let (_, kept) = x.split_at_mut(self.unknowns.interior);
+        let (solved, result) = solve(self.condensed.as_mut(), kept)?;
+        for (x, (solved, &dof)) in kept.iter_mut().zip(solved.iter().zip(self.unknowns.kept())) {
+            *x = solved - values[dof as usize];
+        }
+        self.factor.backward(&mut x)?;
+        self.unknowns.add(&x, values);
+        Ok(result)
+    }
+
+    /// Solves the system with the entries of a contact term added, for all degrees of freedom.
+    ///
+    /// # Errors
+    /// When the system with the entries is singular, or cannot be solved.
+    pub fn linearised(&mut self, entries: &[Entry], right: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut x = self.reduce(right)?;
+        let (_, kept) = x.split_at_mut(self.unknowns.interior);
+        if !kept.is_empty() {
+            // The entries are in the bases of the contact points.
+            let turns = self.condensed.turns().to_vec();
+            for turn in &turns {
+                turn.forward(kept);
+            }
+            self.condensed.solve(entries, kept)?;
+            for turn in &turns {
+                turn.back(kept);
+            }
+        }
+        self.factor.backward(&mut x)?;
+        let mut values = vec![0.0; right.len()];
+        self.unknowns.add(&x, &mut values);
+        Ok(values)
+    }
+
+    /// Solves S x = r in place on the unknowns that are kept.
+    ///
+    /// # Errors
+    /// When S is singular, or the system cannot be solved.
+    pub fn solve_condensed(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
+        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&[], r) }
+    }
+
+    /// The vector with these entries at the unknowns that are kept whose energy is the least, in elimination order.
+    ///
+    /// # Errors
+    /// When the sweep fails.
+    pub fn extend(&self, kept: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let mut x = vec![0.0; self.unknowns.interior];
+        x.extend_from_slice(kept);
+        self.factor.backward(&mut x)?;
+        Ok(x)
+    }
+
+    /// Solves K x = r in place, in elimination order.
+    ///
+    /// # Errors
+    /// When K is singular, or the system cannot be solved.
+    pub fn solve(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
+        let interior = self.unknowns.interior;
+        self.factor.forward(r)?;
+        self.solve_condensed(&mut r[interior..])?;
+        self.factor.backward(r)
+    }
+
+    /// The unknowns that are kept of a vector over all degrees of freedom.
+    #[must_use]
+    pub fn kept_of(&self, values: &[f64]) -> Vec<f64> {
+        self.unknowns.kept().iter().map(|&d| values[d as usize]).collect()
+    }
+}

@@ -1,0 +1,106 @@
+//! The unknowns of a matrix, where they are, and the order in which they are eliminated.
+
+use super::ordering::nested_dissection;
+use super::sparse::BlockMatrix;
+use crate::mesh::Mesh;
+use crate::space::Space;
+use crate::tensor::Point;
+
+/// Where the unknowns of a matrix are.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout<'a> {
+    /// Coordinates of the nodes.
+    pub points: &'a [Point],
+    /// Unknowns of a node.
+    pub components: usize,
+    /// Whether a degree of freedom, node-major, is free.
+    pub free: &'a [bool],
+    /// Nodes whose unknowns are kept.
+    pub contact: &'a [u32],
+}
+
+impl<'a> Layout<'a> {
+    /// The unknowns of a space on a mesh.
+    #[must_use]
+    pub fn of(mesh: &'a Mesh, space: &'a Space, contact: &'a [u32]) -> Layout<'a> {
+        Layout { points: &mesh.points, components: space.components, free: &space.free, contact }
+    }
+}
+
+/// The unknowns of a system in elimination order: those that are eliminated, then those that are kept.
+#[derive(Clone, Debug)]
+pub struct Unknowns {
+    /// Degree of freedom at each position.
+    pub dofs: Vec<u32>,
+    /// How many positions are eliminated: the interior.
+    pub interior: usize,
+}
+
+impl Unknowns {
+    /// Orders the degrees of freedom that are free by nested dissection, those of the contact nodes last.
+    #[must_use]
+    pub fn new(matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
+        let Layout { points, components, free, contact } = *layout;
+        let keep: Vec<bool> = free.chunks_exact(components).map(|node| node.iter().any(|&f| f)).collect();
+        let ordering = nested_dissection(matrix.graph(), points, &keep, contact);
+        let (mut dofs, mut interior) = (Vec::new(), 0);
+        for (k, &node) in ordering.order.iter().enumerate() {
+            dofs.extend((0..components as u32).map(|c| node * components as u32 + c).filter(|&d| free[d as usize]));
+            if k < ordering.interior {
+                interior = dofs.len();
+            }
+        }
+        Unknowns { dofs, interior }
+    }
+
+    /// Number of unknowns.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.dofs.len()
+    }
+
+    /// Whether there is nothing to solve for.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.dofs.is_empty()
+    }
+
+    /// Degrees of freedom of the unknowns that are kept.
+    #[must_use]
+    pub fn kept(&self) -> &[u32] {
+        &self.dofs[self.interior..]
+    }
+
+    /// The first kept unknown of each node, counted from the first of all, with `components` degrees of freedom per
+    /// node.
+    #[must_use]
+    pub fn kept_nodes(&self, components: usize) -> Vec<usize> {
+        let node = |dof: u32| dof as usize / components.max(1);
+        let kept = self.kept();
+        (0..kept.len()).filter(|&i| i == 0 || node(kept[i]) != node(kept[i - 1])).collect()
+    }
+
+    /// The number of each degree of freedom among the unknowns that are kept; none where it is not kept. `size` is the
+    /// number of degrees of freedom.
+    #[must_use]
+    pub fn positions(&self, size: usize) -> Vec<Option<u32>> {
+        let mut positions = vec![None; size];
+        for (k, &dof) in self.kept().iter().enumerate() {
+            positions[dof as usize] = Some(k as u32);
+        }
+        positions
+    }
+
+    /// The entries of a vector over all degrees of freedom, in elimination order.
+    #[must_use]
+    pub fn gather(&self, full: &[f64]) -> Vec<f64> {
+        self.dofs.iter().map(|&d| full[d as usize]).collect()
+    }
+
+    /// Adds a vector in elimination order to its degrees of freedom.
+    pub fn add(&self, x: &[f64], full: &mut [f64]) {
+        for (&d, &value) in self.dofs.iter().zip(x) {
+            full[d as usize] += value;
+        }
+    }
+}
