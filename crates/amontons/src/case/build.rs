@@ -12,7 +12,7 @@ use super::raw;
 use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
-use crate::linalg::Supernodal;
+use crate::linalg::{Automatic, Backend, Multigrid, Supernodal};
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
 use crate::output::{Input, OutputField, Probe};
@@ -70,7 +70,7 @@ pub(super) fn problem(
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
-        backend: Arc::new(Supernodal),
+        backend: backend(raw.solver.solver),
     };
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
@@ -101,6 +101,14 @@ fn dilatation(raw: raw::Dilatation) -> Dilatation {
     match raw {
         raw::Dilatation::Full => Dilatation::Full,
         raw::Dilatation::Mean => Dilatation::Mean,
+    }
+}
+
+fn backend(raw: raw::Backend) -> Arc<dyn Backend> {
+    match raw {
+        raw::Backend::Auto => Arc::new(Automatic),
+        raw::Backend::Direct => Arc::new(Supernodal),
+        raw::Backend::Iterative => Arc::new(Multigrid),
     }
 }
 

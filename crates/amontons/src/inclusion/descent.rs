@@ -38,6 +38,8 @@ const STALLED: usize = 3;
 /// Shares of the rate of the energy at the start of a search between which it ends: still falling by half, and as good
 /// as not rising.
 const ENOUGH: [f64; 2] = [-0.5, 1e-3];
+/// Residual of the linear systems, where they are solved by an iteration.
+const ACCURACY: f64 = 1e-3;
 /// Evaluations in a search; the first 60 decades and more of step lengths go in tenths.
 const SEARCH: usize = 100;
 
@@ -109,11 +111,11 @@ impl Mechanical<'_> {
     fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
         let mut entries = self.curvature(now);
         let mut step: Vec<f64> = now.f.iter().map(|f| -f).collect();
-        let held = condensed.solve(&entries, &mut step);
+        let held = condensed.solve(&entries, &mut step, ACCURACY);
         if let Err(SolveError::Singular { .. }) = held {
             entries.extend((0..step.len()).map(|i| (i as u32, i as u32, HOLD * condensed.scale()[i])));
             step = now.f.iter().map(|f| -f).collect();
-            match condensed.solve(&entries, &mut step) {
+            match condensed.solve(&entries, &mut step, ACCURACY) {
                 // What it leaves is no obstacle: whether the direction leads down is asked for.
                 Ok(()) | Err(SolveError::Singular { .. }) => {}
                 Err(error) => return Err(error),

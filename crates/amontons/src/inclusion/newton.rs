@@ -7,6 +7,11 @@
 use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::linalg::{Condensed, Entry, SolveError, max_abs};
 
+/// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
+/// the residual has to fall by, and the least that is asked for at once.
+const SHARE: f64 = 0.1;
+const ENOUGH: f64 = 1e-5;
+
 /// A nonsmooth term on Γ_C: laws at contact points with multipliers.
 pub(super) trait Term {
     /// The multipliers of all points.
@@ -239,7 +244,9 @@ fn newton_step<T: Term>(
     if let Some((beta, _)) = right.proximal {
         entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.scale()[i])));
     }
-    match condensed.solve(&entries, &mut step) {
+    // As far as the residual has to fall, but not further than a step with an unchanged contact pattern goes.
+    let enough = (SHARE * now.tolerance / now.residual).max(ENOUGH);
+    match condensed.solve(&entries, &mut step, enough) {
         Ok(()) => Ok(Some(step)),
         Err(SolveError::Singular { .. }) => Ok(None),
         Err(error) => Err(error),

@@ -10,6 +10,9 @@ use faer::Mat;
 use super::error::SolveError;
 use super::turn::Turn;
 
+/// Residual, relative to that of x = 0, of a solution as good as double precision has it.
+pub const EXACT: f64 = 1e-13;
+
 /// An entry that the boundary term adds to S: row, column, value.
 pub type Entry = (u32, u32, f64);
 
@@ -38,12 +41,13 @@ pub trait Condensed: Debug + Send + Sync {
         f64::INFINITY
     }
 
-    /// Solves (S + J) x = b in place, J the sum of the entries.
+    /// Solves (S + J) x = b in place, J the sum of the entries, until the residual is at most `enough` times that of
+    /// x = 0; a backend with a factor leaves what its round-off leaves.
     ///
     /// # Errors
     /// [`SolveError::Singular`] where a solution leaves much of b, as that of a singular matrix does; another one when
     /// the system cannot be solved.
-    fn solve(&mut self, entries: &[Entry], b: &mut [f64]) -> Result<(), SolveError>;
+    fn solve(&mut self, entries: &[Entry], b: &mut [f64], enough: f64) -> Result<(), SolveError>;
 
     /// Whether S + J is positive definite, J the sum of the entries, which is symmetric.
     ///

@@ -1,5 +1,7 @@
 //! Linear systems known by their products only.
 
+use rayon::prelude::*;
+
 use super::sparse::dot;
 
 /// Where a Krylov iteration ended.
@@ -79,6 +81,73 @@ pub fn gmres<E>(
         x.iter_mut().zip(v).for_each(|(x, v)| *x += y * v);
     }
     Ok(Krylov { x, iterations: size, residual: rotated[size].abs() / norm })
+}
+
+/// What a method of conjugate gradients has seen of a matrix.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Definite {
+    /// Positive energies only.
+    Seen,
+    /// A vector whose energy is not positive: the matrix, or the preconditioner, is not positive definite.
+    No,
+}
+
+/// Where conjugate gradients ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gradients {
+    /// The solution found.
+    pub x: Vec<f64>,
+    /// Products made.
+    pub iterations: usize,
+    /// ‖b − A x‖ / ‖b‖ of the recurrence.
+    pub residual: f64,
+    /// Whether an energy was seen that is not positive.
+    pub definite: Definite,
+}
+
+/// Solves A x = b, A symmetric positive definite, by conjugate gradients with a preconditioner that may vary a little
+/// from product to product, as one in lower precision does (Notay, SIAM J. Sci. Comput. 22 (2000) 1444). Ends when the
+/// residual is `tolerance` times that of x = 0, after `limit` products, or at an energy that is not positive.
+#[must_use]
+pub fn conjugate_gradients(
+    mut apply: impl FnMut(&[f64]) -> Vec<f64>,
+    mut precondition: impl FnMut(&[f64]) -> Vec<f64>,
+    b: &[f64],
+    tolerance: f64,
+    limit: usize,
+) -> Gradients {
+    let whole = dot(b, b).sqrt();
+    let mut made = Gradients { x: vec![0.0; b.len()], iterations: 0, residual: 1.0, definite: Definite::Seen };
+    if whole == 0.0 || !whole.is_finite() {
+        made.residual = if whole == 0.0 { 0.0 } else { whole };
+        return made;
+    }
+    let mut rest = b.to_vec();
+    let mut direction = precondition(&rest);
+    let mut merit = dot(&rest, &direction);
+    while made.iterations < limit {
+        let image = apply(&direction);
+        let energy = dot(&direction, &image);
+        if energy.is_nan() || merit.is_nan() || energy <= 0.0 || merit <= 0.0 {
+            made.definite = Definite::No;
+            break;
+        }
+        made.iterations += 1;
+        let alpha = merit / energy;
+        made.x.par_iter_mut().zip(&direction).for_each(|(x, d)| *x += alpha * d);
+        let before = rest.clone();
+        rest.par_iter_mut().zip(&image).for_each(|(r, image)| *r -= alpha * image);
+        made.residual = dot(&rest, &rest).sqrt() / whole;
+        if made.residual <= tolerance {
+            break;
+        }
+        let next = precondition(&rest);
+        let new = dot(&rest, &next);
+        let beta = (new - dot(&before, &next)) / merit;
+        direction.par_iter_mut().zip(&next).for_each(|(d, next)| *d = next + beta * *d);
+        merit = new;
+    }
+    made
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Algebra: sparse matrices, the factor with its condensed operator, and the largest eigenvalue of a pencil.
 
+mod automatic;
 mod condensed;
 mod dense;
 mod eigen;
@@ -7,6 +8,7 @@ mod error;
 mod factor;
 mod krylov;
 mod lu;
+mod multigrid;
 mod ordering;
 mod schur;
 mod sparse;
@@ -17,12 +19,14 @@ mod unknowns;
 
 use std::sync::Arc;
 
-pub use condensed::{Condensed, Entry};
+pub use automatic::Automatic;
+pub use condensed::{Condensed, EXACT, Entry};
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, largest};
 pub use error::SolveError;
 pub use factor::{Backend, Factor};
-pub use krylov::{Krylov, gmres};
+pub use krylov::{Definite, Gradients, Krylov, conjugate_gradients, gmres};
+pub use multigrid::Multigrid;
 pub use ordering::{Ordering, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
 pub use supernodal::{Fill, Supernodal, fill};
@@ -33,5 +37,5 @@ pub use unknowns::{Layout, Unknowns};
 /// Every backend, for tests that loop over them.
 #[must_use]
 pub fn backends() -> Vec<Arc<dyn Backend>> {
-    vec![Arc::new(Supernodal), Arc::new(Dense)]
+    vec![Arc::new(Supernodal), Arc::new(Dense), Arc::new(Multigrid)]
 }

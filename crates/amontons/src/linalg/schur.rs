@@ -200,7 +200,7 @@ impl Condensed for Schur {
         2.0 * self.largest * x.iter().map(|x| x.abs()).sum::<f64>()
     }
 
-    fn solve(&mut self, entries: &[Entry], b: &mut [f64]) -> Result<(), SolveError> {
+    fn solve(&mut self, entries: &[Entry], b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
         let right = b.to_vec();
         self.solve_unchecked(entries, b);
         // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
@@ -286,8 +286,8 @@ mod tests {
             (Schur::new(Arc::new(s.clone()), first.clone()), Schur::new(Arc::new(s), first));
         iteration.is_large = true;
         let (mut x, mut y) = (b.clone(), b.clone());
-        assert_eq!(factor.solve(&entries, &mut x), Ok(()));
-        assert_eq!(iteration.solve(&entries, &mut y), Ok(()));
+        assert_eq!(factor.solve(&entries, &mut x, 0.0), Ok(()));
+        assert_eq!(iteration.solve(&entries, &mut y, 0.0), Ok(()));
         let rest: Vec<f64> = iteration.sum(&entries, &y).iter().zip(&b).map(|(s, b)| s - b).collect();
         assert!(max_abs(&rest) < 1e-11, "{:e}", max_abs(&rest));
         let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();

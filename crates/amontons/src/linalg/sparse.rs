@@ -61,6 +61,12 @@ impl Graph {
         self.start.len() - 1
     }
 
+    /// Number of pairs of nodes that share a cell.
+    #[must_use]
+    pub fn pairs(&self) -> usize {
+        self.columns.len()
+    }
+
     /// Whether there are no nodes.
     #[must_use]
     pub fn is_empty(&self) -> bool {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::condensed::{Condensed, Entry};
+use super::condensed::{Condensed, EXACT, Entry};
 use super::error::SolveError;
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
@@ -117,7 +117,7 @@ impl System {
             for turn in &turns {
                 turn.forward(kept);
             }
-            self.condensed.solve(entries, kept)?;
+            self.condensed.solve(entries, kept, EXACT)?;
             for turn in &turns {
                 turn.back(kept);
             }
@@ -133,7 +133,7 @@ impl System {
     /// # Errors
     /// When S is singular, or the system cannot be solved.
     pub fn solve_condensed(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
-        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&[], r) }
+        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&[], r, EXACT) }
     }
 
     /// The vector with these entries at the unknowns that are kept whose energy is the least, in elimination order.

@@ -1,5 +1,7 @@
 //! The unknowns of a matrix, where they are, and the order in which they are eliminated.
 
+use std::sync::Arc;
+
 use super::ordering::nested_dissection;
 use super::sparse::BlockMatrix;
 use crate::mesh::Mesh;
@@ -34,6 +36,8 @@ pub struct Unknowns {
     pub dofs: Vec<u32>,
     /// How many positions are eliminated: the interior.
     pub interior: usize,
+    /// Coordinates of all nodes, for a backend that asks for them; may be empty.
+    pub points: Arc<[Point]>,
 }
 
 impl Unknowns {
@@ -50,7 +54,7 @@ impl Unknowns {
                 interior = dofs.len();
             }
         }
-        Unknowns { dofs, interior }
+        Unknowns { dofs, interior, points: Arc::new([]) }
     }
 
     /// Number of unknowns.

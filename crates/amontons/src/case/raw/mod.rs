@@ -68,6 +68,9 @@ pub(in crate::case) struct Case {
     /// The time-stepping scheme.
     #[serde(default)]
     pub scheme: Scheme,
+    /// How linear systems are solved.
+    #[serde(default)]
+    pub solver: Solver,
     /// Results written during a run.
     #[serde(default)]
     pub output: Output,
@@ -134,6 +137,28 @@ pub(in crate::case) struct Initial {
     /// Temperature θ₀ in K.
     #[serde(default)]
     pub temperature: Scalar,
+}
+
+/// How linear systems are solved.
+#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Solver {
+    /// By a factor or by an iteration. Results agree to the accuracy to which a step is accepted.
+    #[serde(default)]
+    pub solver: Backend,
+}
+
+/// How linear systems are solved.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum Backend {
+    /// The program chooses from the size of the body, and says so.
+    #[default]
+    Auto,
+    /// One factor of each matrix: the fastest in the plane, and in space up to some ten thousand unknowns.
+    Direct,
+    /// A Krylov iteration with algebraic multigrid: for large bodies in space.
+    Iterative,
 }
 
 /// The time-stepping scheme: backward Euler.

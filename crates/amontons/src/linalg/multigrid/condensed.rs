@@ -1,0 +1,246 @@
+//! The operator S = K of a body that is not eliminated, and systems with it by a Krylov iteration.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use super::precondition::{Body, Preconditioner, held};
+use crate::linalg::condensed::{Condensed, Entry};
+use crate::linalg::error::SolveError;
+use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
+use crate::linalg::sparse::{BlockMatrix, max_abs};
+use crate::linalg::turn::Turn;
+use crate::linalg::unknowns::Unknowns;
+
+/// Products between two looks at the true residual, and how often it is looked at.
+const PRODUCTS: usize = 60;
+const LOOKS: usize = 10;
+/// Share of b that a solution may leave.
+const LEFT: f64 = 1e-2;
+/// Products after which a new preconditioner is made, over those that it took at first.
+const STALE: usize = 2;
+/// Residual at which a matrix has been found positive definite: all of its extreme eigenvalues have been seen.
+const SEEN: f64 = 1e-10;
+
+/// The operator, with the preconditioner of the last entries.
+#[derive(Debug)]
+pub(super) struct Iterative {
+    matrix: Arc<BlockMatrix>,
+    unknowns: Unknowns,
+    /// Whether a degree of freedom is unknown.
+    free: Vec<bool>,
+    scale: Vec<f64>,
+    turns: Vec<Turn>,
+    /// With the degrees of freedom that are held, and the products that a solution took when it was new.
+    preconditioner: Option<(Preconditioner, usize)>,
+    made: usize,
+}
+
+impl Iterative {
+    pub fn new(matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Iterative {
+        let (n, _) = matrix.block_shape();
+        let mut free = vec![false; matrix.graph().len() * n];
+        for &dof in &unknowns.dofs {
+            free[dof as usize] = true;
+        }
+        let diagonal = |dof: usize| matrix.get(dof / n, dof % n, dof / n, dof % n);
+        let mean = |dof: &u32| {
+            let node = *dof as usize / n;
+            let own: Vec<f64> = (node * n..node * n + n).filter(|&d| free[d]).map(diagonal).collect();
+            own.iter().sum::<f64>() / own.len().max(1) as f64
+        };
+        let scale = unknowns.dofs.iter().map(mean).collect();
+        let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
+        Iterative { matrix, unknowns, free, scale, turns: Vec::new(), preconditioner: None, made: 0 }
+    }
+
+    /// A vector over all degrees of freedom.
+    fn spread(&self, x: &[f64]) -> Vec<f64> {
+        let mut full = vec![0.0; self.free.len()];
+        self.unknowns.add(x, &mut full);
+        full
+    }
+
+    /// Entries, turns and the vector of a basis by degree of freedom.
+    fn by_degree(&self, entries: &[Entry]) -> (Vec<Entry>, Vec<Turn>) {
+        let dof = |u: u32| self.unknowns.dofs[u as usize];
+        let entries = entries.iter().map(|&(i, j, value)| (dof(i), dof(j), value)).collect();
+        let n = self.matrix.block_shape().0;
+        let of = |turn: &Turn| {
+            let mut unknowns = [0; 3];
+            for (c, unknown) in unknowns.iter_mut().enumerate().take(n) {
+                *unknown = dof(turn.unknowns[c]);
+            }
+            Turn { unknowns, ..*turn }
+        };
+        (entries, self.turns.iter().map(of).collect())
+    }
+
+    /// (S + J) x.
+    fn sum(&self, entries: &[Entry], x: &[f64]) -> Vec<f64> {
+        let mut y = self.product(x);
+        for &(i, j, value) in entries {
+            y[i as usize] += value * x[j as usize];
+        }
+        y
+    }
+
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let mut straight;
+        let x = if self.turns.is_empty() {
+            x
+        } else {
+            straight = x.to_vec();
+            for turn in &self.turns {
+                turn.back(&mut straight);
+            }
+            &straight
+        };
+        let mut y = self.unknowns.gather(&self.matrix.apply(&self.spread(x)));
+        for turn in &self.turns {
+            turn.forward(&mut y);
+        }
+        y
+    }
+
+    /// Makes a preconditioner if there is none, or if the one at hand is of other entries and `renews` says so.
+    fn prepare(&mut self, entries: &[Entry], renews: bool) {
+        let (entries, turns) = self.by_degree(entries);
+        let body = Body { matrix: &self.matrix, points: &self.unknowns.points, free: &self.free, turns: &turns };
+        let is_of = |p: &Preconditioner| p.held == held(&body, &entries);
+        if self.preconditioner.as_ref().is_some_and(|(p, _)| !renews || is_of(p)) {
+            return;
+        }
+        self.preconditioner = Some((Preconditioner::new(&body, &entries), 0));
+        self.made += 1;
+    }
+
+    fn precondition(&self, r: &[f64]) -> Vec<f64> {
+        match &self.preconditioner {
+            Some((preconditioner, _)) => self.unknowns.gather(&preconditioner.apply(&self.spread(r))),
+            None => r.to_vec(),
+        }
+    }
+
+    /// Products until the residual is `wanted` of b, from x = 0; the solution, and what it leaves.
+    fn iterate(&mut self, entries: &[Entry], b: &[f64], wanted: f64) -> (Vec<f64>, f64, usize) {
+        let is_symmetric = is_symmetric(entries);
+        let (mut x, mut rest, mut products) = (vec![0.0; b.len()], b.to_vec(), 0);
+        let whole = norm(b);
+        let mut left = 1.0;
+        for _ in 0..LOOKS {
+            let goal = (wanted / left).min(0.1);
+            let apply = |v: &[f64]| self.sum(entries, v);
+            let (change, made) = if is_symmetric {
+                let solved = conjugate_gradients(apply, |r| self.precondition(r), &rest, goal, PRODUCTS);
+                (solved.x, solved.iterations)
+            } else {
+                let product = |y: &[f64]| Ok::<_, Infallible>(self.sum(entries, &self.precondition(y)));
+                let Ok(solved) = gmres(product, &rest, goal, PRODUCTS);
+                (self.precondition(&solved.x), solved.iterations)
+            };
+            products += made;
+            x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
+            rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
+            let now = norm(&rest) / whole;
+            let stalls = now > 0.5 * left || now.is_nan();
+            left = now;
+            if left <= wanted || stalls {
+                break;
+            }
+        }
+        (x, left, products)
+    }
+}
+
+impl Condensed for Iterative {
+    fn scale(&self) -> &[f64] {
+        &self.scale
+    }
+
+    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+        Ok(self.product(x))
+    }
+
+    fn magnitude(&self, x: &[f64]) -> Result<f64, SolveError> {
+        Ok(max_abs(&self.unknowns.gather(&self.matrix.magnitude(&self.spread(x)))))
+    }
+
+    fn solve(&mut self, entries: &[Entry], b: &mut [f64], enough: f64) -> Result<(), SolveError> {
+        if b.iter().all(|b| *b == 0.0) {
+            return Ok(());
+        }
+        self.prepare(entries, false);
+        let (mut x, mut left, mut products) = self.iterate(entries, b, enough);
+        let first = self.preconditioner.as_ref().map_or(0, |(_, first)| *first);
+        if first > 0 && (products > STALE * first + 5 || left > enough) {
+            let before = self.made;
+            self.prepare(entries, true);
+            if self.made > before && left > enough {
+                (x, left, products) = self.iterate(entries, b, enough);
+            }
+        }
+        if let Some((_, first)) = self.preconditioner.as_mut().filter(|(_, first)| *first == 0) {
+            *first = products.max(1);
+        }
+        b.copy_from_slice(&x);
+        if left <= LEFT.max(enough) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
+    }
+
+    fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError> {
+        let mut diagonal = self.unknowns.gather(&self.spread(&self.scale));
+        for &(i, j, value) in entries.iter().filter(|(i, j, _)| i == j) {
+            diagonal[i as usize] += value * f64::from(u8::from(i == j));
+        }
+        if self.is_empty() {
+            return Ok(true);
+        }
+        self.prepare(&[], true);
+        // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
+        let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
+        let apply = |v: &[f64]| self.sum(entries, v);
+        let solved = conjugate_gradients(apply, |r| self.precondition(r), &b, SEEN, PRODUCTS * LOOKS);
+        match solved.definite {
+            Definite::No => Ok(false),
+            Definite::Seen if solved.residual <= SEEN => Ok(true),
+            Definite::Seen => Err(SolveError::NotConverged {
+                size: self.len(),
+                iterations: solved.iterations,
+                residual: solved.residual,
+            }),
+        }
+    }
+
+    fn turn(&mut self, turns: &[Turn]) {
+        if self.turns != turns {
+            self.turns = turns.to_vec();
+            self.preconditioner = None;
+        }
+    }
+
+    fn turns(&self) -> &[Turn] {
+        &self.turns
+    }
+
+    fn factorizations(&self) -> usize {
+        self.made
+    }
+}
+
+/// Whether the entries are those of a symmetric matrix.
+fn is_symmetric(entries: &[Entry]) -> bool {
+    let mut pairs: Vec<(u32, u32, f64)> = entries
+        .iter()
+        .filter(|(i, j, _)| i != j)
+        .map(|&(i, j, value)| (i.min(j), i.max(j), if i < j { value } else { -value }))
+        .collect();
+    pairs.sort_by_key(|&(i, j, _)| (i, j));
+    pairs.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|same| {
+        let (sum, size) =
+            same.iter().fold((0.0, 0.0), |(sum, size), pair| (sum + pair.2, f64::max(size, pair.2.abs())));
+        sum.abs() <= 1e-12 * size
+    })
+}
+
+fn norm(v: &[f64]) -> f64 {
+    crate::linalg::sparse::dot(v, v).sqrt()
+}

@@ -1,0 +1,425 @@
+//! The levels of smoothed aggregation and their V-cycle, in single precision: it is a preconditioner, and reads half the
+//! memory.
+
+use faer::{Mat, Side};
+use rayon::prelude::*;
+
+use super::aggregate::{aggregates, strong, tentative};
+use super::blocks::Blocks;
+use crate::linalg::lu::Lu;
+use crate::linalg::sparse::dot;
+
+/// Unknowns below which a level is solved with a dense factor, and most levels.
+const COARSEST: usize = 600;
+const LEVELS: usize = 12;
+/// Degree of the smoothing polynomial, and the share of the largest eigenvalue above which it damps.
+const DEGREE: usize = 2;
+const DAMPED: f64 = 0.1;
+/// The largest eigenvalue of D⁻¹A by this many products, and by how much it is taken larger.
+const LANCZOS: usize = 12;
+const SAFETY: f64 = 1.05;
+/// What is added to the diagonal of the coarsest matrix, relative to it: a body that only contact holds has motions
+/// without energy.
+const SHIFT: f64 = 1e-7;
+
+/// A level: A x = b with its smoother, and the way to the next.
+#[derive(Debug)]
+struct Level {
+    /// A, with what contact adds.
+    matrix: Blocks<f32>,
+    /// The inverse blocks on the diagonal.
+    diagonal: Vec<f32>,
+    /// Largest eigenvalue of D⁻¹A.
+    largest: f32,
+    /// P and Pᵀ; none on the coarsest level.
+    transfer: Option<[Blocks<f32>; 2]>,
+}
+
+/// The levels.
+#[derive(Debug)]
+pub(super) struct Hierarchy {
+    levels: Vec<Level>,
+    coarsest: Lu,
+    /// The coarsest matrix without contact, over the scale.
+    dense: Mat<f64>,
+    /// What contact has changed: level, position of a block, and the block and inverse block of before.
+    changed: Vec<Changed>,
+    /// What the matrix is divided by, so that it is in the range of single precision.
+    scale: f64,
+}
+
+/// A block on the diagonal or beside it that contact has changed.
+#[derive(Debug)]
+struct Changed {
+    level: usize,
+    /// Position of the block.
+    at: usize,
+    /// The block before, and for one on the diagonal its row and the inverse before.
+    block: Vec<f32>,
+    inverse: Option<(usize, Vec<f32>)>,
+}
+
+/// What a hierarchy is made for.
+pub(super) struct Plan<'a> {
+    /// The matrix, with unit blocks where a degree of freedom is left out.
+    pub matrix: &'a Blocks<f64>,
+    /// Modes without energy at each node: blocks of `size` × m.
+    pub modes: &'a [f64],
+    pub count: usize,
+    /// Degrees of freedom that take part.
+    pub takes_part: &'a [bool],
+}
+
+impl Hierarchy {
+    /// Builds the levels.
+    pub fn new(plan: &Plan) -> Hierarchy {
+        let size = plan.matrix.shape[0];
+        let diagonal = |i: usize| plan.matrix.row(i).find(|(j, _)| *j == i).map_or(0.0, |(_, block)| block[0].abs());
+        let scale = (0..plan.matrix.len()).map(diagonal).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
+        let mut takes_part: Vec<bool> =
+            plan.takes_part.chunks_exact(size).map(|node| node.iter().any(|t| *t)).collect();
+        let mut masked: Option<Vec<bool>> = Some(plan.takes_part.to_vec());
+        let (mut matrix, mut modes) = (std::borrow::Cow::Borrowed(plan.matrix), plan.modes.to_vec());
+        let mut levels = Vec::new();
+        loop {
+            let level_size = matrix.shape[0];
+            let diagonal = inverse_diagonal(&matrix);
+            let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
+            let single = |transfer| Level {
+                matrix: matrix.single(scale),
+                diagonal: diagonal.iter().map(|d| (d * scale) as f32).collect(),
+                largest: largest as f32,
+                transfer,
+            };
+            if matrix.len() * level_size <= COARSEST || levels.len() + 1 == LEVELS {
+                levels.push(single(None));
+                break;
+            }
+            let (of, count) = aggregates(&strong(&matrix), &takes_part);
+            if 2 * count > matrix.len() {
+                levels.push(single(None));
+                break;
+            }
+            let (tentative, coarse_modes) = tentative(&of, count, &modes, [level_size, plan.count]);
+            let smoothed = smoothed(&matrix, &diagonal, &tentative, largest, masked.take().as_deref());
+            let restriction = smoothed.transposed();
+            let coarse = with_unit_blocks(restriction.times(&matrix.times(&smoothed)));
+            levels.push(single(Some([smoothed.single(1.0), restriction.single(1.0)])));
+            (matrix, modes) = (std::borrow::Cow::Owned(coarse), coarse_modes);
+            takes_part = vec![true; count];
+        }
+        let dense = dense(&matrix, scale);
+        Hierarchy { coarsest: Lu::new(dense.clone()), dense, levels, changed: Vec::new(), scale }
+    }
+
+    /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the coarser
+    /// levels it is PᵀJP with the P of K alone.
+    pub fn add(&mut self, contact: Blocks<f64>) {
+        for Changed { level, at, block, inverse } in self.changed.drain(..).rev() {
+            let level = &mut self.levels[level];
+            level.matrix.values[at * block.len()..][..block.len()].copy_from_slice(&block);
+            if let Some((row, inverse)) = inverse {
+                level.diagonal[row * inverse.len()..][..inverse.len()].copy_from_slice(&inverse);
+            }
+        }
+        let mut added = contact;
+        for l in 0..self.levels.len() {
+            let next = self.levels[l].transfer.as_ref().map(|[p, r]| r.double().times(&added.times(&p.double())));
+            self.patch(l, &added);
+            match next {
+                Some(next) => added = next,
+                None => self.solve_with(&added),
+            }
+        }
+    }
+
+    /// Adds a matrix to that of a level.
+    fn patch(&mut self, l: usize, added: &Blocks<f64>) {
+        let (level, scale) = (&mut self.levels[l], self.scale);
+        let n = level.matrix.shape[0];
+        for i in 0..added.len() {
+            for (j, block) in added.row(i) {
+                let (from, to) = (level.matrix.start[i] as usize, level.matrix.start[i + 1] as usize);
+                let Some(at) = (from..to).find(|&k| level.matrix.columns[k] as usize == j) else { continue };
+                let values = &mut level.matrix.values[at * n * n..][..n * n];
+                let before = values.to_vec();
+                values.iter_mut().zip(block).for_each(|(value, added)| *value += (added / scale) as f32);
+                let inverse = (i == j).then(|| {
+                    let whole: Vec<f64> = values.iter().map(|v| f64::from(*v)).collect();
+                    let mut inverse = vec![0.0; n * n];
+                    invert(&whole, &mut inverse, n);
+                    let place = &mut level.diagonal[i * n * n..][..n * n];
+                    let before = place.to_vec();
+                    place.iter_mut().zip(&inverse).for_each(|(place, inverse)| *place = *inverse as f32);
+                    (i, before)
+                });
+                self.changed.push(Changed { level: l, at, block: before, inverse });
+            }
+        }
+    }
+
+    /// The factor of the coarsest matrix with what is added.
+    fn solve_with(&mut self, added: &Blocks<f64>) {
+        let (mut matrix, n) = (self.dense.clone(), added.shape[0]);
+        for i in 0..added.len() {
+            for (j, block) in added.row(i) {
+                for (k, value) in block.iter().enumerate() {
+                    matrix[(i * n + k / n, j * n + k % n)] += value / self.scale;
+                }
+            }
+        }
+        self.coarsest = Lu::new(matrix);
+    }
+
+    /// Numbers that are stored, in double precision.
+    pub fn stored(&self) -> usize {
+        let of = |level: &Level| {
+            let transfer = level.transfer.iter().flatten().map(|t| t.values.len()).sum::<usize>();
+            (level.matrix.values.len() + level.diagonal.len() + transfer) / 2
+        };
+        self.levels.iter().map(of).sum::<usize>() + self.coarsest.size() * self.coarsest.size()
+    }
+
+    /// Unknowns of the levels.
+    pub fn sizes(&self) -> Vec<usize> {
+        self.levels.iter().map(|level| level.matrix.len() * level.matrix.shape[0]).collect()
+    }
+
+    /// One V-cycle for A x = b from x = 0: a symmetric operator.
+    pub fn cycle(&self, b: &[f64]) -> Vec<f64> {
+        // In the range of single precision, whatever the units of b.
+        let size = b.iter().fold(0.0f64, |m, b| m.max(b.abs()));
+        if size == 0.0 || !size.is_finite() {
+            return vec![0.0; b.len()];
+        }
+        let right: Vec<f32> = b.iter().map(|b| (b / size) as f32).collect();
+        let factor = size / self.scale;
+        self.level(0, &right).iter().map(|x| f64::from(*x) * factor).collect()
+    }
+
+    fn level(&self, l: usize, b: &[f32]) -> Vec<f32> {
+        let level = &self.levels[l];
+        let Some([prolongation, restriction]) = &level.transfer else { return self.solved(b) };
+        let mut x = vec![0.0; b.len()];
+        level.smooth(b, &mut x, true);
+        let mut rest = level.rest(b, &x);
+        let mut coarse = vec![0.0; restriction.len() * restriction.shape[0]];
+        restriction.apply(&rest, &mut coarse, false);
+        let correction = self.level(l + 1, &coarse);
+        prolongation.apply(&correction, &mut x, true);
+        rest.clear();
+        level.smooth(b, &mut x, false);
+        x
+    }
+
+    fn solved(&self, b: &[f32]) -> Vec<f32> {
+        let mut x: Vec<f64> = b.iter().map(|b| f64::from(*b)).collect();
+        self.coarsest.solve(&mut x);
+        x.into_iter().map(|x| x as f32).collect()
+    }
+}
+
+impl Level {
+    /// b − A x.
+    fn rest(&self, b: &[f32], x: &[f32]) -> Vec<f32> {
+        let mut rest = vec![0.0; b.len()];
+        self.matrix.apply(x, &mut rest, false);
+        rest.par_iter_mut().zip(b).for_each(|(rest, b)| *rest = b - *rest);
+        rest
+    }
+
+    /// Chebyshev's polynomial in D⁻¹A, which damps errors with eigenvalues between [`DAMPED`] of the largest and the
+    /// largest (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003) 593).
+    fn smooth(&self, b: &[f32], x: &mut [f32], from_zero: bool) {
+        let (high, low) = (self.largest, DAMPED as f32 * self.largest);
+        let (center, radius) = (0.5 * (high + low), 0.5 * (high - low));
+        let mut rest = if from_zero { b.to_vec() } else { self.rest(b, x) };
+        let mut step = self.scaled(&rest, center.recip());
+        let sigma = center / radius;
+        let mut rho = sigma.recip();
+        for k in 0..DEGREE {
+            x.par_iter_mut().zip(&step).for_each(|(x, step)| *x += step);
+            if k + 1 == DEGREE {
+                break;
+            }
+            rest = self.rest(b, x);
+            let next = (2.0 * sigma - rho).recip();
+            let scaled = self.scaled(&rest, 2.0 * next / radius);
+            let carried = rho * next;
+            step.par_iter_mut().zip(&scaled).for_each(|(step, scaled)| *step = carried * *step + scaled);
+            rho = next;
+        }
+    }
+
+    /// D⁻¹ r times a factor.
+    fn scaled(&self, r: &[f32], factor: f32) -> Vec<f32> {
+        let n = self.matrix.shape[0];
+        let mut out = vec![0.0; r.len()];
+        out.par_chunks_mut(1024 * n).enumerate().for_each(|(chunk, out)| {
+            let from = chunk * 1024;
+            for (k, out) in out.chunks_exact_mut(n).enumerate() {
+                let i = from + k;
+                let (block, r) = (&self.diagonal[i * n * n..][..n * n], &r[i * n..][..n]);
+                for a in 0..n {
+                    out[a] = factor * (0..n).map(|b| block[a * n + b] * r[b]).sum::<f32>();
+                }
+            }
+        });
+        out
+    }
+}
+
+/// P = (I − 4/3λ D⁻¹A) T, λ the largest eigenvalue of D⁻¹A: rows of degrees of freedom that are left out are zero.
+fn smoothed(
+    matrix: &Blocks<f64>,
+    diagonal: &[f64],
+    tentative: &Blocks<f64>,
+    largest: f64,
+    takes_part: Option<&[bool]>,
+) -> Blocks<f64> {
+    let (mut smoothed, n, m) = (matrix.times(tentative), tentative.shape[0], tentative.shape[1]);
+    let omega = 4.0 / (3.0 * largest);
+    let size = n * m;
+    for i in 0..matrix.len() {
+        let inverse = &diagonal[i * n * n..][..n * n];
+        let own: Option<(usize, &[f64])> = tentative.row(i).next();
+        let range = smoothed.start[i] as usize..smoothed.start[i + 1] as usize;
+        let (columns, values) =
+            (&smoothed.columns[range.clone()], &mut smoothed.values[range.start * size..range.end * size]);
+        for (&j, block) in columns.iter().zip(values.chunks_exact_mut(size)) {
+            let product = block.to_vec();
+            block.fill(0.0);
+            super::blocks::add_product(inverse, &product, block, [n, n, m]);
+            let tentative = own.filter(|(a, _)| *a == j as usize).map(|(_, t)| t);
+            for (k, value) in block.iter_mut().enumerate() {
+                *value = tentative.map_or(0.0, |t| t[k]) - omega * *value;
+                if takes_part.is_some_and(|takes_part| !takes_part[i * n + k / m]) {
+                    *value = 0.0;
+                }
+            }
+        }
+    }
+    smoothed
+}
+
+/// Modes that an aggregate does not have get a unit on the diagonal.
+fn with_unit_blocks(mut matrix: Blocks<f64>) -> Blocks<f64> {
+    let n = matrix.shape[0];
+    for i in 0..matrix.len() {
+        let at = (matrix.start[i] as usize..matrix.start[i + 1] as usize).find(|&k| matrix.columns[k] as usize == i);
+        let Some(at) = at else { continue };
+        let block = &mut matrix.values[at * n * n..][..n * n];
+        let mean = (0..n).map(|c| block[c * n + c]).sum::<f64>() / n as f64;
+        for c in 0..n {
+            if block[c * n + c] <= 0.0 {
+                block[c * n + c] = if mean > 0.0 { mean } else { 1.0 };
+            }
+        }
+    }
+    matrix
+}
+
+/// The inverse blocks on the diagonal.
+fn inverse_diagonal(matrix: &Blocks<f64>) -> Vec<f64> {
+    let n = matrix.shape[0];
+    let mut inverse = vec![0.0; matrix.len() * n * n];
+    inverse.par_chunks_mut(n * n).enumerate().for_each(|(i, out)| {
+        if let Some((_, block)) = matrix.row(i).find(|(j, _)| *j == i) {
+            invert(block, out, n);
+        }
+    });
+    inverse
+}
+
+/// The inverse of a symmetric positive definite block by its Cholesky factor; that of the diagonal where it has none.
+fn invert(block: &[f64], out: &mut [f64], n: usize) {
+    let mut l = block.to_vec();
+    for j in 0..n {
+        for k in 0..j {
+            for i in j..n {
+                l[i * n + j] -= l[i * n + k] * l[j * n + k];
+            }
+        }
+        if l[j * n + j] <= 1e-12 * block[j * n + j] || l[j * n + j].is_nan() {
+            for c in 0..n {
+                out[c * n + c] = if block[c * n + c] > 0.0 { block[c * n + c].recip() } else { 0.0 };
+            }
+            return;
+        }
+        let root = l[j * n + j].sqrt();
+        for i in j..n {
+            l[i * n + j] /= root;
+        }
+    }
+    for c in 0..n {
+        let mut x = vec![0.0; n];
+        x[c] = 1.0;
+        for i in 0..n {
+            let sum: f64 = (0..i).map(|k| l[i * n + k] * x[k]).sum();
+            x[i] = (x[i] - sum) / l[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let sum: f64 = (i + 1..n).map(|k| l[k * n + i] * x[k]).sum();
+            x[i] = (x[i] - sum) / l[i * n + i];
+        }
+        for i in 0..n {
+            out[i * n + c] = x[i];
+        }
+    }
+}
+
+/// The largest eigenvalue of D⁻¹A as the method of conjugate gradients sees it: that of the tridiagonal matrix of its
+/// coefficients (Lanczos), from a fixed start.
+fn largest_eigenvalue(matrix: &Blocks<f64>, diagonal: &[f64]) -> f64 {
+    let n = matrix.shape[0];
+    let scaled = |r: &[f64]| -> Vec<f64> {
+        (0..r.len()).map(|k| (0..n).map(|b| diagonal[k * n + b] * r[k / n * n + b]).sum()).collect()
+    };
+    let mut rest: Vec<f64> =
+        (1..=matrix.len() * n).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
+    let mut direction = scaled(&rest);
+    let mut image = vec![0.0; rest.len()];
+    let (mut merit, mut coefficients) = (dot(&rest, &direction), Vec::new());
+    for _ in 0..LANCZOS.min(rest.len()) {
+        matrix.apply(&direction, &mut image, false);
+        let energy = dot(&direction, &image);
+        if merit <= 0.0 || energy <= 0.0 || energy.is_nan() {
+            break;
+        }
+        let alpha = merit / energy;
+        rest.iter_mut().zip(&image).for_each(|(r, image)| *r -= alpha * image);
+        let next = scaled(&rest);
+        let new = dot(&rest, &next);
+        coefficients.push((alpha, new / merit));
+        direction.iter_mut().zip(&next).for_each(|(d, next)| *d = next + new / merit * *d);
+        merit = new;
+    }
+    let size = coefficients.len();
+    let entry = |i: usize, j: usize| match i.abs_diff(j) {
+        0 => coefficients[i].0.recip() + if i > 0 { coefficients[i - 1].1 / coefficients[i - 1].0 } else { 0.0 },
+        1 => coefficients[i.min(j)].1.max(0.0).sqrt() / coefficients[i.min(j)].0,
+        _ => 0.0,
+    };
+    let eigenvalues = Mat::from_fn(size, size, entry).self_adjoint_eigenvalues(Side::Lower);
+    eigenvalues.ok().and_then(|values| values.last().copied()).filter(|v| *v > 0.0).unwrap_or(1.0)
+}
+
+/// The coarsest matrix, over the scale.
+fn dense(matrix: &Blocks<f64>, scale: f64) -> Mat<f64> {
+    let n = matrix.shape[0];
+    let mut dense = Mat::zeros(matrix.len() * n, matrix.len() * n);
+    for i in 0..matrix.len() {
+        for (j, block) in matrix.row(i) {
+            for a in 0..n {
+                for b in 0..n {
+                    dense[(i * n + a, j * n + b)] = block[a * n + b] / scale;
+                }
+            }
+        }
+    }
+    for i in 0..matrix.len() * n {
+        let shift = SHIFT * dense[(i, i)];
+        dense[(i, i)] += if shift > 0.0 { shift } else { 1.0 };
+    }
+    dense
+}

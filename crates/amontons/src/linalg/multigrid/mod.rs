@@ -1,0 +1,74 @@
+//! Systems of large bodies by a Krylov iteration with algebraic multigrid: no factor, all unknowns are kept, S is K.
+//!
+//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`]). Stiff entries of contact leave
+//! degrees of freedom hardly any motion; these are left out of the hierarchy and solved after it, node by node.
+
+mod aggregate;
+mod blocks;
+mod condensed;
+mod hierarchy;
+mod precondition;
+
+use std::sync::Arc;
+
+use super::condensed::Condensed;
+use super::error::SolveError;
+use super::factor::{Backend, Factor};
+use super::sparse::BlockMatrix;
+use super::unknowns::{Layout, Unknowns};
+use condensed::Iterative;
+
+/// Conjugate gradients or GMRES with smoothed aggregation.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Multigrid;
+
+impl Backend for Multigrid {
+    fn order(&self, _matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
+        let dofs = (0..layout.free.len() as u32).filter(|&dof| layout.free[dof as usize]).collect();
+        Unknowns { dofs, interior: 0, points: layout.points.into() }
+    }
+
+    fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
+        let (components, _) = matrix.block_shape();
+        for (pivot, &dof) in unknowns.dofs.iter().enumerate() {
+            let (node, c) = (dof as usize / components, dof as usize % components);
+            let diagonal = matrix.get(node, c, node, c);
+            if diagonal <= 0.0 || diagonal.is_nan() {
+                return Err(SolveError::NotPositive { pivot, size: unknowns.len() });
+            }
+        }
+        Ok(Box::new(Whole { matrix: Arc::clone(matrix), unknowns: unknowns.clone() }))
+    }
+
+    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
+        let unknowns = self.order(matrix, layout);
+        match self.factorize(matrix, &unknowns) {
+            Ok(factor) => factor.condensed().is_positive_definite(&[]),
+            Err(SolveError::NotPositive { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
+    }
+}
+
+/// A matrix of which nothing is eliminated.
+#[derive(Debug)]
+struct Whole {
+    matrix: Arc<BlockMatrix>,
+    unknowns: Unknowns,
+}
+
+impl Factor for Whole {
+    fn forward(&self, _r: &mut [f64]) -> Result<(), SolveError> {
+        Ok(())
+    }
+    fn backward(&self, _x: &mut [f64]) -> Result<(), SolveError> {
+        Ok(())
+    }
+    fn condensed(&self) -> Box<dyn Condensed> {
+        Box::new(Iterative::new(&self.matrix, &self.unknowns))
+    }
+    fn stored(&self) -> usize {
+        let (components, _) = self.matrix.block_shape();
+        self.matrix.graph().pairs() * components * components
+    }
+}
