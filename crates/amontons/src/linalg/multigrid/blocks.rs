@@ -179,19 +179,6 @@ impl Blocks<f64> {
     }
 }
 
-impl Blocks<f32> {
-    /// The same in double precision.
-    pub fn double(&self) -> Blocks<f64> {
-        Blocks {
-            shape: self.shape,
-            width: self.width,
-            start: self.start.clone(),
-            columns: self.columns.clone(),
-            values: self.values.iter().map(|value| f64::from(*value)).collect(),
-        }
-    }
-}
-
 /// Rows that are put together.
 #[derive(Clone, Debug)]
 pub(super) struct Rows<T> {

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 
-use super::precondition::{Body, Preconditioner, held};
+use super::precondition::{Body, Preconditioner};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
@@ -16,8 +16,6 @@ const PRODUCTS: usize = 60;
 const LOOKS: usize = 10;
 /// Share of b that a solution may leave.
 const LEFT: f64 = 1e-2;
-/// Products after which a new preconditioner is made, over those that it took at first.
-const STALE: usize = 2;
 /// Residual at which a matrix has been found positive definite: all of its extreme eigenvalues have been seen.
 const SEEN: f64 = 1e-10;
 
@@ -30,9 +28,9 @@ pub(super) struct Iterative {
     free: Vec<bool>,
     scale: Vec<f64>,
     turns: Vec<Turn>,
-    /// With the degrees of freedom that are held, and the products that a solution took when it was new.
-    preconditioner: Option<(Preconditioner, usize)>,
-    made: usize,
+    preconditioner: Option<Preconditioner>,
+    /// The entries that the preconditioner has taken up.
+    entries: Vec<Entry>,
 }
 
 impl Iterative {
@@ -50,7 +48,7 @@ impl Iterative {
         };
         let scale = unknowns.dofs.iter().map(mean).collect();
         let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
-        Iterative { matrix, unknowns, free, scale, turns: Vec::new(), preconditioner: None, made: 0 }
+        Iterative { matrix, unknowns, free, scale, turns: Vec::new(), preconditioner: None, entries: Vec::new() }
     }
 
     /// A vector over all degrees of freedom.
@@ -102,21 +100,22 @@ impl Iterative {
         y
     }
 
-    /// Makes a preconditioner if there is none, or if the one at hand is of other entries and `renews` says so.
-    fn prepare(&mut self, entries: &[Entry], renews: bool) {
-        let (entries, turns) = self.by_degree(entries);
-        let body = Body { matrix: &self.matrix, points: &self.unknowns.points, free: &self.free, turns: &turns };
-        let is_of = |p: &Preconditioner| p.held == held(&body, &entries);
-        if self.preconditioner.as_ref().is_some_and(|(p, _)| !renews || is_of(p)) {
+    /// Makes the preconditioner, or has it take up other entries.
+    fn prepare(&mut self, entries: &[Entry]) {
+        let is_same = self.entries.iter().map(bits).eq(entries.iter().map(bits));
+        if is_same && self.preconditioner.is_some() {
             return;
         }
-        self.preconditioner = Some((Preconditioner::new(&body, &entries), 0));
-        self.made += 1;
+        let (by_degree, turns) = self.by_degree(entries);
+        let body = Body { matrix: &self.matrix, points: &self.unknowns.points, free: &self.free };
+        let mut preconditioner = self.preconditioner.take().unwrap_or_else(|| Preconditioner::new(&body));
+        preconditioner.add(&body, &by_degree, &turns);
+        (self.preconditioner, self.entries) = (Some(preconditioner), entries.to_vec());
     }
 
     fn precondition(&self, r: &[f64]) -> Vec<f64> {
         match &self.preconditioner {
-            Some((preconditioner, _)) => self.unknowns.gather(&preconditioner.apply(&self.spread(r))),
+            Some(preconditioner) => self.unknowns.gather(&preconditioner.apply(&self.matrix, &self.spread(r))),
             None => r.to_vec(),
         }
     }
@@ -169,32 +168,21 @@ impl Condensed for Iterative {
         if b.iter().all(|b| *b == 0.0) {
             return Ok(());
         }
-        self.prepare(entries, false);
-        let (mut x, mut left, mut products) = self.iterate(entries, b, enough);
-        let first = self.preconditioner.as_ref().map_or(0, |(_, first)| *first);
-        if first > 0 && (products > STALE * first + 5 || left > enough) {
-            let before = self.made;
-            self.prepare(entries, true);
-            if self.made > before && left > enough {
-                (x, left, products) = self.iterate(entries, b, enough);
-            }
-        }
-        if let Some((_, first)) = self.preconditioner.as_mut().filter(|(_, first)| *first == 0) {
-            *first = products.max(1);
-        }
+        let clock = std::time::Instant::now();
+        self.prepare(entries);
+        if std::env::var("TRACE").is_ok() { eprintln!("prepare {:.3}", clock.elapsed().as_secs_f64()); }
+        let clock = std::time::Instant::now();
+        let (x, left, products) = self.iterate(entries, b, enough);
+        if std::env::var("TRACE").is_ok() { eprintln!("solve n {} enough {enough:.1e} left {left:.1e} products {products} sym {} t {:.3}", b.len(), is_symmetric(entries), clock.elapsed().as_secs_f64()); }
         b.copy_from_slice(&x);
         if left <= LEFT.max(enough) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
     }
 
     fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError> {
-        let mut diagonal = self.unknowns.gather(&self.spread(&self.scale));
-        for &(i, j, value) in entries.iter().filter(|(i, j, _)| i == j) {
-            diagonal[i as usize] += value * f64::from(u8::from(i == j));
-        }
         if self.is_empty() {
             return Ok(true);
         }
-        self.prepare(&[], true);
+        self.prepare(entries);
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let apply = |v: &[f64]| self.sum(entries, v);
@@ -213,17 +201,18 @@ impl Condensed for Iterative {
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
             self.turns = turns.to_vec();
-            self.preconditioner = None;
+            // Other entries are taken up in any case.
+            self.entries = vec![(u32::MAX, u32::MAX, 0.0)];
         }
     }
 
     fn turns(&self) -> &[Turn] {
         &self.turns
     }
+}
 
-    fn factorizations(&self) -> usize {
-        self.made
-    }
+fn bits(entry: &Entry) -> (u32, u32, u64) {
+    (entry.0, entry.1, entry.2.to_bits())
 }
 
 /// Whether the entries are those of a symmetric matrix.

@@ -114,7 +114,7 @@ impl Hierarchy {
 
     /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the coarser
     /// levels it is PᵀJP with the P of K alone.
-    pub fn add(&mut self, contact: Blocks<f64>) {
+    pub fn add(&mut self, contact: &Blocks<f64>) {
         for Changed { level, at, block, inverse } in self.changed.drain(..).rev() {
             let level = &mut self.levels[level];
             level.matrix.values[at * block.len()..][..block.len()].copy_from_slice(&block);
@@ -122,9 +122,9 @@ impl Hierarchy {
                 level.diagonal[row * inverse.len()..][..inverse.len()].copy_from_slice(&inverse);
             }
         }
-        let mut added = contact;
+        let mut added = contact.single(self.scale);
         for l in 0..self.levels.len() {
-            let next = self.levels[l].transfer.as_ref().map(|[p, r]| r.double().times(&added.times(&p.double())));
+            let next = self.levels[l].transfer.as_ref().map(|[p, r]| r.times(&added.times(p)));
             self.patch(l, &added);
             match next {
                 Some(next) => added = next,
@@ -134,8 +134,8 @@ impl Hierarchy {
     }
 
     /// Adds a matrix to that of a level.
-    fn patch(&mut self, l: usize, added: &Blocks<f64>) {
-        let (level, scale) = (&mut self.levels[l], self.scale);
+    fn patch(&mut self, l: usize, added: &Blocks<f32>) {
+        let level = &mut self.levels[l];
         let n = level.matrix.shape[0];
         for i in 0..added.len() {
             for (j, block) in added.row(i) {
@@ -143,7 +143,7 @@ impl Hierarchy {
                 let Some(at) = (from..to).find(|&k| level.matrix.columns[k] as usize == j) else { continue };
                 let values = &mut level.matrix.values[at * n * n..][..n * n];
                 let before = values.to_vec();
-                values.iter_mut().zip(block).for_each(|(value, added)| *value += (added / scale) as f32);
+                values.iter_mut().zip(block).for_each(|(value, added)| *value += added);
                 let inverse = (i == j).then(|| {
                     let whole: Vec<f64> = values.iter().map(|v| f64::from(*v)).collect();
                     let mut inverse = vec![0.0; n * n];
@@ -159,12 +159,12 @@ impl Hierarchy {
     }
 
     /// The factor of the coarsest matrix with what is added.
-    fn solve_with(&mut self, added: &Blocks<f64>) {
+    fn solve_with(&mut self, added: &Blocks<f32>) {
         let (mut matrix, n) = (self.dense.clone(), added.shape[0]);
         for i in 0..added.len() {
             for (j, block) in added.row(i) {
                 for (k, value) in block.iter().enumerate() {
-                    matrix[(i * n + k / n, j * n + k % n)] += value / self.scale;
+                    matrix[(i * n + k / n, j * n + k % n)] += f64::from(*value);
                 }
             }
         }
