@@ -129,6 +129,7 @@ fn drive(
     sinks: &mut [&mut dyn Sink],
 ) -> Result<Summary, RunError> {
     let begin = Instant::now();
+    let problem = &problem.interruptible(settings.interrupt.as_ref());
     let pool = pool(settings.threads)?;
     // Before the factors of the run, so that they are not in memory at once.
     let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));
@@ -168,6 +169,7 @@ fn drive(
         clock.seconds.steps += step.elapsed().as_secs_f64();
         match made {
             Ok((next, how)) => (state, report) = (next, Some(how)),
+            Err(error) if error.is_interruption() => break None,
             Err(error) => break Some(error),
         }
         let work = clock.work(before, &scheme);
@@ -188,7 +190,9 @@ fn drive(
     };
     let last = Snapshot { work: clock.work(before, &scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
-    let summary = sound(Summary::new(&last, unknowns, findings, outcome, error));
+    let mut summary = Summary::new(&last, unknowns, findings, outcome, error);
+    scheme.backend().clone_into(&mut summary.solver.backend);
+    let summary = sound(summary);
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     ended(failed, summary)
 }

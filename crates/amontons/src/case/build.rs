@@ -106,9 +106,9 @@ fn dilatation(raw: raw::Dilatation) -> Dilatation {
 
 fn backend(raw: raw::Backend) -> Arc<dyn Backend> {
     match raw {
-        raw::Backend::Auto => Arc::new(Automatic),
+        raw::Backend::Auto => Arc::new(Automatic::default()),
         raw::Backend::Direct => Arc::new(Supernodal),
-        raw::Backend::Iterative => Arc::new(Multigrid),
+        raw::Backend::Iterative => Arc::new(Multigrid::default()),
     }
 }
 

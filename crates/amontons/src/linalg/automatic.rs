@@ -1,6 +1,7 @@
 //! Which backend solves a system: that which takes less memory and work.
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::error::SolveError;
 use super::factor::{Backend, Factor};
@@ -13,8 +14,10 @@ use super::unknowns::{Layout, Unknowns};
 const LARGE: usize = 20_000;
 
 /// A factor in the plane and for small bodies in space, else an iteration.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Automatic;
+#[derive(Debug, Clone, Default)]
+pub struct Automatic {
+    multigrid: Multigrid,
+}
 
 impl Automatic {
     fn is_large(layout: &Layout) -> bool {
@@ -25,7 +28,11 @@ impl Automatic {
 
 impl Backend for Automatic {
     fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
-        if Automatic::is_large(layout) { Multigrid.order(matrix, layout) } else { Supernodal.order(matrix, layout) }
+        if Automatic::is_large(layout) {
+            self.multigrid.order(matrix, layout)
+        } else {
+            Supernodal.order(matrix, layout)
+        }
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
@@ -33,13 +40,17 @@ impl Backend for Automatic {
         if unknowns.points.is_empty() {
             Supernodal.factorize(matrix, unknowns)
         } else {
-            Multigrid.factorize(matrix, unknowns)
+            self.multigrid.factorize(matrix, unknowns)
         }
+    }
+
+    fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
+        Some(Arc::new(Automatic { multigrid: self.multigrid.stopped_by(flag) }))
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         if Automatic::is_large(layout) {
-            Multigrid.is_positive_definite(matrix, layout)
+            self.multigrid.is_positive_definite(matrix, layout)
         } else {
             Supernodal.is_positive_definite(matrix, layout)
         }

@@ -71,6 +71,11 @@ pub trait Condensed: Debug + Send + Sync {
         0
     }
 
+    /// Krylov iterations so far.
+    fn iterations(&self) -> usize {
+        0
+    }
+
     /// Number of unknowns that are kept.
     fn len(&self) -> usize {
         self.scale().len()

@@ -26,6 +26,9 @@ pub enum SolveError {
         /// Unknowns of the system.
         size: usize,
     },
+    /// It was asked to stop.
+    #[error("interrupted")]
+    Interrupted,
     /// An iteration did not end.
     #[error(
         "the linear system of {size} unknowns is not solved after {iterations} iterations: relative residual {residual:.3e}"

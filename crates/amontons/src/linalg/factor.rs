@@ -6,6 +6,7 @@
 
 use std::fmt::Debug;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use super::condensed::Condensed;
 use super::error::SolveError;
@@ -24,6 +25,12 @@ pub trait Backend: Debug + Send + Sync {
     /// # Errors
     /// When the matrix is not positive definite or does not fit into memory.
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError>;
+
+    /// The same backend, ending its work with [`SolveError::Interrupted`] when the flag becomes true; none if it does not
+    /// look at one.
+    fn interruptible(&self, _flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
+        None
+    }
 
     /// Whether a matrix is positive definite on the unknowns of the layout.
     ///
@@ -57,6 +64,10 @@ pub trait Factor: Debug + Send + Sync {
     fn condensed(&self) -> Box<dyn Condensed>;
     /// Numbers that the factor stores; a sweep reads them once.
     fn stored(&self) -> usize;
+    /// How systems are solved: `direct` or `iterative`.
+    fn name(&self) -> &'static str {
+        "direct"
+    }
 }
 
 /// Upper triangle in elimination order by compressed columns.

@@ -108,25 +108,27 @@ pub struct Gradients {
 /// Solves A x = b, A symmetric positive definite, by conjugate gradients with a preconditioner that may vary a little
 /// from product to product, as one in lower precision does (Notay, SIAM J. Sci. Comput. 22 (2000) 1444). Ends when the
 /// residual is `tolerance` times that of x = 0, after `limit` products, or at an energy that is not positive.
-#[must_use]
-pub fn conjugate_gradients(
-    mut apply: impl FnMut(&[f64]) -> Vec<f64>,
+///
+/// # Errors
+/// When a product cannot be computed.
+pub fn conjugate_gradients<E>(
+    mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     mut precondition: impl FnMut(&[f64]) -> Vec<f64>,
     b: &[f64],
     tolerance: f64,
     limit: usize,
-) -> Gradients {
+) -> Result<Gradients, E> {
     let whole = dot(b, b).sqrt();
     let mut made = Gradients { x: vec![0.0; b.len()], iterations: 0, residual: 1.0, definite: Definite::Seen };
     if whole == 0.0 || !whole.is_finite() {
         made.residual = if whole == 0.0 { 0.0 } else { whole };
-        return made;
+        return Ok(made);
     }
     let mut rest = b.to_vec();
     let mut direction = precondition(&rest);
     let mut merit = dot(&rest, &direction);
     while made.iterations < limit {
-        let image = apply(&direction);
+        let image = apply(&direction)?;
         let energy = dot(&direction, &image);
         if energy.is_nan() || merit.is_nan() || energy <= 0.0 || merit <= 0.0 {
             made.definite = Definite::No;
@@ -147,7 +149,7 @@ pub fn conjugate_gradients(
         direction.par_iter_mut().zip(&next).for_each(|(d, next)| *d = next + beta * *d);
         merit = new;
     }
-    made
+    Ok(made)
 }
 
 #[cfg(test)]

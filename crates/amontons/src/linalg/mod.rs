@@ -37,5 +37,5 @@ pub use unknowns::{Layout, Unknowns};
 /// Every backend, for tests that loop over them.
 #[must_use]
 pub fn backends() -> Vec<Arc<dyn Backend>> {
-    vec![Arc::new(Supernodal), Arc::new(Dense), Arc::new(Multigrid)]
+    vec![Arc::new(Supernodal), Arc::new(Dense), Arc::new(Multigrid::default())]
 }

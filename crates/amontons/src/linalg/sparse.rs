@@ -315,15 +315,21 @@ impl BlockMatrix {
     pub fn magnitude(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let at = |node: usize, c: usize| x.get(node * self.cols * components + c).map_or(0.0, |x| x.abs());
-        let mut sizes = Vec::with_capacity(self.graph.len() * self.rows * components);
-        for i in 0..self.graph.len() {
-            for (r, part) in (0..self.rows).flat_map(|r| (0..components).map(move |part| (r, part))) {
-                let term = |(j, block): (usize, &[f64])| {
-                    (0..self.cols).map(|c| block[r * self.cols + c].abs() * at(j, c * components + part)).sum::<f64>()
-                };
-                sizes.push(self.row(i).map(term).sum());
+        let width = self.rows * components;
+        let mut sizes = vec![0.0; self.graph.len() * width];
+        sizes.par_chunks_mut((CHUNK * width).max(1)).enumerate().for_each(|(chunk, sizes)| {
+            for (k, sizes) in sizes.chunks_exact_mut(width.max(1)).enumerate() {
+                for (at_row, size) in sizes.iter_mut().enumerate() {
+                    let (r, part) = (at_row / components, at_row % components);
+                    let term = |(j, block): (usize, &[f64])| {
+                        let terms =
+                            (0..self.cols).map(|c| block[r * self.cols + c].abs() * at(j, c * components + part));
+                        terms.sum::<f64>()
+                    };
+                    *size = self.row(chunk * CHUNK + k).map(term).sum();
+                }
             }
-        }
+        });
         sizes
     }
 

@@ -17,6 +17,8 @@ pub struct System {
     condensed: Box<dyn Condensed>,
     /// Factorizations of K, and of S + J before the last of these.
     factorizations: (usize, usize),
+    /// Krylov iterations before the last factorization of K.
+    iterations: usize,
 }
 
 impl System {
@@ -28,7 +30,7 @@ impl System {
         let unknowns = backend.order(matrix, layout);
         let factor = backend.factorize(matrix, &unknowns)?;
         let condensed = factor.condensed();
-        Ok(System { backend: Arc::clone(backend), unknowns, factor, condensed, factorizations: (1, 0) })
+        Ok(System { backend: Arc::clone(backend), unknowns, factor, condensed, factorizations: (1, 0), iterations: 0 })
     }
 
     /// Factorizes another matrix with the same unknowns.
@@ -38,6 +40,7 @@ impl System {
     pub fn replace(&mut self, matrix: &Arc<BlockMatrix>) -> Result<(), SolveError> {
         self.factor = self.backend.factorize(matrix, &self.unknowns)?;
         self.factorizations = (self.factorizations.0 + 1, self.factorizations.1 + self.condensed.factorizations());
+        self.iterations += self.condensed.iterations();
         self.condensed = self.factor.condensed();
         Ok(())
     }
@@ -64,6 +67,18 @@ impl System {
     #[must_use]
     pub fn factorizations(&self) -> (usize, usize) {
         (self.factorizations.0, self.factorizations.1 + self.condensed.factorizations())
+    }
+
+    /// Krylov iterations so far.
+    #[must_use]
+    pub fn iterations(&self) -> usize {
+        self.iterations + self.condensed.iterations()
+    }
+
+    /// How systems are solved: `direct` or `iterative`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        self.factor.name()
     }
 
     /// Numbers that the factor stores; a sweep reads them once.

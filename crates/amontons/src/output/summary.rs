@@ -231,6 +231,12 @@ pub struct Solver {
     pub contact_factorizations: usize,
     /// Sweeps over a factor, forward or backward.
     pub sweeps: usize,
+    /// How linear systems were solved: `direct` or `iterative`.
+    #[serde(default)]
+    pub backend: String,
+    /// Krylov iterations; 0 where systems are solved by a factor.
+    #[serde(default)]
+    pub krylov_iterations: usize,
     /// Largest relative residual of a step.
     pub residual_max: f64,
     /// Passes over both half-steps: one per step where they are staggered.
@@ -334,6 +340,8 @@ impl Summary {
                 factorizations: work.factorizations,
                 contact_factorizations: work.contact_factorizations,
                 sweeps: counts.sweeps,
+                backend: String::new(),
+                krylov_iterations: counts.krylov_iterations,
                 residual_max: counts.residual_max,
                 passes_total: counts.passes_total,
                 contraction_max: counts.contraction_max,

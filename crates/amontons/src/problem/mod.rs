@@ -12,6 +12,7 @@ mod range;
 use std::fmt;
 use std::ops::Deref;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub(crate) use data::Datum;
@@ -179,6 +180,13 @@ impl Problem {
         let mut data = self.0.clone();
         change(&mut data);
         data.check()
+    }
+
+    /// The same problem with linear systems that end their work when the flag becomes true, as far as they can.
+    #[must_use]
+    pub(crate) fn interruptible(&self, flag: Option<&Arc<AtomicBool>>) -> Problem {
+        let backend = flag.and_then(|flag| self.backend.interruptible(flag));
+        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
     }
 
     /// The same problem with each material replaced by another, which has laws on the same strains and the same

@@ -125,6 +125,13 @@ impl BackwardEuler {
         [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
     }
 
+    /// How systems are solved: `iterative` if one of them is, else `direct`.
+    #[must_use]
+    pub fn backend(&self) -> &'static str {
+        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
+        if is_iterative { "iterative" } else { "direct" }
+    }
+
     /// Numbers that both factors store.
     #[must_use]
     pub fn stored(&self) -> usize {
@@ -214,13 +221,15 @@ impl BackwardEuler {
         let Systems { k, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let now = Step { problem, discrete, old, products: &products, n, t, k: *k, rule: Rule::backward_euler(*k) };
-        let made = match (mechanics, heat) {
+        let before = krylov_iterations(mechanics, heat);
+        let made = match (&mut *mechanics, &mut *heat) {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
             (Some(mechanics), None) => alone::mechanics(&now, mechanics),
             (None, Some(heat)) => alone::heat(&now, heat),
             // `Physics` has no such value.
             (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
         };
+        let krylov = krylov_iterations(mechanics, heat) - before;
         let Made { mechanics, heat, report, iterations, sweeps } = made?;
         let ledger = audit(&now, &mechanics, &heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
@@ -232,6 +241,7 @@ impl BackwardEuler {
             newton_mechanics_max: old.counts.newton_mechanics_max.max(iterations[0]),
             newton_heat_total: old.counts.newton_heat_total + iterations[1],
             sweeps: old.counts.sweeps + sweeps,
+            krylov_iterations: old.counts.krylov_iterations + krylov,
             residual_max: old.counts.residual_max.max(residual),
             passes_total: old.counts.passes_total + report.passes,
             contraction_max: old.counts.contraction_max.max(report.contraction.unwrap_or_default()),
@@ -280,6 +290,11 @@ impl BackwardEuler {
             report,
         ))
     }
+}
+
+/// Krylov iterations of both half-steps so far.
+fn krylov_iterations(mechanics: &Option<HalfStep>, heat: &Option<HalfStep>) -> usize {
+    mechanics.iter().chain(heat).map(|half| half.system.iterations()).sum()
 }
 
 /// The range that takes in some values, too.

@@ -61,6 +61,8 @@ pub struct Counts {
     pub newton_heat_total: usize,
     /// Sweeps over a factor, forward or backward.
     pub sweeps: usize,
+    /// Krylov iterations; 0 where systems are solved by a factor.
+    pub krylov_iterations: usize,
     /// Largest residual of an accepted step, relative to its largest term.
     pub residual_max: f64,
     /// Passes over both half-steps: one per step where they are staggered.
@@ -259,6 +261,18 @@ pub enum StepError {
         /// `mechanics`, `heat`, `the data`, or `the foundation`: its gap, velocity, or nearest point.
         part: &'static str,
     },
+}
+
+impl StepError {
+    /// Whether the step was not made because it was asked to stop.
+    #[must_use]
+    pub fn is_interruption(&self) -> bool {
+        matches!(
+            self,
+            StepError::Linear { source: SolveError::Interrupted, .. }
+                | StepError::Singular { source: SolveError::Interrupted, .. }
+        )
+    }
 }
 
 /// Why a scheme could not be set up.

@@ -1,8 +1,8 @@
 //! The operator S = K of a body that is not eliminated, and systems with it by a Krylov iteration.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 
+use super::Stop;
 use super::precondition::{Body, Preconditioner};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::error::SolveError;
@@ -31,10 +31,12 @@ pub(super) struct Iterative {
     preconditioner: Option<Preconditioner>,
     /// The entries that the preconditioner has taken up.
     entries: Vec<Entry>,
+    iterations: usize,
+    stop: Stop,
 }
 
 impl Iterative {
-    pub fn new(matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Iterative {
+    pub fn new(matrix: &Arc<BlockMatrix>, unknowns: &Unknowns, stop: Stop) -> Iterative {
         let (n, _) = matrix.block_shape();
         let mut free = vec![false; matrix.graph().len() * n];
         for &dof in &unknowns.dofs {
@@ -48,7 +50,17 @@ impl Iterative {
         };
         let scale = unknowns.dofs.iter().map(mean).collect();
         let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
-        Iterative { matrix, unknowns, free, scale, turns: Vec::new(), preconditioner: None, entries: Vec::new() }
+        Iterative {
+            matrix,
+            unknowns,
+            free,
+            scale,
+            turns: Vec::new(),
+            preconditioner: None,
+            entries: Vec::new(),
+            iterations: 0,
+            stop,
+        }
     }
 
     /// A vector over all degrees of freedom.
@@ -101,16 +113,20 @@ impl Iterative {
     }
 
     /// Makes the preconditioner, or has it take up other entries.
-    fn prepare(&mut self, entries: &[Entry]) {
+    fn prepare(&mut self, entries: &[Entry]) -> Result<(), SolveError> {
         let is_same = self.entries.iter().map(bits).eq(entries.iter().map(bits));
         if is_same && self.preconditioner.is_some() {
-            return;
+            return Ok(());
         }
         let (by_degree, turns) = self.by_degree(entries);
         let body = Body { matrix: &self.matrix, points: &self.unknowns.points, free: &self.free };
-        let mut preconditioner = self.preconditioner.take().unwrap_or_else(|| Preconditioner::new(&body));
+        let mut preconditioner = match self.preconditioner.take() {
+            Some(preconditioner) => preconditioner,
+            None => Preconditioner::new(&body, &self.stop)?,
+        };
         preconditioner.add(&body, &by_degree, &turns);
         (self.preconditioner, self.entries) = (Some(preconditioner), entries.to_vec());
+        Ok(())
     }
 
     fn precondition(&self, r: &[f64]) -> Vec<f64> {
@@ -120,24 +136,22 @@ impl Iterative {
         }
     }
 
-    /// Products until the residual is `wanted` of b, from x = 0; the solution, and what it leaves.
-    fn iterate(&mut self, entries: &[Entry], b: &[f64], wanted: f64) -> (Vec<f64>, f64, usize) {
+    /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves.
+    fn iterate(&mut self, entries: &[Entry], b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
         let is_symmetric = is_symmetric(entries);
-        let (mut x, mut rest, mut products) = (vec![0.0; b.len()], b.to_vec(), 0);
+        let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
         let whole = norm(b);
-        let mut left = 1.0;
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
-            let apply = |v: &[f64]| self.sum(entries, v);
+            let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(entries, v));
             let (change, made) = if is_symmetric {
-                let solved = conjugate_gradients(apply, |r| self.precondition(r), &rest, goal, PRODUCTS);
+                let solved = conjugate_gradients(product, |r| self.precondition(r), &rest, goal, PRODUCTS)?;
                 (solved.x, solved.iterations)
             } else {
-                let product = |y: &[f64]| Ok::<_, Infallible>(self.sum(entries, &self.precondition(y)));
-                let Ok(solved) = gmres(product, &rest, goal, PRODUCTS);
+                let solved = gmres(|y: &[f64]| product(&self.precondition(y)), &rest, goal, PRODUCTS)?;
                 (self.precondition(&solved.x), solved.iterations)
             };
-            products += made;
+            self.iterations += made;
             x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
             rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
             let now = norm(&rest) / whole;
@@ -147,7 +161,7 @@ impl Iterative {
                 break;
             }
         }
-        (x, left, products)
+        Ok((x, left))
     }
 }
 
@@ -168,12 +182,8 @@ impl Condensed for Iterative {
         if b.iter().all(|b| *b == 0.0) {
             return Ok(());
         }
-        let clock = std::time::Instant::now();
-        self.prepare(entries);
-        if std::env::var("TRACE").is_ok() { eprintln!("prepare {:.3}", clock.elapsed().as_secs_f64()); }
-        let clock = std::time::Instant::now();
-        let (x, left, products) = self.iterate(entries, b, enough);
-        if std::env::var("TRACE").is_ok() { eprintln!("solve n {} enough {enough:.1e} left {left:.1e} products {products} sym {} t {:.3}", b.len(), is_symmetric(entries), clock.elapsed().as_secs_f64()); }
+        self.prepare(entries)?;
+        let (x, left) = self.iterate(entries, b, enough)?;
         b.copy_from_slice(&x);
         if left <= LEFT.max(enough) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
     }
@@ -182,11 +192,12 @@ impl Condensed for Iterative {
         if self.is_empty() {
             return Ok(true);
         }
-        self.prepare(entries);
+        self.prepare(entries)?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
-        let apply = |v: &[f64]| self.sum(entries, v);
-        let solved = conjugate_gradients(apply, |r| self.precondition(r), &b, SEEN, PRODUCTS * LOOKS);
+        let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(entries, v));
+        let solved = conjugate_gradients(product, |r| self.precondition(r), &b, SEEN, PRODUCTS * LOOKS)?;
+        self.iterations += solved.iterations;
         match solved.definite {
             Definite::No => Ok(false),
             Definite::Seen if solved.residual <= SEEN => Ok(true),
@@ -208,6 +219,10 @@ impl Condensed for Iterative {
 
     fn turns(&self) -> &[Turn] {
         &self.turns
+    }
+
+    fn iterations(&self) -> usize {
+        self.iterations
     }
 }
 

@@ -4,8 +4,10 @@
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
+use super::Stop;
 use super::aggregate::{aggregates, strong, tentative};
 use super::blocks::Blocks;
+use crate::linalg::error::SolveError;
 use crate::linalg::lu::Lu;
 use crate::linalg::sparse::dot;
 
@@ -68,11 +70,12 @@ pub(super) struct Plan<'a> {
     pub count: usize,
     /// Degrees of freedom that take part.
     pub takes_part: &'a [bool],
+    pub stop: &'a Stop,
 }
 
 impl Hierarchy {
     /// Builds the levels.
-    pub fn new(plan: &Plan) -> Hierarchy {
+    pub fn new(plan: &Plan) -> Result<Hierarchy, SolveError> {
         let size = plan.matrix.shape[0];
         let diagonal = |i: usize| plan.matrix.row(i).find(|(j, _)| *j == i).map_or(0.0, |(_, block)| block[0].abs());
         let scale = (0..plan.matrix.len()).map(diagonal).fold(0.0, f64::max).max(f64::MIN_POSITIVE);
@@ -82,6 +85,7 @@ impl Hierarchy {
         let (mut matrix, mut modes) = (std::borrow::Cow::Borrowed(plan.matrix), plan.modes.to_vec());
         let mut levels = Vec::new();
         loop {
+            plan.stop.go_on()?;
             let level_size = matrix.shape[0];
             let diagonal = inverse_diagonal(&matrix);
             let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
@@ -109,7 +113,7 @@ impl Hierarchy {
             takes_part = vec![true; count];
         }
         let dense = dense(&matrix, scale);
-        Hierarchy { coarsest: Lu::new(dense.clone()), dense, levels, changed: Vec::new(), scale }
+        Ok(Hierarchy { coarsest: Lu::new(dense.clone()), dense, levels, changed: Vec::new(), scale })
     }
 
     /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the coarser
@@ -169,20 +173,6 @@ impl Hierarchy {
             }
         }
         self.coarsest = Lu::new(matrix);
-    }
-
-    /// Numbers that are stored, in double precision.
-    pub fn stored(&self) -> usize {
-        let of = |level: &Level| {
-            let transfer = level.transfer.iter().flatten().map(|t| t.values.len()).sum::<usize>();
-            (level.matrix.values.len() + level.diagonal.len() + transfer) / 2
-        };
-        self.levels.iter().map(of).sum::<usize>() + self.coarsest.size() * self.coarsest.size()
-    }
-
-    /// Unknowns of the levels.
-    pub fn sizes(&self) -> Vec<usize> {
-        self.levels.iter().map(|level| level.matrix.len() * level.matrix.shape[0]).collect()
     }
 
     /// One V-cycle for A x = b from x = 0: a symmetric operator.

@@ -10,6 +10,7 @@ mod hierarchy;
 mod precondition;
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::condensed::Condensed;
 use super::error::SolveError;
@@ -19,8 +20,29 @@ use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
 
 /// Conjugate gradients or GMRES with smoothed aggregation.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Multigrid;
+#[derive(Debug, Clone, Default)]
+pub struct Multigrid {
+    stop: Stop,
+}
+
+/// Whether the work is to end.
+#[derive(Debug, Clone, Default)]
+struct Stop(Option<Arc<AtomicBool>>);
+
+impl Stop {
+    /// An error if the work is to end.
+    fn go_on(&self) -> Result<(), SolveError> {
+        let is_set = self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
+        if is_set { Err(SolveError::Interrupted) } else { Ok(()) }
+    }
+}
+
+impl Multigrid {
+    /// The same, ending its work when the flag becomes true.
+    pub(super) fn stopped_by(&self, flag: &Arc<AtomicBool>) -> Multigrid {
+        Multigrid { stop: Stop(Some(Arc::clone(flag))) }
+    }
+}
 
 impl Backend for Multigrid {
     fn order(&self, _matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
@@ -37,7 +59,11 @@ impl Backend for Multigrid {
                 return Err(SolveError::NotPositive { pivot, size: unknowns.len() });
             }
         }
-        Ok(Box::new(Whole { matrix: Arc::clone(matrix), unknowns: unknowns.clone() }))
+        Ok(Box::new(Whole { matrix: Arc::clone(matrix), unknowns: unknowns.clone(), stop: self.stop.clone() }))
+    }
+
+    fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
+        Some(Arc::new(self.stopped_by(flag)))
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
@@ -55,6 +81,7 @@ impl Backend for Multigrid {
 struct Whole {
     matrix: Arc<BlockMatrix>,
     unknowns: Unknowns,
+    stop: Stop,
 }
 
 impl Factor for Whole {
@@ -65,7 +92,10 @@ impl Factor for Whole {
         Ok(())
     }
     fn condensed(&self) -> Box<dyn Condensed> {
-        Box::new(Iterative::new(&self.matrix, &self.unknowns))
+        Box::new(Iterative::new(&self.matrix, &self.unknowns, self.stop.clone()))
+    }
+    fn name(&self) -> &'static str {
+        "iterative"
     }
     fn stored(&self) -> usize {
         let (components, _) = self.matrix.block_shape();

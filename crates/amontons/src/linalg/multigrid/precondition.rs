@@ -3,9 +3,11 @@
 //!
 //! The cycle is that of the axes of space, so that it need not be made anew when normals turn.
 
+use super::Stop;
 use super::blocks::{Blocks, Rows};
 use super::hierarchy::{Hierarchy, Plan};
 use crate::linalg::condensed::Entry;
+use crate::linalg::error::SolveError;
 use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::turn::Turn;
 use crate::tensor::Point;
@@ -42,12 +44,12 @@ struct Held {
 
 impl Preconditioner {
     /// For K alone.
-    pub fn new(body: &Body) -> Preconditioner {
+    pub fn new(body: &Body, stop: &Stop) -> Result<Preconditioner, SolveError> {
         let (components, _) = body.matrix.block_shape();
         let (modes, count) = modes(body, components);
         let matrix = restricted(body);
-        let hierarchy = Hierarchy::new(&Plan { matrix: &matrix, modes: &modes, count, takes_part: body.free });
-        Preconditioner { hierarchy, turns: Vec::new(), held: Vec::new(), onto: Vec::new() }
+        let hierarchy = Hierarchy::new(&Plan { matrix: &matrix, modes: &modes, count, takes_part: body.free, stop })?;
+        Ok(Preconditioner { hierarchy, turns: Vec::new(), held: Vec::new(), onto: Vec::new() })
     }
 
     /// Takes up the entries of contact, which are by degree of freedom in the bases of `turns`.
@@ -101,11 +103,6 @@ impl Preconditioner {
     fn basis(&self, node: usize, n: usize) -> [Point; 3] {
         let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         self.turns.iter().find(|turn| turn.unknowns[0] as usize / n == node).map_or(axes, |turn| turn.basis)
-    }
-
-    /// Numbers that are stored.
-    pub fn stored(&self) -> usize {
-        self.hierarchy.stored()
     }
 
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.

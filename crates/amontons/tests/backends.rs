@@ -1,0 +1,170 @@
+//! Every backend has the same results: the benchmarks in space and ten in the plane by a factor and by an iteration.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::sync::Arc;
+
+use amontons::case::{self, Source};
+use amontons::discretization::Discretization;
+use amontons::inclusion::Rule;
+use amontons::linalg::{Backend, EXACT, Entry, Layout, Multigrid, Supernodal, System};
+use amontons::material::{Isotropic, Material, StressState};
+use amontons::mesh::Block;
+use amontons::problem::Problem;
+use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::verify::{BENCHMARKS, benchmark};
+
+/// In the plane, by what they are made of: friction, obstacles, quadratic cells, heat, revolution, the mean dilatation,
+/// impact.
+const IN_THE_PLANE: [&str; 10] = [
+    "hertz-cylinder-obstacle",
+    "greco-plate",
+    "cantilever-p2",
+    "friction-heated-half-space",
+    "hertz-sphere-indentation",
+    "incline-slip",
+    "cantilever-incompressible",
+    "capstan",
+    "lame-cylinder-quarter",
+    "manufactured-c",
+];
+
+/// Steps of a benchmark that are made.
+const STEPS: usize = 6;
+
+/// The state after some steps, or none where a step fails.
+fn state(problem: &Problem, backend: Arc<dyn Backend>) -> State {
+    let problem = problem.with(|data| data.backend = backend).expect("valid data");
+    let mut scheme = BackwardEuler::new(&problem).expect("a regular system");
+    let mut state = scheme.initial().expect("finite initial data");
+    for _ in 0..STEPS.min(problem.steps) {
+        state = scheme.step(&state).unwrap_or_else(|error| panic!("{}: {error}", problem.name)).0;
+    }
+    state
+}
+
+#[test]
+fn an_iteration_has_the_results_of_a_factor() {
+    let (mut in_space, mut in_the_plane) = (0, 0);
+    for (file, text) in BENCHMARKS {
+        let problem =
+            case::parse(&benchmark(file, text), &[]).unwrap_or_else(|faults| panic!("{file}: {faults}")).problem;
+        let named = IN_THE_PLANE.contains(file);
+        if problem.mesh.dim < 3 && !named {
+            continue;
+        }
+        *(if problem.mesh.dim == 3 { &mut in_space } else { &mut in_the_plane }) += 1;
+        let direct = state(&problem, Arc::new(Supernodal));
+        let iterative = state(&problem, Arc::new(Multigrid::default()));
+        for (name, a, b) in
+            [("u", &direct.u, &iterative.u), ("w", &direct.w, &iterative.w), ("θ", &direct.theta, &iterative.theta)]
+        {
+            let scale = a.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let difference = a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+            println!("{} {name}: {:.1e}", problem.name, difference / scale.max(f64::MIN_POSITIVE));
+            assert!(difference <= 1e-8 * scale, "{}: {name} differs by {:.2e}", file, difference / scale);
+        }
+    }
+    println!("{in_space} in space, {in_the_plane} in the plane");
+    assert!(in_space >= 5 && in_the_plane >= 5);
+}
+
+/// Bodies that are hard for an iteration, as words of a case: quadratic and hexahedral cells, thin cells, materials 10⁴
+/// apart, a nearly incompressible one, a body that nothing but contact holds, springs as its only support.
+const BODIES: [(&str, &[&str]); 8] = [
+    ("P1", &[]),
+    ("Q1", &["mesh.elements=\"Q1\""]),
+    ("P2", &["mesh.elements=\"P2\"", "mesh.n=[5, 5, 5]"]),
+    ("Q2", &["mesh.elements=\"Q2\"", "mesh.n=[5, 5, 5]"]),
+    ("thin", &["mesh.size=[1, 1, 0.02]"]),
+    ("incompressible", &["mesh.elements=\"Q1\"", "material.dilatation=\"mean\"", "material.elasticity.poisson=0.499"]),
+    ("loose", &["boundary=[]"]),
+    ("two materials", &[]),
+];
+
+const BODY: &str = r#"
+name = "body"
+[mesh]
+kind = "box"
+size = [1.0, 1.0, 1.0]
+n = [10, 10, 10]
+[time]
+end = 1.0
+steps = 16
+[material]
+density = 0.0
+elasticity = { law = "isotropic", young = 1.0, poisson = 0.3 }
+[[boundary]]
+on = "top"
+displacement = [0, 0, 0]
+[contact]
+on = "bottom"
+normal = { law = "signorini" }
+"#;
+
+/// Contact points that stick, press and slide in turn, with friction's nonsymmetric entries, as stiff as those of a step.
+fn contact(system: &System, nodes: &[u32], size: usize) -> Vec<Entry> {
+    let position = system.unknowns().positions(size);
+    let stiff = |unknown: u32| 2f64.powi(27) * system.condensed().scale()[unknown as usize];
+    let mut entries = Vec::new();
+    for (i, &node) in nodes.iter().enumerate() {
+        let [x, y, z] = [0, 1, 2].map(|c| position[3 * node as usize + c]);
+        let (Some(x), Some(y), Some(z)) = (x, y, z) else { continue };
+        match i % 3 {
+            0 => entries.extend([x, y, z].map(|unknown| (unknown, unknown, stiff(unknown)))),
+            1 => {
+                entries.extend([(z, z, stiff(z)), (x, z, 0.5 * stiff(z)), (y, y, 0.01 * system.condensed().scale()[0])])
+            }
+            _ => {}
+        }
+    }
+    entries
+}
+
+/// The body with its lower half 10⁴ times stiffer.
+fn halved(problem: &Problem) -> Problem {
+    let with_two = problem.with(|data| {
+        let mut mesh = (*data.mesh).clone();
+        let whole = mesh.blocks.remove(0);
+        let n = whole.element.nodes.len();
+        mesh.regions = ["lower", "upper"].map(str::to_owned).to_vec();
+        for (region, is_lower) in [(0, true), (1, false)] {
+            let height = |cell: &[u32]| cell.iter().map(|&i| mesh.points[i as usize][2]).sum::<f64>() / n as f64;
+            let cells = whole.nodes.chunks_exact(n).filter(|cell| (height(cell) < 0.5) == is_lower);
+            let nodes: Vec<u32> = cells.flatten().copied().collect();
+            mesh.blocks.push(Block { region, nodes, ..whole.clone() });
+        }
+        data.mesh = Arc::new(mesh);
+        let stiff = Material::new(3, Isotropic::elastic(3, 1e4, 0.3, StressState::PlaneStrain));
+        data.materials.insert(0, stiff);
+    });
+    with_two.expect("valid data")
+}
+
+/// A preconditioned iteration takes a few dozen products whatever the body, and leaves what double precision leaves.
+#[test]
+fn hard_bodies_take_few_iterations() {
+    for (name, overrides) in BODIES {
+        let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+        let case = case::parse(&Source::new("body.toml", BODY), &overrides).unwrap_or_else(|f| panic!("{name}: {f}"));
+        let problem = case.problem;
+        let problem = if name == "two materials" { halved(&problem) } else { problem };
+        let discrete = Discretization::new(&problem);
+        let matrix = Arc::new(discrete.mechanical_matrix(Rule::backward_euler(problem.k())));
+        let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
+        let backend: Arc<dyn Backend> = Arc::new(Multigrid::default());
+        let mut system = System::new(&backend, &matrix, &layout).expect("a system");
+        let entries = contact(&system, &discrete.boundary.nodes, discrete.v.free.len());
+        let b: Vec<f64> = (0..system.condensed().len()).map(|i| (i as f64 * 0.7).sin()).collect();
+        let mut x = b.clone();
+        system.condensed_mut().solve(&entries, &mut x, EXACT).expect("a solution");
+        let mut sum = system.condensed().apply(&x).expect("a product");
+        for &(i, j, value) in &entries {
+            sum[i as usize] += value * x[j as usize];
+        }
+        let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
+        let left = norm(&mut sum.iter().zip(&b).map(|(s, b)| s - b)) / norm(&mut b.iter().copied());
+        println!("{name}: {} unknowns, {} iterations, {left:.1e}", b.len(), system.iterations());
+        assert!(left <= 1e-11, "{name}: {left:.1e} after {} iterations", system.iterations());
+        assert!(system.iterations() <= 200, "{name}: {} iterations", system.iterations());
+    }
+}
