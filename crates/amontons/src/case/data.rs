@@ -67,7 +67,7 @@ impl Build<'_> {
     }
 
     /// The coordinates of the body: `x, y`.
-    fn axes(&self) -> String {
+    pub fn axes(&self) -> String {
         AXES[..self.dim.min(AXES.len())].join(", ")
     }
 

@@ -1,7 +1,11 @@
 //! Data that may vary in space and time: a number, an expression in x, y, z, t, or a table in time.
 
+mod coefficient;
+mod graded;
 mod table;
 
+pub use coefficient::{Coefficient, InSpace};
+pub use graded::{Graded, Instance};
 pub use table::{TableError, TimeTable};
 
 use crate::expression::{Derivatives, Expression};

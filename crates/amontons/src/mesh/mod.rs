@@ -8,6 +8,7 @@ mod geometry;
 pub mod gmsh;
 mod read;
 mod round;
+mod sites;
 mod topology;
 pub mod vtu;
 

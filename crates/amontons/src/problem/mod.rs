@@ -14,7 +14,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
-pub(crate) use data::Datum;
+pub(crate) use data::{Datum, Sample};
 pub use physics::Physics;
 
 use crate::contact::{Contact, ContactBoundary};

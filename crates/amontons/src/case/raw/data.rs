@@ -39,6 +39,35 @@ impl Default for Datum {
     }
 }
 
+/// A coefficient of the body or of a law that is the same at all times.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, an expression in x, y, z or data of a mesh file")]
+pub(in crate::case) enum Coefficient {
+    /// The same value everywhere.
+    Number(f64),
+    /// An expression in x, y, z, such as "1 + x".
+    Expression(String),
+    /// Values of the cells or nodes of a mesh file.
+    Table(TableData),
+}
+
+impl Default for Coefficient {
+    fn default() -> Coefficient {
+        Coefficient::Number(0.0)
+    }
+}
+
+impl From<Coefficient> for Datum {
+    fn from(coefficient: Coefficient) -> Datum {
+        match coefficient {
+            Coefficient::Number(value) => Datum::Number(value),
+            Coefficient::Expression(text) => Datum::Expression(text),
+            Coefficient::Table(table) => Datum::Table(table),
+        }
+    }
+}
+
 impl From<Scalar> for Datum {
     fn from(scalar: Scalar) -> Datum {
         match scalar {

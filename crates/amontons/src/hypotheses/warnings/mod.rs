@@ -83,8 +83,9 @@ const COEFFICIENTS: std::ops::RangeInclusive<f64> = 1e-8..=1e-3;
 /// `expansion-scale`: 𝓜 = α (3λ + 2μ) is a stress per kelvin; one that has the size of α expands nothing.
 fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
     let material = problem.materials.get(region)?;
-    let largest =
-        material.expansion.eigenvalues(problem.mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+    let values = problem.values_in(region, |m| &m.expansion);
+    let eigenvalues = values.iter().flat_map(|sample| sample.value.eigenvalues(problem.mesh.tensor_dim()));
+    let largest = eigenvalues.fold(0.0, |max: f64, e| max.max(e.abs()));
     let stiffness = material.elasticity.constants().lipschitz;
     let strain = largest / stiffness;
     if !(strain < LEAST_EXPANSION && COEFFICIENTS.contains(&largest)) {
@@ -115,11 +116,12 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     let held = problem.mesh.dim == 2
         && !problem.mesh.axisymmetric
         && material.elasticity.value(x, &(1e-6 * Sym::identity(2))).0[3] != 0.0;
-    if !held || material.expansion.0[3] != 0.0 || norm(&material.expansion, 2) == 0.0 {
+    let expansion = material.expansion.at(x);
+    if !held || expansion.0[3] != 0.0 || norm(&expansion, 2) == 0.0 {
         return None;
     }
-    let [m_xx, m_yy] = [0, 1].map(|i| material.expansion.get(i, i));
-    let multiple = m_xx.to_bits() == m_yy.to_bits() && material.expansion.get(0, 1) == 0.0;
+    let [m_xx, m_yy] = [0, 1].map(|i| expansion.get(i, i));
+    let multiple = m_xx.to_bits() == m_yy.to_bits() && expansion.get(0, 1) == 0.0;
     let repair = if multiple {
         format!("write the number, expansion = {m_xx:?}, which is that multiple of the identity in space")
     } else {
