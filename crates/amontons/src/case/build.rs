@@ -37,6 +37,7 @@ pub(super) fn problem(
         limits: notes.limits,
         loader: Loader::new(files),
         no_mesh: false,
+        mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         end: raw.time.end,
         steps: raw.time.steps,
@@ -169,6 +170,8 @@ pub(super) struct Build<'d> {
     pub limits: &'d [(Path, Limits)],
     /// The files beside the case.
     pub loader: Loader<'d>,
+    /// The file of the mesh with the factor of its coordinates; none of a generated one.
+    pub mesh_file: Option<(String, f64)>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
     pub no_mesh: bool,
     /// d.

@@ -236,6 +236,27 @@ fn bounded(
     Finding::new(id, FindingStatus::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
 }
 
+/// L_τ of (H8), and where it is attained if laws vary over the side: pressure and friction together.
+pub(super) fn friction_lipschitz(contact: &Contact, points: &[Point]) -> (Option<f64>, Option<Point>) {
+    let (normal, friction) = (contact.normal.graded(), contact.friction.graded());
+    let whole = || contact.friction.lipschitz(contact.normal.lipschitz());
+    if (normal.is_none() && friction.is_none()) || contact.friction.at_time(0.0).is_some() {
+        return (whole(), friction.map(|law| law.extremes()[1].x));
+    }
+    let of = |x: &Point| {
+        let nu = normal.map_or_else(|| contact.normal.lipschitz(), |law| law.at(x).lipschitz());
+        friction.map_or_else(|| contact.friction.lipschitz(nu), |law| law.at(x).lipschitz(nu))
+    };
+    let mut worst: Option<(f64, Point)> = None;
+    for x in points {
+        let Some(here) = of(x) else { return (None, Some(*x)) };
+        if worst.is_none_or(|(most, _)| here > most) {
+            worst = Some((here, *x));
+        }
+    }
+    worst.map_or_else(|| (whole(), None), |(most, x)| (Some(most), Some(x)))
+}
+
 /// (H7), (H8) and the cut-off of φ_L.
 pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     let each = tests(problem).enumerate().map(|(side, test)| {
@@ -269,7 +290,8 @@ pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     let (boundary, length) = (problem.contact_boundary(), diameter(problem));
     problem.contacts.iter().enumerate().map(move |(side, contact)| {
         let places: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
-        Test { contact, places: some(&places, PLACES).copied().collect(), length }
+        let tau = friction_lipschitz(contact, &places);
+        Test { contact, places: some(&places, PLACES).copied().collect(), length, tau }
     })
 }
 
@@ -278,6 +300,8 @@ pub(super) struct Test<'a> {
     pub(super) contact: &'a Contact,
     pub(super) places: Vec<Point>,
     pub(super) length: f64,
+    /// L_τ of (H8) and where it is attained.
+    pub(super) tau: (Option<f64>, Option<Point>),
 }
 
 impl Test<'_> {
@@ -301,7 +325,7 @@ impl Test<'_> {
             contact.heat.conductance_lipschitz().unwrap_or(f64::INFINITY),
         );
         // A bound that is given whatever the penetration has none.
-        let tau = contact.friction.lipschitz(Some(nu)).unwrap_or(0.0);
+        let tau = if nu.is_finite() { self.tau.0 } else { contact.friction.lipschitz(Some(nu)) }.unwrap_or(0.0);
         let mut random = Samples::default();
         let keeps = |x: &Point, random: &mut Samples| {
             let r = random.spread(self.length, 12.0);
@@ -436,7 +460,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         };
         return finding(status, message.to_owned(), "contact.normal").repair("use normal compliance with a stiffness");
     };
-    let Some(tau) = contact.friction.lipschitz(Some(nu)).filter(|l| l.is_finite()) else {
+    let Some(tau) = test.tau.0.filter(|l| l.is_finite()) else {
         let message = if test.friction_is_given() {
             "p_τ does not depend on the penetration: it is not zero in open contact"
         } else {
@@ -469,7 +493,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
             .repair("use a pressure and a friction bound that depend on the penetration alone");
     }
     let at_nu = attained(contact.normal.graded().map(|law| law.extremes()[1].x));
-    let at_tau = attained(contact.friction.graded().map(|law| law.extremes()[1].x));
+    let at_tau = attained(test.tau.1);
     let message = format!(
         "p_ν and p_τ are Lipschitz with L_ν = {nu:.6e}{at_nu} and L_τ = {tau:.6e}{at_tau}, not negative, and zero without penetration"
     );

@@ -120,7 +120,7 @@ impl Constants {
             m_d: d.iter().copied().reduce(f64::min).unwrap_or(0.0),
             bound_d: d.iter().fold(0.0, |max, e| e.abs().max(max)),
             lipschitz_nu: largest(&|c| c.normal.lipschitz()),
-            lipschitz_tau: largest(&|c| c.friction.lipschitz(c.normal.lipschitz())),
+            lipschitz_tau: laws::tests(problem).map(|test| test.tau.0).reduce(|a, b| Some(a?.max(b?))).flatten(),
             bound_kc: largest(&|c| Some(c.heat.conductance_bound())),
             lipschitz_kc: largest(&|c| c.heat.conductance_lipschitz()),
             truncation: largest(&|c| c.heat.truncation()),

@@ -102,10 +102,19 @@ impl Component {
     }
 }
 
-/// Values at times, linear between them: those of a file, or `times` and `values`.
+/// Values at times, linear between them: those of a file, or `times` and `values`; or values in space, the `data` of a
+/// mesh file.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct TableData {
+    /// Name of data of the cells or the nodes of a mesh file in VTU format, instead of a table in time.
+    ///
+    /// Values of cells are constant in them; where cells meet, their mean holds. Values of nodes are interpolated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub data: Option<String>,
+    /// Path of the mesh file that has the data, relative to the case file; default: `mesh.file`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Path of a file of comma-separated values, relative to the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,
