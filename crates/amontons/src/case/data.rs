@@ -178,8 +178,9 @@ impl Build<'_> {
         match MeshData::of_vtu(&bytes, name, self.mesh_file.as_ref().map_or(1.0, |(_, scale)| *scale)) {
             Ok(data) => Some(data.into_field(factor)),
             Err(error) => {
-                let expected = format!("a VTU file whose cells or points have the data \"{name}\", one number each");
-                self.note(&format!("{path}.data"), At::Value, format!("{error} in {file}"), expected, None);
+                let message = error.to_string();
+                let (found, expected) = message.split_once(", expected ").unwrap_or((&message, "a mesh in VTU format"));
+                self.note(&format!("{path}.data"), At::Value, format!("{found} in {file}"), expected, None);
                 None
             }
         }

@@ -232,7 +232,8 @@ impl<'s> View<'s> {
     /// The numbers that a key admits which may also be something else than a number.
     pub fn limits(&self) -> Limits {
         let bounds = BOUNDS.map(|(keyword, _)| self.bounds.get(keyword).and_then(Value::as_f64));
-        let number = format!("a number{}", self.range());
+        let range = self.range();
+        let number = if range.is_empty() { "a finite number".to_owned() } else { format!("a number{range}") };
         let about = self.about.map(first_paragraph).filter(|about| !about.is_empty());
         Limits { bounds, expected: about.map_or_else(|| number.clone(), |about| format!("{number} ({about})")) }
     }

@@ -41,7 +41,7 @@ pub(super) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec<Block>, 
     let (of_cells, of_nodes) = (grid.cell_data.remove(name), grid.point_data.remove(name));
     let is_of_cells = of_cells.is_some();
     let Some(Array { components, values }) = of_cells.or(of_nodes) else {
-        return Err(refuse(format!("there are no data \"{name}\" of cells or points")));
+        return Err(refuse(format!("no data \"{name}\", expected data of the cells or the points with this name")));
     };
     let (what, expected) = if is_of_cells { ("cells", grid.types.len()) } else { ("points", grid.points.len()) };
     if components != 1 || values.len() != expected {
