@@ -241,9 +241,6 @@ fn marked(text: &str, varies: bool) -> String {
 fn vtu(mesh: &Mesh, cells: impl Fn(&Point) -> f64, points: impl Fn(&Point) -> f64) -> String {
     let block = &mesh.blocks[0];
     let list = |values: Vec<String>| values.join(" ");
-    let centre = |cell: &[u32]| -> Point {
-        std::array::from_fn(|d| cell.iter().map(|&n| mesh.points[n as usize][d]).sum::<f64>() / cell.len() as f64)
-    };
     let n = block.element.nodes.len();
     format!(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\">\n<UnstructuredGrid>\n\
@@ -261,14 +258,61 @@ fn vtu(mesh: &Mesh, cells: impl Fn(&Point) -> f64, points: impl Fn(&Point) -> f6
         list(block.nodes.iter().map(ToString::to_string).collect()),
         list((1..=block.len()).map(|i| (i * n).to_string()).collect()),
         list(vec![block.element.vtk.to_string(); block.len()]),
-        list(block.cells().map(|cell| format!("{:?}", cells(&centre(cell)))).collect()),
+        list(block.cells().map(|cell| format!("{:?}", cells(&centre(mesh, cell)))).collect()),
         list(mesh.points.iter().map(|x| format!("{:?}", points(x))).collect()),
     )
 }
 
-fn with_file(text: &str, file: &str, sets: &[String]) -> Result<Case, case::CaseError> {
-    let files = BTreeMap::from([("body.vtu".to_owned(), Arc::from(file.as_bytes()))]);
-    case::parse(&Source { files: Files::Memory(files), ..Source::new("graded.toml", text) }, sets)
+/// The same mesh and data in the format of Gmsh, version 2.2 or 4.1, with numbers that do not begin at 0.
+fn msh(mesh: &Mesh, version: &str, cells: impl Fn(&Point) -> f64, points: impl Fn(&Point) -> f64) -> String {
+    let (block, mut out) = (&mesh.blocks[0], format!("$MeshFormat\n{version} 0 8\n$EndMeshFormat\n"));
+    let (nodes, count) = (mesh.points.len(), block.len());
+    let code = block.element.gmsh;
+    // Nodes of Gmsh: `gmsh_nodes[i]` is the local number of the i-th node of the file.
+    let in_file = |cell: &[u32]| -> String {
+        block.element.gmsh_nodes.iter().map(|&local| (cell[local] + 7).to_string()).collect::<Vec<_>>().join(" ")
+    };
+    if version == "2.2" {
+        let _ = writeln!(out, "$Nodes\n{nodes}");
+        for (i, x) in mesh.points.iter().enumerate() {
+            let _ = writeln!(out, "{} {:?} {:?} {:?}", i + 7, x[0], x[1], x[2]);
+        }
+        let _ = writeln!(out, "$EndNodes\n$Elements\n{count}");
+        for (i, cell) in block.cells().enumerate() {
+            let _ = writeln!(out, "{} {code} 2 0 1 {}", i + 11, in_file(cell));
+        }
+    } else {
+        let _ = writeln!(out, "$Nodes\n1 {nodes} 7 {}\n2 1 0 {nodes}", nodes + 6);
+        (0..nodes).for_each(|i| out += &format!("{}\n", i + 7));
+        for x in &mesh.points {
+            let _ = writeln!(out, "{:?} {:?} {:?}", x[0], x[1], x[2]);
+        }
+        let dim = mesh.dim;
+        let _ = writeln!(out, "$EndNodes\n$Elements\n1 {count} 11 {}\n{dim} 1 {code} {count}", count + 10);
+        for (i, cell) in block.cells().enumerate() {
+            let _ = writeln!(out, "{} {}", i + 11, in_file(cell));
+        }
+    }
+    out += "$EndElements\n$NodeData\n1\n\"other\"\n1\n0.0\n3\n0\n1\n1\n7 1.0\n$EndNodeData\n";
+    let _ = writeln!(out, "$ElementData\n1\n\"of_cells\"\n1\n0.0\n3\n0\n1\n{count}");
+    for (i, cell) in block.cells().enumerate() {
+        let _ = writeln!(out, "{} {:?}", i + 11, cells(&centre(mesh, cell)));
+    }
+    let _ = writeln!(out, "$EndElementData\n$NodeData\n1\n\"of_nodes\"\n1\n0.0\n3\n0\n1\n{nodes}");
+    for (i, x) in mesh.points.iter().enumerate() {
+        let _ = writeln!(out, "{} {:?}", i + 7, points(x));
+    }
+    out + "$EndNodeData\n"
+}
+
+fn centre(mesh: &Mesh, cell: &[u32]) -> Point {
+    std::array::from_fn(|d| cell.iter().map(|&n| mesh.points[n as usize][d]).sum::<f64>() / cell.len() as f64)
+}
+
+fn with_file(text: &str, name: &str, file: &str, sets: &[String]) -> Result<Case, case::CaseError> {
+    let files = BTreeMap::from([(name.to_owned(), Arc::from(file.as_bytes()))]);
+    let text = text.replace("body.vtu", name);
+    case::parse(&Source { files: Files::Memory(files), ..Source::new("graded.toml", text.as_str()) }, sets)
 }
 
 const BODY: &str = r#"
@@ -316,30 +360,36 @@ fn data_of_a_mesh_file_are_expressions() {
         };
         let along = move |x: &Point| c * x[0] + s * x[1];
         let text = format!("({c:?})*x + ({s:?})*y");
-        let file = vtu(&turned, |x| if along(x) < 0.5 { 3.0 } else { 8.0 }, |x| 3.0 + 2.0 * along(x));
+        let (jump, linear) =
+            (move |x: &Point| if along(x) < 0.5 { 3.0 } else { 8.0 }, move |x: &Point| 3.0 + 2.0 * along(x));
+        let files = [
+            ("body.vtu", vtu(&turned, jump, linear)),
+            ("body.msh", msh(&turned, "2.2", jump, linear)),
+            ("body.MSH", msh(&turned, "4.1", jump, linear)),
+        ];
         let body = if dim == 3 { BODY.replace("\"-1 - x\"]", "\"-1 - x\", 0.2]") } else { BODY.to_owned() };
-        for (data, expression) in
-            [("of_cells", format!("if({text} < 0.5, 3, 8)")), ("of_nodes", format!("3 + 2*({text})"))]
-        {
-            let keys = |value: &str| -> Vec<String> {
-                ["density", "heat_capacity", "conductivity", "elasticity.young", "viscosity.second"]
-                    .iter()
-                    .map(|key| format!("material.{key}={value}"))
-                    .collect()
-            };
-            let by_data =
-                with_file(&body, &file, &keys(&format!("{{ data = \"{data}\" }}"))).unwrap_or_else(|e| panic!("{e}"));
-            let by_expression =
-                with_file(&body, &file, &keys(&format!("\"{expression}\""))).unwrap_or_else(|e| panic!("{e}"));
-            assert_same(&run(&by_data.problem), &run(&by_expression.problem), 1e-11, &format!("{data}, d = {dim}"));
+        for (name, file) in &files {
+            let read =
+                |sets: &[String]| with_file(&body, name, file, sets).unwrap_or_else(|e| panic!("{name}: {e}")).problem;
+            for (data, expression) in
+                [("of_cells", format!("if({text} < 0.5, 3, 8)")), ("of_nodes", format!("3 + 2*({text})"))]
+            {
+                let keys = |value: &str| -> Vec<String> {
+                    ["density", "heat_capacity", "conductivity", "elasticity.young", "viscosity.second"]
+                        .iter()
+                        .map(|key| format!("material.{key}={value}"))
+                        .collect()
+                };
+                let by_data = read(&keys(&format!("{{ data = \"{data}\" }}")));
+                let by_expression = read(&keys(&format!("\"{expression}\"")));
+                assert_same(&run(&by_data), &run(&by_expression), 1e-11, &format!("{name}, {data}, d = {dim}"));
+            }
+            // A coefficient of contact at the nodes of a side.
+            let friction = |value: &str| vec![format!("contact.friction.coefficient={value}")];
+            let by_data = read(&friction("{ data = \"of_nodes\", factor = 0.1 }"));
+            let by_expression = read(&friction(&format!("\"0.1*(3 + 2*({text}))\"")));
+            assert_same(&run(&by_data), &run(&by_expression), 1e-11, "friction by the nodes");
         }
-        // A coefficient of contact at the nodes of a side.
-        let friction = |value: &str| vec![format!("contact.friction.coefficient={value}")];
-        let by_data = with_file(&body, &file, &friction("{ data = \"of_nodes\", factor = 0.1 }"))
-            .unwrap_or_else(|e| panic!("{e}"));
-        let by_expression =
-            with_file(&body, &file, &friction(&format!("\"0.1*(3 + 2*({text}))\""))).unwrap_or_else(|e| panic!("{e}"));
-        assert_same(&run(&by_data.problem), &run(&by_expression.problem), 1e-11, "friction by the nodes");
     }
 }
 

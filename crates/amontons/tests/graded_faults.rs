@@ -151,11 +151,11 @@ fn data_of_files() {
     for (data, message) in expected {
         assert_eq!(said(data), message);
     }
-    let other = "material.density={ data = \"one\", file = \"part.msh\" }";
+    let other = "material.density={ data = \"one\", file = \"part.csv\" }";
     assert_eq!(
-        of_file(other, "part.msh", ""),
+        of_file(other, "part.csv", ""),
         format!(
-            "--set {other}: material.density.file: found the file part.msh, expected a file in VTU format, .vtu, for data of cells or points"
+            "--set {other}: material.density.file: found the file part.csv, expected a file .msh (Gmsh) or .vtu (VTK) with data of cells or nodes"
         )
     );
     let missing = "material.density={ data = \"one\", file = \"party.vtu\" }";

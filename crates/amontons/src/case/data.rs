@@ -170,16 +170,17 @@ impl Build<'_> {
                 return None;
             }
         };
-        if !file.to_lowercase().ends_with(".vtu") {
-            let expected = "a file in VTU format, .vtu, for data of cells or points";
+        if ![".vtu", ".msh"].iter().any(|ending| file.to_lowercase().ends_with(ending)) {
+            let expected = "a file .msh (Gmsh) or .vtu (VTK) with data of cells or nodes";
             self.note(&key, At::Value, format!("the file {file}"), expected, None);
             return None;
         }
-        match MeshData::of_vtu(&bytes, name, self.mesh_file.as_ref().map_or(1.0, |(_, scale)| *scale)) {
+        let scale = self.mesh_file.as_ref().map_or(1.0, |(_, scale)| *scale);
+        match MeshData::read(&file, &bytes, name, scale) {
             Ok(data) => Some(data.into_field(factor)),
             Err(error) => {
                 let message = error.to_string();
-                let (found, expected) = message.split_once(", expected ").unwrap_or((&message, "a mesh in VTU format"));
+                let (found, expected) = message.split_once(", expected ").unwrap_or((&message, "a mesh with data"));
                 self.note(&format!("{path}.data"), At::Value, format!("{found} in {file}"), expected, None);
                 None
             }

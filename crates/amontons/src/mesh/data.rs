@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::locator::{Grid, Locator};
 use super::read::MeshFileError;
-use super::{Block, Mesh, vtu};
+use super::{Block, Mesh, gmsh, vtu};
 use crate::field::Field;
 use crate::tensor::Point;
 
@@ -24,13 +24,14 @@ pub(in crate::mesh) enum Values {
 }
 
 impl MeshData {
-    /// The data `name` of the bytes of a VTU file: of its cells or, without such, of its nodes; `scale` is the factor of
-    /// its coordinates.
+    /// The data `name` of a file with this name, in the format of its extension: of the cells or, without such, of the
+    /// nodes; `scale` is the factor of its coordinates.
     ///
     /// # Errors
-    /// When the bytes are no grid, or the grid has no such data with one finite value per cell or node.
-    pub fn of_vtu(bytes: &[u8], name: &str, scale: f64) -> Result<MeshData, MeshFileError> {
-        let (mut points, cells, values) = vtu::data(bytes, name)?;
+    /// When the bytes are no mesh, or the mesh has no such data with one value per cell or node.
+    pub fn read(file: &str, bytes: &[u8], name: &str, scale: f64) -> Result<MeshData, MeshFileError> {
+        let is_gmsh = file.to_lowercase().ends_with(".msh");
+        let (mut points, cells, values) = if is_gmsh { gmsh::data(bytes, name) } else { vtu::data(bytes, name) }?;
         points.iter_mut().flatten().for_each(|x| *x *= scale);
         let dim = cells.first().map_or(1, |block: &Block| block.element.dim());
         let regions = vec![String::new()];

@@ -90,7 +90,13 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
             return Err(MeshFileError::Grid { message });
         }
         let block = *index.entry((grid.types[cell], group)).or_insert_with(|| {
-            blocks.push(LooseBlock { kind, groups: BTreeSet::from_iter(group), at: cell, nodes: Vec::new() });
+            blocks.push(LooseBlock {
+                kind,
+                groups: BTreeSet::from_iter(group),
+                at: cell,
+                nodes: Vec::new(),
+                numbers: Vec::new(),
+            });
             blocks.len() - 1
         });
         blocks[block].nodes.extend_from_slice(nodes);

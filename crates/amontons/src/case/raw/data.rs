@@ -107,7 +107,8 @@ impl Component {
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct TableData {
-    /// Name of data of the cells or the nodes of a mesh file in VTU format, instead of a table in time.
+    /// Name of data of the cells or the nodes of a mesh file, instead of a table in time: VTU data, or `$ElementData`
+    /// and `$NodeData` of Gmsh.
     ///
     /// Values of cells are constant in them; where cells meet, their mean holds. Values of nodes are interpolated.
     #[serde(default, skip_serializing_if = "Option::is_none")]
