@@ -493,6 +493,38 @@ fn the_certificate_names_where_constants_are_attained() {
     }
 }
 
+/// A coefficient that jumps within a cell is named with its place; one that jumps between cells, or is steep and
+/// smooth, is not.
+#[test]
+fn jumps_within_cells_are_named() {
+    let said = |sets: &[&str]| {
+        let sets: Vec<&str> = ["mesh.n=4"].iter().chain(sets).copied().collect();
+        let certificate = certificate(&paper(&sets).problem).expect("a certificate");
+        certificate.findings.into_iter().find(|finding| finding.id == FindingId::CoefficientJump)
+    };
+    for quiet in [
+        "material.density=\"if(x < 0.5, 1, 2)\"",
+        "material.density=\"1 + x + 3*y^2\"",
+        "material.elasticity.young=\"exp(8*x)\"",
+        "material.conductivity=\"1.1 + sin(20*x)\"",
+        "material.elasticity.young=\"max(1, 4*x)\"",
+    ] {
+        assert_eq!(said(&[quiet]), None, "{quiet}");
+    }
+    for (jumping, place) in [
+        ("material.density=\"if(x < 0.3, 1, 2)\"", "material.density"),
+        ("material.elasticity.young=\"1 + (y > 0.6)\"", "material.elasticity"),
+        ("material.viscosity.second=\"10 + floor(3*x)\"", "material.viscosity"),
+        ("material.conductivity=[[1, 0], [0, \"1 + step(x + y - 0.37)\"]]", "material.conductivity"),
+    ] {
+        let finding = said(&[jumping]).unwrap_or_else(|| panic!("{jumping}: nothing is said"));
+        assert_eq!(finding.place, place);
+        assert!(finding.fails() && finding.message.contains("jumps within a cell, at ("), "{}", finding.message);
+    }
+    let finding = said(&["material.density=\"if(x < 0.3, 1, 2)\""]).expect("a finding");
+    assert!((finding.value.expect("the jump") - 0.5).abs() < 1e-12);
+}
+
 /// Laws by closures keep the contract of laws.
 #[test]
 fn closures_keep_the_contract() {

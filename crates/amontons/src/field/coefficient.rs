@@ -4,7 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::Field;
-use crate::tensor::Point;
+use crate::tensor::{Point, Sym};
 
 /// A datum of the body: the same value everywhere, or a function of the position.
 pub trait InSpace<T>: Sync {
@@ -14,14 +14,21 @@ pub trait InSpace<T>: Sync {
     fn constant(&self) -> Option<T>;
 }
 
-impl<T: Copy + Sync> InSpace<T> for T {
-    fn at(&self, _x: &Point) -> T {
-        *self
-    }
-    fn constant(&self) -> Option<T> {
-        Some(*self)
-    }
+/// A value is the same everywhere. For each type by itself: a reference to a coefficient is no value.
+macro_rules! values {
+    ($($value:ty),*) => {$(
+        impl InSpace<$value> for $value {
+            fn at(&self, _x: &Point) -> $value {
+                *self
+            }
+            fn constant(&self) -> Option<$value> {
+                Some(*self)
+            }
+        }
+    )*};
 }
+
+values!(f64, Sym);
 
 /// A function of the position.
 type Function<T> = dyn Fn(&Point) -> T + Send + Sync;

@@ -8,12 +8,14 @@
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
+//! | `coefficient-jump` | a coefficient of the material jumps within a cell | its values along the edges of cells |
 //! | `thermal-layer` | the heat of Γ_C does not get through a cell | lengths |
 //! | `strain` | the strain is not small | the run |
 //! | `temperature-range` | temperatures leave the range that the data allow | the run |
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
 //! | `penetration` | a foundation gives way by more than the size of a cell | the run |
 
+mod jump;
 mod run;
 mod supports;
 mod thermal;
@@ -47,6 +49,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));
+        findings.extend(jump::jump(problem, region));
     }
     findings.extend(thermal::layer(problem));
     findings
