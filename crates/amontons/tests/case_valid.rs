@@ -28,7 +28,7 @@ fn the_paper_has_its_numbers() -> Outcome {
     assert_eq!((p.name.as_str(), p.mesh.points.len(), p.steps, p.end, case.every), ("paper", 65 * 65, 64, 1.0, 16));
     let Material { density, heat_capacity, expansion, coupling, conductivity, .. } = &p.materials[0];
     assert_eq!((density.constant(), heat_capacity.constant()), (Some(1.0), Some(1.0)));
-    let tensors = [expansion, coupling, conductivity].map(|tensor| tensor.constant());
+    let tensors = [expansion, coupling, conductivity].map(amontons::field::Coefficient::constant);
     assert_eq!(tensors, [ones(), ones(), Sym::identity(2)].map(Some));
     assert!((p.materials[0].elasticity.constants().monotonicity - 2.0 / 1.1).abs() < 1e-14);
     assert!((p.materials[0].viscosity.constants().lipschitz - 30.0).abs() < 1e-13);

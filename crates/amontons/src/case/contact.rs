@@ -30,7 +30,7 @@ impl Build<'_> {
             let at_points = set.map(|set| ContactBoundary::new(mesh, set, quadrature).points).unwrap_or_default();
             points.iter().copied().chain(at_points.into_iter().map(|point| point.x)).collect()
         });
-        let (heat, foundation_temperature) = self.exchange(path, raw.heat, raw.frictional_heat, &sites);
+        let (heat, foundation_temperature) = self.exchange(path, raw.heat, &raw.frictional_heat, &sites);
         let foundation_temperature = foundation_temperature
             .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
@@ -53,7 +53,7 @@ impl Build<'_> {
         &mut self,
         path: &str,
         raw: raw::Heat,
-        frictional: Datum,
+        frictional: &Datum,
         sites: &Sites,
     ) -> (Arc<dyn HeatLaw>, Option<Datum>) {
         let is_sum = matches!(raw, raw::Heat::Sum { .. });
@@ -64,8 +64,8 @@ impl Build<'_> {
             let (coefficients, make) = laws::heat(term);
             all.push(self.heat(&at, coefficients, make, sites));
         }
-        if !matches!(frictional, Datum::Number(value) if value <= 0.0) {
-            let (coefficients, make) = laws::frictional_heat(&frictional);
+        if !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
+            let (coefficients, make) = laws::frictional_heat(frictional);
             all.push(self.heat(path, coefficients, make, sites));
         }
         let only = if all.len() < 2 { all.pop() } else { None };

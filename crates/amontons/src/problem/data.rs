@@ -36,13 +36,11 @@ impl ProblemData {
         of: impl Fn(&Material) -> &Coefficient<T>,
     ) -> Vec<Sample<T>> {
         let Some(coefficient) = self.materials.get(material).map(of) else { return Vec::new() };
-        match coefficient.constant() {
-            Some(value) => vec![Sample { value, x: None }],
-            None => {
-                let sites = self.mesh.sites(self.region_of(material));
-                sites.into_iter().map(|x| Sample { value: coefficient.at(&x), x: Some(x) }).collect()
-            }
+        if let Some(value) = coefficient.constant() {
+            return vec![Sample { value, x: None }];
         }
+        let sites = self.mesh.sites(self.region_of(material));
+        sites.into_iter().map(|x| Sample { value: coefficient.at(&x), x: Some(x) }).collect()
     }
 
     /// The same of all regions.

@@ -30,7 +30,7 @@ pub(in crate::case) enum Datum {
     /// An expression in x, y, z, t, such as "sin(pi*x)*exp(-t)".
     Expression(String),
     /// Values at times, linear between them.
-    Table(TableData),
+    Table(Box<TableData>),
 }
 
 impl Default for Datum {
@@ -49,7 +49,7 @@ pub(in crate::case) enum Coefficient {
     /// An expression in x, y, z, such as "1 + x".
     Expression(String),
     /// Values of the cells or nodes of a mesh file.
-    Table(TableData),
+    Table(Box<TableData>),
 }
 
 impl Default for Coefficient {
@@ -87,7 +87,7 @@ pub(in crate::case) enum Component {
     /// An expression in x, y, z, t, or the word "free" for a component that is not prescribed.
     Expression(String),
     /// Values at times, linear between them.
-    Table(TableData),
+    Table(Box<TableData>),
 }
 
 impl Component {

@@ -74,7 +74,7 @@ fn along([mut from, mut to]: [Point; 2], value: &dyn Fn(&Point) -> Value) -> Opt
     let zero = [0.0; 36];
     let (mut low, mut high) = (value(&from), value(&to));
     let (whole, size) = (distance(&low, &high), distance(&low, &zero).max(distance(&high, &zero)));
-    if !(whole > SMALL * size) {
+    if whole.is_nan() || whole <= SMALL * size {
         return None;
     }
     for _ in 0..HALVINGS {
