@@ -8,10 +8,10 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
-use amontons::contact::{Compliance, Coulomb, Ramp};
+use amontons::contact::{Compliance, Coulomb, Ramp, Status};
 use amontons::contract;
 use amontons::field::{Coefficient, Graded};
-use amontons::hypotheses::{FindingId, certificate};
+use amontons::hypotheses::{FindingId, certificate, findings};
 use amontons::linalg::Supernodal;
 use amontons::material::{Isotropic, Orthotropic, Prony, StressState, TensorLaw};
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
@@ -102,107 +102,103 @@ fn regions_are_what_functions_with_jumps_are() {
     }
 }
 
+/// Laws with their keys and numbers; in tables an `N` marks the numbers.
+const LAWS: [(&str, &[(&str, &str)]); 9] = [
+    (
+        "the paper",
+        &[
+            ("material.density", "1.0"),
+            ("material.heat_capacity", "1.0"),
+            ("material.elasticity.young", "2.0"),
+            ("material.elasticity.poisson", "0.1"),
+            ("material.viscosity.first", "10.0"),
+            ("material.viscosity.second", "10.0"),
+            ("material.conductivity", "1.0"),
+            ("material.expansion", "1.0"),
+            ("material.coupling", "1.0"),
+            ("contact.normal.stiffness", "1e4"),
+            ("contact.friction.coefficient", "0.2"),
+            ("contact.heat.conductance", "1.0"),
+            ("contact.heat.width", "1e-5"),
+            ("contact.frictional_heat", "0.4"),
+        ],
+    ),
+    (
+        "orthotropic",
+        &[(
+            "material.elasticity",
+            "{ law = 'orthotropic', young = [3N, 2N, 1N], poisson = [0.2N, 0.1N, 0.1N], shear = [1N, 1N, 1N], orientation = 0.4N }",
+        )],
+    ),
+    (
+        "von Mises",
+        &[(
+            "material.elasticity",
+            "{ law = 'von-mises-projection', young = 2N, poisson = 0.1N, excess = 1N, radius = 0.01N }",
+        )],
+    ),
+    (
+        "Hencky",
+        &[(
+            "material.elasticity",
+            "{ law = 'hencky', bulk = 2N, shear = 1N, shear_infinite = 0.5N, strain = 0.1N, exponent = 0.5N }",
+        )],
+    ),
+    (
+        "Carreau",
+        &[(
+            "material.viscosity",
+            "{ law = 'carreau', bulk = 5N, zero = 10N, infinite = 5N, time = 1N, exponent = 0.5N }",
+        )],
+    ),
+    (
+        "power law",
+        &[(
+            "material.viscosity",
+            "{ law = 'power-law', bulk = 5N, consistency = 10N, exponent = 0.5N, threshold = 0.1N, floor = 1N }",
+        )],
+    ),
+    (
+        "branches",
+        &[
+            ("material.prony", "[{ ratio = 0.5N, time = 0.2 }, { ratio = 0.25N, time = 0.2 }]"),
+            ("material.elasticity.young", "2N"),
+        ],
+    ),
+    (
+        "power, static-kinetic, power",
+        &[
+            ("contact.normal", "{ law = 'power', stiffness = 300N, exponent = 1.5N }"),
+            (
+                "contact.friction",
+                "{ law = 'static-kinetic', static = 0.4N, kinetic = 0.3N, decay_speed = 0.5N, cap = 0.8N }",
+            ),
+            (
+                "contact.heat",
+                "{ law = 'sum', laws = [{ law = 'power', coefficient = 3N, exponent = 1N, truncation = 5N }, { law = 'gap', conductivity = 0.1N, roughness = 0.1N }, { law = 'radiation', emissivity = 0.5N }], foundation_temperature = 2 }",
+            ),
+            ("contact.wear", "{ law = 'archard', coefficient = 1e-3N }"),
+        ],
+    ),
+    (
+        "tables",
+        &[
+            ("contact.normal", "{ law = 'table', penetration = [0, 0.1, 0.2], pressure = [0, 10, 30], factor = 1.5N }"),
+            ("contact.friction", "{ law = 'slip-rate', speed = [0, 1], coefficient = [0.2, 0.3], factor = 1.2N }"),
+            ("contact.heat", "{ law = 'pressure', coefficient = 0.3N, exponent = 0.9N, foundation_temperature = 2 }"),
+            (
+                "contact.wear",
+                "{ law = 'archard-temperature', temperature = [0, 1], coefficient = [1e-3, 2e-3], factor = 0.5N }",
+            ),
+        ],
+    ),
+];
+
 /// Every number of a law as an expression of the same value: a run that is equal to round-off.
 #[test]
 fn expressions_of_a_value_are_that_value() {
     let number = |text: &str| format!("\"{text} + 0*x\"");
-    let laws: [(&str, &[(&str, &str)]); 9] = [
-        (
-            "the paper",
-            &[
-                ("material.density", "1.0"),
-                ("material.heat_capacity", "1.0"),
-                ("material.elasticity.young", "2.0"),
-                ("material.elasticity.poisson", "0.1"),
-                ("material.viscosity.first", "10.0"),
-                ("material.viscosity.second", "10.0"),
-                ("material.conductivity", "1.0"),
-                ("material.expansion", "1.0"),
-                ("material.coupling", "1.0"),
-                ("contact.normal.stiffness", "1e4"),
-                ("contact.friction.coefficient", "0.2"),
-                ("contact.heat.conductance", "1.0"),
-                ("contact.heat.width", "1e-5"),
-                ("contact.frictional_heat", "0.4"),
-            ],
-        ),
-        (
-            "orthotropic",
-            &[(
-                "material.elasticity",
-                "{ law = 'orthotropic', young = [3N, 2N, 1N], poisson = [0.2N, 0.1N, 0.1N], shear = [1N, 1N, 1N], orientation = 0.4N }",
-            )],
-        ),
-        (
-            "von Mises",
-            &[(
-                "material.elasticity",
-                "{ law = 'von-mises-projection', young = 2N, poisson = 0.1N, excess = 1N, radius = 0.01N }",
-            )],
-        ),
-        (
-            "Hencky",
-            &[(
-                "material.elasticity",
-                "{ law = 'hencky', bulk = 2N, shear = 1N, shear_infinite = 0.5N, strain = 0.1N, exponent = 0.5N }",
-            )],
-        ),
-        (
-            "Carreau",
-            &[(
-                "material.viscosity",
-                "{ law = 'carreau', bulk = 5N, zero = 10N, infinite = 5N, time = 1N, exponent = 0.5N }",
-            )],
-        ),
-        (
-            "power law",
-            &[(
-                "material.viscosity",
-                "{ law = 'power-law', bulk = 5N, consistency = 10N, exponent = 0.5N, threshold = 0.1N, floor = 1N }",
-            )],
-        ),
-        (
-            "branches",
-            &[
-                ("material.prony", "[{ ratio = 0.5N, time = 0.2 }, { ratio = 0.25N, time = 0.2 }]"),
-                ("material.elasticity.young", "2N"),
-            ],
-        ),
-        (
-            "power, static-kinetic, power",
-            &[
-                ("contact.normal", "{ law = 'power', stiffness = 300N, exponent = 1.5N }"),
-                (
-                    "contact.friction",
-                    "{ law = 'static-kinetic', static = 0.4N, kinetic = 0.3N, decay_speed = 0.5N, cap = 0.8N }",
-                ),
-                (
-                    "contact.heat",
-                    "{ law = 'sum', laws = [{ law = 'power', coefficient = 3N, exponent = 1N, truncation = 5N }, { law = 'gap', conductivity = 0.1N, roughness = 0.1N }, { law = 'radiation', emissivity = 0.5N }], foundation_temperature = 2 }",
-                ),
-                ("contact.wear", "{ law = 'archard', coefficient = 1e-3N }"),
-            ],
-        ),
-        (
-            "tables",
-            &[
-                (
-                    "contact.normal",
-                    "{ law = 'table', penetration = [0, 0.1, 0.2], pressure = [0, 10, 30], factor = 1.5N }",
-                ),
-                ("contact.friction", "{ law = 'slip-rate', speed = [0, 1], coefficient = [0.2, 0.3], factor = 1.2N }"),
-                (
-                    "contact.heat",
-                    "{ law = 'pressure', coefficient = 0.3N, exponent = 0.9N, foundation_temperature = 2 }",
-                ),
-                (
-                    "contact.wear",
-                    "{ law = 'archard-temperature', temperature = [0, 1], coefficient = [1e-3, 2e-3], factor = 0.5N }",
-                ),
-            ],
-        ),
-    ];
-    for (name, keys) in laws {
+    for (name, keys) in LAWS {
         let with = |varies: bool| {
             let mut sets: Vec<String> = SMALL.iter().map(|set| (*set).to_owned()).collect();
             for (key, value) in keys {
@@ -426,13 +422,14 @@ heat = { law = "pressure", coefficient = "1 + 4*t^2", exponent = 1e-12, foundati
 gap = -0.5
 "#;
     let h = |t: f64| 1.0 + 4.0 * t * t;
-    for (value, h) in [
-        ("\"1 + 4*t^2\"", &h as &dyn Fn(f64) -> f64),
-        ("{ times = [0, 0.5, 1], values = [1, 2, 4], factor = \"1 + x\" }", &|t: f64| {
-            3.0 * if t < 0.5 { 1.0 + 2.0 * t } else { 4.0 * t }
-        }),
+    let table = |t: f64| 3.0 * if t < 0.5 { 1.0 + 2.0 * t } else { 4.0 * t };
+    let sum = "{ law = 'sum', laws = [{ law = 'pressure', coefficient = '1 + 4*t^2', exponent = 1e-12 }, { law = 'radiation', emissivity = 0 }], foundation_temperature = 0 }";
+    for (set, h) in [
+        ("contact.heat.coefficient=\"1 + 4*t^2\"".to_owned(), &h as &dyn Fn(f64) -> f64),
+        ("contact.heat.coefficient={ times = [0, 0.5, 1], values = [1, 2, 4], factor = \"1 + x\" }".to_owned(), &table),
+        (format!("contact.heat={sum}"), &h),
     ] {
-        let sets = [format!("contact.heat.coefficient={value}")];
+        let sets = [set.clone()];
         let problem = case::parse(&Source::new("cooling.toml", text), &sets).unwrap_or_else(|e| panic!("{e}")).problem;
         let mut expected = 1.0;
         for n in 1..=8 {
@@ -441,10 +438,43 @@ gap = -0.5
         }
         let state = run(&problem);
         for theta in &state.theta {
-            assert!((theta / expected - 1.0).abs() < 1e-7, "{value}: {theta}, expected {expected}");
+            assert!((theta / expected - 1.0).abs() < 1e-7, "{set}: {theta}, expected {expected}");
         }
         assert!(state.ledger.relative_heat_closing_error().abs() < 1e-12);
+        let finding = findings(&problem).into_iter().find(|finding| finding.id == FindingId::H7).expect("(H7)");
+        assert!(finding.message.contains("depends on the time"), "{}", finding.message);
     }
+}
+
+/// Where the side slips, the friction traction is μ(x, t) p at the end of every step, and points that stick do not exceed
+/// that bound.
+#[test]
+fn a_friction_coefficient_in_space_and_time() {
+    let problem = paper(&[
+        "mesh.n=8",
+        "time.steps=8",
+        "contact.friction.coefficient=\"0.1 + 0.2*t + 0.3*x\"",
+        "contact.foundation_velocity=[3, 0]",
+    ])
+    .problem;
+    let mut scheme = BackwardEuler::new(&problem, Arc::new(Supernodal)).expect("a regular system");
+    let mut state = scheme.initial().expect("finite initial data");
+    let mut slipping = 0;
+    for n in 1..=8 {
+        let (next, report) = scheme.step(&state).unwrap_or_else(|error| panic!("{error}"));
+        let t = f64::from(n) / 8.0;
+        for (at, point) in report.contact.states.iter().zip(&scheme.discretization().boundary.points) {
+            let bound = (0.1 + 0.2 * t + 0.3 * point.x[0]) * at.pressure.max(0.0);
+            let traction = at.q.iter().map(|q| q * q).sum::<f64>().sqrt();
+            assert!(traction <= bound * (1.0 + 1e-12), "{traction} {bound}");
+            if at.status == Status::Slip && at.pressure > 0.0 {
+                slipping += 1;
+                assert!((traction - bound).abs() <= 1e-12 * bound, "t = {t}: {traction}, expected {bound}");
+            }
+        }
+        state = next;
+    }
+    assert!(slipping > 40, "{slipping} points slipped");
 }
 
 /// Constants are extremes over the body and over the side, with their places.

@@ -406,6 +406,12 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
                 .to_owned(),
         );
     }
+    if bound > 0.0 && heat.at_time(0.0).is_some() {
+        return finding(
+            FindingStatus::NotCovered,
+            "the conductance depends on the time, in (2.10) on the penetration".to_owned(),
+        );
+    }
     if bound > 0.0 && test.heat_sees_pressure() {
         return finding(
             FindingStatus::NotCovered,
@@ -507,6 +513,8 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
             "the pressure depends on the rate of the penetration, which (2.8) does not provide for",
             "contact.normal",
         ))
+    } else if test.contact.friction.at_time(0.0).is_some() {
+        Some(("the friction bound depends on the time, which (2.9) does not provide for", "contact.friction"))
     } else if test.friction_sees_slip() {
         Some(("the friction bound depends on the slip speed, which (2.9) does not provide for", "contact.friction"))
     } else if test.friction_sees_heat() {

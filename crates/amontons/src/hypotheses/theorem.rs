@@ -177,6 +177,9 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
             "contact.foundation",
         ));
     }
+    if contact.heat.conductance_bound() > 0.0 && contact.heat.at_time(0.0).is_some() {
+        return Some(("the conductance depends on the time", "contact.heat"));
+    }
     if contact.heat.conductance_bound() > 0.0 && test.heat_sees_pressure() {
         return Some(("the conductance depends on the pressure", "contact.heat"));
     }
