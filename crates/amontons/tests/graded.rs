@@ -446,8 +446,8 @@ gap = -0.5
     }
 }
 
-/// Where the side slips, the friction traction is μ(x, t) p at the end of every step, and points that stick do not exceed
-/// that bound.
+/// Where the side slips, the friction traction is μ(x, t) p at the end of every step, and points that stick do not
+/// exceed that bound.
 #[test]
 fn a_friction_coefficient_in_space_and_time() {
     let problem = paper(&[
