@@ -21,7 +21,7 @@ pub fn pressed_rod() -> Result<[f64; 2], Box<dyn std::error::Error>> {
         1e6,
         PlaneStress,
     ));
-    aluminium.conductivity = Sym([150.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    aluminium.conductivity = Sym([150.0, 0.0, 0.0, 0.0, 0.0, 0.0]).into();
 
     let mut rod = ProblemData::new("rod", Mesh::interval(0.1, 10, Elements::P1)?, aluminium, 1.0, 100);
     rod.boundary = vec![BoundaryCondition::on("left").displacement([1e-4]).temperature(400.0)];

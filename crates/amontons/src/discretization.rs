@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::contact::ContactBoundary;
+use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
@@ -75,18 +76,21 @@ impl Relaxation {
     }
 }
 
-/// A factor of (·, ·)_{L²}: a number, or a form of its own where it differs from region to region.
+/// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
 #[derive(Debug)]
 enum Weight {
     Same(f64),
-    ByRegion(BlockMatrix),
+    Varying(BlockMatrix),
 }
 
 impl Weight {
-    fn new(mesh: &Mesh, graph: &Arc<Graph>, values: &[f64]) -> Weight {
-        match values {
-            [first, rest @ ..] if rest.iter().all(|value| value.to_bits() == first.to_bits()) => Weight::Same(*first),
-            _ => Weight::ByRegion(forms::weighted_inner_h(mesh, graph, values)),
+    fn new(mesh: &Mesh, graph: &Arc<Graph>, values: &[Coefficient<f64>]) -> Weight {
+        let constant = |value: &Coefficient<f64>| value.constant();
+        match values.iter().map(constant).collect::<Option<Vec<f64>>>().as_deref() {
+            Some([first, rest @ ..]) if rest.iter().all(|value| value.to_bits() == first.to_bits()) => {
+                Weight::Same(*first)
+            }
+            _ => Weight::Varying(forms::weighted_inner_h(mesh, graph, values)),
         }
     }
 
@@ -94,14 +98,14 @@ impl Weight {
     fn factor(&self) -> f64 {
         match self {
             Weight::Same(value) => *value,
-            Weight::ByRegion(_) => 1.0,
+            Weight::Varying(_) => 1.0,
         }
     }
 
     fn form<'a>(&'a self, mass: &'a BlockMatrix) -> &'a BlockMatrix {
         match self {
             Weight::Same(_) => mass,
-            Weight::ByRegion(form) => form,
+            Weight::Varying(form) => form,
         }
     }
 }
@@ -114,27 +118,34 @@ impl Discretization {
         let graph = Arc::new(Graph::of_mesh(&mesh));
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let materials = &problem.materials;
-        let each = |f: fn(&Material) -> f64| materials.iter().map(f).collect::<Vec<f64>>();
-        let tensors = |f: fn(&Material) -> &Sym| materials.iter().map(f).collect::<Vec<&Sym>>();
+        let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
+        let tensors = |f: fn(&Material) -> &Coefficient<Sym>| materials.iter().map(f).collect::<Vec<_>>();
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
             let linear: Vec<&dyn TensorLaw> =
                 materials.iter().map(|m| if law(m).is_linear() { law(m).as_ref() } else { &ZERO }).collect();
             forms::tensor_form(&mesh, &graph, &linear, problem.dilatation)
         };
-        let others = |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
-            if materials.iter().all(|m| law(m).is_linear()) {
-                return Vec::new();
-            }
-            materials
-                .iter()
-                .map(|m| if law(m).is_linear() { Arc::new(ZERO) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) })
-                .collect()
-        };
+        let others =
+            |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
+                if materials.iter().all(|m| law(m).is_linear()) {
+                    return Vec::new();
+                }
+                materials
+                    .iter()
+                    .map(|m| {
+                        if law(m).is_linear() {
+                            Arc::new(ZERO.clone()) as Arc<dyn TensorLaw>
+                        } else {
+                            Arc::clone(law(m))
+                        }
+                    })
+                    .collect()
+            };
         let boundary = problem.contact_boundary();
         Discretization {
             mass: forms::inner_h(&mesh, &graph),
-            density: Weight::new(&mesh, &graph, &each(|m| m.density)),
-            capacity: Weight::new(&mesh, &graph, &each(|m| m.heat_capacity)),
+            density: Weight::new(&mesh, &graph, &each(|m| &m.density)),
+            capacity: Weight::new(&mesh, &graph, &each(|m| &m.heat_capacity)),
             a: form(|m| &m.elasticity),
             b: form(|m| &m.viscosity),
             elasticity: others(|m| &m.elasticity),
@@ -315,27 +326,39 @@ impl Discretization {
 }
 
 /// The law of regions that have none of their own in a form.
-const ZERO: material::Branch = material::Branch { modulus: SymMap([[0.0; 6]; 6]), time: f64::INFINITY };
+static ZERO: material::Branch = material::Branch::new(SymMap([[0.0; 6]; 6]), f64::INFINITY);
 
 /// The branches of all materials, those with one relaxation time together.
 fn branches(problem: &Problem, graph: &Arc<Graph>) -> Vec<Relaxation> {
-    let of = |material: &Material| material.prony.as_ref().map_or(&[][..], |prony| prony.branches()).to_vec();
+    let of = |material: &Material, time: f64| -> Vec<material::Branch> {
+        let all = material.prony.as_ref().map_or(&[][..], |prony| prony.branches());
+        all.iter().filter(|branch| branch.time.to_bits() == time.to_bits()).cloned().collect()
+    };
     let form = |time: f64| {
-        let springs: Vec<material::Branch> = problem
-            .materials
-            .iter()
-            .map(|material| {
-                let mut sum = ZERO;
-                for branch in of(material).iter().filter(|branch| branch.time.to_bits() == time.to_bits()) {
-                    for (sum, entry) in sum.modulus.0.iter_mut().flatten().zip(branch.modulus.0.iter().flatten()) {
-                        *sum += entry;
-                    }
+        let by_region: Vec<Vec<material::Branch>> = problem.materials.iter().map(|m| of(m, time)).collect();
+        let assemble = |springs: &[&material::Branch]| {
+            let laws: Vec<&dyn TensorLaw> = springs.iter().map(|law| *law as &dyn TensorLaw).collect();
+            forms::tensor_form(&problem.mesh, graph, &laws, problem.dilatation)
+        };
+        let uniform = |branches: &Vec<material::Branch>| {
+            let mut sum = ZERO.clone();
+            for branch in branches.iter().filter(|branch| branch.graded().is_none()) {
+                for (sum, entry) in sum.modulus.0.iter_mut().flatten().zip(branch.modulus.0.iter().flatten()) {
+                    *sum += entry;
                 }
-                sum
-            })
-            .collect();
-        let laws: Vec<&dyn TensorLaw> = springs.iter().map(|law| law as &dyn TensorLaw).collect();
-        forms::tensor_form(&problem.mesh, graph, &laws, problem.dilatation)
+            }
+            sum
+        };
+        let springs: Vec<material::Branch> = by_region.iter().map(uniform).collect();
+        let mut form = assemble(&springs.iter().collect::<Vec<_>>());
+        // Springs that vary in space, one per region at a time.
+        let graded: Vec<Vec<&material::Branch>> =
+            by_region.iter().map(|branches| branches.iter().filter(|b| b.graded().is_some()).collect()).collect();
+        for number in 0..graded.iter().map(Vec::len).max().unwrap_or(0) {
+            let springs: Vec<_> = graded.iter().map(|all| all.get(number).copied().unwrap_or(&ZERO)).collect();
+            form.add_scaled(1.0, &assemble(&springs));
+        }
+        form
     };
     problem.relaxation_times().into_iter().map(|time| Relaxation { time, form: form(time) }).collect()
 }

@@ -71,7 +71,7 @@ fn heat_content(problem: &Problem, state: &State) -> f64 {
                 map.at(cell, q);
                 let theta: f64 =
                     cell.iter().zip(table.values(q)).map(|(&node, value)| value * state.theta[node as usize]).sum();
-                sum += problem.materials[block.region].heat_capacity * weight * map.measure * theta;
+                sum += problem.materials[block.region].heat_capacity.at(&[0.0; 3]) * weight * map.measure * theta;
             }
         }
     }

@@ -62,7 +62,7 @@ fn plate_area() -> f64 {
 
 fn sums(problem: &Problem) -> (f64, f64) {
     let area = area(&problem.mesh, "piston");
-    let mass = volumes(&problem.mesh).iter().zip(&problem.materials).map(|(v, m)| v * m.density).sum();
+    let mass = volumes(&problem.mesh).iter().zip(&problem.materials).map(|(v, m)| v * m.density.at(&[0.0; 3])).sum();
     (area, mass)
 }
 

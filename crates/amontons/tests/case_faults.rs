@@ -67,9 +67,9 @@ spoiled! {
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
         "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of convection, dashpot, displacement, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
     missing_key: "density = 1.0 " => "# "
-        "paper.toml:23:1: material.density: found no such key, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)";
+        "paper.toml:23:1: material.density: found no such key, expected a number ≥ 0, an expression in x, y, z or data of a mesh file (density ρ in kg/m³; 0: quasistatic)";
     missing_key_of_a_law: "young = 2.0" => ""
-        "paper.toml:29:1: material.elasticity.young: found no such key, expected a number > 0 (Young's modulus E in Pa)";
+        "paper.toml:29:1: material.elasticity.young: found no such key, expected a number > 0, an expression in x, y, z or data of a mesh file (Young's modulus E in Pa)";
     missing_name: "name = \"paper\"" => ""
         "paper.toml: name: found no such key, expected a string (name of the case and of its results folder)";
     missing_table: "[time] " => "[initial.x] #"
@@ -85,10 +85,10 @@ spoiled! {
 
 // Types.
 spoiled! {
-    string_for_number: "density = 1.0 " => "density = \"1.0\" "
-        "paper.toml:24:11: material.density: found \"1.0\", expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic); write 1.0 without quotes";
+    expression_out_of_range: "density = 1.0 " => "density = \"-1.0\" "
+        "paper.toml:24:11: material.density: found the value -1.0 at x = 0.0, y = 0.0, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)";
     word_for_number: "heat_capacity = 1.0 " => "heat_capacity = \"one\" "
-        "paper.toml:25:17: material.heat_capacity: found \"one\", expected a number ≥ 0 (heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat)";
+        "paper.toml:25:18: material.heat_capacity: found `one`, expected a variable (x, y, z, t), a constant (pi, e) or a function";
     number_for_string: "name = \"paper\"" => "name = 3"
         "paper.toml:10:8: name: found 3, expected a string (name of the case and of its results folder)";
     table_for_number: "end = 1.0" => "end = { value = 1 }"
@@ -197,10 +197,10 @@ spoiled! {
     tensor_with_a_short_row: "coupling = [[1, 1], [1, 1]]" => "coupling = [[1, 1], [1]]"
         "paper.toml:27:12: material.coupling: found a row 2 of length 1, expected a number or a symmetric 2 × 2 matrix";
     tensor_as_a_vector: "conductivity = [[1, 0], [0, 1]]" => "conductivity = [1, 1]"
-        "paper.toml:28:17: material.conductivity[0]: found 1, expected an array, each a number (heat conductivity tensor 𝓚 of (2.2) in W/(m K))"
-        "paper.toml:28:20: material.conductivity[1]: found 1, expected an array, each a number (heat conductivity tensor 𝓚 of (2.2) in W/(m K))";
+        "paper.toml:28:17: material.conductivity[0]: found 1, expected an array, each a number, an expression in x, y, z or data of a mesh file (heat conductivity tensor 𝓚 of (2.2) in W/(m K))"
+        "paper.toml:28:20: material.conductivity[1]: found 1, expected an array, each a number, an expression in x, y, z or data of a mesh file (heat conductivity tensor 𝓚 of (2.2) in W/(m K))";
     tensor_as_a_string: "conductivity = [[1, 0], [0, 1]]" => "conductivity = \"identity\""
-        "paper.toml:28:16: material.conductivity: found \"identity\", expected a number or a symmetric matrix [[…], […]] (heat conductivity tensor 𝓚 of (2.2) in W/(m K))";
+        "paper.toml:28:17: material.conductivity: found `identity`, expected a variable (x, y, z, t), a constant (pi, e) or a function";
     indefinite_conductivity: "conductivity = [[1, 0], [0, 1]]" => "conductivity = [[1, 0], [0, -1]]"
         "paper.toml:28:16: material.conductivity: found the eigenvalue -1.0, expected no negative eigenvalue: heat flows from warm to cold";
 }

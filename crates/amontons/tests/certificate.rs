@@ -296,7 +296,7 @@ fn dense_least(problem: &Problem) -> f64 {
     let graph = Arc::new(Graph::of_mesh(mesh));
     let mut matrix = forms::b(mesh, &graph, &[problem.materials[0].viscosity.as_ref()]);
     matrix.add_scaled(k, &forms::a(mesh, &graph, &[problem.materials[0].elasticity.as_ref()]));
-    matrix.add_scaled(problem.materials[0].density / k, &forms::inner_h(mesh, &graph));
+    matrix.add_scaled(problem.materials[0].density.at(&[0.0; 3]) / k, &forms::inner_h(mesh, &graph));
     let held = mesh.facets["top"].node_list();
     let free: Vec<bool> = (0..2 * graph.len()).map(|dof| !held.contains(&(dof as u32 / 2))).collect();
     let contact = mesh.facets["bottom"].node_list();

@@ -8,7 +8,7 @@ mod common;
 use std::sync::Arc;
 
 use amontons::contact::{Bound, Cone, ContactPoint, FrictionLaw, Signorini, Status, Tresca};
-use amontons::field::Field;
+use amontons::field::{Coefficient, Field};
 use amontons::inclusion::Rule;
 use amontons::material::{Isotropic, StressState};
 use amontons::mesh::{Elements, Mesh};
@@ -324,7 +324,8 @@ fn turned(problem: Problem, angle: f64) -> Problem {
         side.traction = side.traction.as_ref().map(|traction| fields(traction));
     }
     for material in &mut problem.materials {
-        (material.expansion, material.coupling) = (turn.tensor(&material.expansion), turn.tensor(&material.coupling));
+        let turned = |tensor: &Coefficient<Sym>| turn.tensor(&tensor.at(&[0.0; 3])).into();
+        (material.expansion, material.coupling) = (turned(&material.expansion), turned(&material.coupling));
     }
     checked(problem)
 }
@@ -397,8 +398,8 @@ fn block(dim: usize, friction: Arc<dyn FrictionLaw>) -> (Problem, BackwardEuler,
         let material = &mut problem.materials[0];
         material.elasticity = Arc::new(Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain));
         material.viscosity = Arc::new(Isotropic::lame(3, 0.1, 0.1, StressState::PlaneStrain));
-        [material.expansion, material.coupling] = [Sym::ZERO; 2];
-        material.conductivity = Sym([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+        [material.expansion, material.coupling] = [Sym::ZERO; 2].map(Coefficient::from);
+        material.conductivity = Sym([1.0, 1.0, 1.0, 0.0, 0.0, 0.0]).into();
         let held = BoundaryCondition::on("top").displacement([0.0; 3]).temperature(0.0);
         problem.boundary = vec![held, BoundaryCondition::on("left").traction([1.4, 0.4, -0.7])];
         problem.initial =
@@ -457,7 +458,7 @@ fn minimum(
     };
     let slips: Vec<f64> =
         made.1.contact.states.iter().zip(&discrete.boundary.points).map(|(s, p)| length(&scaled(&s.slip, p))).collect();
-    let rho = problem.materials[0].density;
+    let rho = problem.materials[0].density.at(&[0.0; 3]);
     let matrix = discrete.mechanical_matrix(Rule::backward_euler(k));
     let unknowns: Vec<usize> = (0..state.w.len()).filter(|&i| discrete.v.free[i]).collect();
     let of = |dof: usize| unknowns.binary_search(&dof).ok();

@@ -31,8 +31,8 @@ fn in_strain(problem: &mut ProblemData, dim: usize, direct: f64) {
     problem.materials[0].viscosity = Arc::new(Isotropic::lame(dim, 10.0, 10.0, StressState::PlaneStrain));
     // 𝓜 and 𝓡 are all ones in the plane, and couple what is across to nothing.
     let ones = Sym::from_fn(dim, |i, j| if i.max(j) < 2 { direct } else { 0.0 });
-    (problem.materials[0].expansion, problem.materials[0].coupling) = (ones, ones);
-    problem.materials[0].conductivity = Sym::identity(dim);
+    (problem.materials[0].expansion, problem.materials[0].coupling) = (ones.into(), ones.into());
+    problem.materials[0].conductivity = Sym::identity(dim).into();
 }
 
 fn symmetry(on: &str) -> BoundaryCondition {
@@ -118,7 +118,7 @@ fn a_rod_is_a_strip_between_planes_of_symmetry() {
     in_strain(&mut strip, 2, 1.0);
     // Shear of 𝓜 and 𝓡 would couple to nothing in the rod.
     let diagonal = Sym::from_fn(2, |i, j| if i == j { 1.0 } else { 0.0 });
-    (strip.materials[0].expansion, strip.materials[0].coupling) = (diagonal, diagonal);
+    (strip.materials[0].expansion, strip.materials[0].coupling) = (diagonal.into(), diagonal.into());
     strip.body_force = vec![1.0.into(), Field::ZERO];
     let held = BoundaryCondition::on("left").displacement([0.0; 2]).temperature(0.0);
     strip.boundary = vec![held, symmetry("bottom"), symmetry("top")];

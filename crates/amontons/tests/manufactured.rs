@@ -37,7 +37,7 @@ fn cube(elements: Elements, n: usize) -> Mesh {
 
 fn material(elasticity: Arc<dyn TensorLaw>, viscosity: Arc<dyn TensorLaw>, conductivity: Sym) -> Material {
     let mut material = Material::new(3, Isotropic::lame(3, 0.0, 0.0, StressState::PlaneStrain));
-    (material.elasticity, material.viscosity, material.conductivity) = (elasticity, viscosity, conductivity);
+    (material.elasticity, material.viscosity, material.conductivity) = (elasticity, viscosity, conductivity.into());
     material
 }
 

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::files::{Files, Loader};
-use super::material;
 use super::nearest::nearest;
 use super::path::{Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
+use super::schema::Limits;
 use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
@@ -22,23 +22,26 @@ use crate::units::System;
 
 /// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
 ///
-/// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
+/// At the doubtful paths of `notes` stand-ins are in the place of faulty values, so that nothing counts that is
 /// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the
 /// times of checks need not fit.
 pub(super) fn problem(
     raw: raw::Case,
     files: &Files,
     available: Option<f64>,
-    doubtful: &[Path],
+    notes: Notes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
     let mut build = Build {
         findings: Vec::new(),
-        doubtful,
+        doubtful: notes.doubtful,
+        limits: notes.limits,
         loader: Loader::new(files),
         no_mesh: false,
+        mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         end: raw.time.end,
+        steps: raw.time.steps,
         has_other_end,
     };
     build.name(&raw.name);
@@ -160,18 +163,32 @@ pub(super) fn expected(raw: &raw::Expected) -> Expected {
     Expected { tolerance: raw.tolerance, values }
 }
 
+/// What the walk along the schema leaves for the build.
+#[derive(Clone, Copy)]
+pub(super) struct Notes<'d> {
+    /// Where stand-ins are.
+    pub doubtful: &'d [Path],
+    /// What is expected of the values of expressions and tables.
+    pub limits: &'d [(Path, Limits)],
+}
+
 /// What is known while a problem is built.
 pub(super) struct Build<'d> {
     pub findings: Vec<Finding>,
     pub doubtful: &'d [Path],
+    /// The numbers that keys admit.
+    pub limits: &'d [(Path, Limits)],
     /// The files beside the case.
     pub loader: Loader<'d>,
+    /// The file of the mesh with the factor of its coordinates; none of a generated one.
+    pub mesh_file: Option<(String, f64)>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
     pub no_mesh: bool,
     /// d.
     pub dim: usize,
-    /// T in s, and whether an override gives it.
+    /// T in s, the number of steps, and whether an override gives T.
     pub end: f64,
+    pub steps: usize,
     pub has_other_end: bool,
 }
 
@@ -242,11 +259,15 @@ impl Build<'_> {
 
     /// The materials by region: that of `[material]`, but for regions with their own.
     fn materials(&mut self, raw: &raw::Case, mesh: &Mesh) -> Vec<Material> {
-        let common = material::material(&raw.material, "material", mesh, &mut self.findings);
+        let number = |on: &str| mesh.regions.iter().position(|name| name == on);
+        let taken: Vec<usize> = raw.region.iter().filter_map(|region| number(&region.on)).collect();
+        let shared: Vec<usize> = (0..mesh.regions.len().max(1)).filter(|region| !taken.contains(region)).collect();
+        let common = self.material(&raw.material, "material", mesh, &shared);
         let mut own: Vec<Option<Material>> = vec![None; mesh.regions.len().max(1)];
         for (i, region) in raw.region.iter().enumerate() {
             let prefix = format!("region[{i}].material");
-            let material = material::material(&region.material, &prefix, mesh, &mut self.findings);
+            let regions: Vec<usize> = number(&region.on).into_iter().collect();
+            let material = self.material(&region.material, &prefix, mesh, &regions);
             if region.material.dilatation != raw.material.dilatation {
                 let expected = "that of [material]: there is one for the body";
                 self.note(&format!("{prefix}.dilatation"), At::Value, "another dilatation", expected, None);
@@ -334,7 +355,7 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (problem, findings) = problem(raw, &Files::None, Some(2e6), &[], false);
+        let (problem, findings) = problem(raw, &Files::None, Some(2e6), Notes { doubtful: &[], limits: &[] }, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);

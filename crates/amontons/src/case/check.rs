@@ -9,7 +9,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 use super::nearest::nearest;
 use super::path::Path;
 use super::place::{At, Finding};
-use super::schema::{View, one_of};
+use super::schema::{Limits, View, one_of};
 
 /// What the walk gives.
 pub(super) struct Checked {
@@ -19,19 +19,22 @@ pub(super) struct Checked {
     pub findings: Vec<Finding>,
     /// Where stand-ins are: nothing that is found there later says anything about the case.
     pub doubtful: Vec<Path>,
+    /// What is expected of the values of expressions and tables, by the keys that have bounds.
+    pub limits: Vec<(Path, Limits)>,
 }
 
 /// Walks a document along a schema.
 pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
-    let mut walk = Walk { all: View::new(schema), findings: Vec::new(), doubtful: Vec::new() };
+    let mut walk = Walk { all: View::new(schema), findings: Vec::new(), doubtful: Vec::new(), limits: Vec::new() };
     let value = walk.table(walk.all, &Path::default(), document);
-    Checked { value, findings: walk.findings, doubtful: walk.doubtful }
+    Checked { value, findings: walk.findings, doubtful: walk.doubtful, limits: walk.limits }
 }
 
 struct Walk<'s> {
     all: View<'s>,
     findings: Vec<Finding>,
     doubtful: Vec<Path>,
+    limits: Vec<(Path, Limits)>,
 }
 
 impl<'s> Walk<'s> {
@@ -39,6 +42,9 @@ impl<'s> Walk<'s> {
         let alternatives = schema.alternatives();
         if !alternatives.is_empty() {
             if let Some(form) = alternatives.iter().find(|form| takes(form.kind(), found)) {
+                if matches!(found, DeValue::String(_) | DeValue::Table(_)) {
+                    self.limits.push((path.clone(), schema.limits()));
+                }
                 return self.value(*form, path, found);
             }
             let hint = alternatives.iter().find_map(|form| hint_for_kind(*form, path, found));

@@ -3,16 +3,17 @@
 use std::sync::Arc;
 
 use super::build::{Build, side};
+use super::coefficient::{Plan, Sites};
+use super::laws::{self, Keyed};
 use super::place::At;
-use super::raw;
+use super::raw::{self, Datum};
 use crate::contact::{
-    Adhesion, Archard, Bilateral, Capped, Compliance, Contact, Coulomb, Damped, FrictionLaw, FrictionalHeat,
-    Frictionless, GapConduction, HeatLaw, HuntCrossley, Insulated, LumpedFoundation, NormalLaw, Orthotropic,
-    PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Quadrature,
-    Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop, Sum, TableFault, Tabulated, Tresca, Variable, WearLaw,
+    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Quadrature,
+    Signorini, Sum, WearLaw,
 };
-use crate::field::Field;
+use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
+use crate::tensor::Point;
 
 impl Build<'_> {
     pub fn contact(&mut self, path: &str, raw: raw::Contact, mesh: &Mesh) -> Contact {
@@ -20,35 +21,60 @@ impl Build<'_> {
         if !raw.foundation_velocity.is_empty() && raw.foundation_velocity.len() != self.dim {
             self.wants_components(&format!("{path}.foundation_velocity"), raw.foundation_velocity.len());
         }
-        let (terms, foundation_temperature) = raw.heat.terms();
-        let mut laws: Vec<Arc<dyn HeatLaw>> = terms.iter().map(heat).collect();
-        if raw.frictional_heat > 0.0 {
-            laws.push(Arc::new(FrictionalHeat { partition: raw.frictional_heat }));
-        }
-        let only = if laws.len() < 2 { laws.pop() } else { None };
-        let heat: Arc<dyn HeatLaw> = match only {
-            Some(law) => law,
-            None if laws.is_empty() => Arc::new(Insulated),
-            None => Arc::new(Sum { laws }),
+        let quadrature = match raw.quadrature {
+            raw::Quadrature::Nodal => Quadrature::Nodal,
+            raw::Quadrature::Gauss => Quadrature::Gauss,
         };
+        let sites = Sites::new(|| {
+            let set = mesh.facets.get(&raw.on);
+            let at_points = set.map(|set| ContactBoundary::new(mesh, set, quadrature).points).unwrap_or_default();
+            points.iter().copied().chain(at_points.into_iter().map(|point| point.x)).collect()
+        });
+        let (heat, foundation_temperature) = self.exchange(path, raw.heat, &raw.frictional_heat, &sites);
         let foundation_temperature = foundation_temperature
             .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
             gap: self.field(&format!("{path}.gap"), &raw.gap, &points),
-            quadrature: match raw.quadrature {
-                raw::Quadrature::Nodal => Quadrature::Nodal,
-                raw::Quadrature::Gauss => Quadrature::Gauss,
-            },
-            normal: self.normal(path, raw.normal),
-            friction: self.friction(path, raw.friction),
+            quadrature,
+            normal: self.normal(path, &raw.normal, &sites),
+            friction: self.friction(path, &raw.friction, &sites),
             heat,
             foundation_heat: self.foundation_heat(path, raw.foundation, &foundation_temperature),
             foundation_temperature,
-            wear: raw.wear.map(|wear| self.wear(path, wear)),
+            wear: raw.wear.map(|wear| self.wear(path, &wear, &sites)),
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
-            on: raw.on,
+            on: raw.on.clone(),
         }
+    }
+
+    /// The laws of heat exchange and of friction heat, and the temperature of the foundation.
+    fn exchange(
+        &mut self,
+        path: &str,
+        raw: raw::Heat,
+        frictional: &Datum,
+        sites: &Sites,
+    ) -> (Arc<dyn HeatLaw>, Option<Datum>) {
+        let is_sum = matches!(raw, raw::Heat::Sum { .. });
+        let (terms, foundation_temperature) = raw.terms();
+        let mut all: Vec<Arc<dyn HeatLaw>> = Vec::new();
+        for (i, term) in terms.iter().enumerate() {
+            let at = if is_sum { format!("{path}.heat.laws[{i}]") } else { format!("{path}.heat") };
+            let (coefficients, make) = laws::heat(term);
+            all.push(self.heat(&at, coefficients, make, sites));
+        }
+        if !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
+            let (coefficients, make) = laws::frictional_heat(frictional);
+            all.push(self.heat(path, coefficients, make, sites));
+        }
+        let only = if all.len() < 2 { all.pop() } else { None };
+        let heat: Arc<dyn HeatLaw> = match only {
+            Some(law) => law,
+            None if all.is_empty() => Arc::new(Insulated),
+            None => Arc::new(Sum { laws: all }),
+        };
+        (heat, foundation_temperature)
     }
 
     fn foundation_heat(
@@ -78,153 +104,89 @@ impl Build<'_> {
         })
     }
 
-    fn wear(&mut self, path: &str, raw: raw::Wear) -> Arc<dyn WearLaw> {
-        match raw {
-            raw::Wear::Archard { coefficient } => Arc::new(Archard::Constant(coefficient)),
-            raw::Wear::ArchardTemperature { temperature, coefficient } => {
-                match PiecewiseLinear::new(&temperature, &coefficient) {
-                    Ok(table) => Arc::new(Archard::ByTemperature(table)),
-                    Err(fault) => {
-                        let key =
-                            if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { "temperature" };
-                        self.fault(&format!("{path}.wear.{key}"), &fault.to_string());
-                        Arc::new(Archard::Constant(0.0))
-                    }
-                }
-            }
-        }
-    }
-
     pub fn wants_components(&mut self, path: &str, found: usize) {
         let expected = format!("{} components", self.dim);
         self.note(path, At::Value, format!("{found} components"), expected, None);
     }
 
-    fn normal(&mut self, path: &str, raw: raw::Normal) -> Arc<dyn NormalLaw> {
-        match raw {
-            raw::Normal::Compliance { stiffness } => Arc::new(Compliance { stiffness }),
-            raw::Normal::Power { stiffness, exponent } => Arc::new(Power { stiffness, exponent }),
-            raw::Normal::Table { penetration, pressure } => match PressureTable::new(&penetration, &pressure) {
-                Ok(law) => Arc::new(law),
-                Err(fault) => {
-                    let key = match fault {
-                        PressureTableFault::Falls { .. } => "pressure",
-                        PressureTableFault::Start { .. } | PressureTableFault::Table(_) => "penetration",
-                    };
-                    self.fault(&format!("{path}.normal.{key}"), &fault.to_string());
-                    Arc::new(Signorini)
-                }
-            },
-            raw::Normal::Stop { stiffness, depth } => Arc::new(Stop { stiffness, depth }),
-            raw::Normal::Signorini => Arc::new(Signorini),
-            raw::Normal::Bilateral => Arc::new(Bilateral),
-            raw::Normal::Damped { stiffness, damping } => Arc::new(Damped { stiffness, damping }),
-            raw::Normal::HuntCrossley { stiffness, exponent, damping } => {
-                Arc::new(HuntCrossley { at_rest: Power { stiffness, exponent }, damping })
-            }
-            raw::Normal::Softening { stiffness, peak, softening, residual } => {
-                if residual > peak {
-                    self.note(
-                        &format!("{path}.normal.residual"),
-                        At::Value,
-                        format!("{residual:?}"),
-                        format!("at most the peak, {peak:?}"),
-                        None,
-                    );
-                }
-                Arc::new(Softening { stiffness, peak, softening, residual })
-            }
-            raw::Normal::Adhesion { stiffness, strength, release } => {
-                Arc::new(Adhesion { stiffness, strength, release })
-            }
+    /// The plan of a law at `path`, whose coefficients may change with time; none where it does not exist everywhere,
+    /// which is noted.
+    fn plan<T: 'static>(&mut self, path: &str, keyed: Keyed, make: laws::Make<T>, sites: &Sites) -> Option<Plan<T>> {
+        let fields = keyed
+            .into_iter()
+            .map(|(key, datum)| self.coefficient_in_time(&format!("{path}.{key}"), datum, sites))
+            .collect();
+        let plan = Plan::new(fields, make);
+        self.holds(path, &plan, sites).then_some(plan)
+    }
+
+    fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Arc<dyn NormalLaw> {
+        let path = format!("{path}.normal");
+        let (keyed, make) = laws::normal(raw);
+        let fields = keyed
+            .into_iter()
+            .map(|(key, coefficient)| self.steady_coefficient(&format!("{path}.{key}"), coefficient, sites))
+            .collect();
+        let plan = Plan::new(fields, make);
+        let made = if self.holds(&path, &plan, sites) { plan.at(&[0.0; 3], 0.0).ok() } else { None };
+        match made {
+            Some(law) if !plan.varies() => law,
+            None if !plan.varies() => Arc::new(Signorini),
+            _ => Arc::new(Graded::normal(sites.points(), move |x| {
+                plan.at(x, 0.0).unwrap_or_else(|_| Arc::new(Signorini))
+            })),
         }
     }
 
-    /// What a law or a shape says of itself: `found`, expected `expected`.
-    pub fn fault(&mut self, path: &str, message: &str) {
-        let (found, expected) = message.split_once(", expected ").unwrap_or((message, "as many"));
-        self.note(path, At::Value, found, expected, None);
-    }
-
-    fn friction(&mut self, path: &str, raw: raw::Friction) -> Arc<dyn FrictionLaw> {
-        let (law, cap): (Arc<dyn FrictionLaw>, Option<f64>) = match raw {
-            raw::Friction::None => (Arc::new(Frictionless), None),
-            raw::Friction::Coulomb { coefficient, cap } => (Arc::new(Coulomb { coefficient }), cap),
-            raw::Friction::Tresca { bound } => (Arc::new(Tresca { bound }), None),
-            raw::Friction::StaticKinetic { at_rest, kinetic, decay_speed, cap } => {
-                if at_rest < kinetic {
-                    let expected = format!("at least the kinetic coefficient, {kinetic:?}");
-                    self.note(&format!("{path}.friction.static"), At::Value, format!("{at_rest:?}"), expected, None);
-                }
-                (Arc::new(StaticKinetic { at_rest, kinetic, decay_speed }), cap)
-            }
-            raw::Friction::SlipRate { speed, coefficient, cap } => {
-                (self.tabulated(path, Variable::SlipSpeed, "speed", &speed, &coefficient), cap)
-            }
-            raw::Friction::Temperature { temperature, coefficient, cap } => {
-                (self.tabulated(path, Variable::Temperature, "temperature", &temperature, &coefficient), cap)
-            }
-            raw::Friction::Pressure { pressure, coefficient, cap } => {
-                (self.tabulated(path, Variable::Pressure, "pressure", &pressure, &coefficient), cap)
-            }
-            raw::Friction::Orthotropic { coefficients, direction } => {
-                if direction.len() != self.dim {
-                    self.wants_components(&format!("{path}.friction.direction"), direction.len());
-                } else if direction.iter().all(|c| *c == 0.0) {
-                    self.note(&format!("{path}.friction.direction"), At::Value, "zero", "a direction", None);
-                }
-                if let Some(i) = coefficients.iter().position(|c| *c <= 0.0) {
-                    self.note(
-                        &format!("{path}.friction.coefficients[{i}]"),
-                        At::Value,
-                        format!("{:?}", coefficients[i]),
-                        "a positive number",
-                        None,
-                    );
-                }
-                let direction = std::array::from_fn(|c| direction.get(c).copied().unwrap_or(0.0));
-                (Arc::new(Orthotropic { coefficients, direction }), None)
-            }
-        };
-        match cap {
-            Some(cap) => Arc::new(Capped { law, cap }),
-            None => law,
+    fn friction(&mut self, path: &str, raw: &raw::Friction, sites: &Sites) -> Arc<dyn FrictionLaw> {
+        if let raw::Friction::Orthotropic { direction, .. } = raw
+            && direction.len() != self.dim
+        {
+            self.wants_components(&format!("{path}.friction.direction"), direction.len());
+            return Arc::new(Frictionless);
         }
+        let (coefficients, make) = laws::friction(raw);
+        let nothing = || -> Arc<dyn FrictionLaw> { Arc::new(Frictionless) };
+        let Some(plan) = self.plan(&format!("{path}.friction"), coefficients, make, sites) else { return nothing() };
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
+        }
+        let times = self.times(plan.changes());
+        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Frictionless));
+        Arc::new(Graded::friction(sites.points(), &times, at))
     }
 
-    fn tabulated(
+    fn heat(
         &mut self,
         path: &str,
-        variable: Variable,
-        key: &str,
-        arguments: &[f64],
-        values: &[f64],
-    ) -> Arc<dyn FrictionLaw> {
-        match PiecewiseLinear::new(arguments, values) {
-            Ok(coefficient) => Arc::new(Tabulated { variable, coefficient }),
-            Err(fault) => {
-                let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { key };
-                self.fault(&format!("{path}.friction.{key}"), &fault.to_string());
-                Arc::new(Frictionless)
-            }
+        coefficients: Keyed,
+        make: laws::Make<Arc<dyn HeatLaw>>,
+        sites: &Sites,
+    ) -> Arc<dyn HeatLaw> {
+        let nothing = || -> Arc<dyn HeatLaw> { Arc::new(Insulated) };
+        let Some(plan) = self.plan(path, coefficients, make, sites) else { return nothing() };
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
         }
+        let times = self.times(plan.changes());
+        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Insulated));
+        Arc::new(Graded::heat(sites.points(), &times, at))
     }
-}
 
-fn heat(raw: &raw::HeatTerm) -> Arc<dyn HeatLaw> {
-    match *raw {
-        raw::HeatTerm::Ramp { conductance, width, truncation } => Arc::new(Ramp { conductance, width, truncation }),
-        raw::HeatTerm::Power { coefficient, exponent, truncation } => {
-            Arc::new(PowerConductance { coefficient, exponent, truncation })
+    fn wear(&mut self, path: &str, raw: &raw::Wear, sites: &Sites) -> Arc<dyn WearLaw> {
+        let (coefficients, make) = laws::wear(raw);
+        let Some(plan) = self.plan(&format!("{path}.wear"), coefficients, make, sites) else { return laws::no_wear() };
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| laws::no_wear());
         }
-        raw::HeatTerm::Pressure { coefficient, exponent, truncation } => {
-            Arc::new(PressureConductance { coefficient, exponent, truncation })
-        }
-        raw::HeatTerm::Gap { conductivity, roughness, truncation } => {
-            Arc::new(GapConduction { conductivity, roughness, truncation })
-        }
-        raw::HeatTerm::Radiation { emissivity, absolute_zero, constant } => {
-            Arc::new(Radiation { emissivity, constant, absolute_zero })
-        }
+        let times = self.times(plan.changes());
+        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| laws::no_wear());
+        Arc::new(Graded::wear(sites.points(), &times, at))
+    }
+
+    /// What a shape says of itself: `found`, expected `expected`.
+    pub fn fault(&mut self, path: &str, message: &str) {
+        let (found, expected) = laws::parts(message);
+        self.note(path, At::Value, found, expected, None);
     }
 }

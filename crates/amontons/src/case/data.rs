@@ -7,6 +7,7 @@ use super::raw::{Component, Datum, Extend, Scalar, TableData};
 use super::table;
 use crate::expression::{Expression, Variable};
 use crate::field::{Field, TableError, TimeTable};
+use crate::mesh::MeshData;
 use crate::tensor::Point;
 
 /// Names of the coordinates.
@@ -18,6 +19,7 @@ impl Build<'_> {
         let field = match datum {
             Datum::Number(value) => return Field::Constant(*value),
             Datum::Expression(text) => self.expression(path, text).map(Field::Expression),
+            Datum::Table(table) if table.data.is_some() || table.file.is_some() => self.mesh_data(path, table),
             Datum::Table(data) => self.table(path, data).map(Field::Table),
         };
         let Some(field) = field else { return Field::ZERO };
@@ -67,7 +69,7 @@ impl Build<'_> {
     }
 
     /// The coordinates of the body: `x, y`.
-    fn axes(&self) -> String {
+    pub fn axes(&self) -> String {
         AXES[..self.dim.min(AXES.len())].join(", ")
     }
 
@@ -132,6 +134,57 @@ impl Build<'_> {
             Some((_, Some(expression))) => table.scaled(expression),
             _ => table,
         })
+    }
+
+    /// Data of a mesh file.
+    fn mesh_data(&mut self, path: &str, raw: &TableData) -> Option<Field> {
+        let given = [raw.table.is_some(), raw.times.is_some(), raw.values.is_some()].contains(&true)
+            || raw.column.is_some()
+            || raw.time.is_some()
+            || raw.extend != Extend::None;
+        let Some(name) = raw.data.as_ref().filter(|_| !given) else {
+            let expected = "`data`, the name of data of a mesh file, with `file` and `factor` alone";
+            self.note(path, At::Value, "a table without clear data", expected, None);
+            return None;
+        };
+        let Some(file) = raw.file.clone().or_else(|| Some(self.mesh_file.as_ref()?.0.clone())) else {
+            let expected = "`file`, the mesh file that has the data: the mesh of the case is not from a file";
+            self.note(path, At::Value, "data without a file", expected, None);
+            return None;
+        };
+        let factor = match &raw.factor {
+            None => Field::Constant(1.0),
+            Some(Scalar::Number(factor)) => Field::Constant(*factor),
+            Some(Scalar::Expression(text)) => Field::Expression(self.expression(&format!("{path}.factor"), text)?),
+        };
+        if factor.depends_on_time() {
+            let expected = format!("an expression in {}", self.axes());
+            self.note(&format!("{path}.factor"), At::Value, "`t` in an expression", expected, None);
+            return None;
+        }
+        let key = if raw.file.is_some() { format!("{path}.file") } else { path.to_owned() };
+        let bytes = match self.loader.look(&Path::parse(&key).unwrap_or_default(), &file, raw.file.is_some()) {
+            Ok(bytes) => bytes,
+            Err(missing) => {
+                self.note(&key, At::Value, missing.found, missing.expected, missing.hint.as_deref());
+                return None;
+            }
+        };
+        if ![".vtu", ".msh"].iter().any(|ending| file.to_lowercase().ends_with(ending)) {
+            let expected = "a file .msh (Gmsh) or .vtu (VTK) with data of cells or nodes";
+            self.note(&key, At::Value, format!("the file {file}"), expected, None);
+            return None;
+        }
+        let scale = self.mesh_file.as_ref().map_or(1.0, |(_, scale)| *scale);
+        match MeshData::read(&file, &bytes, name, scale) {
+            Ok(data) => Some(data.into_field(factor)),
+            Err(error) => {
+                let message = error.to_string();
+                let (found, expected) = message.split_once(", expected ").unwrap_or((&message, "a mesh with data"));
+                self.note(&format!("{path}.data"), At::Value, format!("{found} in {file}"), expected, None);
+                None
+            }
+        }
     }
 
     /// Times and values that stand in the case.

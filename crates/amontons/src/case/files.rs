@@ -56,6 +56,17 @@ impl<'s> Loader<'s> {
         Ok(bytes)
     }
 
+    /// The file of this name; with `refers` the key at `path` refers to it, else another key does.
+    ///
+    /// # Errors
+    /// When it is not there or cannot be read.
+    pub fn look(&mut self, path: &path::Path, name: &str, refers: bool) -> Result<Arc<[u8]>, Missing> {
+        match self.read.get(name) {
+            Some(bytes) if !refers => Ok(Arc::clone(bytes)),
+            _ => self.get(path, name),
+        }
+    }
+
     /// The copies to keep, and where the case has to refer to them.
     ///
     /// A name that is one of a copy already stays, so that a case read from a results folder is the case that was run.

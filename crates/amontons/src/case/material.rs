@@ -2,33 +2,40 @@
 
 use std::sync::Arc;
 
-use super::path::Path;
-use super::place::{At, Finding};
-use super::raw::{self, Elasticity, Expansion, Orientation, Tensor, Viscosity};
-use crate::material::{
-    Carreau, Hencky, Isotropic, LawError, Linear, Material, Orthotropic, Prony, ShearLaw, StressState, TensorLaw,
-    VonMisesProjection, reduced,
-};
+use super::build::Build;
+use super::coefficient::{Plan, Refusal, Sites};
+use super::elasticity::{self, Law, Shape};
+use super::place::At;
+use super::raw::{self, Coefficient, Elasticity, Expansion, Orientation, Tensor};
+use crate::field::{self, Field, Graded};
+use crate::material::{Isotropic, Material, Prony, StressState, TensorLaw};
 use crate::mesh::Mesh;
-use crate::tensor::{Rotation, Sym, mandel_len};
+use crate::tensor::{Point, Rotation, Sym, mandel_len};
 
-/// Builds the material at `prefix` of the case; what is wrong with it goes to the findings.
-pub(super) fn material(raw: &raw::Material, prefix: &str, mesh: &Mesh, findings: &mut Vec<Finding>) -> Material {
-    Builder { prefix, mesh, findings }.material(raw)
+impl Build<'_> {
+    /// Builds the material at `prefix` of the case, which fills these regions; what is wrong with it goes to the
+    /// findings.
+    pub fn material(&mut self, raw: &raw::Material, prefix: &str, mesh: &Mesh, regions: &[usize]) -> Material {
+        let sites = Sites::new(|| regions.iter().flat_map(|&region| mesh.sites(Some(region))).collect());
+        Builder { prefix, mesh, sites, build: self }.material(raw)
+    }
 }
 
-struct Builder<'a> {
+struct Builder<'a, 'b, 'd> {
     prefix: &'a str,
     mesh: &'a Mesh,
-    findings: &'a mut Vec<Finding>,
+    sites: Sites<'a>,
+    build: &'b mut Build<'d>,
 }
 
-type Law = Arc<dyn TensorLaw>;
+impl Builder<'_, '_, '_> {
+    fn path(&self, key: &str) -> String {
+        format!("{}.{key}", self.prefix)
+    }
 
-impl Builder<'_> {
     fn note(&mut self, key: &str, found: String, expected: impl Into<String>, hint: Option<&str>) {
-        let path = Path::parse(&format!("{}.{key}", self.prefix)).unwrap_or_default();
-        self.findings.push(Finding::new(path, At::Value, found, expected).hint(hint.map(str::to_owned)));
+        let path = self.path(key);
+        self.build.note(&path, At::Value, found, expected, hint);
     }
 
     /// Keys that are left out stand for zero; those that are required are noted elsewhere.
@@ -37,20 +44,26 @@ impl Builder<'_> {
         let state =
             raw.elasticity.as_ref().map_or_else(StressState::default, |elasticity| self.stress_state(elasticity));
         let none = || -> Law { Arc::new(Isotropic::lame(dim, 0.0, 0.0, state)) };
-        let elasticity =
-            raw.elasticity.as_ref().map_or_else(none, |elasticity| self.elasticity(elasticity, dim, state));
-        let viscosity = raw.viscosity.as_ref().map_or_else(none, |viscosity| self.viscosity(viscosity, state));
-        let expansion = self.expansion(raw, elasticity.as_ref(), state);
-        let coupling = raw.coupling.as_ref().map_or(Sym::ZERO, |coupling| self.tensor("coupling", coupling));
-        let heat_capacity = raw.heat_capacity.unwrap_or(0.0);
-        let conductivity = raw.conductivity.as_ref().map_or(Sym::ZERO, |conductivity| {
-            let conductivity = self.tensor("conductivity", conductivity);
-            self.check_conductivity(&conductivity, heat_capacity);
+        let plans = raw.elasticity.as_ref().map(|elasticity| self.elasticity(elasticity, state));
+        let before = self.build.findings.len();
+        let elasticity = plans.as_ref().map_or_else(none, |[law, _]| self.law("elasticity", law));
+        let plans = plans.filter(|_| self.build.findings.len() == before);
+        let viscosity = raw.viscosity.as_ref().map_or_else(none, |viscosity| {
+            let (fields, make) = self.viscosity(viscosity, state);
+            self.law("viscosity", &Plan::new(fields, make))
+        });
+        let expansion = self.expansion(raw, plans.as_ref(), elasticity.as_ref(), state);
+        let coupling =
+            raw.coupling.as_ref().map_or(Sym::ZERO.into(), |coupling| self.tensor("coupling", coupling, None, false));
+        let heat_capacity = self.number("heat_capacity", raw.heat_capacity.as_ref());
+        let conductivity = raw.conductivity.as_ref().map_or(Sym::ZERO.into(), |conductivity| {
+            let conductivity = self.tensor("conductivity", conductivity, None, true);
+            self.check_steady(&conductivity, &heat_capacity);
             conductivity
         });
-        let prony = self.prony(&raw.prony, elasticity.as_ref());
+        let prony = self.prony(&raw.prony, &elasticity);
         Material {
-            density: raw.density.unwrap_or(0.0),
+            density: self.number("density", raw.density.as_ref()),
             heat_capacity,
             elasticity,
             viscosity,
@@ -64,6 +77,37 @@ impl Builder<'_> {
     /// Dimension of the tensors.
     fn dim(&self) -> usize {
         self.mesh.tensor_dim()
+    }
+
+    fn number(&mut self, key: &str, raw: Option<&Coefficient>) -> field::Coefficient<f64> {
+        raw.map_or(0.0.into(), |raw| self.field(key, raw).into())
+    }
+
+    fn field(&mut self, key: &str, raw: &Coefficient) -> Field {
+        let path = self.path(key);
+        self.build.steady_coefficient(&path, raw, &self.sites)
+    }
+
+    fn fields<'c>(&mut self, keys: impl IntoIterator<Item = (String, &'c Coefficient)>) -> Vec<Field> {
+        keys.into_iter().map(|(key, raw)| self.field(&key, raw)).collect()
+    }
+
+    /// The law of a plan, its coefficients fixed or graded; some law stands in for one that does not exist.
+    fn law(&mut self, key: &str, plan: &Plan<Law>) -> Law {
+        let dim = self.dim();
+        let stand_in: Law = Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress));
+        let path = self.path(key);
+        if !self.build.holds(&path, plan, &self.sites) {
+            return stand_in;
+        }
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).unwrap_or(stand_in);
+        }
+        let plan = plan.clone();
+        // Beside the sites a law may not exist.
+        let nowhere: Law = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
+        let at = move |x: &Point| plan.at(x, 0.0).unwrap_or_else(|_| Arc::clone(&nowhere));
+        Arc::new(Graded::elastic(self.sites.points(), at))
     }
 
     /// How the directions are held that the body lacks; one that lacks none is not told how.
@@ -88,129 +132,70 @@ impl Builder<'_> {
         }
     }
 
-    /// The law in `dim` dimensions, those of the body or three.
-    fn elasticity(&mut self, raw: &Elasticity, dim: usize, state: StressState) -> Law {
-        let built = match *raw {
-            Elasticity::Isotropic { young, poisson, .. } => {
-                self.check_poisson(poisson, state);
-                return Arc::new(Isotropic::elastic(dim, young, poisson, state));
-            }
-            Elasticity::Orthotropic { young, poisson, shear, orientation, .. } => {
-                let turned = self.rotation("elasticity.orientation", orientation);
-                Linear::orthotropic(&Orthotropic { young, poisson, shear }, &turned, dim, state).map(shared)
-            }
-            Elasticity::Anisotropic { ref voigt, orientation, .. } => {
-                let turned = self.rotation("elasticity.orientation", orientation);
-                Linear::new(voigt, &turned, dim, state).map(shared)
-            }
-            Elasticity::VonMisesProjection { young, poisson, excess, radius, .. } => {
-                let (bulk, shear) = (young / (3.0 * (1.0 - 2.0 * poisson)), young / (2.0 * (1.0 + poisson)));
-                hencky(bulk, VonMisesProjection::new(shear, excess, radius), dim, state)
-            }
-            Elasticity::Hencky { bulk, shear, shear_infinite, strain, exponent, .. } => {
-                hencky(bulk, Carreau::new(shear, shear_infinite, strain.recip(), exponent), dim, state)
-            }
-        };
-        built.unwrap_or_else(|error| self.refuse("elasticity", &error, dim))
-    }
-
-    fn viscosity(&mut self, raw: &Viscosity, state: StressState) -> Law {
+    /// The law in the dimension of the body, and in three.
+    fn elasticity(&mut self, raw: &Elasticity, state: StressState) -> [Plan<Law>; 2] {
+        let fields = self.fields(elasticity::elastic_coefficients(raw));
+        if let Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. } = raw {
+            self.check_orientation("elasticity.orientation", orientation);
+        }
         let dim = self.dim();
-        let built = match *raw {
-            Viscosity::Lame { first, second } => {
-                // (H1) on 𝕊^d: the eigenvalues are `second` and d first + second. No viscosity at all is no operator to
-                // be monotone.
-                let least = dim as f64 * first + second;
-                if (first, second) != (0.0, 0.0) && !(second > 0.0 && least > 0.0) {
-                    let found =
-                        format!("first = {first:?} and second = {second:?}, so {dim}·first + second = {least:?}");
-                    let expected = format!("second > 0 and {dim}·first + second > 0, as (H1) asks");
-                    self.note(
-                        "viscosity",
-                        found,
-                        expected,
-                        Some("set both to 0, or leave out `viscosity`, for no viscosity"),
-                    );
-                }
-                return Arc::new(Isotropic::lame(dim, first, second, state));
-            }
-            Viscosity::Anisotropic { ref voigt, orientation } => {
-                let turned = self.rotation("viscosity.orientation", orientation);
-                Linear::new(voigt, &turned, dim, state).map(shared)
-            }
-            Viscosity::Carreau { bulk, zero, infinite, time, exponent } => {
-                hencky(bulk, Carreau::new(zero, infinite, time, exponent), dim, state)
-            }
-            Viscosity::PowerLaw { bulk, consistency, exponent, threshold, floor } => {
-                hencky(bulk, Carreau::power_law(consistency, exponent, threshold, floor), dim, state)
-            }
-        };
-        built.unwrap_or_else(|error| self.refuse("viscosity", &error, dim))
+        [dim, 3].map(|in_dim| {
+            let shape = Shape { body: dim, dim: in_dim, state };
+            Plan::new(fields.clone(), elasticity::elastic_law(raw, shape))
+        })
     }
 
-    /// Notes why the numbers make no law; some law stands in.
-    fn refuse(&mut self, key: &str, error: &LawError, dim: usize) -> Law {
-        let (found, expected) = match error {
-            LawError::Range { name, found, expected } => (format!("{name} = {found:?}"), (*expected).to_owned()),
-            LawError::NotSymmetric { row, column, found, mirrored } => (
-                format!("{found:?} in row {row}, column {column} but {mirrored:?} in row {column}, column {row}"),
-                "a symmetric 6 × 6 matrix".to_owned(),
-            ),
-            LawError::NotPositive { what, least, most } => {
-                (format!("a {what} with eigenvalues from {least:.3e} to {most:.3e}"), "all of them positive".to_owned())
-            }
-            LawError::NotLinear => {
-                ("branches besides a law that is not linear".to_owned(), "a linear elasticity".to_owned())
-            }
-        };
-        self.note(key, found, expected, None);
-        Arc::new(Isotropic::lame(dim, 0.0, 1.0, StressState::PlaneStress))
+    fn viscosity(
+        &mut self,
+        raw: &raw::Viscosity,
+        state: StressState,
+    ) -> (Vec<Field>, impl Fn(&[f64]) -> Result<Law, Refusal> + Send + Sync + use<>) {
+        let fields = self.fields(elasticity::viscous_coefficients(raw));
+        if let raw::Viscosity::Anisotropic { orientation, .. } = raw {
+            self.check_orientation("viscosity.orientation", orientation);
+        }
+        let dim = self.dim();
+        (fields, elasticity::viscous_law(raw, Shape { body: dim, dim, state }))
     }
 
-    fn prony(&mut self, raw: &[raw::Branch], elasticity: &dyn TensorLaw) -> Option<Prony> {
-        let pairs: Vec<(f64, f64)> = raw.iter().map(|branch| (branch.ratio, branch.time)).collect();
-        if pairs.is_empty() {
+    fn prony(&mut self, raw: &[raw::Branch], elasticity: &Law) -> Option<Prony> {
+        if raw.is_empty() {
             return None;
         }
-        match Prony::ratios(elasticity, &pairs) {
+        let ratios: Vec<field::Coefficient<f64>> = raw
+            .iter()
+            .enumerate()
+            .map(|(i, branch)| self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio)))
+            .collect();
+        let varies = elasticity.graded().is_some() || ratios.iter().any(field::Coefficient::varies);
+        let pairs: Vec<_> = ratios.into_iter().zip(raw).map(|(ratio, branch)| (ratio, branch.time)).collect();
+        let points = if varies { self.sites.points() } else { &[] };
+        match Prony::varying(elasticity, &pairs, points) {
             Ok(prony) => Some(prony),
             Err(error) => {
-                self.refuse("prony", &error, self.dim());
+                let refusal = elasticity::refusal(&error);
+                self.note("prony", refusal.found, refusal.expected, None);
                 None
             }
         }
     }
 
-    /// Axes of the material; those of a plane body are turned in its plane.
-    fn rotation(&mut self, key: &str, raw: Orientation) -> Rotation {
-        match raw {
-            Orientation::Angle(angle) => Rotation::in_plane(angle),
-            Orientation::Euler(angles) => {
-                if self.mesh.dim == 1 {
-                    self.note(key, "three angles".to_owned(), "one angle: the body is a line", None);
-                }
-                Rotation::euler(angles)
-            }
-        }
-    }
-
-    fn check_poisson(&mut self, poisson: f64, state: StressState) {
-        let dim = self.dim();
-        if (dim == 3 || (dim == 2 && state == StressState::PlaneStrain)) && poisson >= 0.5 {
-            let hint = "use 0.49 for a nearly incompressible material; incompressible materials are not supported";
-            let of = if dim == 3 { "in space" } else { "in plane strain" };
-            self.note(
-                "elasticity.poisson",
-                format!("{poisson:?}"),
-                format!("a number > -1 and < 0.5 {of} (Poisson's ratio ν)"),
-                Some(hint),
-            );
+    /// A line has one axis only that the axes of its material can be turned to.
+    fn check_orientation(&mut self, key: &str, raw: &Orientation) {
+        if self.mesh.dim == 1 && matches!(raw, Orientation::Euler(_)) {
+            self.note(key, "three angles".to_owned(), "one angle: the body is a line", None);
         }
     }
 
     /// 𝓜 of (2.1), as given or from the coefficients of thermal expansion.
-    fn expansion(&mut self, raw: &raw::Material, elasticity: &dyn TensorLaw, state: StressState) -> Sym {
-        if let (Some(coefficient), Some(law)) = (raw.expansion_coefficient, &raw.elasticity) {
+    fn expansion(
+        &mut self,
+        raw: &raw::Material,
+        plans: Option<&[Plan<Law>; 2]>,
+        elasticity: &dyn TensorLaw,
+        state: StressState,
+    ) -> field::Coefficient<Sym> {
+        if let (Some(coefficient), Some(law), Some(plans)) = (&raw.expansion_coefficient, &raw.elasticity, plans) {
             if raw.expansion.is_some() {
                 let hint = "remove one of the two: 𝓜 = 𝓔α follows from the coefficient";
                 self.note(
@@ -220,15 +205,10 @@ impl Builder<'_> {
                     Some(hint),
                 );
             }
-            return self.thermal_stress(coefficient, law, elasticity, state);
+            return self.thermal_stress((coefficient, law), plans, elasticity, state);
         }
-        let Some(given) = &raw.expansion else { return Sym::ZERO };
-        let mut expansion = self.tensor("expansion", given);
-        if let (Tensor::Multiple(factor), StressState::PlaneStrain, 2) = (given, state, self.dim()) {
-            // The body expands in the third direction too; the strain there is held at 0 by σ₃₃.
-            expansion.0[3] = *factor;
-        }
-        expansion
+        let Some(given) = &raw.expansion else { return Sym::ZERO.into() };
+        self.tensor("expansion", given, Some(state), false)
     }
 
     /// 𝓜 = 𝓔α. With `elasticity` reduced to plane stress that is 𝓔_red α_red: the strain that makes σ₃₃ vanish takes up
@@ -236,12 +216,12 @@ impl Builder<'_> {
     /// three dimensions.
     fn thermal_stress(
         &mut self,
-        coefficient: Expansion,
-        raw: &Elasticity,
+        (coefficient, raw): (&Expansion, &Elasticity),
+        [reduced, in_space]: &[Plan<Law>; 2],
         elasticity: &dyn TensorLaw,
         state: StressState,
-    ) -> Sym {
-        let (dim, alpha) = (self.dim(), along_axes(coefficient, raw));
+    ) -> field::Coefficient<Sym> {
+        let dim = self.dim();
         let is_plane_stress = dim < 3 && state == StressState::PlaneStress;
         if !elasticity.is_linear() && (is_plane_stress || !matches!(coefficient, Expansion::Isotropic(_))) {
             let expected = "one number in space, in plane strain or for a body of revolution: with this law 𝓜 depends on the strain otherwise";
@@ -251,71 +231,107 @@ impl Builder<'_> {
                 expected,
                 Some("give `expansion`, the tensor 𝓜"),
             );
-            return Sym::ZERO;
+            return Sym::ZERO.into();
         }
-        let in_space;
-        let law = if is_plane_stress {
-            elasticity
-        } else {
-            in_space = self.elasticity(raw, 3, state);
-            in_space.as_ref()
+        let key = "expansion_coefficient";
+        let mut fields = match coefficient {
+            Expansion::Isotropic(alpha) => vec![self.field(key, alpha)],
+            Expansion::Orthotropic(along) => {
+                along.iter().enumerate().map(|(i, alpha)| self.field(&format!("{key}[{i}]"), alpha)).collect()
+            }
         };
-        let mut kept = alpha;
-        if is_plane_stress {
-            kept.0[mandel_len(dim)..].fill(0.0);
-        }
-        // A law that is not linear is isotropic, and linear in the change of volume.
-        let mut thermal = law.tangent(&[0.0; 3], &Sym::ZERO).apply(&kept);
+        let along = fields.len();
+        let angles = elasticity::angles_from(raw);
+        let law = if is_plane_stress { reduced.clone() } else { in_space.clone() };
+        fields.extend(law.fields().iter().cloned());
         let last = match (dim, state) {
             (2, StressState::PlaneStrain) => 4,
             _ => mandel_len(dim),
         };
-        thermal.0[last..].fill(0.0);
-        self.check_twist("expansion_coefficient", thermal).unwrap_or(Sym::ZERO)
-    }
-
-    /// The symmetric tensor that is meant, of a body of revolution by r, z, θ.
-    fn tensor(&mut self, key: &str, raw: &Tensor) -> Sym {
-        let dim = self.dim();
-        match symmetric(raw, dim) {
-            Ok(tensor) => self.check_twist(key, tensor),
-            Err(found) => {
-                self.note(key, found, format!("a number or a symmetric {dim} × {dim} matrix"), None);
-                None
+        let (revolves, made) = (self.mesh.axisymmetric, law);
+        let plan = Plan::new(fields, move |values| {
+            let (given, of_law) = values.split_at(along);
+            let axes = angles.map_or(Rotation::in_plane(0.0), |first| elasticity::rotation(&of_law[first..]));
+            let mut alpha = match *given {
+                [first, second, third] => Sym::principal(&[first, second, third], &axes),
+                _ => given[0] * Sym::identity(3),
+            };
+            if is_plane_stress {
+                alpha.0[mandel_len(dim)..].fill(0.0);
             }
-        }
-        .unwrap_or_else(|| Sym::identity(dim))
+            // A law that is not linear is isotropic, and linear in the change of volume.
+            let mut thermal = made.of(of_law)?.tangent(&[0.0; 3], &Sym::ZERO).apply(&alpha);
+            thermal.0[last..].fill(0.0);
+            untwisted(thermal, revolves)
+        });
+        self.coefficient(key, &plan).unwrap_or(Sym::ZERO.into())
     }
 
-    /// The tensor, if a body of revolution can have it: one without the components rθ and zθ.
-    fn check_twist(&mut self, key: &str, tensor: Sym) -> Option<Sym> {
-        let twist = tensor.get(0, 2).abs().max(tensor.get(1, 2).abs());
-        // Round-off of a rotation is no twist.
-        if !self.mesh.axisymmetric || twist <= 8.0 * f64::EPSILON * tensor.norm() {
-            return Some(tensor);
+    /// The tensor of a plan, fixed or varying; none where it does not exist, which is noted.
+    fn coefficient(&mut self, key: &str, plan: &Plan<Sym>) -> Option<field::Coefficient<Sym>> {
+        let path = self.path(key);
+        if !self.build.holds(&path, plan, &self.sites) {
+            return None;
         }
-        self.note(
-            key,
-            "a component rθ or zθ".to_owned(),
-            "a tensor that is the same around the axis of a body of revolution",
-            None,
-        );
-        None
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).ok().map(Into::into);
+        }
+        let plan = plan.clone();
+        Some(field::Coefficient::varying(move |x| plan.at(x, 0.0).unwrap_or(Sym([f64::NAN; 6]))))
     }
 
-    /// Heat that flows from cold to warm has no solution; a singular 𝓚 breaks (H3) but can be computed with.
-    fn check_conductivity(&mut self, k: &Sym, heat_capacity: f64) {
-        let eigenvalues = k.eigenvalues(self.dim());
-        let (least, most) =
-            (eigenvalues.first().copied().unwrap_or_default(), eigenvalues.last().copied().unwrap_or_default());
-        if least < -1e-12 * most.abs() {
-            self.note(
-                "conductivity",
-                format!("the eigenvalue {least:?}"),
-                "no negative eigenvalue: heat flows from warm to cold",
-                None,
-            );
-        } else if heat_capacity == 0.0 && most <= 0.0 {
+    /// The symmetric tensor that is meant, of a body of revolution by r, z, θ; with a stress state it is 𝓜, and in
+    /// plane strain a multiple of the identity acts on the third direction too. One that conducts has no negative
+    /// eigenvalue.
+    fn tensor(
+        &mut self,
+        key: &str,
+        raw: &Tensor,
+        state: Option<StressState>,
+        conducts: bool,
+    ) -> field::Coefficient<Sym> {
+        let (dim, revolves) = (self.dim(), self.mesh.axisymmetric);
+        let check = move |tensor: Sym| {
+            let tensor = untwisted(tensor, revolves)?;
+            if conducts { conducting(tensor, dim) } else { Ok(tensor) }
+        };
+        let plan = match raw {
+            Tensor::Multiple(factor) => {
+                // The body expands in the third direction too; the strain there is held at 0 by σ₃₃.
+                let in_space = dim == 2 && state == Some(StressState::PlaneStrain);
+                Plan::new(vec![self.field(key, factor)], move |values| {
+                    let mut tensor = values[0] * Sym::identity(dim);
+                    if in_space {
+                        tensor.0[3] = values[0];
+                    }
+                    check(tensor)
+                })
+            }
+            Tensor::Matrix(rows) => {
+                let shape = if rows.len() == dim {
+                    let other = rows.iter().enumerate().find(|(_, row)| row.len() != dim);
+                    other.map(|(i, row)| format!("a row {} of length {}", i + 1, row.len()))
+                } else {
+                    Some(format!("a matrix of {} rows", rows.len()))
+                };
+                if let Some(found) = shape {
+                    self.note(key, found, expected_tensor(dim), None);
+                    return Sym::identity(dim).into();
+                }
+                let entries = rows.iter().enumerate().flat_map(|(i, row)| {
+                    row.iter().enumerate().map(move |(j, entry)| (format!("{key}[{i}][{j}]"), entry))
+                });
+                let fields = self.fields(entries.collect::<Vec<_>>());
+                Plan::new(fields, move |values| check(symmetric(values, dim)?))
+            }
+        };
+        self.coefficient(key, &plan).unwrap_or(Sym::identity(dim).into())
+    }
+
+    /// Heat that is steady needs a conductivity.
+    fn check_steady(&mut self, k: &field::Coefficient<Sym>, heat_capacity: &field::Coefficient<f64>) {
+        let (Some(k), Some(0.0)) = (k.constant(), heat_capacity.constant()) else { return };
+        if k.eigenvalues(self.dim()).last().is_none_or(|most| *most <= 0.0) {
             let hint = Some("give one of the two a positive value");
             self.note(
                 "conductivity",
@@ -327,65 +343,46 @@ impl Builder<'_> {
     }
 }
 
-/// α in the axes of the body.
-fn along_axes(coefficient: Expansion, raw: &Elasticity) -> Sym {
-    let along = match coefficient {
-        Expansion::Isotropic(alpha) => return alpha * Sym::identity(3),
-        Expansion::Orthotropic(along) => along,
-    };
-    let (Elasticity::Orthotropic { orientation, .. } | Elasticity::Anisotropic { orientation, .. }) = raw else {
-        return Sym::principal(&along, &Rotation::in_plane(0.0));
-    };
-    let rotation = match *orientation {
-        Orientation::Angle(angle) => Rotation::in_plane(angle),
-        Orientation::Euler(angles) => Rotation::euler(angles),
-    };
-    Sym::principal(&along, &rotation)
+/// What is expected of a tensor.
+fn expected_tensor(dim: usize) -> String {
+    format!("a number or a symmetric {dim} × {dim} matrix")
 }
 
-fn shared(law: Linear) -> Law {
-    Arc::new(law)
-}
-
-fn hencky<S: ShearLaw + 'static>(
-    bulk: f64,
-    shear: Result<S, LawError>,
-    dim: usize,
-    state: StressState,
-) -> Result<Law, LawError> {
-    Ok(reduced(Hencky::new(bulk, shear?)?, dim, state))
-}
-
-/// The symmetric tensor that is meant.
-///
-/// # Errors
-/// What is wrong with its shape or its symmetry.
-fn symmetric(raw: &Tensor, dim: usize) -> Result<Sym, String> {
-    let rows = match raw {
-        Tensor::Multiple(factor) => return Ok(*factor * Sym::identity(dim)),
-        Tensor::Matrix(rows) => rows,
-    };
-    if rows.len() != dim {
-        return Err(format!("a matrix of {} rows", rows.len()));
+/// The tensor, if a body of revolution can have it: one without the components rθ and zθ.
+fn untwisted(tensor: Sym, revolves: bool) -> Result<Sym, Refusal> {
+    let twist = tensor.get(0, 2).abs().max(tensor.get(1, 2).abs());
+    // Round-off of a rotation is no twist.
+    if !revolves || twist <= 8.0 * f64::EPSILON * tensor.norm() {
+        return Ok(tensor);
     }
-    if let Some((i, row)) = rows.iter().enumerate().find(|(_, row)| row.len() != dim) {
-        return Err(format!("a row {} of length {}", i + 1, row.len()));
+    let expected = "a tensor that is the same around the axis of a body of revolution";
+    Err(Refusal::new("a component rθ or zθ", expected))
+}
+
+/// The tensor, if heat that flows by it flows from warm to cold; a singular 𝓚 breaks (H3) but can be computed with.
+fn conducting(tensor: Sym, dim: usize) -> Result<Sym, Refusal> {
+    let eigenvalues = tensor.eigenvalues(dim);
+    let (least, most) =
+        (eigenvalues.first().copied().unwrap_or_default(), eigenvalues.last().copied().unwrap_or_default());
+    if least < -1e-12 * most.abs() {
+        let expected = "no negative eigenvalue: heat flows from warm to cold";
+        return Err(Refusal::new(format!("the eigenvalue {least:?}"), expected));
     }
-    let entry = |i: usize, j: usize| rows.get(i).and_then(|row| row.get(j)).copied().unwrap_or_default();
-    for i in 0..dim {
-        for j in 0..i {
-            if (entry(i, j) - entry(j, i)).abs() > 0.0 {
-                return Err(format!(
-                    "{:?} in row {}, column {} but {:?} in row {}, column {}",
-                    entry(j, i),
-                    j + 1,
-                    i + 1,
-                    entry(i, j),
-                    i + 1,
-                    j + 1
-                ));
-            }
+    Ok(tensor)
+}
+
+/// The symmetric tensor with these entries, row by row.
+fn symmetric(entries: &[f64], dim: usize) -> Result<Sym, Refusal> {
+    let entry = |i: usize, j: usize| entries.get(i * dim + j).copied().unwrap_or_default();
+    let unequal = (0..dim)
+        .flat_map(|i| (0..i).map(move |j| (i, j)))
+        .find(|&(i, j)| (entry(i, j) - entry(j, i)).abs() > 4.0 * f64::EPSILON * entry(i, j).abs());
+    match unequal {
+        None => Ok(Sym::from_fn(dim, entry)),
+        Some((i, j)) => {
+            let [above, below] =
+                [(j, i), (i, j)].map(|(i, j)| format!("{:?} in row {}, column {}", entry(i, j), i + 1, j + 1));
+            Err(Refusal::new(format!("{above} but {below}"), expected_tensor(dim)))
         }
     }
-    Ok(Sym::from_fn(dim, entry))
 }

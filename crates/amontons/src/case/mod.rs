@@ -18,10 +18,13 @@
 mod benchmark;
 mod build;
 mod check;
+mod coefficient;
 mod contact;
 mod data;
+mod elasticity;
 mod fault;
 mod files;
+mod laws;
 mod material;
 mod memory;
 mod mesh;

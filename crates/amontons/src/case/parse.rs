@@ -123,7 +123,7 @@ fn build_case(
     files: &Files,
     has_other_end: bool,
 ) -> (Option<(Case, References)>, Vec<Finding>) {
-    let check::Checked { value, mut findings, doubtful } = check::check(&schema(), document);
+    let check::Checked { value, mut findings, doubtful, limits } = check::check(&schema(), document);
     let raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
         Err(error) => {
@@ -135,7 +135,13 @@ fn build_case(
     let (every, fields, expected) =
         (raw.output.every, build::fields(&raw.output), raw.expected.as_ref().map(build::expected));
     let cells = mesh::cells(&raw.mesh);
-    let (built, later) = build::problem(raw, files, memory::available(), &doubtful, has_other_end);
+    let (built, later) = build::problem(
+        raw,
+        files,
+        memory::available(),
+        build::Notes { doubtful: &doubtful, limits: &limits },
+        has_other_end,
+    );
     findings.extend(later);
     let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
         (

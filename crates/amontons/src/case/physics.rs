@@ -115,7 +115,11 @@ fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     for (path, contact) in raw.contact.iter().flat_map(raw::Contacts::each) {
         let given = [
             ("heat", !matches!(contact.heat, Heat::None), "heat exchange"),
-            ("frictional_heat", contact.frictional_heat > 0.0, "heat of friction"),
+            (
+                "frictional_heat",
+                !matches!(contact.frictional_heat, Datum::Number(value) if value == 0.0),
+                "heat of friction",
+            ),
             ("foundation", contact.foundation.is_some(), "a foundation with a heat capacity"),
             ("friction", matches!(contact.friction, Friction::Temperature { .. }), "friction of the temperature"),
             ("wear", matches!(contact.wear, Some(Wear::ArchardTemperature { .. })), "wear of the temperature"),

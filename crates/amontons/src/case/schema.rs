@@ -94,25 +94,51 @@ pub(super) struct View<'s> {
     node: &'s Value,
     /// What the nearest key above is about.
     about: Option<&'s str>,
+    /// The node that bounds the numbers here: the key itself, beside a reference to what else it may be.
+    bounds: &'s Value,
+}
+
+/// The keywords that bound a number, with their signs.
+const BOUNDS: [(&str, &str); 4] =
+    [("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<")];
+
+/// The numbers that a key admits.
+#[derive(Clone, Debug)]
+pub(super) struct Limits {
+    bounds: [Option<f64>; 4],
+    /// What the key expects of a number.
+    pub expected: String,
+}
+
+impl Limits {
+    /// Whether a number is within the limits.
+    pub fn admit(&self, number: f64) -> bool {
+        let [least, above, most, below] = self.bounds;
+        number.is_finite()
+            && least.is_none_or(|b| number >= b)
+            && above.is_none_or(|b| number > b)
+            && most.is_none_or(|b| number <= b)
+            && below.is_none_or(|b| number < b)
+    }
 }
 
 impl<'s> View<'s> {
     /// The schema as a whole.
     pub fn new(root: &'s Value) -> View<'s> {
-        View { root, node: root, about: None }
+        View { root, node: root, about: None, bounds: root }
     }
 
     /// A part of this schema; it is about the same as the whole unless it says itself.
     fn at(&self, node: &'s Value) -> View<'s> {
         let about = node.get("description").and_then(Value::as_str).or(self.about);
-        let mut node = node;
+        let (mut node, bounds) = (node, node);
         while let Some(target) = node.get("$ref").and_then(Value::as_str) {
             match self.root.pointer(target.trim_start_matches('#')) {
                 Some(next) => node = next,
                 None => break,
             }
         }
-        View { root: self.root, node, about }
+        View { root: self.root, node, about, bounds }
     }
 
     fn list(&self, keyword: &str) -> impl Iterator<Item = &'s Value> + use<'s> {
@@ -152,7 +178,15 @@ impl<'s> View<'s> {
 
     /// The forms that a value may take, such as number or string.
     pub fn alternatives(&self) -> Vec<View<'s>> {
-        self.list("anyOf").map(|v| View { about: self.about, ..self.at(v) }).collect()
+        let forms = self.list("anyOf").map(|v| View { about: self.about, ..self.at(v) }.bounded(self.bounds));
+        // A coefficient among the forms of a tensor has forms itself.
+        forms.flat_map(|form| if form.node.get("anyOf").is_some() { form.alternatives() } else { vec![form] }).collect()
+    }
+
+    /// The same with the bounds of the key above where it has none of its own.
+    fn bounded(self, bounds: &'s Value) -> View<'s> {
+        let has_its_own = BOUNDS.iter().any(|(keyword, _)| self.bounds.get(*keyword).is_some());
+        if has_its_own { self } else { View { bounds, ..self } }
     }
 
     /// The words that a string may be.
@@ -192,11 +226,16 @@ impl<'s> View<'s> {
 
     /// The bounds that a number breaks, none if it keeps them.
     pub fn admits(&self, number: f64) -> bool {
-        let bound = |keyword: &str| self.node.get(keyword).and_then(Value::as_f64);
-        bound("minimum").is_none_or(|b| number >= b)
-            && bound("exclusiveMinimum").is_none_or(|b| number > b)
-            && bound("maximum").is_none_or(|b| number <= b)
-            && bound("exclusiveMaximum").is_none_or(|b| number < b)
+        self.limits().admit(number)
+    }
+
+    /// The numbers that a key admits which may also be something else than a number.
+    pub fn limits(&self) -> Limits {
+        let bounds = BOUNDS.map(|(keyword, _)| self.bounds.get(keyword).and_then(Value::as_f64));
+        let range = self.range();
+        let number = if range.is_empty() { "a finite number".to_owned() } else { format!("a number{range}") };
+        let about = self.about.map(first_paragraph).filter(|about| !about.is_empty());
+        Limits { bounds, expected: about.map_or_else(|| number.clone(), |about| format!("{number} ({about})")) }
     }
 
     /// What is expected here and what it is about: `a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)`.
@@ -211,7 +250,7 @@ impl<'s> View<'s> {
     /// What is expected here: `a number ≥ 0`.
     fn phrase(&self) -> String {
         if let Some(title) = self.node.get("title").and_then(Value::as_str) {
-            return title.to_owned();
+            return title.replacen("a number", &format!("a number{}", self.range()), 1);
         }
         let words = self.words();
         if !words.is_empty() {
@@ -239,11 +278,10 @@ impl<'s> View<'s> {
     }
 
     fn range(&self) -> String {
-        let bounds = [("minimum", "≥"), ("exclusiveMinimum", ">"), ("maximum", "≤"), ("exclusiveMaximum", "<")];
-        let parts: Vec<String> = bounds
+        let parts: Vec<String> = BOUNDS
             .iter()
             .filter_map(|(keyword, sign)| {
-                let bound = self.node.get(*keyword).and_then(Value::as_f64)?;
+                let bound = self.bounds.get(*keyword).and_then(Value::as_f64)?;
                 Some(format!(" {sign} {bound}"))
             })
             .collect();

@@ -81,6 +81,22 @@ impl Contact {
         Contact { heat: Arc::new(law), foundation_temperature: foundation_temperature.into(), ..self }
     }
 
+    /// The contact with its laws at a time; none where they do not change with time.
+    #[must_use]
+    pub fn at_time(&self, t: f64) -> Option<Contact> {
+        let wear = self.wear.as_ref().and_then(|law| law.at_time(t));
+        let (friction, heat) = (self.friction.at_time(t), self.heat.at_time(t));
+        if friction.is_none() && heat.is_none() && wear.is_none() {
+            return None;
+        }
+        Some(Contact {
+            friction: friction.unwrap_or_else(|| Arc::clone(&self.friction)),
+            heat: heat.unwrap_or_else(|| Arc::clone(&self.heat)),
+            wear: wear.or_else(|| self.wear.clone()),
+            ..self.clone()
+        })
+    }
+
     /// The gap in m at points of the body at rest: the datum, and the distance to the obstacle.
     #[must_use]
     pub fn gaps(&self, points: &[Point], t: f64) -> Vec<f64> {

@@ -7,6 +7,7 @@
 mod boundary;
 mod foundation;
 mod friction;
+mod graded;
 mod heat;
 mod means;
 mod normal;

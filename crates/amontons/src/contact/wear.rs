@@ -4,6 +4,7 @@
 //! proportional to the load and the sliding distance; by area, ḣ = κ p ‖w_τ‖.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use super::{ContactPoint, PiecewiseLinear};
 
@@ -11,6 +12,10 @@ use super::{ContactPoint, PiecewiseLinear};
 pub trait WearLaw: Debug + Send + Sync {
     /// κ ≥ 0 in 1/Pa.
     fn coefficient(&self, at: &ContactPoint) -> f64;
+    /// The law at a time; none for a law that does not change with time.
+    fn at_time(&self, _t: f64) -> Option<Arc<dyn WearLaw>> {
+        None
+    }
     /// ∂κ/∂θ in 1/(Pa K).
     fn by_temperature(&self, at: &ContactPoint) -> f64;
 }
@@ -41,12 +46,12 @@ impl WearLaw for Archard {
 
 /// Sample laws for tests that hold for every law.
 #[cfg(test)]
-pub(crate) fn samples() -> Vec<std::sync::Arc<dyn WearLaw>> {
-    let mut all: Vec<std::sync::Arc<dyn WearLaw>> = vec![std::sync::Arc::new(Archard::Constant(2e-3))];
+pub(crate) fn samples() -> Vec<Arc<dyn WearLaw>> {
+    let mut all: Vec<Arc<dyn WearLaw>> = vec![Arc::new(Archard::Constant(2e-3))];
     all.extend(
         PiecewiseLinear::new(&[0.0, 100.0], &[1e-3, 5e-3])
             .ok()
-            .map(|table| -> std::sync::Arc<dyn WearLaw> { std::sync::Arc::new(Archard::ByTemperature(table)) }),
+            .map(|table| -> Arc<dyn WearLaw> { Arc::new(Archard::ByTemperature(table)) }),
     );
     all
 }

@@ -5,13 +5,12 @@
 //! compared with them as it goes, so that its states need not be kept.
 
 mod limit;
-mod locator;
 mod norms;
 mod study;
 mod transfer;
 
+pub use crate::mesh::Locator;
 pub use limit::{ConstantsRow, ConstantsTable, Limit, limit};
-pub use locator::Locator;
 pub use norms::{Errors, Exact, Products, against_exact, of_difference};
 pub use study::{Level, Reference, ReferenceProgress, Row, Study, StudyError, StudySettings, StudyTable, Vary, slope};
 pub use transfer::{Transfer, TransferError};

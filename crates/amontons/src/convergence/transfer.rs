@@ -1,10 +1,10 @@
 //! Differences of functions on two meshes: exact by interpolation where the meshes are nested, and exact
 //! on the intersections of the cells where they are not.
 
-use crate::convergence::locator::{At, Locator, OUTSIDE, reference_point};
 use crate::convergence::norms::{Errors, Products, of_difference};
 use crate::element::{MAX_NODES, P1_TRIANGLE, Table};
 use crate::linalg::BlockMatrix;
+use crate::mesh::{At, Locator, OUTSIDE, reference_point};
 use crate::mesh::{CellMap, Mesh};
 use crate::quadrature::{Shape, rule};
 use crate::scheme::{Discretization, State};

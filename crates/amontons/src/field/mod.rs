@@ -1,8 +1,15 @@
-//! Data that may vary in space and time: a number, an expression in x, y, z, t, or a table in time.
+//! Data that may vary in space and time: a number, an expression in x, y, z, t, a table in time, or a function.
 
+mod coefficient;
+mod graded;
 mod table;
 
+pub use coefficient::{Coefficient, InSpace};
+pub use graded::{Graded, Instance};
 pub use table::{TableError, TimeTable};
+
+use std::fmt;
+use std::sync::Arc;
 
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
@@ -16,6 +23,40 @@ pub enum Field {
     Expression(Expression),
     /// Values at times, linear between them, times a factor.
     Table(TimeTable),
+    /// A function of the position, such as values on a mesh.
+    Function(SpaceFunction),
+}
+
+/// A function of the position.
+#[derive(Clone)]
+pub struct SpaceFunction(Arc<dyn Fn(&Point) -> f64 + Send + Sync>);
+
+impl fmt::Debug for SpaceFunction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("SpaceFunction")
+    }
+}
+
+impl PartialEq for SpaceFunction {
+    /// Whether both are the same function in memory.
+    fn eq(&self, other: &SpaceFunction) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+/// Step of the differences of a function relative to a coordinate, where its truncation is about its round-off.
+const STEP: f64 = 1e-5;
+
+impl SpaceFunction {
+    /// Value, and derivatives by central differences.
+    fn derivatives(&self, x: &Point) -> Derivatives {
+        let slope = |d: usize| {
+            let h = STEP * (1.0 + x[d].abs());
+            let at = |h: f64| (self.0)(&std::array::from_fn(|c| if c == d { x[c] + h } else { x[c] }));
+            (at(h) - at(-h)) / (2.0 * h)
+        };
+        Derivatives { value: (self.0)(x), by_x: std::array::from_fn(slope), by_t: 0.0 }
+    }
 }
 
 impl Default for Field {
@@ -40,6 +81,12 @@ impl Field {
     /// Zero everywhere and always.
     pub const ZERO: Field = Field::Constant(0.0);
 
+    /// A function of the position.
+    #[must_use]
+    pub fn of_space(value: impl Fn(&Point) -> f64 + Send + Sync + 'static) -> Field {
+        Field::Function(SpaceFunction(Arc::new(value)))
+    }
+
     /// Value at a point and a time.
     #[must_use]
     pub fn value(&self, x: &Point, t: f64) -> f64 {
@@ -47,6 +94,7 @@ impl Field {
             Field::Constant(value) => *value,
             Field::Expression(e) => e.value(x, t),
             Field::Table(table) => table.value(x, t),
+            Field::Function(function) => (function.0)(x),
         }
     }
 
@@ -57,6 +105,7 @@ impl Field {
             Field::Constant(value) => Derivatives { value: *value, ..Derivatives::default() },
             Field::Expression(e) => e.derivatives(x, t),
             Field::Table(table) => table.derivatives(x, t),
+            Field::Function(function) => function.derivatives(x),
         }
     }
 
@@ -68,6 +117,7 @@ impl Field {
             Field::Constant(value) => out.fill(*value),
             Field::Expression(e) => e.values(points, t, &mut out),
             Field::Table(table) => table.values(points, t, &mut out),
+            Field::Function(function) => out.iter_mut().zip(points).for_each(|(out, x)| *out = (function.0)(x)),
         }
         out
     }
@@ -76,7 +126,7 @@ impl Field {
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
         match self {
-            Field::Constant(_) => false,
+            Field::Constant(_) | Field::Function(_) => false,
             Field::Expression(e) => e.depends_on_time(),
             Field::Table(_) => true,
         }
@@ -89,6 +139,7 @@ impl Field {
             Field::Constant(_) => false,
             Field::Expression(e) => e.depends_on_space(),
             Field::Table(table) => table.depends_on_space(),
+            Field::Function(_) => true,
         }
     }
 

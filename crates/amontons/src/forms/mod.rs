@@ -14,6 +14,11 @@
 //! Laws and tensors are lists by region of the mesh; the last entry serves the regions beyond the list. In a body of
 //! revolution strains have the component 33, u_r/r, and laws and tensors act in three dimensions.
 //!
+//! Coefficients may vary within a cell. The rules are those of constant coefficients: exact for products of shape
+//! functions and gradients, which keeps the order of the method for smooth coefficients (Ciarlet 1978, *The Finite
+//! Element Method for Elliptic Problems*, section 4.1), and gives what regions give where coefficients jump between
+//! cells only.
+//!
 //! Laws that are not linear enter by [`residual`] and [`tangent`] at a given displacement.
 //!
 //! j and χ, the terms on Γ_C, are evaluated at contact points in [`crate::linalg`].
@@ -32,42 +37,33 @@ pub(crate) use load::data_degree;
 pub use load::{Load, f, q};
 pub use state::{energy, residual, tangent};
 
-use crate::element::Element;
+use crate::field::InSpace;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::TensorLaw;
 use crate::mesh::Mesh;
 use crate::tensor::{Sym, dot};
-use assembly::{assemble, of_region};
-
-/// Degree of the rule for products of gradients; of values too where a hoop strain enters.
-fn gradient_products(mesh: &Mesh, element: &Element) -> usize {
-    2 * if mesh.axisymmetric { element.gradient_degree.max(element.degree) } else { element.gradient_degree }
-}
-
-/// Degree of the rule for products of values, and of values with gradients.
-fn value_products(mesh: &Mesh, element: &Element, gradients: bool) -> usize {
-    element.degree + if gradients { element.gradient_degree } else { element.degree } + usize::from(mesh.axisymmetric)
-}
+use assembly::{Cell, assemble, of_region};
 
 /// (θ, η)_{L²(Ω)}, and by components (w, v)_H.
 #[must_use]
 pub fn inner_h(mesh: &Mesh, graph: &Arc<Graph>) -> BlockMatrix {
-    weighted_inner_h(mesh, graph, &[])
+    weighted_inner_h(mesh, graph, &[] as &[f64])
 }
 
 /// ∫ c θ η with a factor c by region, such as the density or the heat capacity; [`inner_h`] where the list is empty.
 #[must_use]
-pub fn weighted_inner_h(mesh: &Mesh, graph: &Arc<Graph>, factors: &[f64]) -> BlockMatrix {
-    let factor = |region: usize| factors.get(region).or(factors.last()).copied().unwrap_or(1.0);
+pub fn weighted_inner_h(mesh: &Mesh, graph: &Arc<Graph>, factors: &[impl InSpace<f64>]) -> BlockMatrix {
+    let factor =
+        |cell: &Cell| factors.get(cell.region).or(factors.last()).map_or(1.0, |factor| factor.at(&cell.map.position));
     assemble(
         mesh,
         graph,
         (1, 1),
-        |e| value_products(mesh, e, false),
+        |e| mesh.value_products(e, false),
         None,
         |cell, out| {
             cell.integrate(|cell, weight| {
-                let (values, weight) = (cell.map.values(), weight * factor(cell.region));
+                let (values, weight) = (cell.map.values(), weight * factor(cell));
                 for (row, vi) in out.chunks_exact_mut(values.len()).zip(values) {
                     for (out, vj) in row.iter_mut().zip(values) {
                         *out += weight * vi * vj;
@@ -98,17 +94,19 @@ pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dil
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.
 #[must_use]
-pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&Sym]) -> BlockMatrix {
+pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&impl InSpace<Sym>]) -> BlockMatrix {
     assemble(
         mesh,
         graph,
         (1, 1),
-        |e| 2 * e.gradient_degree + usize::from(mesh.axisymmetric),
+        |e| mesh.flux_products(e),
         None,
         |cell, out| {
             let (Some(conductivity), n) = (of_region(conductivity, cell.region), cell.nodes.len()) else { return };
-            let k: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| conductivity.get(i, j)));
+            let entries = |k: Sym| -> [[f64; 3]; 3] { std::array::from_fn(|i| std::array::from_fn(|j| k.get(i, j))) };
+            let known = conductivity.constant().map(entries);
             cell.integrate(|cell, weight| {
+                let k = known.unwrap_or_else(|| entries(conductivity.at(&cell.map.position)));
                 for (j, g) in cell.map.gradients.iter().enumerate() {
                     let flux = k.map(|row| dot(&row, g));
                     for (i, g) in cell.map.gradients.iter().enumerate() {
@@ -123,19 +121,20 @@ pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&Sym]) -> BlockMatrix 
 
 /// m(θ, v) = ∫ θ 𝓜:ε(v), rows v, columns θ.
 #[must_use]
-pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&Sym]) -> BlockMatrix {
+pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>]) -> BlockMatrix {
     assemble(
         mesh,
         graph,
         (mesh.dim, 1),
-        |e| value_products(mesh, e, true),
+        |e| mesh.value_products(e, true),
         Some(Dilatation::Full),
         |cell, out| {
             let Some(expansion) = of_region(expansion, cell.region) else { return };
             cell.integrate(|cell, weight| {
                 let values = cell.map.values();
+                let expansion = expansion.at(&cell.map.position);
                 for (row, work) in
-                    out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(expansion).chunks_exact(mesh.dim))
+                    out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(&expansion).chunks_exact(mesh.dim))
                 {
                     for (block, value) in row.chunks_exact_mut(mesh.dim).zip(values) {
                         for (out, work) in block.iter_mut().zip(work) {
@@ -150,18 +149,19 @@ pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&Sym]) -> BlockMatrix {
 
 /// e(u, η) = ∫ 𝓡:ε(u) η, rows η, columns u.
 #[must_use]
-pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &[&Sym]) -> BlockMatrix {
+pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &[&impl InSpace<Sym>]) -> BlockMatrix {
     let matrix = assemble(
         mesh,
         graph,
         (1, mesh.dim),
-        |e| value_products(mesh, e, true),
+        |e| mesh.value_products(e, true),
         Some(Dilatation::Full),
         |cell, out| {
             let Some(coupling) = of_region(coupling, cell.region) else { return };
             cell.integrate(|cell, weight| {
                 let (fields, values) = (cell.fields, cell.map.values());
-                let work = cell.work(coupling);
+                let coupling = coupling.at(&cell.map.position);
+                let work = cell.work(&coupling);
                 for (row, value) in out.chunks_exact_mut(fields).zip(values) {
                     for (out, work) in row.iter_mut().zip(work) {
                         *out += weight * work * value;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::assembly::{Cell, by_cells, of_region, strain_components};
-use super::{gradient_products, stiffness};
+use super::stiffness;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
@@ -31,7 +31,7 @@ pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u:
     let mut out = vec![0.0; mesh.points.len() * dim];
     by_cells(
         mesh,
-        |e| gradient_products(mesh, e),
+        |e| mesh.gradient_products(e),
         Some(dilatation),
         |e| e.nodes.len() * dim,
         |cell, force| {
@@ -60,7 +60,7 @@ pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &
     let mut sum = Some(0.0);
     by_cells(
         mesh,
-        |e| gradient_products(mesh, e),
+        |e| mesh.gradient_products(e),
         Some(dilatation),
         |_| 1,
         |cell, energy| {
@@ -86,5 +86,9 @@ pub fn tangent(
     dilatation: Dilatation,
     u: &[f64],
 ) -> BlockMatrix {
-    stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| law.tangent(&cell.map.position, &strain(cell, u)))
+    stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| {
+        // Where all laws are linear, strains are not needed, and not there.
+        let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
+        law.tangent(&cell.map.position, &at)
+    })
 }

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use super::assembly::{Cell, assemble as sum, of_region, strain_components};
-use super::gradient_products;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
@@ -16,12 +15,15 @@ struct Stiffness {
 }
 
 impl Stiffness {
-    fn new(map: &SymMap) -> Stiffness {
-        let entry =
-            |q, s, r, c| map.0[mandel_index(r, s)][mandel_index(c, q)] / (mandel_weight(r, s) * mandel_weight(c, q));
-        let full = std::array::from_fn(|q| {
-            std::array::from_fn(|s| std::array::from_fn(|r| std::array::from_fn(|c| entry(q, s, r, c))))
-        });
+    /// The components in the first `dim` directions.
+    fn new(map: &SymMap, dim: usize) -> Stiffness {
+        let mut full = [[[[0.0; 3]; 3]; 3]; 3];
+        for (q, s) in (0..dim).flat_map(|q| (0..dim).map(move |s| (q, s))) {
+            for (r, c) in (0..dim).flat_map(|r| (0..dim).map(move |c| (r, c))) {
+                full[q][s][r][c] =
+                    map.0[mandel_index(r, s)][mandel_index(c, q)] / (mandel_weight(r, s) * mandel_weight(c, q));
+            }
+        }
         Stiffness { map: *map, full }
     }
 
@@ -30,7 +32,7 @@ impl Stiffness {
     }
 }
 
-/// The matrix of laws with `tangent` at each point; laws that are linear, hence the same everywhere, are asked once.
+/// The matrix of laws with `tangent` at each point; laws that are linear and the same everywhere are asked once.
 pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,
@@ -38,25 +40,31 @@ pub(super) fn assemble(
     laws: &[&dyn TensorLaw],
     tangent: impl Fn(&dyn TensorLaw, &Cell) -> SymMap + Sync,
 ) -> BlockMatrix {
-    let known: Vec<Option<Stiffness>> =
-        laws.iter().map(|law| law.is_linear().then(|| Stiffness::new(&law.tangent(&[0.0; 3], &Sym::ZERO)))).collect();
+    let known: Vec<Option<Stiffness>> = laws
+        .iter()
+        .map(|law| {
+            let uniform = law.is_linear() && law.graded().is_none();
+            uniform.then(|| Stiffness::new(&law.tangent(&[0.0; 3], &Sym::ZERO), mesh.dim))
+        })
+        .collect();
     // Half of a symmetric matrix is enough; a law that is not linear may have any tangent.
-    let is_symmetric = known.iter().all(|map| map.as_ref().is_some_and(Stiffness::is_symmetric));
+    let is_linear = laws.iter().all(|law| law.is_linear());
+    let is_symmetric = is_linear && known.iter().flatten().all(Stiffness::is_symmetric);
     // Without a mean and without a hoop strain the strain of N e_c is that of the gradient alone; a tangent that
     // depends on the strain needs it all the same.
     let by_gradients = dilatation == Dilatation::Full && !mesh.axisymmetric;
-    let strains = if by_gradients && known.iter().all(Option::is_some) { None } else { Some(dilatation) };
+    let strains = if by_gradients && is_linear { None } else { Some(dilatation) };
     let matrix = sum(
         mesh,
         graph,
         (mesh.dim, mesh.dim),
-        |e| gradient_products(mesh, e),
+        |e| mesh.gradient_products(e),
         strains,
         |cell, out| {
             let Some(law) = of_region(laws, cell.region) else { return };
             let known = known.get(cell.region).or(known.last()).and_then(Option::as_ref);
             cell.integrate(|cell, weight| {
-                let here = if known.is_none() { Some(Stiffness::new(&tangent(law, cell))) } else { None };
+                let here = if known.is_none() { Some(Stiffness::new(&tangent(law, cell), mesh.dim)) } else { None };
                 let Some(map) = known.or(here.as_ref()) else { return };
                 match (by_gradients, mesh.dim) {
                     (true, 1) => by_pairs::<1>(&cell.map.gradients, weight, map, is_symmetric, out),

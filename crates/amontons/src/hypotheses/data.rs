@@ -133,7 +133,7 @@ type Mismatch = Option<(f64, f64, Point, String)>;
 fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mesh = &problem.mesh;
     let start = &problem.initial;
-    let is_inert = problem.materials.iter().any(|m| m.density > 0.0);
+    let is_inert = problem.values_of(|m| &m.density).iter().any(|sample| sample.value > 0.0);
     let mut seen = vec![false; mesh.points.len() * (mesh.dim + 1)];
     let mut worst: [Mismatch; 3] = [None, None, None];
     let component = |fields: &[Field], c: usize, x: &Point| fields.get(c).map_or(0.0, |f| f.value(x, 0.0));

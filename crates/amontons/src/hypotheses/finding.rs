@@ -93,6 +93,8 @@ findings! {
     ExpansionScale = "expansion-scale", Warning, Both;
     /// An expansion tensor without a component zz in plane strain.
     ExpansionZz = "expansion-zz", Warning, Both;
+    /// A coefficient that jumps within a cell.
+    CoefficientJump = "coefficient-jump", Warning, Any;
     /// Cells that are too large for the heat of Γ_C.
     ThermalLayer = "thermal-layer", Warning, Heat;
     /// Large strain.

@@ -6,8 +6,9 @@
 use super::sample::{Samples, diameter, some};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactPoint, GraphKind};
+use crate::field::Coefficient;
 use crate::material::{Material, TensorLaw};
-use crate::problem::Problem;
+use crate::problem::{Problem, Sample};
 use crate::tensor::{Point, Sym, mandel_len};
 
 /// Pairs of arguments that a declaration is tested on at each point.
@@ -25,8 +26,8 @@ const SLACK: f64 = 1e-9;
 /// (H1)–(H5).
 pub(super) fn material(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     let names = &problem.mesh.regions;
-    let each = problem.materials.iter().enumerate().map(|(region, material)| {
-        let mut findings = of_material(problem, material, constants);
+    let each = (0..problem.materials.len()).map(|region| {
+        let mut findings = of_material(problem, region, constants);
         if problem.materials.len() > 1 {
             for finding in &mut findings {
                 finding.place = format!("{} of region {}", finding.place, names.get(region).map_or("", String::as_str));
@@ -52,14 +53,18 @@ fn is_worse(found: &Finding, other: &Finding) -> bool {
     found.status > other.status || (found.status == other.status && by_value)
 }
 
-/// (H1)–(H5) of one material.
-fn of_material(problem: &Problem, material: &Material, constants: &Constants) -> Vec<Finding> {
+/// (H1)–(H5) of the material of a region.
+fn of_material(problem: &Problem, region: usize, constants: &Constants) -> Vec<Finding> {
+    let Some(material) = problem.materials.get(region) else { return Vec::new() };
+    let (m, e) = (constants.bound_m, constants.bound_e);
+    let expansion = problem.values_in(region, |m| &m.expansion);
+    let coupling = problem.values_in(region, |m| &m.coupling);
     vec![
         operator(problem, material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
         operator(problem, material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
-        conductivity(problem, &material.conductivity),
-        coupling(problem, &material.expansion, constants.bound_m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]),
-        coupling(problem, &material.coupling, constants.bound_e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
+        conductivity(problem, &problem.values_in(region, |m| &m.conductivity)),
+        bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]),
+        bounded(problem, &coupling, e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
     ]
 }
 
@@ -68,10 +73,23 @@ pub(super) fn norm(tensor: &Sym, dim: usize) -> f64 {
     tensor.0[..mandel_len(dim)].iter().map(|c| c * c).sum::<f64>().sqrt()
 }
 
+/// The largest norm of a tensor of the materials.
+pub(super) fn largest_norm(problem: &Problem, of: fn(&Material) -> &Coefficient<Sym>) -> f64 {
+    let dim = problem.mesh.tensor_dim();
+    problem.values_of(of).iter().map(|sample| norm(&sample.value, dim)).fold(0.0, f64::max)
+}
+
+/// The words behind a number that is attained at a place: ` at (0.0, 1.0, 0.0)`, and nothing without one.
+fn attained(x: Option<Point>) -> String {
+    x.map(|x| format!(" at {}", at(&x))).unwrap_or_default()
+}
+
 /// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
 fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
+    let [at_least, at_most] =
+        law.graded().map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x))));
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
     let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {
@@ -80,11 +98,14 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
             format!("the material has no viscosity: {m} = 0, and the theory asks for a positive number"),
         )
     } else if !lipschitz.is_finite() {
-        (FindingStatus::Fails, format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}, expected a finite number"))
+        (
+            FindingStatus::Fails,
+            format!("{name} is not Lipschitz: {upper} = {lipschitz:.6e}{at_most}, expected a finite number"),
+        )
     } else if !positive {
         (
             FindingStatus::Fails,
-            format!("{name} is not strongly monotone: {m} = {least:.6e}, expected a positive number"),
+            format!("{name} is not strongly monotone: {m} = {least:.6e}{at_least}, expected a positive number"),
         )
     } else if let Some(contradiction) = refuted(problem, law, c, [m, upper]) {
         (FindingStatus::Fails, format!("{name} violates the constants that it declares: {contradiction}"))
@@ -93,7 +114,7 @@ fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upp
         (
             FindingStatus::Holds,
             format!(
-                "{name} is strongly monotone with {m} = {least:.6e} and Lipschitz with {upper} = {lipschitz:.6e} ({how}); it vanishes at zero"
+                "{name} is strongly monotone with {m} = {least:.6e}{at_least} and Lipschitz with {upper} = {lipschitz:.6e}{at_most} ({how}); it vanishes at zero"
             ),
         )
     };
@@ -167,20 +188,21 @@ fn refuted(
 }
 
 /// (H3): 𝓚 is positive definite.
-fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
-    let eigenvalues = tensor.eigenvalues(problem.mesh.dim);
-    let (least, largest) = (eigenvalues.first().copied().unwrap_or(0.0), eigenvalues.last().copied().unwrap_or(0.0));
+fn conductivity(problem: &Problem, values: &[Sample<Sym>]) -> Finding {
+    let eigenvalues = |sample: &Sample<Sym>| sample.value.eigenvalues(problem.mesh.dim);
+    let least_of = |sample: &Sample<Sym>| eigenvalues(sample).first().copied().unwrap_or(0.0);
+    let worst = values.iter().min_by(|a, b| least_of(a).total_cmp(&least_of(b)));
+    let all = worst.map_or_else(Vec::new, eigenvalues);
+    let (least, largest) = (all.first().copied().unwrap_or(0.0), all.last().copied().unwrap_or(0.0));
     let positive = least > ROUND_OFF * largest.abs();
-    let list = eigenvalues
-        .iter()
-        .map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 }))
-        .collect::<Vec<_>>()
-        .join(", ");
+    let list = all.iter().map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 })).collect::<Vec<_>>().join(", ");
+    let place = worst.and_then(|sample| sample.x);
+    let place = place.map(|x| format!(", the least over the body, at {}", at(&x))).unwrap_or_default();
     let message = if positive {
-        format!("𝓚 has the eigenvalues {list}")
+        format!("𝓚 has the eigenvalues {list}{place}")
     } else {
         format!(
-            "𝓚 has the eigenvalues {list}: it is not positive definite, heat flows in some directions only and the result depends on the mesh"
+            "𝓚 has the eigenvalues {list}{place}: it is not positive definite, heat flows in some directions only and the result depends on the mesh"
         )
     };
     let value = if positive { least } else { least.max(0.0) };
@@ -190,24 +212,49 @@ fn conductivity(problem: &Problem, tensor: &Sym) -> Finding {
 }
 
 /// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
-fn coupling(
+fn bounded(
     problem: &Problem,
-    tensor: &Sym,
+    values: &[Sample<Sym>],
     bound: Option<f64>,
     id: FindingId,
     [name, upper, place]: [&str; 3],
 ) -> Finding {
-    let norm = norm(tensor, problem.mesh.tensor_dim());
+    let norms = values.iter().map(|sample| (norm(&sample.value, problem.mesh.tensor_dim()), sample.x));
+    let (norm, x) = norms.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, None));
+    let at_most = attained(x);
     let message = match bound {
-        _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}"),
+        _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}{at_most}"),
         Some(bound) => {
-            format!("{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so {upper} = {bound:.6e} by (2.13)")
+            format!(
+                "{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}{at_most}, so {upper} = {bound:.6e} by (2.13)"
+            )
         }
         None => format!(
-            "{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"
+            "{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}{at_most}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"
         ),
     };
     Finding::new(id, FindingStatus::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
+}
+
+/// L_τ of (H8), and where it is attained if laws vary over the side: pressure and friction together.
+pub(super) fn friction_lipschitz(contact: &Contact, points: &[Point]) -> (Option<f64>, Option<Point>) {
+    let (normal, friction) = (contact.normal.graded(), contact.friction.graded());
+    let whole = || contact.friction.lipschitz(contact.normal.lipschitz());
+    if (normal.is_none() && friction.is_none()) || contact.friction.at_time(0.0).is_some() {
+        return (whole(), friction.map(|law| law.extremes()[1].x));
+    }
+    let of = |x: &Point| {
+        let nu = normal.map_or_else(|| contact.normal.lipschitz(), |law| law.at(x).lipschitz());
+        friction.map_or_else(|| contact.friction.lipschitz(nu), |law| law.at(x).lipschitz(nu))
+    };
+    let mut worst: Option<(f64, Point)> = None;
+    for x in points {
+        let Some(here) = of(x) else { return (None, Some(*x)) };
+        if worst.is_none_or(|(most, _)| here > most) {
+            worst = Some((here, *x));
+        }
+    }
+    worst.map_or_else(|| (whole(), None), |(most, x)| (Some(most), Some(x)))
 }
 
 /// (H7), (H8) and the cut-off of φ_L.
@@ -243,7 +290,8 @@ pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     let (boundary, length) = (problem.contact_boundary(), diameter(problem));
     problem.contacts.iter().enumerate().map(move |(side, contact)| {
         let places: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
-        Test { contact, places: some(&places, PLACES).copied().collect(), length }
+        let tau = friction_lipschitz(contact, &places);
+        Test { contact, places: some(&places, PLACES).copied().collect(), length, tau }
     })
 }
 
@@ -252,6 +300,8 @@ pub(super) struct Test<'a> {
     pub(super) contact: &'a Contact,
     pub(super) places: Vec<Point>,
     pub(super) length: f64,
+    /// L_τ of (H8) and where it is attained.
+    pub(super) tau: (Option<f64>, Option<Point>),
 }
 
 impl Test<'_> {
@@ -275,7 +325,7 @@ impl Test<'_> {
             contact.heat.conductance_lipschitz().unwrap_or(f64::INFINITY),
         );
         // A bound that is given whatever the penetration has none.
-        let tau = contact.friction.lipschitz(Some(nu)).unwrap_or(0.0);
+        let tau = if nu.is_finite() { self.tau.0 } else { contact.friction.lipschitz(Some(nu)) }.unwrap_or(0.0);
         let mut random = Samples::default();
         let keeps = |x: &Point, random: &mut Samples| {
             let r = random.spread(self.length, 12.0);
@@ -356,6 +406,12 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
                 .to_owned(),
         );
     }
+    if bound > 0.0 && heat.at_time(0.0).is_some() {
+        return finding(
+            FindingStatus::NotCovered,
+            "the conductance depends on the time, in (2.10) on the penetration".to_owned(),
+        );
+    }
     if bound > 0.0 && test.heat_sees_pressure() {
         return finding(
             FindingStatus::NotCovered,
@@ -381,12 +437,14 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
             finding(FindingStatus::Fails, format!("k_c violates the constants that it declares: {contradiction}"))
                 .repair("correct the constants of the law")
         }
-        None => finding(
-            FindingStatus::Holds,
+        None => finding(FindingStatus::Holds, {
+            let [at_lipschitz, at_bound] = heat
+                .graded()
+                .map_or_else(Default::default, |law| law.extremes().map(|instance| attained(Some(instance.x))));
             format!(
-                "k_c is bounded by M_kc = {bound:.6e}, Lipschitz with L_kc = {lipschitz:.6e}, and zero without penetration"
-            ),
-        ),
+                "k_c is bounded by M_kc = {bound:.6e}{at_bound}, Lipschitz with L_kc = {lipschitz:.6e}{at_lipschitz}, and zero without penetration"
+            )
+        }),
     }
 }
 
@@ -408,7 +466,7 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         };
         return finding(status, message.to_owned(), "contact.normal").repair("use normal compliance with a stiffness");
     };
-    let Some(tau) = contact.friction.lipschitz(Some(nu)).filter(|l| l.is_finite()) else {
+    let Some(tau) = test.tau.0.filter(|l| l.is_finite()) else {
         let message = if test.friction_is_given() {
             "p_τ does not depend on the penetration: it is not zero in open contact"
         } else {
@@ -440,8 +498,10 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         return finding(FindingStatus::NotCovered, what.to_owned(), place)
             .repair("use a pressure and a friction bound that depend on the penetration alone");
     }
+    let at_nu = attained(contact.normal.graded().map(|law| law.extremes()[1].x));
+    let at_tau = attained(test.tau.1);
     let message = format!(
-        "p_ν and p_τ are Lipschitz with L_ν = {nu:.6e} and L_τ = {tau:.6e}, not negative, and zero without penetration"
+        "p_ν and p_τ are Lipschitz with L_ν = {nu:.6e}{at_nu} and L_τ = {tau:.6e}{at_tau}, not negative, and zero without penetration"
     );
     finding(FindingStatus::Holds, message, "contact")
 }
@@ -453,6 +513,8 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
             "the pressure depends on the rate of the penetration, which (2.8) does not provide for",
             "contact.normal",
         ))
+    } else if test.contact.friction.at_time(0.0).is_some() {
+        Some(("the friction bound depends on the time, which (2.9) does not provide for", "contact.friction"))
     } else if test.friction_sees_slip() {
         Some(("the friction bound depends on the slip speed, which (2.9) does not provide for", "contact.friction"))
     } else if test.friction_sees_heat() {

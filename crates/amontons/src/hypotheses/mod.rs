@@ -33,9 +33,7 @@ pub mod warnings;
 use serde::{Deserialize, Serialize};
 
 use crate::linalg::SolveError;
-use crate::material::Material;
 use crate::problem::{Physics, Problem};
-use crate::tensor::Sym;
 
 pub use domain::{Constant, DomainConstants, domain_constants};
 pub use finding::{Finding, FindingId, FindingStatus, Kind, UnknownFinding};
@@ -100,7 +98,7 @@ impl Constants {
     fn of_laws(problem: &Problem) -> Constants {
         // A body of several materials has the least m and the largest M.
         let materials = &problem.materials;
-        let extremes = |law: fn(&Material) -> crate::material::Constants| {
+        let extremes = |law: fn(&crate::material::Material) -> crate::material::Constants| {
             let all = || materials.iter().map(law);
             (
                 all().fold(f64::INFINITY, |least, c| least.min(c.monotonicity)),
@@ -108,7 +106,8 @@ impl Constants {
             )
         };
         let (a, b) = (extremes(|m| m.elasticity.constants()), extremes(|m| m.viscosity.constants()));
-        let d: Vec<f64> = materials.iter().flat_map(|m| m.conductivity.eigenvalues(problem.mesh.dim)).collect();
+        let conductivities = problem.values_of(|m| &m.conductivity);
+        let d: Vec<f64> = conductivities.iter().flat_map(|k| k.value.eigenvalues(problem.mesh.dim)).collect();
         // The largest of several contacts; none if one of them has none.
         let largest = |constant: &dyn Fn(&crate::contact::Contact) -> Option<f64>| {
             problem.contacts.iter().map(constant).reduce(|a, b| Some(a?.max(b?))).flatten()
@@ -121,7 +120,7 @@ impl Constants {
             m_d: d.iter().copied().reduce(f64::min).unwrap_or(0.0),
             bound_d: d.iter().fold(0.0, |max, e| e.abs().max(max)),
             lipschitz_nu: largest(&|c| c.normal.lipschitz()),
-            lipschitz_tau: largest(&|c| c.friction.lipschitz(c.normal.lipschitz())),
+            lipschitz_tau: laws::tests(problem).map(|test| test.tau.0).reduce(|a, b| Some(a?.max(b?))).flatten(),
             bound_kc: largest(&|c| Some(c.heat.conductance_bound())),
             lipschitz_kc: largest(&|c| c.heat.conductance_lipschitz()),
             truncation: largest(&|c| c.heat.truncation()),
@@ -134,12 +133,9 @@ impl Constants {
         let value = |constant: Option<Constant>| constant.map(|c| c.value);
         // (2.13): ‖η‖² ≤ (1 − c_f²)/c_f² ‖∇η‖².
         let poincare = value(domain.c_f).map(|c| (1.0 - c * c).max(0.0).sqrt() / c);
-        let norm = |tensor: fn(&Material) -> &Sym| {
-            problem.materials.iter().map(|m| laws::norm(tensor(m), problem.mesh.tensor_dim())).fold(0.0, f64::max)
-        };
         Constants {
-            bound_m: poincare.map(|p| p * norm(|m| &m.expansion)),
-            bound_e: poincare.map(|p| p * norm(|m| &m.coupling)),
+            bound_m: poincare.map(|p| p * laws::largest_norm(problem, |m| &m.expansion)),
+            bound_e: poincare.map(|p| p * laws::largest_norm(problem, |m| &m.coupling)),
             c_k: value(domain.c_k),
             c_f: value(domain.c_f),
             s1: value(domain.s1),

@@ -16,13 +16,13 @@
 
 use std::sync::Arc;
 
-use super::laws::{Test, at, norm, tests};
+use super::laws::{Test, at, largest_norm, tests};
 use super::step::{heat_acts_at_once, holds_the_body};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactBoundary};
 use crate::discretization::Discretization;
 use crate::element::Table;
-use crate::field::Field;
+use crate::field::{Coefficient, Field};
 use crate::forms;
 use crate::linalg::{BlockMatrix, Layout, SolveError, System, dot};
 use crate::material::{Dilatation, Material};
@@ -186,13 +186,16 @@ impl<'a> Body<'a> {
         if problem.materials.len() > 1 {
             return Some(("the body has several materials", "region".to_owned()));
         }
+        if is_graded(m) {
+            return Some(("the coefficients of the material vary in space", "material".to_owned()));
+        }
         if heat_acts_at_once(problem) {
             return Some(("θ_n acts on u_n in the same step", "material.expansion".to_owned()));
         }
         if !m.elasticity.is_linear() {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
-        let heat_acts = norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0;
+        let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;
         if heat_acts && problem.dilatation == Dilatation::Mean {
             return Some((
                 "a and b control the mean dilatation only, and heat acts on the whole",
@@ -235,13 +238,14 @@ impl<'a> Body<'a> {
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
         let heat = Heat::new(problem, m, mass, &self.theta, c_f);
-        let thermal = norm(&m.expansion, mesh.tensor_dim());
+        let thermal = largest_norm(problem, |m| &m.expansion);
         let (m_a, m_b) = (m.elasticity.constants().monotonicity, m.viscosity.constants().monotonicity);
         let k = problem.k();
         let mut statics = static_answer(&mut system, &load.at(problem.time(1)))?;
-        let mut y = (m.density * dot(&self.w, &mass.apply(&self.w)) + energy(&a, &difference(&self.u, &statics)))
-            .max(0.0)
-            .sqrt();
+        let mut y = (m.density.at(&ANYWHERE) * dot(&self.w, &mass.apply(&self.w))
+            + energy(&a, &difference(&self.u, &statics)))
+        .max(0.0)
+        .sqrt();
         let (mut strain, mut theta) = ((energy(&a, &self.u) / m_a).sqrt(), heat.start);
         let mut worst: Option<Bound> = None;
         let (varies, gap_varies) = (loads_vary(problem), contact.gap_depends_on_time());
@@ -274,6 +278,18 @@ impl<'a> Body<'a> {
         }
         Ok(worst.ok_or(("there is no contact point", "contact")))
     }
+}
+
+/// A point of a body whose coefficients are the same everywhere.
+const ANYWHERE: Point = [0.0; 3];
+
+/// Whether a coefficient of a material varies in space.
+fn is_graded(m: &Material) -> bool {
+    m.elasticity.graded().is_some()
+        || m.viscosity.graded().is_some()
+        || m.density.varies()
+        || m.heat_capacity.varies()
+        || [&m.expansion, &m.coupling, &m.conductivity].into_iter().any(Coefficient::varies)
 }
 
 /// Whether a foundation does no work on the body: it does not move, and its pressure does not fall.
@@ -332,13 +348,13 @@ struct Heat<'a> {
 impl<'a> Heat<'a> {
     fn new(problem: &'a Problem, m: &Material, mass: &BlockMatrix, theta: &[f64], c_f: Option<f64>) -> Heat<'a> {
         let lambda = c_f.filter(|c| *c < 1.0).map_or(0.0, |c| c * c / (1.0 - c * c));
-        let m_d = m.conductivity.eigenvalues(problem.mesh.dim).first().map_or(0.0, |e| e.max(0.0));
+        let m_d = m.conductivity.at(&ANYWHERE).eigenvalues(problem.mesh.dim).first().map_or(0.0, |e| e.max(0.0));
         let varies = problem.heat_source.depends_on_time();
         Heat {
             problem,
             start: dot(theta, &mass.apply(theta)).max(0.0).sqrt(),
-            rates: [m.heat_capacity / problem.k(), m_d * lambda],
-            coupling: norm(&m.coupling, problem.mesh.tensor_dim()),
+            rates: [m.heat_capacity.at(&ANYWHERE) / problem.k(), m_d * lambda],
+            coupling: largest_norm(problem, |m| &m.coupling),
             source: (!varies).then(|| source(problem, 0.0)),
         }
     }

@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use super::branches::falls;
 use super::domain::TraceQuotient;
-use super::laws::{norm, tests};
+use super::laws::{largest_norm, tests};
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::Discretization;
@@ -202,8 +202,7 @@ pub(super) fn holds_the_body(
 
 /// Whether θ_n acts on w_n in the same step by expansion, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
-    problem.coupling != Coupling::Staggered
-        && problem.materials.iter().any(|m| norm(&m.expansion, problem.mesh.tensor_dim()) > 0.0)
+    problem.coupling != Coupling::Staggered && largest_norm(problem, |m| &m.expansion) > 0.0
 }
 
 /// A part of the laws that the condition does not cover, and its place.

@@ -4,6 +4,7 @@ use super::data::not_in_v;
 use super::laws::{Test, beyond, not_lipschitz, tests};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::GraphKind;
+use crate::field::Coefficient;
 use crate::material::Material;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
@@ -124,11 +125,11 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     if problem.materials.iter().any(|m| m.viscosity.constants().lipschitz == 0.0) {
         return Some(("a material without viscosity, while (H1) asks for m_b > 0", "material.viscosity".to_owned()));
     }
-    let zeros = |value: fn(&Material) -> f64| {
-        let all: Vec<bool> = problem.materials.iter().map(|m| value(m) == 0.0).collect();
+    let zeros = |of: fn(&Material) -> &Coefficient<f64>| {
+        let all: Vec<bool> = problem.values_of(of).iter().map(|sample| sample.value == 0.0).collect();
         (all.iter().any(|zero| *zero), all.iter().all(|zero| *zero))
     };
-    let (density, capacity) = (zeros(|m| m.density), zeros(|m| m.heat_capacity));
+    let (density, capacity) = (zeros(|m| &m.density), zeros(|m| &m.heat_capacity));
     let place = |key: &str| format!("material.{key}");
     match (density, capacity) {
         ((true, false), _) => Some(("a density that is zero in a part of the body only", place("density"))),
@@ -175,6 +176,9 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
             "friction heats the foundation by a product of pressure and slip, for which no estimate is known",
             "contact.foundation",
         ));
+    }
+    if contact.heat.conductance_bound() > 0.0 && contact.heat.at_time(0.0).is_some() {
+        return Some(("the conductance depends on the time", "contact.heat"));
     }
     if contact.heat.conductance_bound() > 0.0 && test.heat_sees_pressure() {
         return Some(("the conductance depends on the pressure", "contact.heat"));

@@ -3,8 +3,10 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use crate::field::{Coefficient, Graded};
 use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_len};
 
+mod graded;
 mod hencky;
 mod isotropic;
 mod linear;
@@ -97,9 +99,14 @@ pub trait TensorLaw: Debug + Send + Sync {
     fn value(&self, x: &Point, xi: &Sym) -> Sym;
     /// Derivative of the value with respect to `xi`.
     fn tangent(&self, x: &Point, xi: &Sym) -> SymMap;
-    /// Whether the value is a linear function of `xi`, symmetric and the same at every `x`.
+    /// Whether the value is a linear function of `xi`, symmetric and, unless the law is [`Graded`], the same at every
+    /// `x`.
     fn is_linear(&self) -> bool {
         false
+    }
+    /// The law as one whose coefficients vary in space, if it is one; its values at points are asked one by one.
+    fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
+        None
     }
     /// m and M of (H1), (H2) on 𝕊^d.
     fn constants(&self) -> Constants;
@@ -143,9 +150,9 @@ pub enum Dilatation {
 #[non_exhaustive]
 pub struct Material {
     /// ρ in kg/m³; 0 for a quasistatic problem.
-    pub density: f64,
+    pub density: Coefficient<f64>,
     /// Factor of θ̇ in (2.4), J/(m³ K); 1 in the paper; 0 for steady heat.
-    pub heat_capacity: f64,
+    pub heat_capacity: Coefficient<f64>,
     /// 𝓔, (H2).
     pub elasticity: Arc<dyn TensorLaw>,
     /// 𝓥, (H1).
@@ -153,11 +160,11 @@ pub struct Material {
     /// Stress that relaxes, besides 𝓔 and 𝓥.
     pub prony: Option<Prony>,
     /// 𝓜 in Pa/K, (H4); a component 33 acts on the stress of a plane strain only.
-    pub expansion: Sym,
+    pub expansion: Coefficient<Sym>,
     /// 𝓡 in W/m³ per unit strain, (H5).
-    pub coupling: Sym,
+    pub coupling: Coefficient<Sym>,
     /// 𝓚 in W/(m K), (H3).
-    pub conductivity: Sym,
+    pub conductivity: Coefficient<Sym>,
 }
 
 impl Material {
@@ -166,14 +173,14 @@ impl Material {
     #[must_use]
     pub fn new(dim: usize, elasticity: impl TensorLaw + 'static) -> Material {
         Material {
-            density: 0.0,
-            heat_capacity: 0.0,
+            density: 0.0.into(),
+            heat_capacity: 0.0.into(),
             elasticity: Arc::new(elasticity),
             viscosity: Arc::new(Isotropic::lame(dim, 0.0, 0.0, StressState::PlaneStress)),
             prony: None,
-            expansion: Sym::ZERO,
-            coupling: Sym::ZERO,
-            conductivity: Sym::ZERO,
+            expansion: Sym::ZERO.into(),
+            coupling: Sym::ZERO.into(),
+            conductivity: Sym::ZERO.into(),
         }
     }
 
@@ -186,7 +193,7 @@ impl Material {
     /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜, without the stress of `prony`, which depends on the past.
     #[must_use]
     pub fn stress(&self, x: &Point, strain: &Sym, strain_rate: &Sym, theta: f64) -> Sym {
-        self.elasticity.value(x, strain) + self.viscosity.value(x, strain_rate) - theta * self.expansion
+        self.elasticity.value(x, strain) + self.viscosity.value(x, strain_rate) - theta * self.expansion.at(x)
     }
 }
 

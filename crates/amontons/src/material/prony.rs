@@ -1,6 +1,9 @@
 //! Stress that relaxes: branches of a generalized Maxwell body (Prony series).
 
+use std::sync::Arc;
+
 use super::{Constants, LawError, TensorLaw, in_range};
+use crate::field::{Coefficient, Graded};
 use crate::tensor::{Point, Sym, SymMap};
 
 /// Maxwell branches beside 𝓔 and 𝓥: σ = 𝓔ε + 𝓥ε̇ + Σ q_i − θ𝓜 with q̇_i + q_i/τ_i = 𝓖_i ε̇, each 𝓖_i linear.
@@ -24,33 +27,74 @@ use crate::tensor::{Point, Sym, SymMap};
 ///
 /// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔
 /// ([`Prony::ratios`]).
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Prony {
     terms: Vec<Branch>,
 }
 
 /// One Maxwell branch; as a [`TensorLaw`] it is its spring 𝓖_i.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Branch {
-    /// 𝓖_i in Pa.
+    /// 𝓖_i in Pa; where it varies in space, that of one point.
     pub modulus: SymMap,
     /// τ_i in s.
     pub time: f64,
+    /// 𝓖_i where it varies in space.
+    graded: Option<Graded<dyn TensorLaw>>,
+}
+
+impl Branch {
+    /// The branch with this spring, the same everywhere.
+    #[must_use]
+    pub const fn new(modulus: SymMap, time: f64) -> Branch {
+        Branch { modulus, time, graded: None }
+    }
+
+    /// The branch as it is at a point.
+    #[must_use]
+    pub fn at(&self, x: &Point) -> Branch {
+        Branch::new(self.tangent(x, &Sym::ZERO), self.time)
+    }
+
+    /// 1/(1 + k/τ): what a step of length k leaves of the spring's strain.
+    #[must_use]
+    pub fn factor(&self, k: f64) -> f64 {
+        1.0 / (1.0 + k / self.time)
+    }
 }
 
 impl TensorLaw for Branch {
-    fn value(&self, _x: &Point, xi: &Sym) -> Sym {
-        self.modulus.apply(xi)
+    fn value(&self, x: &Point, xi: &Sym) -> Sym {
+        match &self.graded {
+            Some(law) => law.value(x, xi),
+            None => self.modulus.apply(xi),
+        }
     }
-    fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
-        self.modulus
+    fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
+        match &self.graded {
+            Some(law) => law.tangent(x, xi),
+            None => self.modulus,
+        }
     }
     fn is_linear(&self) -> bool {
         true
     }
-    fn constants(&self) -> Constants {
-        Constants::of_linear(&self.modulus, 3)
+    fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
+        self.graded.as_ref()
     }
+    fn constants(&self) -> Constants {
+        self.graded.as_ref().map_or_else(|| Constants::of_linear(&self.modulus, 3), TensorLaw::constants)
+    }
+}
+
+fn scaled(mut map: SymMap, factor: f64) -> SymMap {
+    map.0.iter_mut().flatten().for_each(|entry| *entry *= factor);
+    map
+}
+
+/// The spring at a point whose modulus is `ratio` times that of a linear law.
+fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
+    Arc::new(Branch::new(scaled(law.tangent(x, &Sym::ZERO), ratio), f64::INFINITY))
 }
 
 /// The energy identity of one step of all branches, in J/m³: `work = stored + dissipated + scheme`.
@@ -85,10 +129,10 @@ impl Prony {
                     most: c.lipschitz,
                 });
             }
-            Ok(Branch {
-                modulus: law.tangent(&[0.0; 3], &Sym::ZERO),
-                time: in_range("a relaxation time", time, "a positive number", time > 0.0)?,
-            })
+            let time = in_range("a relaxation time", time, "a positive number", time > 0.0)?;
+            let graded = law.graded().cloned();
+            let x = graded.as_ref().map_or([0.0; 3], |law| law.extremes()[0].x);
+            Ok(Branch { modulus: law.tangent(&x, &Sym::ZERO), time, graded })
         };
         Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
     }
@@ -102,11 +146,41 @@ impl Prony {
         let mut prony = Prony::new(&pairs.iter().map(|&(_, time)| (elasticity, time)).collect::<Vec<_>>())?;
         for (term, &(ratio, _)) in prony.terms.iter_mut().zip(pairs) {
             in_range("the ratio of a branch", ratio, "a positive number", ratio > 0.0)?;
-            for entry in term.modulus.0.iter_mut().flatten() {
-                *entry *= ratio;
-            }
+            term.modulus = scaled(term.modulus, ratio);
+            term.graded = term.graded.take().map(|law| law.map(move |law, x| spring(law, x, ratio)));
         }
         Ok(prony)
+    }
+
+    /// Branches 𝓖_i = g_i(x) 𝓔 whose ratios vary in space, with their bounds over points; see [`Prony::ratios`].
+    ///
+    /// # Errors
+    /// As [`Prony::ratios`], at one of the points.
+    pub fn varying(
+        elasticity: &Arc<dyn TensorLaw>,
+        pairs: &[(Coefficient<f64>, f64)],
+        points: &[Point],
+    ) -> Result<Prony, LawError> {
+        let constant = pairs.iter().map(|(ratio, time)| Some((ratio.constant()?, *time))).collect::<Option<Vec<_>>>();
+        if let Some(pairs) = constant.filter(|_| elasticity.graded().is_none()) {
+            return Prony::ratios(elasticity.as_ref(), &pairs);
+        }
+        let mut laws = Vec::new();
+        for (ratio, time) in pairs {
+            for x in points {
+                let ratio = ratio.at(x);
+                in_range("the ratio of a branch", ratio, "a positive number", ratio > 0.0)?;
+            }
+            let (law, ratio) = (Arc::clone(elasticity), ratio.clone());
+            laws.push((Graded::elastic(points, move |x| spring(law.as_ref(), x, ratio.at(x))), *time));
+        }
+        Prony::new(&laws.iter().map(|(law, time)| (law as &dyn TensorLaw, *time)).collect::<Vec<_>>())
+    }
+
+    /// The branches as they are at a point; what follows is of branches that are the same everywhere.
+    #[must_use]
+    pub fn at(&self, x: &Point) -> Prony {
+        Prony { terms: self.terms.iter().map(|branch| branch.at(x)).collect() }
     }
 
     /// The branches.
@@ -173,14 +247,6 @@ impl Prony {
             sum.scheme += 0.5 * term.modulus.apply(&change).dot(&change);
         }
         sum
-    }
-}
-
-impl Branch {
-    /// 1/(1 + k/τ): what a step of length k leaves of the spring's strain.
-    #[must_use]
-    pub fn factor(&self, k: f64) -> f64 {
-        1.0 / (1.0 + k / self.time)
     }
 }
 
@@ -290,7 +356,7 @@ mod tests {
             Err(LawError::NotPositive { least: -1.0, .. })
         ));
         let curved = Hencky::new(1.0, Carreau::new(1.0, 0.5, 1.0, 0.5)?)?;
-        assert_eq!(Prony::ratios(&curved, &[(0.5, 1.0)]), Err(LawError::NotLinear));
+        assert!(matches!(Prony::ratios(&curved, &[(0.5, 1.0)]), Err(LawError::NotLinear)));
         // Relaxation of deviators only: λ + c/3 = 0.
         let deviators = Isotropic::lame(3, -1.0, 3.0, StressState::PlaneStrain);
         assert!(Prony::new(&[(&deviators, 1.0)]).is_ok());

@@ -1,22 +1,28 @@
 //! Meshes: points, blocks of cells with their region, and named sets of boundary facets.
 
 mod convert;
+mod data;
 pub mod defects;
 mod facets;
 mod generate;
 mod geometry;
 pub mod gmsh;
+mod locator;
 mod read;
 mod round;
+mod sites;
 mod topology;
 pub mod vtu;
 
 use std::collections::BTreeMap;
 
+pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
 pub(crate) use geometry::invert;
 pub use geometry::{CellMap, FacetMap};
+pub use locator::Locator;
+pub(crate) use locator::{At, OUTSIDE, reference_point};
 pub use read::{MeshFileError, Place, read};
 
 use crate::element::{Element, Table};

@@ -6,9 +6,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Mesh;
+use super::data::Values;
 use super::read::{Kind, Loose, LooseBlock, MeshFileError, Place};
+use super::{Block, Mesh};
 use crate::element;
+use crate::tensor::Point;
 use crate::vtu::{self, Array, Grid};
 
 /// Names of the cell data with the region of a cell; the first one present counts.
@@ -26,6 +28,42 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     let wanted = |name: &str| REGION.contains(&name) || SIDE.contains(&name);
     let grid = vtu::parse(bytes, wanted).map_err(|message| MeshFileError::Grid { message })?;
     loose(grid)?.into_mesh(Place::Cell)
+}
+
+/// The points of a grid, its cells of the highest dimension by element, and the data `name` of these cells or of the
+/// points.
+pub(super) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec<Block>, Values), MeshFileError> {
+    let refuse = |message: String| MeshFileError::Grid { message };
+    let mut grid = vtu::parse(bytes, |other| other == name).map_err(refuse)?;
+    let kinds =
+        grid.types.iter().enumerate().map(|(cell, &code)| kind(cell, code)).collect::<Result<Vec<Kind>, _>>()?;
+    let dim = kinds.iter().map(|kind| kind.dim).max().unwrap_or(0);
+    let (of_cells, of_nodes) = (grid.cell_data.remove(name), grid.point_data.remove(name));
+    let is_of_cells = of_cells.is_some();
+    let Some(Array { components, values }) = of_cells.or(of_nodes) else {
+        return Err(refuse(format!("no data \"{name}\", expected data of the cells or the points with this name")));
+    };
+    let (what, expected) = if is_of_cells { ("cells", grid.types.len()) } else { ("points", grid.points.len()) };
+    if components != 1 || values.len() != expected {
+        let found = format!("the data \"{name}\" have {components} components and {} numbers", values.len());
+        return Err(refuse(format!("{found}, expected one number for each of the {expected} {what}")));
+    }
+    let mut blocks: Vec<Block> = Vec::new();
+    let mut by_cell: Vec<Vec<f64>> = Vec::new();
+    for (cell, nodes) in grid.cells().enumerate().filter(|&(cell, _)| kinds[cell].dim == dim && dim > 0) {
+        let Some(element) = kinds[cell].element.filter(|element| element.nodes.len() == nodes.len()) else {
+            return Err(refuse(format!("cell {cell} has {} nodes, expected those of its type", nodes.len())));
+        };
+        let block = blocks.iter().position(|block| std::ptr::eq(block.element, element)).unwrap_or_else(|| {
+            blocks.push(Block { element, region: 0, nodes: Vec::new() });
+            by_cell.push(Vec::new());
+            blocks.len() - 1
+        });
+        blocks[block].nodes.extend_from_slice(nodes);
+        by_cell[block].push(if is_of_cells { values[cell] } else { 0.0 });
+    }
+    let values = if is_of_cells { Values::Cells(by_cell) } else { Values::Nodes(values) };
+    Ok((grid.points, blocks, values))
 }
 
 fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
@@ -52,7 +90,13 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
             return Err(MeshFileError::Grid { message });
         }
         let block = *index.entry((grid.types[cell], group)).or_insert_with(|| {
-            blocks.push(LooseBlock { kind, groups: BTreeSet::from_iter(group), at: cell, nodes: Vec::new() });
+            blocks.push(LooseBlock {
+                kind,
+                groups: BTreeSet::from_iter(group),
+                at: cell,
+                nodes: Vec::new(),
+                numbers: Vec::new(),
+            });
             blocks.len() - 1
         });
         blocks[block].nodes.extend_from_slice(nodes);

@@ -74,8 +74,9 @@ pub fn thermal_layers(problem: &Problem) -> Vec<ThermalLayer> {
         let cells = cell_heights(mesh, mesh.facets.get(&contact.on)?);
         let depth = |cell: &CellAtFacet| {
             let m = problem.material_of(cell.region)?;
-            let conductivity = dot(&cell.normal, &m.conductivity.apply(&cell.normal));
-            (m.heat_capacity > 0.0 && conductivity > 0.0).then(|| (conductivity / m.heat_capacity).sqrt())
+            let (conductivity, capacity) = (m.conductivity.at(&cell.x), m.heat_capacity.at(&cell.x));
+            let conductivity = dot(&cell.normal, &conductivity.apply(&cell.normal));
+            (capacity > 0.0 && conductivity > 0.0).then(|| (conductivity / capacity).sqrt())
         };
         let worst = cells
             .iter()

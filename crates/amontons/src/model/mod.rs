@@ -16,7 +16,7 @@ pub use times::Times;
 
 use crate::element::Table;
 use crate::mesh::defects::components;
-use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
+use crate::mesh::{Block, CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
@@ -54,13 +54,19 @@ impl Model {
             (0..mesh.dim).map(|d| mesh.points.iter().map(|p| p[d]).fold(start, fold)).collect()
         };
         let volumes = volumes(mesh);
-        let density = |region: usize| problem.material_of(region).map_or(0.0, |m| m.density);
+        let mass = |(block, volume): (&Block, &f64)| {
+            let density = problem.material_of(block.region).map(|m| &m.density)?;
+            Some(match density.constant() {
+                Some(density) => density * volume,
+                None => integral(mesh, block, |x| density.at(x)),
+            })
+        };
         let boundary = problem.contact_boundary();
         let points = |side: usize| boundary.points.iter().filter(|p| p.side == side).count();
         Model {
             bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
             volume: volumes.iter().sum(),
-            mass: mesh.blocks.iter().zip(&volumes).map(|(block, volume)| density(block.region) * volume).sum(),
+            mass: mesh.blocks.iter().zip(&volumes).filter_map(mass).sum(),
             parts: components(mesh).len(),
             sides: mesh.facets.iter().map(|(name, set)| (name.clone(), area(mesh, set))).collect(),
             contact_points: problem
@@ -78,19 +84,21 @@ impl Model {
 
 /// Volume of each block of cells, m³.
 fn volumes(mesh: &Mesh) -> Vec<f64> {
-    let of_block = |block: &crate::mesh::Block| {
-        let table = Table::new(block.element, mesh.dim * block.element.degree + usize::from(mesh.axisymmetric));
-        let mut map = CellMap::new(mesh, &table);
-        let mut sum = 0.0;
-        for cell in block.cells() {
-            for (q, weight) in table.weights.iter().enumerate() {
-                map.at(cell, q);
-                sum += weight * map.measure;
-            }
+    mesh.blocks.iter().map(|block| integral(mesh, block, |_| 1.0)).collect()
+}
+
+/// The integral of a function over the cells of a block.
+fn integral(mesh: &Mesh, block: &Block, value: impl Fn(&Point) -> f64) -> f64 {
+    let table = Table::new(block.element, mesh.dim * block.element.degree + usize::from(mesh.axisymmetric));
+    let mut map = CellMap::new(mesh, &table);
+    let mut sum = 0.0;
+    for cell in block.cells() {
+        for (q, weight) in table.weights.iter().enumerate() {
+            map.at(cell, q);
+            sum += weight * map.measure * value(&map.position);
         }
-        sum
-    };
-    mesh.blocks.iter().map(of_block).collect()
+    }
+    sum
 }
 
 /// Area of a side, m².

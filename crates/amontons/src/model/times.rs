@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use super::supports::{holds_temperature, rigid_motions};
+use crate::field::Coefficient;
 use crate::forms;
 use crate::linalg::{BlockMatrix, Graph, Layout, Quotient, System, largest};
 use crate::material::{Material, TensorLaw};
@@ -56,7 +57,7 @@ impl Times {
 
 fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
-    let densities = of_materials(problem, |m| m.density)?;
+    let densities = of_materials(problem, |m| &m.density)?;
     let laws: Vec<&dyn TensorLaw> = problem.materials.iter().map(|m| m.elasticity.as_ref()).collect();
     let mut stiffness = if laws.iter().all(|law| law.is_linear()) {
         forms::tensor_form(mesh, graph, &laws, problem.dilatation)
@@ -71,7 +72,7 @@ fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
 
 fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     let mesh = &*problem.mesh;
-    let capacities = of_materials(problem, |m| m.heat_capacity)?;
+    let capacities = of_materials(problem, |m| &m.heat_capacity)?;
     let mut conduction = forms::d(mesh, graph, &problem.materials.iter().map(|m| &m.conductivity).collect::<Vec<_>>());
     if let Some(convection) = forms::convection(mesh, graph, &problem.boundary) {
         conduction.add_scaled(1.0, &convection);
@@ -80,9 +81,9 @@ fn heat(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
 }
 
 /// A number per material; none if it is zero in all of them.
-fn of_materials(problem: &Problem, of: fn(&Material) -> f64) -> Option<Vec<f64>> {
-    let values: Vec<f64> = problem.materials.iter().map(of).collect();
-    values.iter().any(|value| *value > 0.0).then_some(values)
+fn of_materials(problem: &Problem, of: fn(&Material) -> &Coefficient<f64>) -> Option<Vec<Coefficient<f64>>> {
+    let is_positive = problem.values_of(of).iter().any(|sample| sample.value > 0.0);
+    is_positive.then(|| problem.materials.iter().map(of).cloned().collect())
 }
 
 /// sup (storage x, x)/(energy x, x); none if the energy is not positive.

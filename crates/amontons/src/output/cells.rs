@@ -2,7 +2,7 @@
 
 use crate::element::{Element, Table};
 use crate::linalg::max_abs;
-use crate::material::{Branch, Dilatation, Material, Prony};
+use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
 use crate::mesh::{CellMap, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::Rule;
@@ -111,9 +111,14 @@ impl<'a> Evaluator<'a> {
         let mut stress = material.stress(&self.map.position, &strain, &rate, theta);
         for b in 0..self.branches.len() {
             let (branch, z) = self.branches[b];
-            stress += branch.modulus.apply(&self.strain(cell, z));
+            let strain = self.strain(cell, z);
+            stress += branch.value(&self.map.position, &strain);
         }
-        PointValues { strain, stress, heat_flux: material.conductivity.apply(&gradient).map(|q| 0.0 - q) }
+        PointValues {
+            strain,
+            stress,
+            heat_flux: material.conductivity.at(&self.map.position).apply(&gradient).map(|q| 0.0 - q),
+        }
     }
 
     /// The strain of a field that the forms see.

@@ -42,8 +42,13 @@ fn outside(problem: &Problem, [low, high]: [f64; 2], strain: f64, t: f64) -> [Op
         .any(|contact| contact.heat.flux(&rubbing).value < 0.0 || contact.foundation_heat.is_some());
     let dim = problem.mesh.tensor_dim();
     let norm = |tensor: &Sym| tensor.eigenvalues(dim).into_iter().map(f64::abs).sum::<f64>();
-    let rates =
-        problem.materials.iter().map(|m| (norm(&m.coupling), m.heat_capacity)).filter(|(coupling, _)| *coupling > 0.0);
+    let rates = (0..problem.materials.len()).map(|material| {
+        let couplings = problem.values_in(material, |m| &m.coupling);
+        let capacities = problem.values_in(material, |m| &m.heat_capacity);
+        let coupling = couplings.iter().map(|sample| norm(&sample.value)).fold(0.0, f64::max);
+        (coupling, capacities.iter().map(|sample| sample.value).fold(f64::INFINITY, f64::min))
+    });
+    let rates = rates.filter(|(coupling, _)| *coupling > 0.0);
     let coupled = rates.map(|(coupling, capacity)| coupling * strain * t / capacity).fold(0.0, f64::max);
     let beyond = |by: f64, unbounded: bool| (!unbounded && coupled.is_finite()).then(|| (by - coupled).max(0.0));
     [beyond(least - low, sinks), beyond(high - largest, sources || rubs)]

@@ -1,7 +1,7 @@
 //! The checks that make a [`Problem`] of its data.
 
-use super::{Fault, Faults, Problem, ProblemData, Support};
-use crate::field::Field;
+use super::{Fault, Faults, Problem, ProblemData, Sample, Support};
+use crate::field::{Coefficient, Field};
 use crate::mesh::defects::{Component, components};
 use crate::mesh::{FacetSet, Mesh};
 
@@ -51,12 +51,14 @@ impl ProblemData {
                 format!("one for all, or one for each of the {regions} regions"),
             ));
         }
-        for m in &self.materials {
-            for (path, value) in [("material.density", m.density), ("material.heat_capacity", m.heat_capacity)] {
-                if !(value.is_finite() && value >= 0.0) {
-                    faults.push(Fault::new(path, value.to_string(), "a number that is not negative"));
-                }
-            }
+        for (key, values) in
+            [("density", self.values_of(|m| &m.density)), ("heat_capacity", self.values_of(|m| &m.heat_capacity))]
+        {
+            let Some(Sample { value, x }) = values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0)) else {
+                continue;
+            };
+            let found = x.map_or(value.to_string(), |x| format!("{value:?} at {}", self.mesh.place(&x)));
+            faults.push(Fault::new(format!("material.{key}"), found, "a number that is not negative"));
         }
     }
 
@@ -93,7 +95,10 @@ impl ProblemData {
             let Some(m) = self.material_of(block.region) else { continue };
             for cell in block.cells() {
                 let part = &mut lacks[part_of[cell[0] as usize]];
-                *part = [part[0] || m.density == 0.0, part[1] || m.heat_capacity == 0.0];
+                let is_zero = |of: &Coefficient<f64>| {
+                    cell.iter().all(|&node| self.mesh.points.get(node as usize).is_some_and(|x| of.at(x) == 0.0))
+                };
+                *part = [part[0] || is_zero(&m.density), part[1] || is_zero(&m.heat_capacity)];
             }
         }
         for (what, found, expected, hint) in [

@@ -1,7 +1,8 @@
 //! The data of a problem that may vary in space and time, with their places in the case file.
 
 use super::ProblemData;
-use crate::field::Field;
+use crate::field::{Coefficient, Field};
+use crate::material::Material;
 use crate::tensor::Point;
 
 /// A datum: its key in the case file, its field, and what it acts on.
@@ -14,7 +15,39 @@ pub(crate) struct Datum<'a> {
     pub side: Option<&'a str>,
 }
 
+/// A value of a coefficient of a material.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sample<T> {
+    pub value: T,
+    /// Where it is; none if the coefficient is the same in the whole region.
+    pub x: Option<Point>,
+}
+
 impl ProblemData {
+    /// The region that a material serves alone; none if it serves all.
+    pub(crate) fn region_of(&self, material: usize) -> Option<usize> {
+        (self.materials.len() > 1).then_some(material)
+    }
+
+    /// The value of a coefficient in a region, or its values at the points where it is evaluated if it varies.
+    pub(crate) fn values_in<T: Copy + Sync>(
+        &self,
+        material: usize,
+        of: impl Fn(&Material) -> &Coefficient<T>,
+    ) -> Vec<Sample<T>> {
+        let Some(coefficient) = self.materials.get(material).map(of) else { return Vec::new() };
+        if let Some(value) = coefficient.constant() {
+            return vec![Sample { value, x: None }];
+        }
+        let sites = self.mesh.sites(self.region_of(material));
+        sites.into_iter().map(|x| Sample { value: coefficient.at(&x), x: Some(x) }).collect()
+    }
+
+    /// The same of all regions.
+    pub(crate) fn values_of<T: Copy + Sync>(&self, of: impl Fn(&Material) -> &Coefficient<T>) -> Vec<Sample<T>> {
+        (0..self.materials.len()).flat_map(|material| self.values_in(material, &of)).collect()
+    }
+
     /// Loads, conditions on sides and data of contact: what a step evaluates.
     pub(crate) fn data(&self) -> Vec<Datum<'_>> {
         let body = |key: String, field| Datum { key, field, side: None };

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
-pub(crate) use data::Datum;
+pub(crate) use data::{Datum, Sample};
 pub use physics::Physics;
 
 use crate::contact::{Contact, ContactBoundary};

@@ -2,7 +2,7 @@
 //! absolute zero.
 
 use super::{Datum, Fault, ProblemData};
-use crate::field::Field;
+use crate::field::{Coefficient, Field};
 use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::tensor::{Point, Sym, mandel_len};
@@ -54,7 +54,7 @@ impl ProblemData {
         for datum in self.data().into_iter().chain(self.initial_data()).filter(|datum| is_temperature(&datum.key)) {
             let coldest = self.samples(&datum).min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((value, x, t)) = coldest.filter(|(value, ..)| *value < zero) {
-                let found = format!("the temperature {value:?} at {}, t = {t:?}", place(&self.mesh, &x));
+                let found = format!("the temperature {value:?} at {}, t = {t:?}", self.mesh.place(&x));
                 faults.push(Fault::new(datum.key, found, &*expected).hint(HINT));
             }
         }
@@ -176,6 +176,18 @@ impl ProblemData {
         scale(magnitude, datum.key.clone())
     }
 
+    /// The scale of a number of the materials.
+    fn largest_number(&self, key: &str, of: fn(&Material) -> &Coefficient<f64>) -> Option<Scale> {
+        let largest = self.values_of(of).iter().fold(0.0, |max: f64, sample| max.max(sample.value));
+        scale(largest, format!("material.{key}"))
+    }
+
+    /// The scale of the entries of a tensor of the materials.
+    fn largest_entry(&self, key: &str, of: fn(&Material) -> &Coefficient<Sym>) -> Option<Scale> {
+        let largest = self.values_of(of).iter().fold(0.0, |max: f64, sample| max.max(entry(&sample.value, &self.mesh)));
+        scale(largest, format!("material.{key}"))
+    }
+
     /// The magnitudes of a run by its data: what loads and prescribed values make of the body, by orders of magnitude.
     fn scales(&self) -> Scales {
         let (mesh, k) = (&*self.mesh, self.k());
@@ -188,10 +200,10 @@ impl ProblemData {
         };
         let elastic = material("elasticity", &|m| m.elasticity.constants().lipschitz);
         let viscous = material("viscosity", &|m| m.viscosity.constants().lipschitz);
-        let density = material("density", &|m| m.density);
-        let capacity = material("heat_capacity", &|m| m.heat_capacity);
-        let conductivity = material("conductivity", &|m| entry(&m.conductivity, mesh));
-        let expansion = material("expansion", &|m| entry(&m.expansion, mesh));
+        let density = self.largest_number("density", |m| &m.density);
+        let capacity = self.largest_number("heat_capacity", |m| &m.heat_capacity);
+        let conductivity = self.largest_entry("conductivity", |m| &m.conductivity);
+        let expansion = self.largest_entry("expansion", |m| &m.expansion);
         let (length, end) = (power(diameter(mesh)).unwrap_or(0.0), power(self.end).unwrap_or(0.0));
         let by = |scale: Option<Scale>, factor: &Option<Scale>, sign: f64, more: f64| {
             Some(scale?.times(sign * factor.as_ref()?.power + more))
@@ -291,15 +303,4 @@ fn diameter(mesh: &Mesh) -> f64 {
 /// A power of ten for reading: `1e-170`.
 fn tens(power: f64) -> String {
     format!("1e{:.0}", power.round())
-}
-
-/// `x = 1.0, y = 2.0`.
-fn place(mesh: &Mesh, x: &Point) -> String {
-    ["x", "y", "z"]
-        .iter()
-        .zip(x)
-        .take(mesh.dim)
-        .map(|(axis, x)| format!("{axis} = {x:?}"))
-        .collect::<Vec<_>>()
-        .join(", ")
 }

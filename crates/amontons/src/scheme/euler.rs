@@ -1,5 +1,6 @@
 //! Backward Euler for Problem 4.1.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::alone;
@@ -10,6 +11,7 @@ use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step, vector_at};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
+use crate::contact::Contact;
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, SolveError, System, dot};
 use crate::problem::Problem;
@@ -196,8 +198,10 @@ impl BackwardEuler {
         self.halve(n, end.t, HALVINGS)?;
         let Some(Systems { k, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
+        let contacts = contacts_at(&self.problem, end.t);
         let now = Step {
             problem: &self.problem,
+            contacts: &contacts,
             discrete: &self.discrete,
             old,
             products: &products,
@@ -220,7 +224,18 @@ impl BackwardEuler {
         let Self { problem, discrete, systems, halved, .. } = self;
         let Systems { k, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
-        let now = Step { problem, discrete, old, products: &products, n, t, k: *k, rule: Rule::backward_euler(*k) };
+        let contacts = contacts_at(problem, t);
+        let now = Step {
+            problem,
+            contacts: &contacts,
+            discrete,
+            old,
+            products: &products,
+            n,
+            t,
+            k: *k,
+            rule: Rule::backward_euler(*k),
+        };
         let before = krylov_iterations(mechanics, heat);
         let made = match (&mut *mechanics, &mut *heat) {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
@@ -300,6 +315,17 @@ fn krylov_iterations(mechanics: &Option<HalfStep>, heat: &Option<HalfStep>) -> u
 /// The range that takes in some values, too.
 fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
     values.iter().fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)])
+}
+
+/// The contacts of a problem with their laws at a time.
+fn contacts_at(problem: &Problem, t: f64) -> Cow<'_, [Contact]> {
+    let now: Vec<Option<Contact>> = problem.contacts.iter().map(|contact| contact.at_time(t)).collect();
+    if now.iter().all(Option::is_none) {
+        return Cow::Borrowed(&problem.contacts);
+    }
+    Cow::Owned(
+        now.into_iter().zip(&problem.contacts).map(|(now, always)| now.unwrap_or_else(|| always.clone())).collect(),
+    )
 }
 
 impl Scheme for BackwardEuler {

@@ -212,7 +212,7 @@ impl Given {
             return None;
         }
         Some(HeatStep {
-            contacts: &step.problem.contacts,
+            contacts: step.contacts,
             boundary: &step.discrete.boundary,
             unknown,
             theta_prescribed: &self.prescribed,

@@ -70,7 +70,7 @@ impl Given {
             return None;
         }
         Some(MechanicalStep {
-            contacts: &step.problem.contacts,
+            contacts: step.contacts,
             boundary: &step.discrete.boundary,
             unknown,
             dim: step.discrete.mesh.dim,

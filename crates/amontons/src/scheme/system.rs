@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
-use crate::contact::PointOnBoundary;
+use crate::contact::{Contact, PointOnBoundary};
 use crate::inclusion::{Failure, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System};
 use crate::problem::Problem;
@@ -24,6 +24,8 @@ pub const REFINE: f64 = 1e-11;
 #[derive(Clone, Copy)]
 pub(super) struct Step<'a> {
     pub problem: &'a Problem,
+    /// The contacts of the problem with their laws at t_n.
+    pub contacts: &'a [Contact],
     pub discrete: &'a Discretization,
     /// The state that the step starts from.
     pub old: &'a State,

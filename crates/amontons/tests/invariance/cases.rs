@@ -83,7 +83,41 @@ fn revolution(name: &'static str, elements: Elements, laws: &str) -> Case {
     Case { name, mesh, template: template + &contact("bottom", laws) }
 }
 
+/// A case with coefficients of body and contact that vary in space, and those of friction and conductance in time.
+fn graded(name: &'static str, case: Case) -> Case {
+    let changes = [
+        ("density = <kg/m3|1>", "density = <kg/m3|1 + 0.5*X>"),
+        ("heat_capacity = <J/m3K|1>", "heat_capacity = <J/m3K|1 + 0.3*Y>"),
+        ("young = <Pa|20>, poisson = 0.3", "young = <Pa|20 + 8*X*Y>, poisson = <1|0.3 - 0.1*X>"),
+        ("first = <Pas|0.3>, second = <Pas|0.5>", "first = <Pas|0.3 + 0.1*Y>, second = <Pas|0.5 + 0.2*X>"),
+        ("stiffness = <Pa/m|1e4>", "stiffness = <Pa/m|1e4*(1 + X)>"),
+        ("coefficient = 0.2", "coefficient = <1|0.2 + 0.1*X + 0.1*T>"),
+        ("conductance = <W/m2K|1>, width = <m|1e-4>", "conductance = <W/m2K|1 + X*T>, width = <m|1e-4*(1 + X)>"),
+    ];
+    let mut template = case.template;
+    for (old, new) in changes {
+        assert_eq!(template.matches(old).count(), 1, "{name}: {old}");
+        template = template.replace(old, new);
+    }
+    for (key, unit, other) in [("coupling", "W/m3", "0.5 + 0.3*X"), ("conductivity", "W/mK", "1 + 0.4*X*Y")] {
+        let (before, rest) = template.split_once(&format!("{key} = <")).expect("the key");
+        let (_, after) = rest.split_once('>').expect("the end of a token");
+        template = format!("{before}{key} = <{unit}|{other}>{after}");
+    }
+    Case { name, template, ..case }
+}
+
 pub fn all() -> Vec<Case> {
+    let laws = "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
+                heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n";
+    let mut all = with_constants();
+    all.push(graded("coefficients in space, P1 in the plane", plane("", Elements::P1, STRAIN, laws)));
+    all.push(graded("coefficients in space, Q2 in the plane", plane("", Elements::Q2, SHEET, laws)));
+    all.push(graded("coefficients in space, P1", space("", Elements::P1, [3, 2, 2], laws)));
+    all
+}
+
+fn with_constants() -> Vec<Case> {
     let rod = Mesh::interval(1.0, 10, Elements::P1).expect("an interval");
     vec![
         plane(

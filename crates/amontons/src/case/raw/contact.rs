@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Datum, Obstacle};
+use super::{Coefficient, Datum, Obstacle};
 
 /// Contact of one side: `[contact]`; of several: `[[contact]]`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -75,8 +75,8 @@ pub(in crate::case) struct Contact {
     pub heat: Heat,
     /// Fraction η of the friction power that enters the body as heat, from 0 to 1.
     #[serde(default)]
-    #[schemars(range(min = 0.0, max = 1.0))]
-    pub frictional_heat: f64,
+    #[schemars(extend("minimum" = 0, "maximum" = 1))]
+    pub frictional_heat: Datum,
     /// Heat balance of the foundation. Without it `foundation_temperature` prescribes the temperature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation: Option<Foundation>,
@@ -97,7 +97,7 @@ pub(in crate::case) struct Foundation {
     pub temperature: Option<f64>,
     /// Heat transfer to the surroundings in W/K, per unit of thickness in two dimensions.
     #[serde(default)]
-    #[schemars(range(min = 0.0))]
+    #[schemars(extend("minimum" = 0))]
     pub exchange: f64,
     /// Temperature of the surroundings in K, a number or an expression in t; default: the temperature at t = 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -111,8 +111,8 @@ pub(in crate::case) enum Wear {
     /// Archard's law: the wear depth grows at the rate coefficient · p · ‖slip velocity‖.
     Archard {
         /// Wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness.
-        #[schemars(range(min = 0.0))]
-        coefficient: f64,
+        #[schemars(extend("minimum" = 0))]
+        coefficient: Datum,
     },
     /// Archard's law with a coefficient that depends on the temperature of the body, linear between the points of a
     /// table and constant outside.
@@ -122,6 +122,10 @@ pub(in crate::case) enum Wear {
         /// Wear coefficients in 1/Pa.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
+        /// Factor of the values.
+        #[serde(default = "one_datum")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
     },
 }
 
@@ -143,17 +147,17 @@ pub(in crate::case) enum Normal {
     /// Normal compliance: p_ν(r) = stiffness · max(r, 0), r the penetration.
     Compliance {
         /// Stiffness c_ν of the contact in Pa/m.
-        #[schemars(range(min = 0.0))]
-        stiffness: f64,
+        #[schemars(extend("minimum" = 0))]
+        stiffness: Coefficient,
     },
     /// Power law: p_ν(r) = stiffness · max(r, 0)^exponent.
     Power {
         /// Factor c of the power law in Pa/m^exponent.
-        #[schemars(range(min = 0.0))]
-        stiffness: f64,
+        #[schemars(extend("minimum" = 0))]
+        stiffness: Coefficient,
         /// Exponent m of the penetration; 1.5 for a sphere.
-        #[schemars(range(min = 1.0))]
-        exponent: f64,
+        #[schemars(extend("minimum" = 1))]
+        exponent: Coefficient,
     },
     /// Table of pressures over penetrations, linear between its points and extrapolated beyond the last one.
     Table {
@@ -161,15 +165,19 @@ pub(in crate::case) enum Normal {
         penetration: Vec<f64>,
         /// Pressures in Pa, not decreasing, the first 0.
         pressure: Vec<f64>,
+        /// Factor of the values.
+        #[serde(default = "one")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Coefficient,
     },
     /// Compliant layer on a rigid stop: compliance up to the penetration `depth`, no further penetration.
     Stop {
         /// Stiffness of the layer in Pa/m.
-        #[schemars(range(min = 0.0))]
-        stiffness: f64,
+        #[schemars(extend("minimum" = 0))]
+        stiffness: Coefficient,
         /// Penetration in m at which the stop is reached.
-        #[schemars(range(min = 0.0))]
-        depth: f64,
+        #[schemars(extend("minimum" = 0))]
+        depth: Coefficient,
     },
     /// Signorini's conditions: a rigid foundation without penetration and without tension.
     Signorini,
@@ -178,53 +186,53 @@ pub(in crate::case) enum Normal {
     /// Spring and dashpot without tension: max(stiffness · r + damping · ṙ, 0) for r > 0.
     Damped {
         /// Stiffness of the spring in Pa/m.
-        #[schemars(range(min = 0.0))]
-        stiffness: f64,
+        #[schemars(extend("minimum" = 0))]
+        stiffness: Coefficient,
         /// Damping of the dashpot in Pa s/m.
-        #[schemars(range(min = 0.0))]
-        damping: f64,
+        #[schemars(extend("minimum" = 0))]
+        damping: Coefficient,
     },
     /// Hunt and Crossley's law: stiffness · max(r, 0)^exponent · max(1 + damping · ṙ, 0).
     HuntCrossley {
         /// Factor c of the power law in Pa/m^exponent.
-        #[schemars(range(min = 0.0))]
-        stiffness: f64,
+        #[schemars(extend("minimum" = 0))]
+        stiffness: Coefficient,
         /// Exponent m of the penetration.
         #[serde(default = "one")]
-        #[schemars(range(min = 1.0))]
-        exponent: f64,
+        #[schemars(extend("minimum" = 1))]
+        exponent: Coefficient,
         /// Damping a in s/m.
-        #[schemars(range(min = 0.0))]
-        damping: f64,
+        #[schemars(extend("minimum" = 0))]
+        damping: Coefficient,
     },
     /// Softening layer: linear up to the peak pressure, then decreasing to the residual pressure.
     Softening {
         /// Stiffness up to the peak in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        stiffness: f64,
+        stiffness: Coefficient,
         /// Peak pressure in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        peak: f64,
+        peak: Coefficient,
         /// Slope in Pa/m at which the pressure decreases after the peak.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        softening: f64,
+        softening: Coefficient,
         /// Residual pressure in Pa, at most the peak.
         #[serde(default)]
-        #[schemars(range(min = 0.0))]
-        residual: f64,
+        #[schemars(extend("minimum" = 0))]
+        residual: Coefficient,
     },
     /// Adhesive layer: p = stiffness · r, also in tension, until −p reaches the strength.
     Adhesion {
         /// Stiffness of the layer in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        stiffness: f64,
+        stiffness: Coefficient,
         /// Tensile strength in Pa.
-        #[schemars(range(min = 0.0))]
-        strength: f64,
+        #[schemars(extend("minimum" = 0))]
+        strength: Coefficient,
         /// Further opening in m over which the tension decreases to zero; 0: at once.
         #[serde(default)]
-        #[schemars(range(min = 0.0))]
-        release: f64,
+        #[schemars(extend("minimum" = 0))]
+        release: Coefficient,
     },
 }
 
@@ -238,18 +246,18 @@ pub(in crate::case) enum Friction {
     /// Coulomb's law: p_τ = coefficient · p_ν.
     Coulomb {
         /// Friction coefficient μ.
-        #[schemars(range(min = 0.0))]
-        coefficient: f64,
+        #[schemars(extend("minimum" = 0))]
+        coefficient: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(range(min = 0.0))]
-        cap: Option<f64>,
+        #[schemars(extend("minimum" = 0))]
+        cap: Option<Datum>,
     },
     /// Tresca friction: a constant bound on all of Γ_C, whatever the pressure.
     Tresca {
         /// Friction bound in Pa.
-        #[schemars(range(min = 0.0))]
-        bound: f64,
+        #[schemars(extend("minimum" = 0))]
+        bound: Datum,
     },
     /// Static and kinetic friction: μ(v) = kinetic + (static − kinetic) exp(−v/decay_speed).
     ///
@@ -257,19 +265,19 @@ pub(in crate::case) enum Friction {
     StaticKinetic {
         /// Static friction coefficient, not less than the kinetic one.
         #[serde(rename = "static")]
-        #[schemars(range(min = 0.0))]
-        at_rest: f64,
+        #[schemars(extend("minimum" = 0))]
+        at_rest: Datum,
         /// Kinetic friction coefficient.
-        #[schemars(range(min = 0.0))]
-        kinetic: f64,
+        #[schemars(extend("minimum" = 0))]
+        kinetic: Datum,
         /// Slip speed in m/s over which the coefficient decreases.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
-        decay_speed: Option<f64>,
+        decay_speed: Option<Datum>,
         /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(range(min = 0.0))]
-        cap: Option<f64>,
+        #[schemars(extend("minimum" = 0))]
+        cap: Option<Datum>,
     },
     /// Friction coefficient that depends on the slip speed, linear between the points of a table and constant outside.
     SlipRate {
@@ -278,10 +286,14 @@ pub(in crate::case) enum Friction {
         /// Friction coefficients.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
+        /// Factor of the values.
+        #[serde(default = "one_datum")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(range(min = 0.0))]
-        cap: Option<f64>,
+        #[schemars(extend("minimum" = 0))]
+        cap: Option<Datum>,
     },
     /// Friction coefficient that depends on the temperature of the body, linear between the points of a table and
     /// constant outside.
@@ -291,10 +303,14 @@ pub(in crate::case) enum Friction {
         /// Friction coefficients.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
+        /// Factor of the values.
+        #[serde(default = "one_datum")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(range(min = 0.0))]
-        cap: Option<f64>,
+        #[schemars(extend("minimum" = 0))]
+        cap: Option<Datum>,
     },
     /// Friction coefficient that depends on the pressure, linear between the points of a table and constant outside.
     Pressure {
@@ -303,20 +319,23 @@ pub(in crate::case) enum Friction {
         /// Friction coefficients.
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
+        /// Factor of the values.
+        #[serde(default = "one_datum")]
+        #[schemars(extend("minimum" = 0))]
+        factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
         #[serde(default, skip_serializing_if = "Option::is_none")]
-        #[schemars(range(min = 0.0))]
-        cap: Option<f64>,
+        #[schemars(extend("minimum" = 0))]
+        cap: Option<Datum>,
     },
     /// Orthotropic friction: an elliptic friction cone with one coefficient along a direction and one across it.
     ///
     /// The slip velocity is normal to the cone.
     Orthotropic {
         /// Coefficients along and across the direction, both positive.
-        #[schemars(inner(range(min = 0.0)))]
-        coefficients: [f64; 2],
+        coefficients: [Datum; 2],
         /// Direction of the first coefficient, one entry per component; only its tangential part is used.
-        direction: Vec<f64>,
+        direction: Vec<Datum>,
     },
 }
 
@@ -371,74 +390,78 @@ heat_laws! {
     /// Conductance that rises linearly over 0 ≤ r ≤ width and is constant above, r the penetration.
     Ramp {
         /// Conductance of closed contact in W/(m² K).
-        #[schemars(range(min = 0.0))]
-        conductance: f64,
+        #[schemars(extend("minimum" = 0))]
+        conductance: Datum,
         /// Penetration in m at which the conductance is reached.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        width: f64,
+        width: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
-        truncation: Option<f64>,
+        truncation: Option<Datum>,
     },
     /// Conductance coefficient · max(r, 0)^exponent, r the penetration.
     Power {
         /// Factor of the power law in W/(m² K m^exponent).
-        #[schemars(range(min = 0.0))]
-        coefficient: f64,
+        #[schemars(extend("minimum" = 0))]
+        coefficient: Datum,
         /// Exponent of the penetration.
-        #[schemars(range(min = 1.0))]
-        exponent: f64,
+        #[schemars(extend("minimum" = 1))]
+        exponent: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
-        truncation: Option<f64>,
+        truncation: Option<Datum>,
     },
     /// Conductance coefficient · max(p, 0)^exponent, p the pressure.
     Pressure {
         /// Factor of the power law in W/(m² K Pa^exponent).
-        #[schemars(range(min = 0.0))]
-        coefficient: f64,
+        #[schemars(extend("minimum" = 0))]
+        coefficient: Datum,
         /// Exponent of the pressure.
-        #[serde(default = "one")]
+        #[serde(default = "one_datum")]
         #[schemars(extend("exclusiveMinimum" = 0))]
-        exponent: f64,
+        exponent: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
-        truncation: Option<f64>,
+        truncation: Option<Datum>,
     },
     /// Gas conduction across the gap: conductance conductivity/(g + roughness), g the width of an open gap and zero in
     /// contact.
     Gap {
         /// Conductivity of the gas in W/(m K).
-        #[schemars(range(min = 0.0))]
-        conductivity: f64,
+        #[schemars(extend("minimum" = 0))]
+        conductivity: Datum,
         /// Effective width in m of a closed gap.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        roughness: f64,
+        roughness: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         #[schemars(extend("exclusiveMinimum" = 0))]
-        truncation: Option<f64>,
+        truncation: Option<Datum>,
     },
     /// Radiation: heat flux constant · emissivity · (θ⁴ − θ_F⁴), temperatures measured from absolute zero.
     Radiation {
         /// Effective emissivity of the two surfaces.
-        #[schemars(range(min = 0.0))]
-        emissivity: f64,
+        #[schemars(extend("minimum" = 0))]
+        emissivity: Datum,
         /// Absolute zero on the temperature scale of the case: 0 for kelvin, −273.15 for degrees Celsius.
         #[serde(default)]
         absolute_zero: f64,
         /// Constant of Stefan and Boltzmann in W/(m² K⁴).
         #[serde(default = "stefan_boltzmann")]
-        #[schemars(range(min = 0.0))]
+        #[schemars(extend("minimum" = 0))]
         constant: f64,
     },
 }
 
-fn one() -> f64 {
-    1.0
+fn one() -> Coefficient {
+    Coefficient::Number(1.0)
+}
+
+fn one_datum() -> Datum {
+    Datum::Number(1.0)
 }
 
 fn stefan_boltzmann() -> f64 {

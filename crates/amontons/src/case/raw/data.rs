@@ -30,12 +30,41 @@ pub(in crate::case) enum Datum {
     /// An expression in x, y, z, t, such as "sin(pi*x)*exp(-t)".
     Expression(String),
     /// Values at times, linear between them.
-    Table(TableData),
+    Table(Box<TableData>),
 }
 
 impl Default for Datum {
     fn default() -> Datum {
         Datum::Number(0.0)
+    }
+}
+
+/// A coefficient of the body or of a law that is the same at all times.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, an expression in x, y, z or data of a mesh file")]
+pub(in crate::case) enum Coefficient {
+    /// The same value everywhere.
+    Number(f64),
+    /// An expression in x, y, z, such as "1 + x".
+    Expression(String),
+    /// Values of the cells or nodes of a mesh file.
+    Table(Box<TableData>),
+}
+
+impl Default for Coefficient {
+    fn default() -> Coefficient {
+        Coefficient::Number(0.0)
+    }
+}
+
+impl From<Coefficient> for Datum {
+    fn from(coefficient: Coefficient) -> Datum {
+        match coefficient {
+            Coefficient::Number(value) => Datum::Number(value),
+            Coefficient::Expression(text) => Datum::Expression(text),
+            Coefficient::Table(table) => Datum::Table(table),
+        }
     }
 }
 
@@ -58,7 +87,7 @@ pub(in crate::case) enum Component {
     /// An expression in x, y, z, t, or the word "free" for a component that is not prescribed.
     Expression(String),
     /// Values at times, linear between them.
-    Table(TableData),
+    Table(Box<TableData>),
 }
 
 impl Component {
@@ -73,10 +102,20 @@ impl Component {
     }
 }
 
-/// Values at times, linear between them: those of a file, or `times` and `values`.
+/// Values at times, linear between them: those of a file, or `times` and `values`; or values in space, the `data` of a
+/// mesh file.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct TableData {
+    /// Name of data of the cells or the nodes of a mesh file, instead of a table in time: VTU data, or `$ElementData`
+    /// and `$NodeData` of Gmsh.
+    ///
+    /// Values of cells are constant in them; where cells meet, their mean holds. Values of nodes are interpolated.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub data: Option<String>,
+    /// Path of the mesh file that has the data, relative to the case file; default: `mesh.file`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub file: Option<String>,
     /// Path of a file of comma-separated values, relative to the case file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub table: Option<String>,

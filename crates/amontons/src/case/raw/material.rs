@@ -3,6 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::Coefficient;
+
 /// A region of the body with a material of its own.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -24,14 +26,14 @@ pub(in crate::case) struct Material {
     ///
     /// Required for mechanics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0))]
-    pub density: Option<f64>,
+    #[schemars(extend("minimum" = 0))]
+    pub density: Option<Coefficient>,
     /// Heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat.
     ///
     /// Density times specific heat. Required for heat.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    #[schemars(range(min = 0.0))]
-    pub heat_capacity: Option<f64>,
+    #[schemars(extend("minimum" = 0))]
+    pub heat_capacity: Option<Coefficient>,
     /// Thermal stress tensor 𝓜 of (2.1) in Pa/K, 0 if left out.
     ///
     /// Give `expansion_coefficient` instead if you know the coefficient of thermal expansion α.
@@ -70,23 +72,25 @@ pub(in crate::case) struct Material {
 /// A symmetric tensor.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
-#[schemars(title = "a number or a symmetric matrix [[…], […]]")]
+#[schemars(title = "a number, an expression in x, y, z, data of a mesh file or a symmetric matrix [[…], […]]")]
 pub(in crate::case) enum Tensor {
     /// That multiple of the identity.
-    Multiple(f64),
+    Multiple(Coefficient),
     /// The components, row by row.
-    Matrix(Vec<Vec<f64>>),
+    Matrix(Vec<Vec<Coefficient>>),
 }
 
 /// Coefficients of thermal expansion.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
-#[schemars(title = "a number, or three along the axes of the material")]
+#[schemars(
+    title = "a number, an expression in x, y, z, data of a mesh file, or three of them along the axes of the material"
+)]
 pub(in crate::case) enum Expansion {
     /// The same in all directions.
-    Isotropic(f64),
+    Isotropic(Coefficient),
     /// α₁, α₂, α₃ along the axes of the material.
-    Orthotropic([f64; 3]),
+    Orthotropic([Coefficient; 3]),
 }
 
 /// Law of elasticity.
@@ -97,12 +101,12 @@ pub(in crate::case) enum Elasticity {
     Isotropic {
         /// Young's modulus E in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        young: f64,
+        young: Coefficient,
         /// Poisson's ratio ν.
         ///
         /// Above −1; below 1 in plane stress, below 0.5 in plane strain.
         #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 1))]
-        poisson: f64,
+        poisson: Coefficient,
         /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
@@ -110,11 +114,11 @@ pub(in crate::case) enum Elasticity {
     /// An orthotropic material: three planes of symmetry, axes 1, 2, 3.
     Orthotropic {
         /// Young's moduli E₁, E₂, E₃ in Pa.
-        young: [f64; 3],
+        young: [Coefficient; 3],
         /// Poisson's ratios ν₁₂, ν₁₃, ν₂₃.
-        poisson: [f64; 3],
+        poisson: [Coefficient; 3],
         /// Shear moduli G₁₂, G₁₃, G₂₃ in Pa.
-        shear: [f64; 3],
+        shear: [Coefficient; 3],
         /// Orientation of the axes of the material.
         #[serde(default)]
         orientation: Orientation,
@@ -125,7 +129,7 @@ pub(in crate::case) enum Elasticity {
     /// A material of any symmetry, given by its stiffness matrix.
     Anisotropic {
         /// Stiffness in Pa in the order 11 22 33 23 13 12; shear entries act on engineering strains.
-        voigt: Box<[[f64; 6]; 6]>,
+        voigt: Box<[[Coefficient; 6]; 6]>,
         /// Orientation of the axes of the material.
         #[serde(default)]
         orientation: Orientation,
@@ -138,15 +142,15 @@ pub(in crate::case) enum Elasticity {
     VonMisesProjection {
         /// Young's modulus E of 𝓒 in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        young: f64,
+        young: Coefficient,
         /// Poisson's ratio ν of 𝓒, below 0.5.
         #[schemars(extend("exclusiveMinimum" = -1, "exclusiveMaximum" = 0.5))]
-        poisson: f64,
+        poisson: Coefficient,
         /// Factor β in Pa, above −E/(1+ν).
-        excess: f64,
+        excess: Coefficient,
         /// Radius κ of the convex, a strain.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        radius: f64,
+        radius: Coefficient,
         /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
@@ -154,20 +158,20 @@ pub(in crate::case) enum Elasticity {
     /// κ tr(ξ) I + 2μ(‖ξ^D‖) ξ^D, whose shear modulus falls from μ₀ to μ_∞ as Carreau's viscosity does.
     Hencky {
         /// Bulk modulus κ in Pa.
-        #[schemars(range(min = 0.0))]
-        bulk: f64,
+        #[schemars(extend("minimum" = 0))]
+        bulk: Coefficient,
         /// Shear modulus μ₀ at rest in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        shear: f64,
+        shear: Coefficient,
         /// Shear modulus μ_∞ at large strain in Pa, from 0 to μ₀.
-        #[schemars(range(min = 0.0))]
-        shear_infinite: f64,
+        #[schemars(extend("minimum" = 0))]
+        shear_infinite: Coefficient,
         /// Norm of the deviatoric strain at which the material softens.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        strain: f64,
+        strain: Coefficient,
         /// Exponent n of the stress between the two limits.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        exponent: f64,
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        exponent: Coefficient,
         /// Plane stress or plane strain, for bodies of one and two dimensions.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         stress_state: Option<StressState>,
@@ -175,19 +179,19 @@ pub(in crate::case) enum Elasticity {
 }
 
 /// Orientation of the axes of a material.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
-#[schemars(title = "an angle in rad or three Euler angles")]
+#[schemars(title = "an angle in rad, an expression in x, y, z, data of a mesh file, or three Euler angles")]
 pub(in crate::case) enum Orientation {
     /// Angle in rad by which axis 1 is rotated from x towards y.
-    Angle(f64),
+    Angle(Coefficient),
     /// Bunge's Euler angles in rad: rotations about z, the rotated x and the rotated z.
-    Euler([f64; 3]),
+    Euler([Coefficient; 3]),
 }
 
 impl Default for Orientation {
     fn default() -> Orientation {
-        Orientation::Angle(0.0)
+        Orientation::Angle(Coefficient::default())
     }
 }
 
@@ -209,15 +213,15 @@ pub(in crate::case) enum Viscosity {
     /// 𝓥τ = first tr(τ) I + second τ, (5.1).
     Lame {
         /// Factor of tr(τ) I in Pa s.
-        first: f64,
+        first: Coefficient,
         /// Factor of τ in Pa s.
-        #[schemars(range(min = 0.0))]
-        second: f64,
+        #[schemars(extend("minimum" = 0))]
+        second: Coefficient,
     },
     /// A viscosity of any symmetry, given by its matrix.
     Anisotropic {
         /// Viscosity in Pa s in the order 11 22 33 23 13 12; shear entries act on engineering strain rates.
-        voigt: Box<[[f64; 6]; 6]>,
+        voigt: Box<[[Coefficient; 6]; 6]>,
         /// Orientation of the axes of the material.
         #[serde(default)]
         orientation: Orientation,
@@ -225,49 +229,49 @@ pub(in crate::case) enum Viscosity {
     /// bulk tr(ξ) I + 2η(‖ξ^D‖) ξ^D, η falling from η₀ to η_∞ (Carreau, 1972).
     Carreau {
         /// Bulk viscosity in Pa s.
-        #[schemars(range(min = 0.0))]
-        bulk: f64,
+        #[schemars(extend("minimum" = 0))]
+        bulk: Coefficient,
         /// Viscosity η₀ at rest in Pa s.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        zero: f64,
+        zero: Coefficient,
         /// Viscosity η_∞ at high rates in Pa s, from 0 to η₀.
-        #[schemars(range(min = 0.0))]
-        infinite: f64,
+        #[schemars(extend("minimum" = 0))]
+        infinite: Coefficient,
         /// Time λ in s: the viscosity decreases at strain rates above 1/λ.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        time: f64,
+        time: Coefficient,
         /// Exponent n of the stress between the two limits.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        exponent: f64,
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        exponent: Coefficient,
     },
     /// bulk tr(ξ) I + 2 (floor + K (δ² + ‖ξ^D‖²)^((n−1)/2)) ξ^D, a regularised power law.
     PowerLaw {
         /// Bulk viscosity in Pa s.
-        #[schemars(range(min = 0.0))]
-        bulk: f64,
+        #[schemars(extend("minimum" = 0))]
+        bulk: Coefficient,
         /// Consistency K in Pa sⁿ.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        consistency: f64,
+        consistency: Coefficient,
         /// Exponent n of the stress.
-        #[schemars(range(min = 0.0, max = 1.0))]
-        exponent: f64,
+        #[schemars(extend("minimum" = 0, "maximum" = 1))]
+        exponent: Coefficient,
         /// Strain rate δ in 1/s below which the viscosity is nearly constant.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        threshold: f64,
+        threshold: Coefficient,
         /// Viscosity at high rates in Pa s.
         #[serde(default)]
-        #[schemars(range(min = 0.0))]
-        floor: f64,
+        #[schemars(extend("minimum" = 0))]
+        floor: Coefficient,
     },
 }
 
 /// A branch of a generalized Maxwell body.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Branch {
     /// Modulus of the branch divided by that of 𝓔, the long-term modulus.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ratio: f64,
+    pub ratio: Coefficient,
     /// Relaxation time in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub time: f64,

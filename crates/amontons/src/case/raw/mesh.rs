@@ -106,6 +106,16 @@ pub(in crate::case) enum Mesh {
     },
 }
 
+impl Mesh {
+    /// The file that the mesh is read from, if it is, and the factor of its coordinates.
+    pub fn file(&self) -> Option<(&str, f64)> {
+        match self {
+            Mesh::File { file, scale, .. } => Some((file, *scale)),
+            _ => None,
+        }
+    }
+}
+
 /// Numbers of cells in two directions.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]

@@ -8,10 +8,10 @@ mod tabulated;
 mod tresca;
 
 use std::fmt::Debug;
-#[cfg(test)]
 use std::sync::Arc;
 
 use super::ContactPoint;
+use crate::field::Graded;
 use crate::tensor::{Point, dot, length};
 
 pub use capped::Capped;
@@ -108,6 +108,14 @@ pub trait FrictionLaw: Debug + Send + Sync {
     /// Whether the bound is always zero.
     fn is_frictionless(&self) -> bool {
         false
+    }
+    /// The law as one whose coefficients vary over the side, if it is one.
+    fn graded(&self) -> Option<&Graded<dyn FrictionLaw>> {
+        None
+    }
+    /// The law at a time; none for a law that does not change with time.
+    fn at_time(&self, _t: f64) -> Option<Arc<dyn FrictionLaw>> {
+        None
     }
     /// The cone where it is not round, at a point with the normal ν.
     fn cone(&self, _x: &Point, _nu: &Point) -> Option<Cone> {

@@ -9,10 +9,10 @@ mod ramp;
 mod sum;
 
 use std::fmt::Debug;
-#[cfg(test)]
 use std::sync::Arc;
 
 use super::ContactPoint;
+use crate::field::Graded;
 
 pub use frictional::FrictionalHeat;
 pub use gap::GapConduction;
@@ -49,6 +49,14 @@ pub trait HeatLaw: Debug + Send + Sync {
     fn conductance_bound(&self) -> f64;
     /// L_kc of (H7), the Lipschitz constant of the conductance in W/(m³ K); none if there is none.
     fn conductance_lipschitz(&self) -> Option<f64>;
+    /// The law as one whose coefficients vary over the side, if it is one.
+    fn graded(&self) -> Option<&Graded<dyn HeatLaw>> {
+        None
+    }
+    /// The law at a time; none for a law that does not change with time.
+    fn at_time(&self, _t: f64) -> Option<Arc<dyn HeatLaw>> {
+        None
+    }
     /// L of φ_L in K; none without truncation.
     fn truncation(&self) -> Option<f64> {
         None

@@ -38,6 +38,14 @@ impl HeatLaw for Sum {
             .try_fold(0.0f64, |most, cut| Some(most.max(cut?)))
             .filter(|&most| most > 0.0)
     }
+    fn at_time(&self, t: f64) -> Option<Arc<dyn HeatLaw>> {
+        let now: Vec<_> = self.laws.iter().map(|law| law.at_time(t)).collect();
+        if now.iter().all(Option::is_none) {
+            return None;
+        }
+        let laws = now.into_iter().zip(&self.laws).map(|(now, always)| now.unwrap_or_else(|| Arc::clone(always)));
+        Some(Arc::new(Sum { laws: laws.collect() }))
+    }
     fn absolute_zero(&self) -> Option<f64> {
         self.laws.iter().filter_map(|law| law.absolute_zero()).reduce(f64::max)
     }

@@ -14,6 +14,7 @@ use std::fmt::Debug;
 #[cfg(test)]
 use std::sync::Arc;
 
+use crate::field::Graded;
 use crate::tensor::Point;
 
 pub use adhesion::Adhesion;
@@ -71,6 +72,10 @@ pub trait NormalLaw: Debug + Send + Sync {
     /// that does not fall.
     fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
         0.0
+    }
+    /// The law as one whose coefficients vary over the side, if it is one.
+    fn graded(&self) -> Option<&Graded<dyn NormalLaw>> {
+        None
     }
     /// The kind of graph.
     fn graph(&self) -> GraphKind {

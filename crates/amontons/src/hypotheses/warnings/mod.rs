@@ -8,12 +8,14 @@
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
+//! | `coefficient-jump` | a coefficient of the material jumps within a cell | its values along the edges of cells |
 //! | `thermal-layer` | the heat of Γ_C does not get through a cell | lengths |
 //! | `strain` | the strain is not small | the run |
 //! | `temperature-range` | temperatures leave the range that the data allow | the run |
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
 //! | `penetration` | a foundation gives way by more than the size of a cell | the run |
 
+mod jump;
 mod run;
 mod supports;
 mod thermal;
@@ -47,6 +49,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));
+        findings.extend(jump::jump(problem, region));
     }
     findings.extend(thermal::layer(problem));
     findings
@@ -83,8 +86,9 @@ const COEFFICIENTS: std::ops::RangeInclusive<f64> = 1e-8..=1e-3;
 /// `expansion-scale`: 𝓜 = α (3λ + 2μ) is a stress per kelvin; one that has the size of α expands nothing.
 fn expansion_scale(problem: &Problem, region: usize) -> Option<Finding> {
     let material = problem.materials.get(region)?;
-    let largest =
-        material.expansion.eigenvalues(problem.mesh.tensor_dim()).into_iter().fold(0.0, |max: f64, e| max.max(e.abs()));
+    let values = problem.values_in(region, |m| &m.expansion);
+    let eigenvalues = values.iter().flat_map(|sample| sample.value.eigenvalues(problem.mesh.tensor_dim()));
+    let largest = eigenvalues.fold(0.0, |max: f64, e| max.max(e.abs()));
     let stiffness = material.elasticity.constants().lipschitz;
     let strain = largest / stiffness;
     if !(strain < LEAST_EXPANSION && COEFFICIENTS.contains(&largest)) {
@@ -115,11 +119,12 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
     let held = problem.mesh.dim == 2
         && !problem.mesh.axisymmetric
         && material.elasticity.value(x, &(1e-6 * Sym::identity(2))).0[3] != 0.0;
-    if !held || material.expansion.0[3] != 0.0 || norm(&material.expansion, 2) == 0.0 {
+    let expansion = material.expansion.at(x);
+    if !held || expansion.0[3] != 0.0 || norm(&expansion, 2) == 0.0 {
         return None;
     }
-    let [m_xx, m_yy] = [0, 1].map(|i| material.expansion.get(i, i));
-    let multiple = m_xx.to_bits() == m_yy.to_bits() && material.expansion.get(0, 1) == 0.0;
+    let [m_xx, m_yy] = [0, 1].map(|i| expansion.get(i, i));
+    let multiple = m_xx.to_bits() == m_yy.to_bits() && expansion.get(0, 1) == 0.0;
     let repair = if multiple {
         format!("write the number, expansion = {m_xx:?}, which is that multiple of the identity in space")
     } else {

@@ -86,12 +86,15 @@ fn temperature_range(problem: &Problem, figures: &Figures) -> Option<Finding> {
     );
     let repair = format!(
         "use finer cells where heat enters suddenly, h ≤ √(6 k K/c){}, or longer steps, or data that change gradually",
-        problem.materials.first().filter(|m| m.heat_capacity > 0.0).map_or_else(String::new, |m| {
-            let conductivity = m.conductivity.eigenvalues(problem.mesh.dim).first().copied().unwrap_or(0.0);
-            format!(
-                " = {}",
-                units.write((6.0 * problem.k() * conductivity.max(0.0) / m.heat_capacity).sqrt(), Measure::Length)
-            )
+        problem.materials.first().map_or_else(String::new, |m| {
+            // Of coefficients that vary, those of a node say how long the layer is.
+            let x = problem.mesh.points.first().copied().unwrap_or_default();
+            let (capacity, conductivity) = (m.heat_capacity.at(&x), m.conductivity.at(&x));
+            let conductivity = conductivity.eigenvalues(problem.mesh.dim).first().copied().unwrap_or(0.0).max(0.0);
+            if capacity <= 0.0 {
+                return String::new();
+            }
+            format!(" = {}", units.write((6.0 * problem.k() * conductivity / capacity).sqrt(), Measure::Length))
         })
     );
     Some(warning(FindingId::TemperatureRange, "time.steps", [by, RANGE * range], message, repair))

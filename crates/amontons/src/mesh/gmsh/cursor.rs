@@ -89,6 +89,13 @@ impl<'a> Cursor<'a> {
         rest.get(..length).unwrap_or_default()
     }
 
+    /// Goes to the first byte of values that follow text: of a binary file the next line.
+    pub(super) fn begin_data(&mut self) {
+        if self.mode != Mode::Ascii {
+            self.line();
+        }
+    }
+
     /// Goes behind the word that ends a section, whatever stands before it.
     pub(super) fn skip_section(&mut self, name: &[u8]) -> Result<(), MeshFileError> {
         let end = [b"$End", name.get(1..).unwrap_or_default()].concat();

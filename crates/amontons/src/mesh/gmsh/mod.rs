@@ -6,7 +6,10 @@
 //! entities, nodes and elements are skipped.
 
 mod cursor;
+mod data;
 mod sections;
+
+pub(in crate::mesh) use data::data;
 
 use super::Mesh;
 use super::read::{Kind, MeshFileError, Place};

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::super::read::{Kind, Loose, LooseBlock, MeshFileError};
 use super::cursor::{Cursor, Mode};
+use super::data::{self, Section};
 use crate::tensor::Point;
 
 /// What has been read of a file.
@@ -15,6 +16,7 @@ struct File {
     entities: Option<BTreeMap<(i64, i64), Vec<i64>>>,
     nodes: Option<(Tags, Vec<Point>)>,
     blocks: Option<Vec<LooseBlock>>,
+    data: Option<Section>,
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -23,8 +25,25 @@ enum Version {
     Four,
 }
 
-/// Reads all sections; also returns whether the file is binary.
+/// Reads all sections but data; also returns whether the file is binary.
 pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
+    let (mut file, binary) = read(bytes, None)?;
+    let (points, _, blocks) = file.parts(bytes)?;
+    Ok((Loose { points, blocks, names: file.names }, binary))
+}
+
+/// Nodes with their tags, elements, and the data with this name, if there are any.
+pub(super) fn with_data(
+    bytes: &[u8],
+    name: &str,
+) -> Result<(Vec<Point>, Tags, Vec<LooseBlock>, Option<Section>), MeshFileError> {
+    let (mut file, _) = read(bytes, Some(name))?;
+    let data = file.data.take();
+    let (points, tags, blocks) = file.parts(bytes)?;
+    Ok((points, tags, blocks, data))
+}
+
+fn read(bytes: &[u8], wanted: Option<&str>) -> Result<(File, bool), MeshFileError> {
     let mut cursor = Cursor::new(bytes);
     let mut file = File::default();
     loop {
@@ -47,6 +66,9 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
                     Version::Four => elements_of_four(&mut cursor, tags, file.entities.as_ref())?,
                 });
             }
+            (b"$ElementData" | b"$NodeData", Some(_)) if wanted.is_some() && file.data.is_none() => {
+                file.data = data::section(&mut cursor, name, wanted.unwrap_or_default())?;
+            }
             _ if name.starts_with(b"$") && file.version.is_some() || name == b"$Comments" => {
                 cursor.skip_section(name)?;
             }
@@ -60,10 +82,17 @@ pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
             }
         }
     }
-    let end = bytes.len();
-    let (_, points) = file.nodes.ok_or_else(|| cursor.fault(end, "a section $Nodes"))?;
-    let blocks = file.blocks.ok_or_else(|| cursor.fault(end, "a section $Elements"))?;
-    Ok((Loose { points, blocks, names: file.names }, cursor.mode != Mode::Ascii))
+    Ok((file, cursor.mode != Mode::Ascii))
+}
+
+impl File {
+    /// Nodes with their tags, and elements, which every file has.
+    fn parts(&mut self, bytes: &[u8]) -> Result<(Vec<Point>, Tags, Vec<LooseBlock>), MeshFileError> {
+        let (cursor, end) = (Cursor::new(bytes), bytes.len());
+        let (tags, points) = self.nodes.take().ok_or_else(|| cursor.fault(end, "a section $Nodes"))?;
+        let blocks = self.blocks.take().ok_or_else(|| cursor.fault(end, "a section $Elements"))?;
+        Ok((points, tags, blocks))
+    }
 }
 
 fn format(cursor: &mut Cursor) -> Result<Version, MeshFileError> {
@@ -155,7 +184,7 @@ fn list(cursor: &mut Cursor, what: &'static str) -> Result<Vec<i64>, MeshFileErr
 }
 
 /// From tags of nodes to their indices.
-enum Tags {
+pub(super) enum Tags {
     /// Index by tag, `u32::MAX` for an unused tag, and the number of nodes.
     Dense(Vec<u32>, usize),
     /// Pairs of tag and index, sorted.
@@ -182,7 +211,7 @@ impl Tags {
         }
     }
 
-    fn index(&self, tag: i64) -> Option<u32> {
+    pub(super) fn index(&self, tag: i64) -> Option<u32> {
         match self {
             Tags::Dense(dense, _) => {
                 usize::try_from(tag).ok().and_then(|t| dense.get(t)).copied().filter(|&i| i != u32::MAX)
@@ -350,12 +379,13 @@ fn elements_of_four(
         let own =
             cursor.fits(at_own, "elements of a block", own, 1 + kind.nodes, cursor.size_bytes() * (1 + kind.nodes))?;
         let mut nodes = Vec::with_capacity(own * kind.nodes);
+        let mut numbers = Vec::with_capacity(own);
         for _ in 0..own {
-            cursor.size("the tag of an element")?;
+            numbers.push(i64::try_from(cursor.size("the tag of an element")?).unwrap_or(i64::MAX));
             connectivity(cursor, &kind, tags, Version::Four, &mut nodes)?;
         }
         total += own as u64;
-        read.push(LooseBlock { kind, groups: groups.into_iter().collect(), at, nodes });
+        read.push(LooseBlock { kind, groups: groups.into_iter().collect(), at, nodes, numbers });
     }
     if total != count {
         return Err(cursor.fault(at_count, format!("the number of elements that follow, {total}")));
@@ -372,8 +402,9 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, 
     while done < count {
         let at = cursor.position();
         // In text the tag of the element comes first; in binary a header stands before elements of one type.
+        let mut number = 0;
         let (kind, follow) = if cursor.mode == Mode::Ascii {
-            cursor.integer("the tag of an element")?;
+            number = cursor.integer("the tag of an element")?;
             (kind(cursor)?, 1)
         } else {
             let kind = kind(cursor)?;
@@ -391,7 +422,7 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, 
         let tag_count = cursor.fits(at_tags, "tags of an element", tag_count, 1, 4)?;
         for _ in 0..follow {
             if cursor.mode != Mode::Ascii {
-                cursor.integer("the tag of an element")?;
+                number = cursor.integer("the tag of an element")?;
             }
             let mut own = [0; 2];
             for i in 0..tag_count {
@@ -406,6 +437,7 @@ fn elements_of_two(cursor: &mut Cursor, tags: &Tags) -> Result<Vec<LooseBlock>, 
             }
             let [physical, entity] = own;
             let block = read.of(&kind, physical.abs(), entity, at);
+            block.numbers.push(number);
             connectivity(cursor, &kind, tags, Version::Two, &mut block.nodes)?;
         }
         done += follow;
@@ -430,7 +462,7 @@ impl BlocksOfTwo {
             Some((last, index)) if last == key => index,
             _ => *self.index.entry(key).or_insert_with(|| {
                 let groups = if physical == 0 { BTreeSet::new() } else { BTreeSet::from([physical]) };
-                self.blocks.push(LooseBlock { kind: *kind, groups, at, nodes: Vec::new() });
+                self.blocks.push(LooseBlock { kind: *kind, groups, at, nodes: Vec::new(), numbers: Vec::new() });
                 self.blocks.len() - 1
             }),
         };

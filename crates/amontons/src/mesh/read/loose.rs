@@ -36,6 +36,8 @@ pub(in crate::mesh) struct LooseBlock {
     pub at: usize,
     /// Nodes, in the order of the library if it has the element.
     pub nodes: Vec<u32>,
+    /// Numbers of the elements in the file, if data refer to them.
+    pub numbers: Vec<i64>,
 }
 
 impl LooseBlock {

@@ -1,49 +1,50 @@
 //! The cell of a point, in any mesh.
 
+use std::sync::Arc;
+
+use super::{Mesh, invert};
 use crate::element::{Element, MAX_NODES};
-use crate::mesh::{Mesh, invert};
 use crate::tensor::Point;
 
 /// How far outside the reference cell a point may lie and still belong to it, for round-off.
-pub(super) const OUTSIDE: f64 = -1e-9;
+pub(crate) const OUTSIDE: f64 = -1e-9;
 
 /// Place of a cell in a mesh: block, and cell in the block.
-pub(super) type At = (u32, u32);
+pub(crate) type At = (u32, u32);
 
-/// Cells of a mesh by the boxes of a background grid, to find the cell of a point.
-pub struct Locator<'a> {
-    mesh: &'a Mesh,
+/// The cells of a mesh by the boxes of a background grid.
+#[derive(Debug)]
+pub(crate) struct Grid {
     low: Point,
     width: Point,
     count: [usize; 3],
     buckets: Vec<Vec<At>>,
 }
 
-impl<'a> Locator<'a> {
+impl Grid {
     /// Sorts the cells of a mesh.
-    #[must_use]
-    pub fn new(mesh: &'a Mesh) -> Locator<'a> {
+    pub(crate) fn new(mesh: &Mesh) -> Grid {
         let (low, high) = bounds(mesh.points.iter());
         let side = ((mesh.cell_count() as f64).powf(1.0 / mesh.dim as f64).ceil() as usize).max(1);
         let count = std::array::from_fn(|d| if d < mesh.dim { side } else { 1 });
         let width = std::array::from_fn(|d| ((high[d] - low[d]) / count[d] as f64).max(f64::MIN_POSITIVE));
-        let mut locator = Locator { mesh, low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
+        let mut grid = Grid { low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
         for (b, block) in mesh.blocks.iter().enumerate() {
             for (c, cell) in block.cells().enumerate() {
-                for bucket in locator.range(
+                for bucket in grid.range(
                     cell.iter().map(|&n| &mesh.points[n as usize]),
                     if block.element.degree > 1 { 0.25 } else { 0.0 },
                 ) {
-                    locator.buckets[bucket].push((b as u32, c as u32));
+                    grid.buckets[bucket].push((b as u32, c as u32));
                 }
             }
         }
-        locator
+        grid
     }
 
     /// Buckets that the bounding box of some points touches, the box widened by a share of itself on all sides:
     /// curved cells reach beyond their nodes, by an eighth at most of a box that a middle node spans.
-    pub(super) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
+    pub(crate) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
         let (low, high) = bounds(points);
         let index =
             |d: usize, x: f64| (((x - self.low[d]) / self.width[d]).floor().max(0.0) as usize).min(self.count[d] - 1);
@@ -59,19 +60,43 @@ impl<'a> Locator<'a> {
         }
         buckets
     }
+}
+
+/// Finds the cell of a point in a mesh.
+pub struct Locator<'a> {
+    mesh: &'a Mesh,
+    grid: Arc<Grid>,
+}
+
+impl<'a> Locator<'a> {
+    /// Sorts the cells of a mesh.
+    #[must_use]
+    pub fn new(mesh: &'a Mesh) -> Locator<'a> {
+        Locator::of(mesh, Arc::new(Grid::new(mesh)))
+    }
+
+    /// The locator of a mesh whose cells are sorted.
+    pub(crate) fn of(mesh: &'a Mesh, grid: Arc<Grid>) -> Locator<'a> {
+        Locator { mesh, grid }
+    }
 
     /// The mesh.
-    pub(super) fn mesh(&self) -> &'a Mesh {
+    pub(crate) fn mesh(&self) -> &'a Mesh {
         self.mesh
     }
 
+    /// Buckets that the bounding box of some points touches; see [`Grid::range`].
+    pub(crate) fn range<'p>(&self, points: impl Iterator<Item = &'p Point>, wider: f64) -> Vec<usize> {
+        self.grid.range(points, wider)
+    }
+
     /// Cells of a bucket.
-    pub(super) fn bucket(&self, bucket: usize) -> &[At] {
-        &self.buckets[bucket]
+    pub(crate) fn bucket(&self, bucket: usize) -> &[At] {
+        &self.grid.buckets[bucket]
     }
 
     /// Element and nodes of a cell.
-    pub(super) fn cell(&self, (block, cell): At) -> (&'static Element, &'a [u32]) {
+    pub(crate) fn cell(&self, (block, cell): At) -> (&'static Element, &'a [u32]) {
         let block = &self.mesh.blocks[block as usize];
         let n = block.element.nodes.len();
         (block.element, &block.nodes[cell as usize * n..(cell as usize + 1) * n])
@@ -95,19 +120,38 @@ impl<'a> Locator<'a> {
     }
 
     /// The cell in which a point lies deepest, and its reference coordinates there.
-    pub(super) fn find(&self, p: &Point) -> Option<(At, Point)> {
-        let mut best: Option<(f64, At, Point)> = None;
-        for bucket in self.range(std::iter::once(p), 0.0) {
-            for &at in &self.buckets[bucket] {
-                let (element, nodes) = self.cell(at);
-                let Some(x) = reference_point(self.mesh, element, nodes, p) else { continue };
-                let depth = element.shape.depth(&x);
-                if best.as_ref().is_none_or(|(found, ..)| depth > *found) {
-                    best = Some((depth, at, x));
+    pub(crate) fn find(&self, p: &Point) -> Option<(At, Point)> {
+        let deeper = |best: Option<(f64, At, Point)>, found: (f64, At, Point)| match best {
+            Some(best) if best.0 >= found.0 => Some(best),
+            _ => Some(found),
+        };
+        self.near(p).fold(None, deeper).map(|(_, at, x)| (at, x))
+    }
+
+    /// All cells that have a point inside or on their boundary, as block and cell in the block.
+    pub(crate) fn around(&self, p: &Point) -> Vec<(usize, usize)> {
+        self.near(p).map(|(_, (block, cell), _)| (block as usize, cell as usize)).collect()
+    }
+
+    /// The cells that have a point, with its depth and its reference coordinates there.
+    fn near(&self, p: &Point) -> impl Iterator<Item = (f64, At, Point)> {
+        let at = |at: At| {
+            let (element, nodes) = self.cell(at);
+            let x = reference_point(self.mesh, element, nodes, p)?;
+            Some((element.shape.depth(&x), at, x)).filter(|(depth, ..)| *depth > OUTSIDE)
+        };
+        let buckets = self.range(std::iter::once(p), 0.0);
+        let mut seen: Vec<At> = buckets.iter().flat_map(|&bucket| self.bucket(bucket)).copied().collect();
+        if buckets.len() > 1 {
+            let mut before = Vec::with_capacity(seen.len());
+            seen.retain(|at| {
+                !before.contains(at) && {
+                    before.push(*at);
+                    true
                 }
-            }
+            });
         }
-        best.filter(|(depth, ..)| *depth > OUTSIDE).map(|(_, at, x)| (at, x))
+        seen.into_iter().filter_map(at)
     }
 }
 
@@ -119,7 +163,7 @@ fn bounds<'p>(points: impl Iterator<Item = &'p Point>) -> (Point, Point) {
 
 /// Reference coordinates of a point in a cell by Newton's method from the centre: one step for a linear simplex, a
 /// few for a cell that the point lies in. None where it does not converge, which means far outside.
-pub(super) fn reference_point(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<Point> {
+pub(crate) fn reference_point(mesh: &Mesh, element: &Element, nodes: &[u32], p: &Point) -> Option<Point> {
     match mesh.dim {
         1 => newton::<1>(mesh, element, nodes, p),
         2 => newton::<2>(mesh, element, nodes, p),

@@ -1,0 +1,204 @@
+//! The coefficients of a law: numbers, or fields that are checked wherever the law is evaluated.
+
+use std::cell::OnceCell;
+use std::sync::Arc;
+
+use super::build::Build;
+use super::path::Path;
+use super::place::At;
+use super::raw::{Coefficient, Datum};
+use crate::field::Field;
+use crate::tensor::Point;
+
+/// Most coefficients that a law has: the entries of a stiffness, three angles, three coefficients of expansion.
+const MOST: usize = 48;
+/// Time levels at which coefficients that change with time are looked at.
+const LEVELS: usize = 64;
+
+/// Why values of coefficients make no law: the key below that of the law, and what to say.
+#[derive(Clone, Debug)]
+pub(super) struct Refusal {
+    pub key: &'static str,
+    pub found: String,
+    pub expected: String,
+    pub hint: Option<&'static str>,
+}
+
+impl Refusal {
+    /// A refusal of the law as a whole.
+    pub fn new(found: impl Into<String>, expected: impl Into<String>) -> Refusal {
+        Refusal { key: "", found: found.into(), expected: expected.into(), hint: None }
+    }
+
+    /// The same about a key.
+    pub fn of(self, key: &'static str) -> Refusal {
+        Refusal { key, ..self }
+    }
+}
+
+/// What values of coefficients make.
+pub(super) type Make<T> = dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync;
+
+/// Something made of coefficients: a law, or a tensor.
+pub(super) struct Plan<T> {
+    fields: Arc<[Field]>,
+    make: Arc<Make<T>>,
+}
+
+impl<T> Clone for Plan<T> {
+    fn clone(&self) -> Plan<T> {
+        Plan { fields: Arc::clone(&self.fields), make: Arc::clone(&self.make) }
+    }
+}
+
+impl<T> Plan<T> {
+    /// What `make` makes of the values of these coefficients.
+    pub fn new(fields: Vec<Field>, make: impl Fn(&[f64]) -> Result<T, Refusal> + Send + Sync + 'static) -> Plan<T> {
+        Plan { fields: fields.into(), make: Arc::new(make) }
+    }
+
+    /// What it is at a point and a time.
+    pub fn at(&self, x: &Point, t: f64) -> Result<T, Refusal> {
+        let mut values = [0.0; MOST];
+        for (value, field) in values.iter_mut().zip(self.fields.iter()) {
+            *value = field.value(x, t);
+        }
+        (self.make)(&values[..self.fields.len().min(MOST)])
+    }
+
+    /// What these values of its coefficients make.
+    pub fn of(&self, values: &[f64]) -> Result<T, Refusal> {
+        (self.make)(values)
+    }
+
+    /// Its coefficients.
+    pub fn fields(&self) -> &[Field] {
+        &self.fields
+    }
+
+    /// Whether it is not the same everywhere and always.
+    pub fn varies(&self) -> bool {
+        !self.fields.iter().all(|field| matches!(field, Field::Constant(_)))
+    }
+
+    /// Whether it changes with time.
+    pub fn changes(&self) -> bool {
+        self.fields.iter().any(Field::depends_on_time)
+    }
+}
+
+/// The points at which a law is evaluated, made when they are needed.
+pub(super) struct Sites<'a> {
+    make: Box<dyn Fn() -> Vec<Point> + 'a>,
+    points: OnceCell<Vec<Point>>,
+}
+
+impl<'a> Sites<'a> {
+    pub fn new(make: impl Fn() -> Vec<Point> + 'a) -> Sites<'a> {
+        Sites { make: Box::new(make), points: OnceCell::new() }
+    }
+
+    pub fn points(&self) -> &[Point] {
+        self.points.get_or_init(&self.make)
+    }
+}
+
+impl Build<'_> {
+    /// The times at which coefficients that change are looked at; `[0]` for others.
+    pub fn times(&self, changes: bool) -> Vec<f64> {
+        if !changes || self.steps == 0 {
+            return vec![0.0];
+        }
+        let every = self.steps.div_ceil(LEVELS).max(1);
+        let t = |n: usize| self.end * (n as f64 / self.steps as f64);
+        (0..self.steps).step_by(every).chain([self.steps]).map(t).collect()
+    }
+
+    /// A coefficient that is the same at all times, within the limits of its key at all sites.
+    pub fn steady_coefficient(&mut self, path: &str, raw: &Coefficient, sites: &Sites) -> Field {
+        let field = self.coefficient_in_time(path, &raw.clone().into(), sites);
+        if !field.depends_on_time() {
+            return field;
+        }
+        let expected = format!("an expression in {}: it is the same at all times", self.axes());
+        self.note(path, At::Value, "`t` in an expression, or a table in time", expected, None);
+        self.stand_in(path)
+    }
+
+    /// A coefficient that may change with time, within the limits of its key at all sites and times.
+    pub fn coefficient_in_time(&mut self, path: &str, raw: &Datum, sites: &Sites) -> Field {
+        let field = match raw {
+            Datum::Number(value) => return Field::Constant(*value),
+            _ => self.field(path, raw, &[]),
+        };
+        if matches!(field, Field::Constant(_)) {
+            // What is wrong with the text is noted.
+            return self.stand_in(path);
+        }
+        if self.is_beyond(path, &field, sites) {
+            self.stand_in(path)
+        } else if field.depends_on_space() || field.depends_on_time() {
+            field
+        } else {
+            Field::Constant(field.value(&[0.0; 3], 0.0))
+        }
+    }
+
+    /// A value that the key admits, for a coefficient with a fault.
+    fn stand_in(&self, path: &str) -> Field {
+        let path = Path::parse(path).unwrap_or_default();
+        let limits = self.limits.iter().find(|(key, _)| *key == path).map(|(_, limits)| limits);
+        let value = [1.0, 0.0, 0.3].into_iter().find(|v| limits.is_none_or(|limits| limits.admit(*v)));
+        Field::Constant(value.unwrap_or(1.0))
+    }
+
+    /// Whether a field has a value somewhere that its key does not admit, which is noted.
+    fn is_beyond(&mut self, path: &str, field: &Field, sites: &Sites) -> bool {
+        let [first, last] = field.span();
+        if first > 0.0 || last < self.end {
+            let found = format!("a table from t = {first:?} to t = {last:?}");
+            let expected = format!("values from t = 0 to the end of the run, t = {:?}", self.end);
+            let hint = "give more rows, or `extend = \"hold\"` to keep the value at the end";
+            self.note(path, At::Value, found, expected, Some(hint));
+            return true;
+        }
+        // Points of a stand-in mesh say nothing.
+        if self.doubtful.iter().any(|p| p.is_in("mesh")) {
+            return false;
+        }
+        let key = Path::parse(path).unwrap_or_default();
+        let limits = self.limits.iter().find(|(other, _)| *other == key).map(|(_, limits)| limits.clone());
+        for t in self.times(field.depends_on_time()) {
+            let values = field.values(sites.points(), t);
+            let wrong = |value: f64| !(value.is_finite() && limits.as_ref().is_none_or(|limits| limits.admit(value)));
+            let Some((x, value)) = sites.points().iter().zip(values).find(|(_, value)| wrong(*value)) else { continue };
+            let when = if field.depends_on_time() { format!(", t = {t:?}") } else { String::new() };
+            let found = format!("the value {value:?} at {}{when}", self.place(x));
+            let expected = limits.map_or_else(|| "finite values".to_owned(), |limits| limits.expected);
+            self.note(path, At::Value, found, expected, None);
+            return true;
+        }
+        false
+    }
+
+    /// Whether a plan makes something at all sites and times; why not is noted, once, at the law with this path.
+    pub fn holds<T>(&mut self, path: &str, plan: &Plan<T>, sites: &Sites) -> bool {
+        let refused = if !plan.varies() {
+            plan.at(&[0.0; 3], 0.0).err().map(|refusal| (refusal, String::new()))
+        } else if self.doubtful.iter().any(|p| p.is_in("mesh")) {
+            None
+        } else {
+            let times = self.times(plan.changes());
+            let mut all = times.iter().flat_map(|&t| sites.points().iter().map(move |x| (x, t)));
+            all.find_map(|(x, t)| {
+                let refusal = plan.at(x, t).err()?;
+                let when = if plan.changes() { format!(", t = {t:?}") } else { String::new() };
+                Some((refusal, format!(" at {}{when}", self.place(x))))
+            })
+        };
+        let Some((refusal, place)) = refused else { return true };
+        let path = if refusal.key.is_empty() { path.to_owned() } else { format!("{path}.{}", refusal.key) };
+        self.note(&path, At::Value, format!("{}{place}", refusal.found), refusal.expected, refusal.hint);
+        false
+    }
+}

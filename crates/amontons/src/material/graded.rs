@@ -1,0 +1,49 @@
+//! Elasticity and viscosity whose coefficients vary over the body.
+
+use std::sync::Arc;
+
+use super::{Constants, TensorLaw};
+use crate::field::Graded;
+use crate::tensor::{Point, Sym, SymMap};
+
+impl Graded<dyn TensorLaw> {
+    /// An elasticity or viscosity that is the law `at` gives at each point; m and M are the least and the largest of
+    /// those at the points.
+    #[must_use]
+    pub fn elastic(
+        points: &[Point],
+        at: impl Fn(&Point) -> Arc<dyn TensorLaw> + Send + Sync + 'static,
+    ) -> Graded<dyn TensorLaw> {
+        Graded::over(
+            points,
+            &[0.0],
+            move |x, _| at(x),
+            |law| {
+                let Constants { monotonicity, lipschitz } = law.constants();
+                ([monotonicity, lipschitz], !law.is_linear())
+            },
+        )
+    }
+}
+
+impl TensorLaw for Graded<dyn TensorLaw> {
+    fn value(&self, x: &Point, xi: &Sym) -> Sym {
+        self.at(x).value(x, xi)
+    }
+    fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
+        self.at(x).tangent(x, xi)
+    }
+    fn is_linear(&self) -> bool {
+        !self.is_special()
+    }
+    fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
+        Some(self)
+    }
+    fn constants(&self) -> Constants {
+        let [least, most] = self.extremes().map(|instance| instance.law.constants());
+        Constants { monotonicity: least.monotonicity, lipschitz: most.lipschitz }
+    }
+    fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
+        self.at(x).potential(x, xi)
+    }
+}
