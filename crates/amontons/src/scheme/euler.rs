@@ -220,31 +220,61 @@ impl BackwardEuler {
             (None, Some(heat)) => alone::heat(&now, heat),
             // `Physics` has no such value.
             (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
-        };
-        let Made { mechanics, heat, report, iterations, sweeps } = made?;
-        let ledger = audit(&now, &mechanics, &heat);
+        }?;
+        let ledger = audit(&now, &made.mechanics, &made.heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
         }
-        let residual = mechanics.residual.max(heat.residual).max(report.defect.unwrap_or(0.0));
-        let counts = Counts {
-            newton_mechanics_total: old.counts.newton_mechanics_total + iterations[0],
-            newton_mechanics_max: old.counts.newton_mechanics_max.max(iterations[0]),
-            newton_heat_total: old.counts.newton_heat_total + iterations[1],
-            sweeps: old.counts.sweeps + sweeps,
-            residual_max: old.counts.residual_max.max(residual),
-            passes_total: old.counts.passes_total + report.passes,
-            contraction_max: old.counts.contraction_max.max(report.contraction.unwrap_or_default()),
-            ..old.counts
+        let (state, report, products) = made.end(&now, ledger);
+        self.products = Some(products);
+        Ok((state, report))
+    }
+}
+
+impl Made {
+    /// Residual of (4.1), (4.2) and of their coupling.
+    fn residual(&self) -> f64 {
+        self.mechanics.residual.max(self.heat.residual).max(self.report.defect.unwrap_or(0.0))
+    }
+
+    /// The counts with those of this step.
+    fn counts(&self, old: &Counts) -> Counts {
+        Counts {
+            newton_mechanics_total: old.newton_mechanics_total + self.iterations[0],
+            newton_mechanics_max: old.newton_mechanics_max.max(self.iterations[0]),
+            newton_heat_total: old.newton_heat_total + self.iterations[1],
+            sweeps: old.sweeps + self.sweeps,
+            residual_max: old.residual_max.max(self.residual()),
+            passes_total: old.passes_total + self.report.passes,
+            contraction_max: old.contraction_max.max(self.report.contraction.unwrap_or_default()),
+            ..*old
+        }
+    }
+
+    /// The state at the end of the step, what happened in it, and the products that the next step needs.
+    fn end(self, step: &Step, ledger: Ledger) -> (State, StepReport, Products) {
+        let (old, residual, counts) = (step.old, self.residual(), self.counts(&step.old.counts));
+        let Made { mechanics, heat, report: coupling, iterations, .. } = self;
+        let state = State {
+            step: step.n,
+            t: step.t,
+            u: mechanics.u,
+            w: mechanics.w,
+            theta: heat.theta,
+            multipliers: mechanics.multipliers,
+            branches: mechanics.branches,
+            surface: old.surface.after(step.k, &mechanics.states, heat.exchange.foundation),
+            ledger,
+            counts,
+            temperatures: old.temperatures,
         };
-        let surface = old.surface.after(now.k, &mechanics.states, heat.exchange.foundation);
         let report = StepReport {
             newton_mechanics: iterations[0],
             newton_heat: iterations[1],
             parts: 1,
             is_ambiguous: !mechanics.is_unique,
             residual,
-            coupling: report,
+            coupling,
             contact: ContactReport {
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,
@@ -253,32 +283,16 @@ impl BackwardEuler {
                 heat_flow: heat.through_contact,
             },
         };
-        self.products = Some(Products {
-            t,
+        let products = Products {
+            t: step.t,
             mass_w: mechanics.mass_w,
             a_u: mechanics.a_u,
             a_w: mechanics.a_w,
             b_w: mechanics.b_w,
             mass_theta: heat.mass_theta,
             d_theta: heat.d_theta,
-        });
-        let (u, w, theta) = (mechanics.u, mechanics.w, heat.theta);
-        Ok((
-            State {
-                step: n,
-                t,
-                u,
-                w,
-                theta,
-                multipliers: mechanics.multipliers,
-                branches: mechanics.branches,
-                surface,
-                ledger,
-                counts,
-                temperatures: old.temperatures,
-            },
-            report,
-        ))
+        };
+        (state, report, products)
     }
 }
 
