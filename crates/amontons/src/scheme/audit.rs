@@ -3,7 +3,7 @@
 use super::Ledger;
 use super::heat::{Amounts, Heat};
 use super::mechanics::Mechanics;
-use super::system::{Step, difference, vector_at};
+use super::system::{Step, difference};
 use crate::contact::GraphKind;
 use crate::linalg::dot;
 use crate::tensor;
@@ -130,7 +130,7 @@ fn contact(step: &Step, m: &Mechanics) -> OnContact {
     let mut sum = OnContact { energy: 0.0, friction: 0.0, pressing: 0.0, damping: 0.0, worn: 0.0, load_work };
     for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
         let (normal, weight) = (&problem.contacts[point.side].normal, k * point.weight);
-        let w_nu = tensor::dot(&vector_at(discrete, point, &m.w), &state.normal);
+        let w_nu = tensor::dot(&discrete.boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
         sum.energy += point.weight * normal.potential(&point.x, state.penetration);
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);

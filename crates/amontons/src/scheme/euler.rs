@@ -8,7 +8,7 @@ use super::coupling::{Coupled, Made};
 use super::datum;
 use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
-use super::system::{HalfStep, Products, Step, vector_at};
+use super::system::{HalfStep, Products, Step};
 use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, SolveError, System, dot};
@@ -41,6 +41,7 @@ pub struct BackwardEuler {
 #[derive(Debug)]
 struct Systems {
     k: f64,
+    rule: Rule,
     mechanics: Option<HalfStep>,
     heat: Option<HalfStep>,
 }
@@ -69,6 +70,7 @@ impl Systems {
         );
         Ok(Systems {
             k,
+            rule,
             mechanics: mechanics.map_err(|source| ("mechanical", source))?,
             heat: heat.map_err(|source| ("heat", source))?,
         })
@@ -187,17 +189,18 @@ impl BackwardEuler {
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
         self.halve(n, end.t, HALVINGS)?;
-        let Some(Systems { k, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
+        let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let now = Step {
             problem: &self.problem,
             discrete: &self.discrete,
             old,
+            bar: old.into(),
             products: &products,
             n,
             t: end.t,
             k: *k,
-            rule: Rule::backward_euler(*k),
+            rule: *rule,
         };
         Mechanics::is_unique(&now, mechanics, end)
     }
@@ -211,9 +214,9 @@ impl BackwardEuler {
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
         let Self { problem, discrete, systems, halved, .. } = self;
-        let Systems { k, mechanics, heat } =
+        let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
-        let now = Step { problem, discrete, old, products: &products, n, t, k: *k, rule: Rule::backward_euler(*k) };
+        let now = Step { problem, discrete, old, bar: old.into(), products: &products, n, t, k: *k, rule: *rule };
         let made = match (mechanics, heat) {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
             (Some(mechanics), None) => alone::mechanics(&now, mechanics),
@@ -325,7 +328,7 @@ impl Scheme for BackwardEuler {
         let mut contact_energy = 0.0;
         let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
         for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
-            let r = tensor::dot(&vector_at(&self.discrete, point, &u), &frame.normal) - frame.gap;
+            let r = tensor::dot(&self.discrete.boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight
                 * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::Discretization;
-use super::system::{Step, vector_at};
+use super::system::Step;
 use crate::contact::{Contact, PointOnBoundary};
 use crate::inclusion::{Frame, PointState};
 use crate::problem::Problem;
@@ -81,7 +81,8 @@ pub(super) fn frames(
                 velocity: velocity.get(i).copied().unwrap_or_default(),
             };
             if let Some(obstacle) = &contact.obstacle {
-                let u = if obstacle.updated { vector_at(discrete, point, u) } else { [0.0; 3] };
+                let u =
+                    if obstacle.updated { discrete.boundary.vector_at(point, discrete.mesh.dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
                 let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
                 frame.normal = now.normal.map(|c| -c);
@@ -137,7 +138,7 @@ pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w
                 .get(point.side)
                 .and_then(|contact| contact.obstacle.as_ref())
                 .map_or([[0.0; 3]; 2], start);
-            let v = vector_at(discrete, point, w);
+            let v = discrete.boundary.vector_at(point, discrete.mesh.dim, w);
             let relative: Point = std::array::from_fn(|c| v[c] - frame.velocity[c] - obstacle[c]);
             let normal = dot(&relative, &frame.normal);
             let tangential: Point = std::array::from_fn(|c| relative[c] - normal * frame.normal[c]);

@@ -2,7 +2,7 @@
 
 use super::StepError;
 use super::foundation::temperatures;
-use super::system::{HalfStep, REFINE, Step, at_nodes, without_contact};
+use super::system::{HalfStep, REFINE, Step, on_degrees, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{Entry, max_abs};
 
@@ -51,7 +51,7 @@ impl Begun {
     /// What of (4.2), with the displacement `u` in e, does not need the contact: up to the forward sweep. The half-step
     /// starts from θ_{n−1} or from a solution of the same step with another displacement.
     pub fn new(step: &Step, half: &HalfStep, u: &[f64], from: Option<&Heat>) -> Result<Begun, StepError> {
-        let Step { discrete, old, products, t, .. } = *step;
+        let Step { discrete, old, bar, products, t, .. } = *step;
         let coupling = discrete.e.apply(u);
         let mut begun = if let Some(h) = from {
             let [supply, theta, mass_theta, d_theta] =
@@ -60,7 +60,7 @@ impl Begun {
         } else {
             let mut theta = old.theta.clone();
             discrete.q.prescribe(t, &mut theta);
-            let [mass_theta, d_theta] = if theta == old.theta {
+            let [mass_theta, d_theta] = if theta == bar.theta {
                 [products.mass_theta.clone(), products.d_theta.clone()]
             } else {
                 [discrete.storage().1.apply(&theta), discrete.apply_d(&theta)]
@@ -139,10 +139,9 @@ impl Begun {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, products, rule: Rule { delta, .. }, .. } = *step;
         let c = discrete.storage().0;
-        let values: Vec<f64> = exchange.flux.iter().map(|flux| flux.value).collect();
-        let chi = on_nodes(step, &values);
-        let through_contact =
-            discrete.boundary.points.iter().zip(&values).fold(0.0, |sum, (point, flux)| sum + point.weight * flux);
+        let chi = on_degrees(discrete, &discrete.q, exchange.flux.iter().map(|flux| [flux.value, 0.0, 0.0]));
+        let points = discrete.boundary.points.iter().zip(&exchange.flux);
+        let through_contact = points.fold(0.0, |sum, (point, flux)| sum + point.weight * flux.value);
         // At prescribed nodes it is the heat that has to be supplied there.
         let mut rest: Vec<f64> = (0..theta.len())
             .map(|i| {
@@ -237,7 +236,7 @@ impl Given {
             })
         });
         Given {
-            prescribed: at_nodes(step.discrete, 1, theta),
+            prescribed: step.discrete.boundary.restricted(1, theta),
             foundation: temperatures(step),
             lumped: lumped.collect(),
         }
@@ -263,16 +262,4 @@ impl Given {
             states,
         })
     }
-}
-
-/// Σ ω Nᵀ · of values at the contact points, over all nodes.
-pub(super) fn on_nodes(step: &Step, values: &[f64]) -> Vec<f64> {
-    let boundary = &step.discrete.boundary;
-    let mut sum = vec![0.0; step.discrete.q.free.len()];
-    for (point, value) in boundary.points.iter().zip(values) {
-        for &(node, shape) in &point.nodes {
-            sum[boundary.nodes[node] as usize] += point.weight * shape * value;
-        }
-    }
-    sum
 }

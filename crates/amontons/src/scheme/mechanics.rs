@@ -2,7 +2,7 @@
 
 use super::Discretization;
 use super::foundation::frames;
-use super::system::{ACCEPTED, HalfStep, REFINE, Step, at_nodes, on_degrees, scalars_at, without_contact};
+use super::system::{ACCEPTED, HalfStep, REFINE, Step, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
@@ -44,7 +44,7 @@ pub(super) struct Mechanics {
 /// What is known on Γ_C before the half-step is solved.
 #[derive(Clone, Default)]
 pub(super) struct Given {
-    u_old: Vec<f64>,
+    u_bar: Vec<f64>,
     w_prescribed: Vec<f64>,
     /// The foundation at the contact points.
     pub frames: Vec<Frame>,
@@ -55,10 +55,10 @@ pub(super) struct Given {
 impl Given {
     /// At the prescribed values in `w`; without a temperature.
     fn new(step: &Step, w: &[f64]) -> Given {
-        let Step { problem, discrete, old, t, .. } = *step;
+        let Step { problem, discrete, old, bar, t, .. } = *step;
         Given {
-            u_old: at_nodes(discrete, discrete.mesh.dim, &old.u),
-            w_prescribed: at_nodes(discrete, discrete.mesh.dim, w),
+            u_bar: discrete.boundary.restricted(discrete.mesh.dim, bar.u),
+            w_prescribed: discrete.boundary.restricted(discrete.mesh.dim, w),
             frames: frames(problem, discrete, &old.u, &old.surface.wear, [old.t, t]),
             temperature: Vec::new(),
         }
@@ -75,7 +75,7 @@ impl Given {
             unknown,
             dim: step.discrete.mesh.dim,
             rule: step.rule,
-            u_bar: &self.u_old,
+            u_bar: &self.u_bar,
             w_prescribed: &self.w_prescribed,
             frames: &self.frames,
             temperature: &self.temperature,
@@ -157,7 +157,8 @@ impl Mechanics {
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given = Given { temperature: scalars_at(step.discrete, &step.old.theta), ..Given::new(step, &end.w) };
+        let given =
+            Given { temperature: step.discrete.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
@@ -171,7 +172,8 @@ impl Mechanics {
         };
         let (now, then) =
             (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
-        on_degrees(step.discrete, now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c])))
+        let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
+        on_degrees(step.discrete, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
@@ -197,7 +199,7 @@ struct Equation<'a> {
 impl<'a> Equation<'a> {
     /// With the temperature `theta` in m and in the laws of contact.
     fn new(step: &'a Step, load: Vec<f64>, mut given: Given, theta: &[f64]) -> Result<Equation<'a>, StepError> {
-        given.temperature = scalars_at(step.discrete, theta);
+        given.temperature = step.discrete.boundary.scalars_at(theta);
         let foundation: Vec<f64> = given
             .frames
             .iter()
@@ -375,17 +377,17 @@ struct Begun {
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
     fn new(step: &Step) -> Begun {
-        let Step { discrete, old, products, t, rule: Rule { gamma, .. }, .. } = *step;
+        let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
         discrete.v.prescribe(t, &mut w);
         for (i, w) in w.iter_mut().enumerate() {
-            *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / gamma };
+            *w = if discrete.v.free[i] { old.w[i] } else { (*w - bar.u[i]) / gamma };
         }
         let given = Given::new(step, &w);
         let multipliers = old.multipliers.clone();
-        let now = if discrete.is_linear() && w == old.w {
-            // a(ū + γ w_{n−1}, ·) without another product.
+        let now = if discrete.is_linear() && w == bar.w {
+            // a(ū + γ w̄, ·) without another product.
             let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + gamma * a_w).collect();
             let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
@@ -419,5 +421,5 @@ fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, V
             *sum -= point.weight * force;
         }
     }
-    (resultant, on_degrees(discrete, states.iter().map(force)))
+    (resultant, on_degrees(discrete, &discrete.v, states.iter().map(force)))
 }
