@@ -87,7 +87,7 @@ impl Build<'_> {
                     Err(fault) => {
                         let key =
                             if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { "temperature" };
-                        self.fault(&format!("{path}.wear.{key}"), &fault.to_string());
+                        self.note(&format!("{path}.wear.{key}"), At::Value, fault.found(), fault.expected(), None);
                         Arc::new(Archard::Constant(0.0))
                     }
                 }
@@ -111,7 +111,7 @@ impl Build<'_> {
                         PressureTableFault::Falls { .. } => "pressure",
                         PressureTableFault::Start { .. } | PressureTableFault::Table(_) => "penetration",
                     };
-                    self.fault(&format!("{path}.normal.{key}"), &fault.to_string());
+                    self.note(&format!("{path}.normal.{key}"), At::Value, fault.found(), fault.expected(), None);
                     Arc::new(Signorini)
                 }
             },
@@ -138,12 +138,6 @@ impl Build<'_> {
                 Arc::new(Adhesion { stiffness, strength, release })
             }
         }
-    }
-
-    /// What a law or a shape says of itself: `found`, expected `expected`.
-    pub fn fault(&mut self, path: &str, message: &str) {
-        let (found, expected) = message.split_once(", expected ").unwrap_or((message, "as many"));
-        self.note(path, At::Value, found, expected, None);
     }
 
     fn friction(&mut self, path: &str, raw: raw::Friction) -> Arc<dyn FrictionLaw> {
@@ -204,7 +198,7 @@ impl Build<'_> {
             Ok(coefficient) => Arc::new(Tabulated { variable, coefficient }),
             Err(fault) => {
                 let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { key };
-                self.fault(&format!("{path}.friction.{key}"), &fault.to_string());
+                self.note(&format!("{path}.friction.{key}"), At::Value, fault.found(), fault.expected(), None);
                 Arc::new(Frictionless)
             }
         }

@@ -190,7 +190,7 @@ fn faults_of_grids_name_the_array_or_cell() {
         ("0 1 2 0 1<", "0 1 9 0 1<", "a cell has node 9, but there are 4 nodes"),
         ("5 3<", "23 3<", "cell 0: found element type VTK 23, expected one of"),
         ("5 3<", "9 3<", "cell 0 has 3 nodes, expected the 4 of a Q1 quadrilateral"),
-        ("4 0<", "4.5 0<", "the array region has 1 components or fractions, expected one integer per cell"),
+        ("4 0<", "4.5 0<", "the array region has 1 components or fractions, not one integer per cell"),
         ("4 0<", "4<", "the array region has 1 values, expected 1 for each of 2 cells"),
         ("type=\"Unstr", "compressor=\"vtkLZ4DataCompressor\" type=\"Unstr", "compressed by vtkLZ4DataCompressor"),
     ] {
