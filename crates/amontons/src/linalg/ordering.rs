@@ -30,9 +30,9 @@ pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &
         is_last[node as usize] = true;
     }
     let mut nodes: Vec<u32> = (0..n as u32).filter(|&i| keep[i as usize] && !is_last[i as usize]).collect();
-    let mut side = vec![0u8; n];
+    let mut half = vec![0u8; n];
     let mut order = Vec::with_capacity(nodes.len() + last.len());
-    dissect(graph, points, &mut nodes, &mut side, &mut order);
+    dissect(graph, points, &mut nodes, &mut half, &mut order);
     let interior = order.len();
     order.extend(last.iter().copied().filter(|&i| keep[i as usize]));
     let parent = elimination_tree(graph, &order);
@@ -102,7 +102,7 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
 
 /// Cuts the set across its widest direction at the median, and orders both halves before the
 /// separator: the nodes of the lower half that touch the upper one.
-fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], side: &mut [u8], order: &mut Vec<u32>) {
+fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], half: &mut [u8], order: &mut Vec<u32>) {
     if nodes.len() <= LEAF {
         order.extend_from_slice(nodes);
         return;
@@ -126,36 +126,36 @@ fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], side: &mut [u8], 
     if nodes.iter().all(|&i| lower(i)) {
         nodes.sort_unstable_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
         let (a, b) = nodes.split_at_mut(middle);
-        split(graph, points, a, b, side, order);
+        split(graph, points, a, b, half, order);
         return;
     }
     nodes.sort_unstable_by_key(|&i| (!lower(i), i));
     let count = nodes.iter().take_while(|&&i| lower(i)).count();
     let (a, b) = nodes.split_at_mut(count);
-    split(graph, points, a, b, side, order);
+    split(graph, points, a, b, half, order);
 }
 
-fn split(graph: &Graph, points: &[Point], a: &mut [u32], b: &mut [u32], side: &mut [u8], order: &mut Vec<u32>) {
+fn split(graph: &Graph, points: &[Point], a: &mut [u32], b: &mut [u32], half: &mut [u8], order: &mut Vec<u32>) {
     for &i in a.iter() {
-        side[i as usize] = 1;
+        half[i as usize] = 1;
     }
     for &i in b.iter() {
-        side[i as usize] = 2;
+        half[i as usize] = 2;
     }
     let mut rest: Vec<u32> = Vec::with_capacity(a.len());
     let mut separator = Vec::new();
     for &i in a.iter() {
-        if graph.row(i as usize).iter().any(|&j| side[j as usize] == 2) {
+        if graph.row(i as usize).iter().any(|&j| half[j as usize] == 2) {
             separator.push(i);
         } else {
             rest.push(i);
         }
     }
     for &i in a.iter().chain(b.iter()) {
-        side[i as usize] = 0;
+        half[i as usize] = 0;
     }
-    dissect(graph, points, &mut rest, side, order);
-    dissect(graph, points, b, side, order);
+    dissect(graph, points, &mut rest, half, order);
+    dissect(graph, points, b, half, order);
     order.extend_from_slice(&separator);
 }
 

@@ -9,7 +9,9 @@ use super::datum;
 use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step};
-use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
+use super::{
+    Accumulated, ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport,
+};
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, SolveError, System, dot};
 use crate::problem::Problem;
@@ -324,7 +326,7 @@ impl Scheme for BackwardEuler {
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
-        let surface = Surface::new(&self.problem, &self.discrete);
+        let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
         let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
         for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {

@@ -9,9 +9,9 @@ use crate::inclusion::{Frame, PointState};
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
 
-/// What Γ_C and the foundation keep from step to step besides u, w and θ.
+/// What Γ_C and the foundation accumulate from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Surface {
+pub struct Accumulated {
     /// Depth worn off at each contact point, m.
     pub wear: Vec<f64>,
     /// Work of friction at each contact point since the start, J/m².
@@ -20,9 +20,9 @@ pub struct Surface {
     pub foundation: Vec<Option<f64>>,
 }
 
-impl Surface {
+impl Accumulated {
     /// At t = 0.
-    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Surface {
+    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
         let n = discrete.boundary.points.len();
         let first = |side: usize| {
             discrete.boundary.points.iter().find(|point| point.side == side).map_or([0.0; 3], |point| point.x)
@@ -31,7 +31,7 @@ impl Surface {
             let foundation = contact.foundation_heat.as_ref()?;
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
         };
-        Surface {
+        Accumulated {
             wear: vec![0.0; n],
             friction_work: vec![0.0; n],
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
@@ -39,11 +39,11 @@ impl Surface {
     }
 
     /// After a step of length k.
-    pub(super) fn after(&self, k: f64, states: &[PointState], foundation: Vec<Option<f64>>) -> Surface {
+    pub(super) fn after(&self, k: f64, states: &[PointState], foundation: Vec<Option<f64>>) -> Accumulated {
         let wear = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
         let friction_work =
             self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
-        Surface { wear, friction_work, foundation }
+        Accumulated { wear, friction_work, foundation }
     }
 }
 
