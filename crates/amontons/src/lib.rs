@@ -45,7 +45,6 @@ pub mod field;
 pub mod forms;
 pub mod hypotheses;
 pub mod inclusion;
-#[allow(clippy::too_many_lines, reason = "to be split with the condensed operator")]
 pub mod linalg;
 pub mod material;
 pub mod mesh;
@@ -56,7 +55,6 @@ pub mod plot;
 pub mod problem;
 pub mod quadrature;
 pub mod run;
-#[allow(clippy::too_many_lines, reason = "to be split with the rule in time")]
 pub mod scheme;
 pub mod space;
 pub mod tensor;

@@ -1,6 +1,9 @@
 //! Loads and forms over sides against formulas, and runs with the conditions on sides against closed forms.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
 mod common;
 
 use std::sync::Arc;
@@ -162,24 +165,13 @@ fn convection_is_its_formula() {
 
 // Runs. E = 50, ν = 0.25, K = 3; the rectangle (0, 2) × (0, 1).
 
-const BODY: &str = r#"name = "sides"
-[mesh]
-kind = "rectangle"
-size = [2.0, 1.0]
-n = [6, 3]
-diagonal = "crossed"
-[time]
-end = 2.0
-steps = 4
-[material]
-density = 0.0
-heat_capacity = 0.0
-expansion = 0.0
-coupling = 0.0
-conductivity = 3.0
-elasticity = { law = "isotropic", young = 50.0, poisson = 0.25 }
-viscosity = { law = "lame", first = 0.0, second = 0.0 }
-"#;
+const BODY: &str = body!(
+    r#"kind = "rectangle", size = [2.0, 1.0], n = [6, 3], diagonal = "crossed""#,
+    "end = 2.0, steps = 4",
+    0.0,
+    "young = 50.0, poisson = 0.25",
+    "heat_capacity = 0.0\nconductivity = 3.0\n"
+);
 
 /// Mesh and last state of a run.
 fn solved(sides: &str, overrides: &[&str]) -> (Arc<Mesh>, State) {

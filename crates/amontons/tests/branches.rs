@@ -10,6 +10,9 @@
 
 #[path = "common/column.rs"]
 mod column;
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
 mod common;
 
 use std::sync::Arc;
@@ -26,35 +29,23 @@ use column::column;
 use common::{changed, paper};
 
 /// A rod of length and section 1 whose left end moves by U(t) = t towards a layer at its right end.
-const ROD: &str = r#"
-name = "rod"
-
-[mesh]
-kind = "interval"
-size = 1
-n = 1
-
-[time]
-end = 1
-steps = 100
-
-[material]
-density = 0
-heat_capacity = 1
-expansion = 0
-coupling = 0
-conductivity = 1
-elasticity = { law = "isotropic", young = 1, poisson = 0 }
+const ROD: &str = body!(
+    r#"kind = "interval", size = 1, n = 1"#,
+    "end = 1, steps = 100",
+    0,
+    "young = 1, poisson = 0",
+    r#"
 viscosity = { law = "lame", first = 0, second = 0 }
-
+heat_capacity = 1
+conductivity = 1
 [[boundary]]
 on = "left"
 displacement = ["t"]
-
 [contact]
 on = "right"
 normal = { law = "softening", stiffness = 3, peak = 1, softening = 2, residual = 0.25 }
-"#;
+"#
+);
 
 /// The layer: c, peak P, s, residual R.
 const LAYER: [f64; 4] = [3.0, 1.0, 2.0, 0.25];

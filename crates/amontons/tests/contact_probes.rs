@@ -2,36 +2,35 @@
 //! them.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
+
 use amontons::case::{self, Case, Source};
 use amontons::output::{OutputError, ProbeSet, RunStart, Sink, Snapshot, Summary};
 use amontons::run::{Settings, run};
 
-const BODY: &str = r#"
-    name = "body"
-    [mesh]
-    MESH
-    [time]
-    end = 0.2
-    steps = 2
-    [material]
-    density = 1
-    heat_capacity = 1
-    expansion = 0
-    coupling = 0
-    conductivity = 1
-    elasticity = { law = "isotropic", young = 2.0, poisson = 0.3 }
-    viscosity = { law = "lame", first = 1, second = 1 }
-    [[boundary]]
-    on = "top"
-    displacement = TOP
-    [contact]
-    on = "bottom"
-    quadrature = "QUADRATURE"
-    foundation_velocity = BELT
-    normal = { law = "compliance", stiffness = "STIFFNESS" }
-    friction = { law = "coulomb", coefficient = 0.25 }
-    wear = { law = "archard", coefficient = 1e-3 }
-"#;
+const BODY: &str = body!(
+    "MESH",
+    "end = 0.2, steps = 2",
+    1,
+    "young = 2.0, poisson = 0.3",
+    r#"
+viscosity = { law = "lame", first = 1, second = 1 }
+heat_capacity = 1
+conductivity = 1
+[[boundary]]
+on = "top"
+displacement = TOP
+[contact]
+on = "bottom"
+quadrature = "QUADRATURE"
+foundation_velocity = BELT
+normal = { law = "compliance", stiffness = "STIFFNESS" }
+friction = { law = "coulomb", coefficient = 0.25 }
+wear = { law = "archard", coefficient = 1e-3 }
+"#
+);
 
 fn body(mesh: &str, dim: usize, quadrature: &str, probes: &str) -> Case {
     let (top, belt) =
@@ -133,23 +132,23 @@ const PROBES: &str = r#"
 #[test]
 fn values_at_points_are_interpolated() {
     let meshes = [
-        (2, "kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]\nelements = 'P1'", "[0.25, 0]", vec![(0.25, 0.0, 1.0)]),
+        (2, "kind = 'rectangle', size = [1, 1], n = [4, 4], elements = 'P1'", "[0.25, 0]", vec![(0.25, 0.0, 1.0)]),
         (
             2,
-            "kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]\nelements = 'Q1'",
+            "kind = 'rectangle', size = [1, 1], n = [4, 4], elements = 'Q1'",
             "[0.3, 0]",
             vec![(0.25, 0.0, 0.8), (0.5, 0.0, 0.2)],
         ),
         // N at 1/4 of a quadratic segment: 3/8, 3/4, −1/8.
         (
             2,
-            "kind = 'rectangle'\nsize = [1, 1]\nn = [2, 2]\nelements = 'Q2'",
+            "kind = 'rectangle', size = [1, 1], n = [2, 2], elements = 'Q2'",
             "[0.125, 0]",
             vec![(0.0, 0.0, 0.375), (0.25, 0.0, 0.75), (0.5, 0.0, -0.125)],
         ),
         (
             3,
-            "kind = 'box'\nsize = [1, 1, 1]\nn = [2, 2, 2]\nelements = 'Q1'",
+            "kind = 'box', size = [1, 1, 1], n = [2, 2, 2], elements = 'Q1'",
             "[0.25, 0, 0.5]",
             vec![(0.0, 0.5, 0.5), (0.5, 0.5, 0.5)],
         ),
@@ -180,7 +179,7 @@ fn values_at_points_are_interpolated() {
 #[test]
 fn values_next_to_gauss_points() {
     let end =
-        End::of(&body("kind = 'rectangle'\nsize = [1, 1]\nn = [4, 4]", 2, "gauss", &PROBES.replace("AT", "[0.3, 0]")));
+        End::of(&body("kind = 'rectangle', size = [1, 1], n = [4, 4]", 2, "gauss", &PROBES.replace("AT", "[0.3, 0]")));
     // Those of [1/4, 1/2] are at 3/8 ∓ 1/(8√3).
     let nearest = end.points.iter().find(|p| (p.0[0] - (0.375 - 0.125 / 3f64.sqrt())).abs() < 1e-12).unwrap();
     assert_eq!(end.value("p").to_bits(), nearest.2.to_bits());
@@ -192,7 +191,7 @@ fn elsewhere_there_is_no_contact() {
     for (at, whole) in [("at = [0.3, 0.1]", "at"), ("at = [0.0, 0.25]", "at"), ("on = 'top'\ntake = 'max'", "on")] {
         let probe = format!("[[probe]]\nname = 'p'\nquantity = 'slip_velocity_x'\n{at}\n");
         let text = BODY
-            .replace("MESH", "kind = 'rectangle'\nsize = [1, 1]\nn = 4")
+            .replace("MESH", "kind = 'rectangle', size = [1, 1], n = 4")
             .replace("TOP", "[0, 0]")
             .replace("BELT", "[1, 0]");
         let text = text.replace("QUADRATURE", "nodal").replace("\"STIFFNESS\"", "100") + &probe;

@@ -3,6 +3,9 @@
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
 mod common;
 
 use std::sync::Arc;
@@ -321,24 +324,15 @@ fn the_same_bits_on_a_large_boundary() {
     }
 }
 
-const LARGE: &str = r#"
-name = "large"
-[mesh]
-kind = "box"
-size = [1.0, 0.2, 1.0]
-n = [SIDE, 2, SIDE]
-elements = "Q1"
-[time]
-end = 0.5
-steps = 1
-[material]
-density = 1
-heat_capacity = 1
-expansion = 0
-coupling = 0
-conductivity = 1
-elasticity = { law = "isotropic", young = 2.0, poisson = 0.3 }
+const LARGE: &str = body!(
+    r#"kind = "box", size = [1.0, 0.2, 1.0], n = [SIDE, 2, SIDE], elements = "Q1""#,
+    "end = 0.5, steps = 1",
+    1,
+    "young = 2.0, poisson = 0.3",
+    r#"
 viscosity = { law = "lame", first = 0.1, second = 0.1 }
+heat_capacity = 1
+conductivity = 1
 [load]
 body_force = ["0.5*sin(3*z)", -1, "0.3*cos(2*x)"]
 [[boundary]]
@@ -349,7 +343,8 @@ on = "bottom"
 gap = "0.003*sin(5*x)*cos(4*z) + 0.003"
 normal = { law = "compliance", stiffness = 1e4 }
 friction = { law = "coulomb", coefficient = 0.3 }
-"#;
+"#
+);
 
 /// What is measured in other units is the same.
 #[test]
@@ -377,23 +372,15 @@ fn results_do_not_depend_on_the_units() {
     }
 }
 
-const PRESSED: &str = r#"
-name = "pressed"
-[mesh]
-kind = "rectangle"
-size = [1.0, 1.0]
-n = [8, 8]
-[time]
-end = 1.0
-steps = 10
-[material]
-density = 0
-heat_capacity = 1
-expansion = 0
-coupling = 0
-conductivity = 1
-elasticity = { law = "isotropic", young = 2.0, poisson = 0.3 }
+const PRESSED: &str = body!(
+    r#"kind = "rectangle", size = [1.0, 1.0], n = [8, 8]"#,
+    "end = 1.0, steps = 10",
+    0,
+    "young = 2.0, poisson = 0.3",
+    r#"
 viscosity = { law = "lame", first = 0.1, second = 0.2 }
+heat_capacity = 1
+conductivity = 1
 [[boundary]]
 on = "top"
 displacement = TOP
@@ -405,7 +392,8 @@ friction = { law = "coulomb", coefficient = 0.3 }
 wear = { law = "archard", coefficient = 1e-2 }
 heat = { law = "pressure", coefficient = 1, foundation_temperature = 1 }
 frictional_heat = 0.5
-"#;
+"#
+);
 
 fn pressed(top: &str, position: &str) -> Memory {
     solve(&problem(&PRESSED.replace("TOP", top).replace("WHERE", position), &[]))

@@ -2,6 +2,10 @@
 //! terms.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
+
 use amontons::case::{self, Source};
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme, State};
@@ -24,30 +28,22 @@ fn end(problem: &Problem) -> State {
     state
 }
 
-const ROD: &str = r#"
-    name = "rod"
-    [mesh]
-    kind = "interval"
-    size = 1.0
-    n = 3
-    [time]
-    end = 2.0
-    steps = 200
-    [material]
-    density = 0
-    heat_capacity = 1
-    expansion = 0
-    coupling = 0
-    conductivity = 1
-    elasticity = { law = "isotropic", young = 400.0, poisson = 0.0 }
-    viscosity = { law = "lame", first = 0.0, second = 0.0 }
-    [[boundary]]
-    on = "left"
-    displacement = ["-0.01*t"]
-    [contact]
-    on = "right"
-    normal = { law = "signorini" }
-"#;
+const ROD: &str = body!(
+    r#"kind = "interval", size = 1.0, n = 3"#,
+    "end = 2.0, steps = 200",
+    0,
+    "young = 400.0, poisson = 0.0",
+    r#"
+heat_capacity = 1
+conductivity = 1
+[[boundary]]
+on = "left"
+displacement = ["-0.01*t"]
+[contact]
+on = "right"
+normal = { law = "signorini" }
+"#
+);
 
 /// A rod that is drawn away from the foundation, and one that is brought back to where it was: free of stress in every
 /// step.
@@ -85,33 +81,23 @@ fn stiff_blocks_slide_as_far() {
 /// A block that stands on a rigid or soft foundation and is held sideways only: K is singular, the step is not.
 #[test]
 fn contact_alone_holds_a_block_upright() {
-    const BLOCK: &str = r#"
-        name = "block"
-        [mesh]
-        kind = "rectangle"
-        size = [2.0, 1.0]
-        n = [4, 2]
-        [time]
-        end = 1.0
-        steps = 4
-        [material]
-        density = 0
-        heat_capacity = 1
-        expansion = 0
-        coupling = 0
-        conductivity = 1
-        elasticity = { law = "isotropic", young = 2.0, poisson = 0.25 }
-        viscosity = { law = "lame", first = 0.0, second = 0.0 }
-        [[boundary]]
-        on = "left"
-        displacement = [0, "free"]
-        [[boundary]]
-        on = "top"
-        traction = [0, "-0.1*t"]
-        [contact]
-        on = "bottom"
-        normal = { law = "signorini" }
-    "#;
+    const BLOCK: &str = body!(
+        r#"kind = "rectangle", size = [2.0, 1.0], n = [4, 2]"#,
+        "end = 1.0, steps = 4",
+        0,
+        "young = 2.0, poisson = 0.25",
+        r#"
+[[boundary]]
+on = "left"
+displacement = [0, "free"]
+[[boundary]]
+on = "top"
+traction = [0, "-0.1*t"]
+[contact]
+on = "bottom"
+normal = { law = "signorini" }
+"#
+    );
     // σ_yy = −p and σ_xx = 0 but for the side that is held, which is free to slip: ε_yy = −p/E, and a layer c_ν gives
     // way by p/c_ν.
     for (normal, sinks) in [("{law='signorini'}", 0.0), ("{law='compliance', stiffness=10}", 0.01)] {

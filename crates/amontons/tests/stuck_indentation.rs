@@ -2,6 +2,10 @@
 //! 1968): quadratic elements, every node sticks where the body is when the contact reaches it.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
+
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
@@ -43,27 +47,25 @@ fn block(h: f64) -> Mesh {
 }
 
 /// E/(1 − ν²) = 1.
-const CASE: &str = r#"
-name = "stuck"
-mesh = { kind = "file", file = "block.msh" }
-time = { end = 1, steps = 100 }
-boundary = [{ on = "left", normal_displacement = 0 }, { on = "top", displacement = ["free", "-0.00062*t"] }]
-
-[material]
-density = 0
-heat_capacity = 1
-expansion = 0
-coupling = 0
-conductivity = 1
-elasticity = { law = "isotropic", young = 0.91, poisson = 0.3, stress_state = "plane-strain" }
-viscosity = { law = "lame", first = 0, second = 0 }
-
+const CASE: &str = body!(
+    r#"kind = "file", file = "block.msh""#,
+    "end = 1, steps = 100",
+    0,
+    r#"young = 0.91, poisson = 0.3, stress_state = "plane-strain""#,
+    r#"
+[[boundary]]
+on = "left"
+normal_displacement = 0
+[[boundary]]
+on = "top"
+displacement = ["free", "-0.00062*t"]
 [contact]
 on = "bottom"
 obstacle = { shape = "cylinder", center = [0, -5000], radius = 5000 }
 normal = { law = "signorini" }
 friction = { law = "coulomb", coefficient = 1e3 }
-"#;
+"#
+);
 
 /// ∫ f over (0, b) by the midpoint rule.
 fn integral(b: f64, n: usize, f: impl Fn(f64) -> f64) -> f64 {

@@ -6,6 +6,10 @@
     reason = "a test fails by panicking, and counts are exact"
 )]
 
+#[macro_use]
+#[path = "common/body.rs"]
+mod body;
+
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
@@ -22,41 +26,43 @@ use amontons::scheme::{BackwardEuler, StepError};
 use amontons::tensor::{Point, Sym, SymMap};
 
 /// A plane block on a foundation, held at its top; bodies of other cases are set by overrides.
-const BLOCK: &str = r#"
-name = "block"
-mesh = { kind = "rectangle", size = [2.0, 1.0], n = [8, 4] }
-time = { end = 1.0, steps = 4 }
-load = { body_force = [0.0, -1.0], heat_source = 0.0 }
-boundary = [{ on = "top", displacement = [0, 0], temperature = 0 }]
-[material]
-density = 1.0
-heat_capacity = 1.0
-expansion = 0.0
-coupling = 0.0
-conductivity = 1.0
-elasticity = { law = "isotropic", young = 2.0e3, poisson = 0.25, stress_state = "plane-strain" }
+const BLOCK: &str = body!(
+    r#"kind = "rectangle", size = [2.0, 1.0], n = [8, 4]"#,
+    "end = 1.0, steps = 4",
+    1.0,
+    r#"young = 2.0e3, poisson = 0.25, stress_state = "plane-strain""#,
+    r#"
 viscosity = { law = "lame", first = 1.0, second = 1.0 }
+heat_capacity = 1.0
+conductivity = 1.0
+[load]
+body_force = [0.0, -1.0]
+[[boundary]]
+on = "top"
+displacement = [0, 0]
+temperature = 0
 [contact]
 on = "bottom"
 normal = { law = "compliance", stiffness = 1e6 }
 friction = { law = "coulomb", coefficient = 0.2 }
-"#;
+"#
+);
 
 /// A bar from 0 to 1 that is held at its left; contact at its right where overrides have it so.
-const BAR: &str = r#"
-name = "bar"
-mesh = { kind = "interval", size = 1.0, n = 10 }
-time = { end = 1.0, steps = 1 }
-boundary = [{ on = "left", displacement = [0], temperature = 0 }]
-[material]
-density = 0.0
+const BAR: &str = body!(
+    r#"kind = "interval", size = 1.0, n = 10"#,
+    "end = 1.0, steps = 1",
+    0.0,
+    "young = 1.0, poisson = 0.0",
+    r#"
 heat_capacity = 1.0
-expansion = 0.0
-coupling = 0.0
 conductivity = 1.0
-elasticity = { law = "isotropic", young = 1.0, poisson = 0.0 }
-viscosity = { law = "lame", first = 0.0, second = 0.0 }
-"#;
+[[boundary]]
+on = "left"
+displacement = [0]
+temperature = 0
+"#
+);
 
 fn parsed(text: &str, overrides: &[&str]) -> Result<Problem, String> {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
@@ -331,7 +337,7 @@ fn refused_data_have_their_place() {
     assert_eq!(
         faulty(&BLOCK.replace("-1.0]", "-1e-170]"), &[]),
         format!(
-            "case.toml:5:29: load.body_force[1]: found stresses of about 1e-170 Pa, whose squares are about 1e-339, {range}"
+            "case.toml:12:20: load.body_force[1]: found stresses of about 1e-170 Pa, whose squares are about 1e-339, {range}"
         )
     );
     assert_eq!(

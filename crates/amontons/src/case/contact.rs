@@ -183,10 +183,4 @@ impl Build<'_> {
         let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| laws::no_wear());
         Arc::new(Graded::wear(sites.points(), &times, at))
     }
-
-    /// What a shape says of itself: `found`, expected `expected`.
-    pub fn fault(&mut self, path: &str, message: &str) {
-        let (found, expected) = laws::parts(message);
-        self.note(path, At::Value, found, expected, None);
-    }
 }

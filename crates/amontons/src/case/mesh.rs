@@ -40,12 +40,6 @@ fn diagonal(raw: Option<raw::Diagonal>) -> Diagonal {
     }
 }
 
-/// What was found and what was expected, as an error says it, or `otherwise`.
-fn parts(error: &str, otherwise: &str) -> (String, String) {
-    let (found, expected) = error.rsplit_once(", expected ").unwrap_or((error, otherwise));
-    (found.to_owned(), expected.to_owned())
-}
-
 /// A body without cells.
 fn empty() -> Mesh {
     Mesh {
@@ -123,8 +117,8 @@ impl Build<'_> {
             generate(raw, &cells.iter().map(|n| (*n).min(4)).collect::<Vec<_>>())
         };
         built.unwrap_or_else(|error| {
-            let (found, expected) = parts(&error.to_string(), "a mesh that can be built");
-            self.note("mesh", At::Value, found, expected, None);
+            let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
+            self.note("mesh", At::Value, error.found(), expected, None);
             self.no_mesh = true;
             empty()
         })
@@ -151,8 +145,9 @@ impl Build<'_> {
         let mut mesh = match read {
             Ok(mesh) => mesh.scaled(scale),
             Err(error) => {
-                let (found, expected) = parts(&error.to_string(), "a mesh of one body");
-                self.note(FILE, At::Value, format!("{name}: {}", found.replacen(": found ", ": ", 1)), expected, None);
+                let at = error.at().map_or_else(String::new, |at| format!("{at}: "));
+                let expected = error.expected().unwrap_or_else(|| "a mesh of one body".to_owned());
+                self.note(FILE, At::Value, format!("{name}: {at}{}", error.found()), expected, None);
                 return None;
             }
         };

@@ -44,7 +44,7 @@ impl Build<'_> {
             Err(ShapeFaults(faults)) => faults,
         };
         for fault in faults {
-            self.fault(&format!("{path}.{}", fault.key()), &fault.to_string());
+            self.note(&format!("{path}.{}", fault.key()), At::Value, fault.found(), fault.expected(), None);
         }
         None
     }

@@ -166,6 +166,49 @@ impl ContactBoundary {
         }
         ContactBoundary { nodes, points }
     }
+
+    /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
+    #[must_use]
+    pub fn restricted(&self, components: usize, values: &[f64]) -> Vec<f64> {
+        self.nodes
+            .iter()
+            .flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components])
+            .copied()
+            .collect()
+    }
+
+    /// N v at a contact point: the value of a vector field over all nodes.
+    #[must_use]
+    pub fn vector_at(&self, point: &PointOnBoundary, dim: usize, values: &[f64]) -> Point {
+        let mut v = [0.0; 3];
+        for &(node, value) in &point.nodes {
+            for c in 0..dim {
+                v[c] += value * values[self.nodes[node] as usize * dim + c];
+            }
+        }
+        v
+    }
+
+    /// The values of a scalar field over all nodes at the contact points.
+    #[must_use]
+    pub fn scalars_at(&self, values: &[f64]) -> Vec<f64> {
+        let at = |point: &PointOnBoundary| {
+            point.nodes.iter().map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
+        };
+        self.points.iter().map(at).collect()
+    }
+
+    /// Adds Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, to a field with so many
+    /// components at all nodes.
+    pub fn scatter(&self, components: usize, vectors: impl Iterator<Item = Point>, sum: &mut [f64]) {
+        for (point, vector) in self.points.iter().zip(vectors) {
+            for &(node, value) in &point.nodes {
+                for c in 0..components {
+                    sum[self.nodes[node] as usize * components + c] += point.weight * value * vector[c];
+                }
+            }
+        }
+    }
 }
 
 /// One point per node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in

@@ -7,10 +7,9 @@ pub struct PiecewiseLinear {
 }
 
 /// Why points are no function.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TableFault {
     /// The lists do not have the same length.
-    #[error("{arguments} arguments and {values} values")]
     Lengths {
         /// Number of arguments.
         arguments: usize,
@@ -18,13 +17,11 @@ pub enum TableFault {
         values: usize,
     },
     /// There are too few points.
-    #[error("{found} points, expected two at the least")]
     Few {
         /// Number of points.
         found: usize,
     },
     /// The arguments do not grow.
-    #[error("{next:?} after {before:?}, expected larger and larger arguments")]
     Order {
         /// An argument.
         before: f64,
@@ -32,6 +29,36 @@ pub enum TableFault {
         next: f64,
     },
 }
+
+impl TableFault {
+    /// What was found.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            TableFault::Lengths { arguments, values } => format!("{arguments} arguments and {values} values"),
+            TableFault::Few { found } => format!("{found} points"),
+            TableFault::Order { before, next } => format!("{next:?} after {before:?}"),
+        }
+    }
+
+    /// What was expected.
+    #[must_use]
+    pub fn expected(&self) -> &'static str {
+        match self {
+            TableFault::Lengths { .. } => "as many",
+            TableFault::Few { .. } => "two at the least",
+            TableFault::Order { .. } => "larger and larger arguments",
+        }
+    }
+}
+
+impl std::fmt::Display for TableFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, expected {}", self.found(), self.expected())
+    }
+}
+
+impl std::error::Error for TableFault {}
 
 impl PiecewiseLinear {
     /// The function through the points (arguments, values).

@@ -9,6 +9,8 @@ use crate::tensor::Point;
 
 /// Parts below this size are not cut further.
 const LEAF: usize = 6;
+/// No position in an order.
+const NONE: u32 = u32::MAX;
 
 /// The elimination order with the tree that it implies.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,21 +24,27 @@ pub struct Ordering {
 /// Orders the nodes `keep` (those with unknowns), with the nodes `last` at the end in their order.
 #[must_use]
 pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &[u32]) -> Ordering {
-    const NONE: u32 = u32::MAX;
     let n = graph.len();
     let mut is_last = vec![false; n];
     for &node in last {
         is_last[node as usize] = true;
     }
     let mut nodes: Vec<u32> = (0..n as u32).filter(|&i| keep[i as usize] && !is_last[i as usize]).collect();
-    let mut side = vec![0u8; n];
+    let mut half = vec![0u8; n];
     let mut order = Vec::with_capacity(nodes.len() + last.len());
-    dissect(graph, points, &mut nodes, &mut side, &mut order);
+    dissect(graph, points, &mut nodes, &mut half, &mut order);
     let interior = order.len();
     order.extend(last.iter().copied().filter(|&i| keep[i as usize]));
+    let parent = elimination_tree(graph, &order);
+    let mut post: Vec<u32> = postorder(&parent[..interior]).into_iter().map(|k| order[k as usize]).collect();
+    post.extend_from_slice(&order[interior..]);
+    Ordering { order: post, interior }
+}
 
-    // Elimination tree of the ordered graph (Liu's algorithm with path compression).
-    let mut position = vec![NONE; n];
+/// The parent of each position in the elimination tree of the ordered graph, [`NONE`] at a root (Liu's algorithm with
+/// path compression).
+fn elimination_tree(graph: &Graph, order: &[u32]) -> Vec<u32> {
+    let mut position = vec![NONE; graph.len()];
     for (k, &node) in order.iter().enumerate() {
         position[node as usize] = k as u32;
     }
@@ -55,24 +63,29 @@ pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &
             }
         }
     }
-    // Postorder of the interior forest; the last nodes stay where they are.
-    let mut first_child = vec![NONE; interior];
-    let mut sibling = vec![NONE; interior];
+    parent
+}
+
+/// The positions of a forest in postorder; a parent beyond the last position makes a root.
+fn postorder(parent: &[u32]) -> Vec<u32> {
+    let n = parent.len();
+    let mut first_child = vec![NONE; n];
+    let mut sibling = vec![NONE; n];
     let mut roots = Vec::new();
-    for k in (0..interior).rev() {
+    for k in (0..n).rev() {
         let p = parent[k];
-        if p == NONE || p as usize >= interior {
+        if p == NONE || p as usize >= n {
             roots.push(k as u32);
         } else {
             sibling[k] = first_child[p as usize];
             first_child[p as usize] = k as u32;
         }
     }
-    let mut post = Vec::with_capacity(order.len());
+    let mut post = Vec::with_capacity(n);
     let mut stack: Vec<(u32, bool)> = roots.into_iter().map(|r| (r, false)).collect();
     while let Some((k, expanded)) = stack.pop() {
         if expanded {
-            post.push(order[k as usize]);
+            post.push(k);
             continue;
         }
         stack.push((k, true));
@@ -84,13 +97,12 @@ pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &
         }
         stack[at..].reverse();
     }
-    post.extend_from_slice(&order[interior..]);
-    Ordering { order: post, interior }
+    post
 }
 
 /// Cuts the set across its widest direction at the median, and orders both halves before the
 /// separator: the nodes of the lower half that touch the upper one.
-fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], side: &mut [u8], order: &mut Vec<u32>) {
+fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], half: &mut [u8], order: &mut Vec<u32>) {
     if nodes.len() <= LEAF {
         order.extend_from_slice(nodes);
         return;
@@ -114,36 +126,36 @@ fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], side: &mut [u8], 
     if nodes.iter().all(|&i| lower(i)) {
         nodes.sort_unstable_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
         let (a, b) = nodes.split_at_mut(middle);
-        split(graph, points, a, b, side, order);
+        split(graph, points, a, b, half, order);
         return;
     }
     nodes.sort_unstable_by_key(|&i| (!lower(i), i));
     let count = nodes.iter().take_while(|&&i| lower(i)).count();
     let (a, b) = nodes.split_at_mut(count);
-    split(graph, points, a, b, side, order);
+    split(graph, points, a, b, half, order);
 }
 
-fn split(graph: &Graph, points: &[Point], a: &mut [u32], b: &mut [u32], side: &mut [u8], order: &mut Vec<u32>) {
+fn split(graph: &Graph, points: &[Point], a: &mut [u32], b: &mut [u32], half: &mut [u8], order: &mut Vec<u32>) {
     for &i in a.iter() {
-        side[i as usize] = 1;
+        half[i as usize] = 1;
     }
     for &i in b.iter() {
-        side[i as usize] = 2;
+        half[i as usize] = 2;
     }
     let mut rest: Vec<u32> = Vec::with_capacity(a.len());
     let mut separator = Vec::new();
     for &i in a.iter() {
-        if graph.row(i as usize).iter().any(|&j| side[j as usize] == 2) {
+        if graph.row(i as usize).iter().any(|&j| half[j as usize] == 2) {
             separator.push(i);
         } else {
             rest.push(i);
         }
     }
     for &i in a.iter().chain(b.iter()) {
-        side[i as usize] = 0;
+        half[i as usize] = 0;
     }
-    dissect(graph, points, &mut rest, side, order);
-    dissect(graph, points, b, side, order);
+    dissect(graph, points, &mut rest, half, order);
+    dissect(graph, points, b, half, order);
     order.extend_from_slice(&separator);
 }
 

@@ -29,10 +29,9 @@ use crate::element::{Element, Table};
 use crate::tensor::{Point, Sym, length};
 
 /// What is wrong with a mesh or with the numbers that describe one.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum MeshError {
     /// A generator was given a length that is not positive and finite.
-    #[error("the size of the mesh in direction {direction} is {found}, expected a positive length")]
     Size {
         /// 0, 1 or 2.
         direction: usize,
@@ -40,7 +39,6 @@ pub enum MeshError {
         found: f64,
     },
     /// A generator was given no cells in a direction.
-    #[error("the mesh has {found} cells in direction {direction}, expected at least 1")]
     Cells {
         /// 0, 1 or 2.
         direction: usize,
@@ -48,19 +46,16 @@ pub enum MeshError {
         found: usize,
     },
     /// More nodes than a 32-bit index can name.
-    #[error("the mesh would have {found:.3e} nodes, more than the {} that can be numbered", u32::MAX)]
     TooLarge {
         /// Number of nodes asked for.
         found: f64,
     },
     /// The angle of a sector that is not between 0 and 2π.
-    #[error("the angle of the sector is {found}, expected more than 0 and less than 2π")]
     Angle {
         /// The angle given, in rad.
         found: f64,
     },
     /// An inner radius that is not smaller than the outer one.
-    #[error("the inner radius {inner} is not smaller than the outer one, {outer}")]
     Radii {
         /// Inner radius.
         inner: f64,
@@ -68,7 +63,6 @@ pub enum MeshError {
         outer: f64,
     },
     /// A number of cells around that cannot close a ring.
-    #[error("{found} cells around, expected {expected}")]
     Around {
         /// The number given.
         found: usize,
@@ -76,7 +70,6 @@ pub enum MeshError {
         expected: &'static str,
     },
     /// A step that the library has for some elements only.
-    #[error("{what} is not possible for cells of {found}")]
     Elements {
         /// The step.
         what: &'static str,
@@ -84,7 +77,6 @@ pub enum MeshError {
         found: &'static str,
     },
     /// A body of revolution that reaches over its axis.
-    #[error("node {node} has r = {found:.6e}, expected none below 0: the axis of an axisymmetric body is x = 0")]
     Axis {
         /// The node.
         node: usize,
@@ -92,7 +84,6 @@ pub enum MeshError {
         found: f64,
     },
     /// A cell or a facet names a node that there is not.
-    #[error("{what} names node {node}, expected one below {nodes}, the number of nodes")]
     Node {
         /// `a cell`, or `a facet of` a side.
         what: String,
@@ -102,7 +93,6 @@ pub enum MeshError {
         nodes: usize,
     },
     /// A cell has no positive measure.
-    #[error("cell {cell} of block {block} has measure {measure:.3e}, expected a positive one: it is inverted or flat")]
     Cell {
         /// Block of cells.
         block: usize,
@@ -112,6 +102,56 @@ pub enum MeshError {
         measure: f64,
     },
 }
+
+impl MeshError {
+    /// What was found.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            MeshError::Size { direction, found } => format!("the size of the mesh in direction {direction} is {found}"),
+            MeshError::Cells { direction, found } => format!("the mesh has {found} cells in direction {direction}"),
+            MeshError::TooLarge { found } => {
+                format!("the mesh would have {found:.3e} nodes, more than the {} that can be numbered", u32::MAX)
+            }
+            MeshError::Angle { found } => format!("the angle of the sector is {found}"),
+            MeshError::Radii { inner, outer } => {
+                format!("the inner radius {inner} is not smaller than the outer one, {outer}")
+            }
+            MeshError::Around { found, .. } => format!("{found} cells around"),
+            MeshError::Elements { what, found } => format!("{what} is not possible for cells of {found}"),
+            MeshError::Axis { node, found } => format!("node {node} has r = {found:.6e}"),
+            MeshError::Node { what, node, .. } => format!("{what} names node {node}"),
+            MeshError::Cell { block, cell, measure } => {
+                format!("cell {cell} of block {block} has measure {measure:.3e}")
+            }
+        }
+    }
+
+    /// What was expected, where that does not go without saying.
+    #[must_use]
+    pub fn expected(&self) -> Option<String> {
+        let expected = match self {
+            MeshError::Size { .. } => "a positive length",
+            MeshError::Cells { .. } => "at least 1",
+            MeshError::Angle { .. } => "more than 0 and less than 2π",
+            MeshError::Around { expected, .. } => expected,
+            MeshError::Axis { .. } => "none below 0: the axis of an axisymmetric body is x = 0",
+            MeshError::Node { nodes, .. } => return Some(format!("one below {nodes}, the number of nodes")),
+            MeshError::Cell { .. } => "a positive one: it is inverted or flat",
+            MeshError::TooLarge { .. } | MeshError::Radii { .. } | MeshError::Elements { .. } => return None,
+        };
+        Some(expected.to_owned())
+    }
+}
+
+impl std::fmt::Display for MeshError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.found())?;
+        self.expected().map_or(Ok(()), |expected| write!(f, ", expected {expected}"))
+    }
+}
+
+impl std::error::Error for MeshError {}
 
 /// Cells of one element type and region.
 #[derive(Clone, Debug)]

@@ -85,8 +85,7 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
             _ => continue,
         };
         if nodes.len() != kind.nodes {
-            let message =
-                format!("cell {cell} has {} nodes, expected the {} of a {}", nodes.len(), kind.nodes, kind.name);
+            let message = format!("cell {cell} has {} nodes, not the {} of a {}", nodes.len(), kind.nodes, kind.name);
             return Err(MeshFileError::Grid { message });
         }
         let block = *index.entry((grid.types[cell], group)).or_insert_with(|| {
@@ -132,9 +131,7 @@ fn ids(grid: &Grid, names: &[&str]) -> Result<Option<Vec<i64>>, MeshFileError> {
     match ids {
         Some(ids) if *components == 1 => Ok(Some(ids)),
         _ => Err(MeshFileError::Grid {
-            message: format!(
-                "the array {name} has {components} components or fractions, expected one integer per cell"
-            ),
+            message: format!("the array {name} has {components} components or fractions, not one integer per cell"),
         }),
     }
 }

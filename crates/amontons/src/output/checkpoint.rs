@@ -23,7 +23,7 @@ use super::{OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
 use crate::problem::Problem;
-use crate::scheme::{ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport, Surface};
+use crate::scheme::{Accumulated, ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport};
 use crate::tensor::Point;
 
 /// Where the newest checkpoint is in a results folder.
@@ -103,7 +103,7 @@ struct Body {
     q: Vec<Point>,
     sticks: Vec<bool>,
     branches: Vec<Vec<f64>>,
-    surface: Surface,
+    surface: Accumulated,
     ledger: Ledger,
     counts: Counts,
     temperatures: [f64; 2],

@@ -1,6 +1,6 @@
 //! What holds on the parts of the boundary, contact apart, and which of it excludes what.
 
-use super::{Fault, ProblemData};
+use super::{Fault, ProblemData, Role};
 use crate::contact::{GraphKind, Quadrature};
 use crate::element::Table;
 use crate::field::Field;
@@ -153,25 +153,28 @@ impl BoundaryCondition {
 
     /// Every field with its key in the case file.
     #[must_use]
-    pub fn fields(&self) -> Vec<(String, &Field)> {
-        let mut fields: Vec<(String, &Field)> = Vec::new();
+    pub(crate) fn fields(&self) -> Vec<(String, Role, &Field)> {
+        let mut fields: Vec<(String, Role, &Field)> = Vec::new();
         let displacement = self.displacement.iter().flatten().enumerate();
-        fields.extend(displacement.filter_map(|(c, field)| Some((format!("displacement[{c}]"), field.as_ref()?))));
-        fields.extend(self.traction.iter().flatten().enumerate().map(|(c, field)| (format!("traction[{c}]"), field)));
+        fields.extend(
+            displacement
+                .filter_map(|(c, field)| Some((format!("displacement[{c}]"), Role::Displacement, field.as_ref()?))),
+        );
+        let traction = self.traction.iter().flatten().enumerate();
+        fields.extend(traction.map(|(c, field)| (format!("traction[{c}]"), Role::Traction, field)));
         for (key, support) in [("spring", &self.spring), ("dashpot", &self.dashpot)] {
-            fields.extend(
-                support.iter().flat_map(Support::fields).map(|(index, field)| (format!("{key}{index}"), field)),
-            );
+            let components = support.iter().flat_map(Support::fields);
+            fields.extend(components.map(|(index, field)| (format!("{key}{index}"), Role::Other, field)));
         }
         let scalars = [
-            ("normal_displacement", self.normal_displacement.as_ref()),
-            ("pressure", self.pressure.as_ref()),
-            ("temperature", self.temperature.as_ref()),
-            ("heat_inflow", self.heat_inflow.as_ref()),
-            ("convection.coefficient", self.convection.as_ref().map(|c| &c.coefficient)),
-            ("convection.ambient", self.convection.as_ref().map(|c| &c.ambient)),
+            ("normal_displacement", Role::Displacement, self.normal_displacement.as_ref()),
+            ("pressure", Role::Traction, self.pressure.as_ref()),
+            ("temperature", Role::Temperature, self.temperature.as_ref()),
+            ("heat_inflow", Role::HeatInflow, self.heat_inflow.as_ref()),
+            ("convection.coefficient", Role::Other, self.convection.as_ref().map(|c| &c.coefficient)),
+            ("convection.ambient", Role::Temperature, self.convection.as_ref().map(|c| &c.ambient)),
         ];
-        fields.extend(scalars.into_iter().filter_map(|(key, field)| Some((key.to_owned(), field?))));
+        fields.extend(scalars.into_iter().filter_map(|(key, role, field)| Some((key.to_owned(), role, field?))));
         fields
     }
 

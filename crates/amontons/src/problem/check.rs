@@ -154,12 +154,12 @@ impl ProblemData {
         }
         check("load.heat_source".to_owned(), &self.heat_source);
         for (i, condition) in self.boundary.iter().enumerate() {
-            for (key, field) in condition.fields() {
+            for (key, _, field) in condition.fields() {
                 check(format!("boundary[{i}].{key}"), field);
             }
         }
-        for (path, field) in self.contact_fields() {
-            check(path, field);
+        for datum in self.contact_fields() {
+            check(datum.key, datum.field);
         }
     }
 

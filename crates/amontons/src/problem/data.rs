@@ -5,12 +5,34 @@ use crate::field::{Coefficient, Field};
 use crate::material::Material;
 use crate::tensor::Point;
 
+/// What a datum gives a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Role {
+    /// A temperature: initial, prescribed, of surroundings or of a foundation.
+    Temperature,
+    HeatSource,
+    HeatInflow,
+    BodyForce,
+    /// A traction or a pressure.
+    Traction,
+    /// A displacement, initial or prescribed.
+    Displacement,
+    /// The initial velocity.
+    Velocity,
+    FoundationVelocity,
+    /// A gap, the shape of an obstacle, or a coefficient.
+    Other,
+}
+
 /// A datum: its key in the case file, its field, and what it acts on.
 #[derive(Clone, Debug)]
 pub(crate) struct Datum<'a> {
     /// Dotted path of the case file.
     pub key: String,
+    pub role: Role,
     pub field: &'a Field,
+    /// The contact that it belongs to, as an index; none of other data.
+    pub contact: Option<usize>,
     /// The side on which it acts; none where it acts on the body.
     pub side: Option<&'a str>,
 }
@@ -50,41 +72,60 @@ impl ProblemData {
 
     /// Loads, conditions on sides and data of contact: what a step evaluates.
     pub(crate) fn data(&self) -> Vec<Datum<'_>> {
-        let body = |key: String, field| Datum { key, field, side: None };
-        let mut all = vec![body("load.heat_source".to_owned(), &self.heat_source)];
-        all.extend(self.body_force.iter().enumerate().map(|(c, field)| body(format!("load.body_force[{c}]"), field)));
+        let body = |key: String, role, field| Datum { key, role, field, contact: None, side: None };
+        let mut all = vec![body("load.heat_source".to_owned(), Role::HeatSource, &self.heat_source)];
+        let components = self.body_force.iter().enumerate();
+        all.extend(components.map(|(c, field)| body(format!("load.body_force[{c}]"), Role::BodyForce, field)));
         for (i, b) in self.boundary.iter().enumerate() {
-            all.extend(b.fields().into_iter().map(|(key, field)| Datum {
-                key: format!("boundary[{i}].{key}"),
-                field,
-                side: Some(&b.on),
-            }));
+            let side = Some(b.on.as_str());
+            let on =
+                |(key, role, field)| Datum { key: format!("boundary[{i}].{key}"), role, field, contact: None, side };
+            all.extend(b.fields().into_iter().map(on));
         }
-        let sides: Vec<(String, &str)> = self
-            .contacts
-            .iter()
-            .enumerate()
-            .map(|(side, c)| (format!("{}.", self.contact_path(side)), c.on.as_str()))
-            .collect();
-        all.extend(self.contact_fields().into_iter().map(|(key, field)| {
-            let side = sides.iter().find(|(path, _)| key.starts_with(path)).map(|(_, on)| *on);
-            Datum { key, field, side }
-        }));
+        all.extend(self.contact_fields());
         all
     }
 
     /// The initial data (2.11).
     pub(crate) fn initial_data(&self) -> Vec<Datum<'_>> {
-        let body = |key: String, field| Datum { key, field, side: None };
+        let body = |key: String, role, field| Datum { key, role, field, contact: None, side: None };
         let start = &self.initial;
-        let vectors = [("displacement", &start.displacement), ("velocity", &start.velocity)];
-        let components = vectors.into_iter().flat_map(|(name, fields)| {
-            fields.iter().enumerate().map(move |(c, f)| (format!("initial.{name}[{c}]"), f))
+        let vectors =
+            [("displacement", Role::Displacement, &start.displacement), ("velocity", Role::Velocity, &start.velocity)];
+        let components = vectors.into_iter().flat_map(|(name, role, fields)| {
+            fields.iter().enumerate().map(move |(c, f)| (format!("initial.{name}[{c}]"), role, f))
         });
         components
-            .map(|(key, field)| body(key, field))
-            .chain([body("initial.temperature".to_owned(), &start.temperature)])
+            .map(|(key, role, field)| body(key, role, field))
+            .chain([body("initial.temperature".to_owned(), Role::Temperature, &start.temperature)])
             .collect()
+    }
+
+    /// The data of contact.
+    pub(crate) fn contact_fields(&self) -> Vec<Datum<'_>> {
+        let mut all = Vec::new();
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let path = self.contact_path(i);
+            let datum = |key: String, role, field| Datum {
+                key: format!("{path}.{key}"),
+                role,
+                field,
+                contact: Some(i),
+                side: Some(contact.on.as_str()),
+            };
+            all.push(datum("gap".to_owned(), Role::Other, &contact.gap));
+            let temperature = &contact.foundation_temperature;
+            all.push(datum("heat.foundation_temperature".to_owned(), Role::Temperature, temperature));
+            let velocity = contact.foundation_velocity.iter().enumerate();
+            all.extend(
+                velocity.map(|(c, field)| datum(format!("foundation_velocity[{c}]"), Role::FoundationVelocity, field)),
+            );
+            let surroundings = contact.foundation_heat.iter().map(|foundation| &foundation.surroundings);
+            all.extend(surroundings.map(|field| datum("foundation.surroundings".to_owned(), Role::Temperature, field)));
+            let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());
+            all.extend(obstacle.map(|(key, field)| datum(format!("obstacle.{key}"), Role::Other, field)));
+        }
+        all
     }
 
     /// The nodes on which a datum acts.

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 pub use boundary::{BoundaryCondition, Convection, Support};
-pub(crate) use data::{Datum, Sample};
+pub(crate) use data::{Datum, Role, Sample};
 pub use physics::Physics;
 
 use crate::contact::{Contact, ContactBoundary};
@@ -286,31 +286,5 @@ impl ProblemData {
         let mut all = sets.next()?;
         sets.for_each(|set| all.blocks.extend(set.blocks));
         Some(all)
-    }
-
-    /// The data of contact that may vary in time, with their places.
-    pub(crate) fn contact_fields(&self) -> Vec<(String, &Field)> {
-        let mut all = Vec::new();
-        for (side, contact) in self.contacts.iter().enumerate() {
-            let path = self.contact_path(side);
-            all.push((format!("{path}.gap"), &contact.gap));
-            all.push((format!("{path}.heat.foundation_temperature"), &contact.foundation_temperature));
-            all.extend(
-                contact
-                    .foundation_velocity
-                    .iter()
-                    .enumerate()
-                    .map(|(c, field)| (format!("{path}.foundation_velocity[{c}]"), field)),
-            );
-            all.extend(
-                contact
-                    .foundation_heat
-                    .iter()
-                    .map(|foundation| (format!("{path}.foundation.surroundings"), &foundation.surroundings)),
-            );
-            let obstacle = contact.obstacle.iter().flat_map(|obstacle| obstacle.fields());
-            all.extend(obstacle.map(|(key, field)| (format!("{path}.obstacle.{key}"), field)));
-        }
-        all
     }
 }

@@ -1,7 +1,7 @@
 //! Data that a run could not compute with: magnitudes whose products leave the range of numbers, temperatures below
 //! absolute zero.
 
-use super::{Datum, Fault, ProblemData};
+use super::{Datum, Fault, ProblemData, Role};
 use crate::field::{Coefficient, Field};
 use crate::material::Material;
 use crate::mesh::Mesh;
@@ -51,7 +51,8 @@ impl ProblemData {
         let zero = self.contacts.iter().filter_map(|c| c.heat.absolute_zero()).reduce(f64::max);
         let Some(zero) = zero else { return };
         let expected = format!("temperatures from absolute_zero = {zero:?} on");
-        for datum in self.data().into_iter().chain(self.initial_data()).filter(|datum| is_temperature(&datum.key)) {
+        for datum in self.data().into_iter().chain(self.initial_data()).filter(|datum| datum.role == Role::Temperature)
+        {
             let coldest = self.samples(&datum).min_by(|a, b| a.0.total_cmp(&b.0));
             if let Some((value, x, t)) = coldest.filter(|(value, ..)| *value < zero) {
                 let found = format!("the temperature {value:?} at {}, t = {t:?}", self.mesh.place(&x));
@@ -115,13 +116,12 @@ impl ProblemData {
     /// Least and largest temperature of the data: initial, prescribed, of surroundings and of foundations that exchange
     /// heat, K.
     pub(crate) fn temperature_bounds(&self) -> [f64; 2] {
-        let insulated: Vec<String> = (0..self.contacts.len())
-            .filter(|&side| self.contacts[side].heat.conductance_bound() == 0.0)
-            .map(|side| format!("{}.", self.contact_path(side)))
-            .collect();
+        let conducts = |datum: &Datum| {
+            let contact = datum.contact.and_then(|contact| self.contacts.get(contact));
+            contact.is_none_or(|contact| contact.heat.conductance_bound() != 0.0)
+        };
         let data = self.data().into_iter().chain(self.initial_data());
-        let acting = data
-            .filter(|datum| is_temperature(&datum.key) && !insulated.iter().any(|path| datum.key.starts_with(path)));
+        let acting = data.filter(|datum| datum.role == Role::Temperature && conducts(datum));
         let values: Vec<f64> =
             acting.flat_map(|datum| self.samples(&datum).map(|(value, ..)| value).collect::<Vec<_>>()).collect();
         let foundations = self.contacts.iter().filter_map(|contact| contact.foundation_heat.as_ref()?.temperature);
@@ -133,9 +133,8 @@ impl ProblemData {
 
     /// Whether heat sources and inflows are negative somewhere, and positive somewhere.
     pub(crate) fn heat_signs(&self) -> [bool; 2] {
-        let heats = |key: &str| key == "load.heat_source" || key.ends_with("heat_inflow");
         let mut signs = [false; 2];
-        for datum in self.data().iter().filter(|datum| heats(&datum.key)) {
+        for datum in self.data().iter().filter(|datum| matches!(datum.role, Role::HeatSource | Role::HeatInflow)) {
             for (value, ..) in self.samples(datum) {
                 signs = [signs[0] || value < 0.0, signs[1] || value > 0.0];
             }
@@ -192,9 +191,7 @@ impl ProblemData {
     fn scales(&self) -> Scales {
         let (mesh, k) = (&*self.mesh, self.k());
         let data: Vec<Datum> = self.data().into_iter().chain(self.initial_data()).collect();
-        let of = |kind: &dyn Fn(&str) -> bool| {
-            largest(data.iter().filter(|datum| kind(&datum.key)).map(|datum| self.scale_of(datum)))
-        };
+        let of = |role: Role| largest(data.iter().filter(|datum| datum.role == role).map(|datum| self.scale_of(datum)));
         let material = |key: &str, of: &dyn Fn(&Material) -> f64| {
             scale(self.materials.iter().map(of).fold(0.0, f64::max), format!("material.{key}"))
         };
@@ -209,22 +206,15 @@ impl ProblemData {
             Some(scale?.times(sign * factor.as_ref()?.power + more))
         };
 
-        let given = of(&|key| key.starts_with("initial.temperature") || is_temperature(key));
-        let sources = largest([
-            of(&|key| key == "load.heat_source").map(|s| s.times(length)),
-            of(&|key| key.ends_with("heat_inflow")),
-        ]);
+        let given = of(Role::Temperature);
+        let sources = largest([of(Role::HeatSource).map(|s| s.times(length)), of(Role::HeatInflow)]);
         let heated = [by(sources.clone(), &conductivity, -1.0, length), by(sources, &capacity, -1.0, end - length)];
         let temperature = largest([given, least(heated)]);
 
-        let force = of(&|key| key.starts_with("load.body_force")).map(|s| s.times(length));
-        let load = largest([
-            force,
-            of(&|key| key.contains("].traction") || key.ends_with("].pressure")),
-            by(temperature.clone(), &expansion, 1.0, 0.0),
-        ]);
-        let moved = of(&|key| key.contains("displacement"));
-        let fast = largest([of(&|key| key.starts_with("initial.velocity")), moved.clone().map(|s| s.times(-end))]);
+        let force = of(Role::BodyForce).map(|s| s.times(length));
+        let load = largest([force, of(Role::Traction), by(temperature.clone(), &expansion, 1.0, 0.0)]);
+        let moved = of(Role::Displacement);
+        let fast = largest([of(Role::Velocity), moved.clone().map(|s| s.times(-end))]);
         let stress = largest([
             load.clone(),
             by(moved.clone(), &elastic, 1.0, -length),
@@ -237,11 +227,7 @@ impl ProblemData {
             by(load, &density, -1.0, 2.0 * end - length),
         ];
         let displacement = largest([moved, least(carried)]);
-        let velocity = largest([
-            fast,
-            of(&|key| key.contains("foundation_velocity")),
-            displacement.clone().map(|s| s.times(-end)),
-        ]);
+        let velocity = largest([fast, of(Role::FoundationVelocity), displacement.clone().map(|s| s.times(-end))]);
         let dim = mesh.tensor_dim() as f64;
         let energy = stress.clone().zip(displacement.clone()).map(|(s, u)| s.times(u.power + (dim - 1.0) * length));
         let matrices = entries(mesh, k, [density, viscous, elastic], [capacity, conductivity]);
@@ -276,11 +262,6 @@ struct Scales {
     energy: Option<Scale>,
     /// Largest entries of K_u and K_θ.
     matrices: [Option<Scale>; 2],
-}
-
-/// Whether a key is that of a temperature.
-fn is_temperature(key: &str) -> bool {
-    ["temperature", ".ambient", ".surroundings"].iter().any(|end| key.ends_with(end))
 }
 
 /// Largest entry of a tensor.

@@ -1,9 +1,9 @@
 //! The ledger after a step: every term of the energy and heat identities.
 
 use super::Ledger;
-use super::heat::Heat;
+use super::heat::{Amounts, Heat};
 use super::mechanics::Mechanics;
-use super::system::{Step, difference, vector_at};
+use super::system::{Step, difference};
 use crate::contact::GraphKind;
 use crate::linalg::dot;
 use crate::tensor;
@@ -13,90 +13,137 @@ const TELLING: f64 = 1e-11;
 
 /// The ledger after a step.
 pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
-    let Step { problem, discrete, old, products, k, .. } = *step;
-    let ((rho, _), (c, _)) = (discrete.inertia(), discrete.storage());
-    let before = &old.ledger;
-    let kinetic = 0.5 * rho * dot(&m.w, &m.mass_w);
-    let Stored { elastic, relaxed, scheme: elastic_scheme } = stored(step, m);
-    let viscous = k * dot(&m.w, &m.b_w) + relaxed;
-    let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
-    let thermal_work = k * dot(&m.w, &m.thermal);
-    let mut load_work = k * dot(&m.w, &m.load) + m.support_work;
-    let (mut friction, mut contact_energy, mut pressing, mut damping, mut worn) = (0.0, 0.0, 0.0, 0.0, 0.0);
-    for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
-        let (normal, weight) = (&problem.contacts[point.side].normal, k * point.weight);
-        let w_nu = tensor::dot(&vector_at(discrete, point, &m.w), &state.normal);
-        friction += weight * tensor::dot(&state.q, &state.slip);
-        contact_energy += point.weight * normal.potential(&point.x, state.penetration);
-        pressing += weight * state.pressure * (w_nu - frame.gap_rate);
-        worn += point.weight * state.pressure * state.wear;
-        if normal.graph() == GraphKind::Function {
-            // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
-            // is lost with wear.
-            let beyond = state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
-            damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
-        }
-        // A foundation that moves does work on the body.
-        load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
-    }
-    let viscous = viscous + damping;
-    let compliance_scheme = pressing - damping - worn - (contact_energy - before.contact_energy);
-    let scheme = inertial + elastic_scheme + compliance_scheme;
-    let error = (kinetic - before.kinetic)
-        + (elastic - before.elastic)
-        + (contact_energy - before.contact_energy)
-        + viscous
-        + friction
-        + worn
-        + scheme
-        - load_work
-        - thermal_work;
-
+    let before = &step.old.ledger;
+    let energy = Energy::of(step, m);
+    let error = energy.error(before);
     // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its
     // terms closes.
-    let mut turned_over = load_work.abs() + thermal_work.abs();
+    let mut turned_over = energy.load_work.abs() + energy.thermal_work.abs();
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
-        turned_over += explained(error, k * absolute(&m.w, &discrete.a.magnitude(&step.sizes(&m.w))));
+        let sizes = absolute(&m.w, &step.discrete.a.magnitude(&step.sizes(&m.w)));
+        turned_over += explained(error, step.k * sizes);
     }
 
-    let heat_content = c * heat.mass_theta.iter().sum::<f64>();
-    let amounts = &heat.amounts;
-    let body = (heat_content - before.heat_content) + amounts.contact + amounts.prescribed
-        - amounts.supplied
-        - amounts.coupling;
+    let heat_content = step.discrete.storage().0 * heat.mass_theta.iter().sum::<f64>();
+    let Amounts { supplied, coupling, contact, prescribed } = heat.amounts;
     let foundations = foundations(step, m, heat);
+    let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling;
     let heat_error = body + foundations.error;
-    let mut heat_moved = amounts.contact.abs()
-        + amounts.prescribed.abs()
-        + amounts.supplied.abs()
-        + amounts.coupling.abs()
-        + foundations.moved;
+    let mut heat_moved = contact.abs() + prescribed.abs() + supplied.abs() + coupling.abs() + foundations.moved;
     if (before.heat_closing_error + heat_error).abs() > TELLING * (before.heat_turned_over + heat_moved) {
         heat_moved += explained(heat_error, heat_sizes(step, heat));
     }
     Ledger {
-        kinetic,
-        elastic,
-        viscous_dissipation: before.viscous_dissipation + viscous,
-        friction_dissipation: before.friction_dissipation + friction,
-        contact_energy,
-        load_work: before.load_work + load_work,
-        thermal_work: before.thermal_work + thermal_work,
-        scheme_dissipation: before.scheme_dissipation + scheme,
-        wear_dissipation: before.wear_dissipation + worn,
+        kinetic: energy.kinetic,
+        elastic: energy.elastic,
+        viscous_dissipation: before.viscous_dissipation + energy.viscous,
+        friction_dissipation: before.friction_dissipation + energy.friction,
+        contact_energy: energy.contact,
+        load_work: before.load_work + energy.load_work,
+        thermal_work: before.thermal_work + energy.thermal_work,
+        scheme_dissipation: before.scheme_dissipation + energy.scheme,
+        wear_dissipation: before.wear_dissipation + energy.worn,
         closing_error: before.closing_error + error,
         turned_over: before.turned_over + turned_over,
         heat_content,
-        heat_contact: before.heat_contact + amounts.contact,
-        heat_prescribed: before.heat_prescribed + amounts.prescribed,
-        heat_supplied: before.heat_supplied + amounts.supplied,
-        heat_coupling: before.heat_coupling + amounts.coupling,
-        heat_friction: before.heat_friction + if problem.physics.has_heat() { friction } else { 0.0 },
+        heat_contact: before.heat_contact + contact,
+        heat_prescribed: before.heat_prescribed + prescribed,
+        heat_supplied: before.heat_supplied + supplied,
+        heat_coupling: before.heat_coupling + coupling,
+        heat_friction: before.heat_friction + if step.problem.physics.has_heat() { energy.friction } else { 0.0 },
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
         heat_turned_over: before.heat_turned_over + heat_moved,
     }
+}
+
+/// The terms of the identity of energy over a step, J.
+struct Energy {
+    /// Stored at its end: ½ρ‖w‖², elasticity, and the compliance of the contact.
+    kinetic: f64,
+    elastic: f64,
+    contact: f64,
+    /// Dissipated in it: by viscosity, friction, wear and the scheme.
+    viscous: f64,
+    friction: f64,
+    worn: f64,
+    scheme: f64,
+    /// Work of the loads, the supports and the foundation; and of heat.
+    load_work: f64,
+    thermal_work: f64,
+}
+
+impl Energy {
+    fn of(step: &Step, m: &Mechanics) -> Energy {
+        let Step { discrete, old, products, k, .. } = *step;
+        let rho = discrete.inertia().0;
+        let stored = stored(step, m);
+        let contact = contact(step, m);
+        let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
+        let compliance =
+            contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy);
+        Energy {
+            kinetic: 0.5 * rho * dot(&m.w, &m.mass_w),
+            elastic: stored.elastic,
+            contact: contact.energy,
+            viscous: k * dot(&m.w, &m.b_w) + stored.relaxed + contact.damping,
+            friction: contact.friction,
+            worn: contact.worn,
+            scheme: inertial + stored.scheme + compliance,
+            load_work: contact.load_work,
+            thermal_work: k * dot(&m.w, &m.thermal),
+        }
+    }
+
+    /// Left minus right side of the identity.
+    fn error(&self, before: &Ledger) -> f64 {
+        (self.kinetic - before.kinetic)
+            + (self.elastic - before.elastic)
+            + (self.contact - before.contact_energy)
+            + self.viscous
+            + self.friction
+            + self.worn
+            + self.scheme
+            - self.load_work
+            - self.thermal_work
+    }
+}
+
+/// What the tractions on Γ_C store, dissipate and work in a step, J.
+struct OnContact {
+    /// Stored in the compliance at its end.
+    energy: f64,
+    friction: f64,
+    /// Work of the pressure along the change of the penetration, wear included.
+    pressing: f64,
+    /// Of this, dissipated by damped layers, and lost with wear.
+    damping: f64,
+    worn: f64,
+    /// Work of the loads and supports, with that of a foundation that moves.
+    load_work: f64,
+}
+
+fn contact(step: &Step, m: &Mechanics) -> OnContact {
+    let Step { problem, discrete, k, .. } = *step;
+    let load_work = k * dot(&m.w, &m.load) + m.support_work;
+    let mut sum = OnContact { energy: 0.0, friction: 0.0, pressing: 0.0, damping: 0.0, worn: 0.0, load_work };
+    for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
+        let (normal, weight) = (&problem.contacts[point.side].normal, k * point.weight);
+        let w_nu = tensor::dot(&discrete.boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
+        sum.friction += weight * tensor::dot(&state.q, &state.slip);
+        sum.energy += point.weight * normal.potential(&point.x, state.penetration);
+        sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
+        sum.worn += point.weight * state.pressure * state.wear;
+        if normal.graph() == GraphKind::Function {
+            // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
+            // is lost with wear.
+            let beyond = state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
+            sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
+        }
+        sum.load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
+    }
+    sum
 }
 
 /// The sizes of what the heat of a step is the sum of: contents and flows that may cancel over the body.

@@ -6,9 +6,9 @@
 //! with the mechanical half-step eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with
 //! θ_n in m and u_n in e.
 
-use super::heat::{self, Heat, on_nodes};
+use super::heat::{self, Heat};
 use super::mechanics::Mechanics;
-use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees, scalars_at, vector_at};
+use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
 use super::{Contraction, CouplingReport, StepError};
 use crate::inclusion::{PointDerivative, Rule};
 use crate::linalg::{Entry, SolveError, dot, gmres, max_abs};
@@ -310,9 +310,10 @@ impl Tangent {
     /// δθ − Φ′ δθ.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
         let Step { discrete, rule: Rule { gamma, .. }, .. } = coupled.step;
-        let warmer = scalars_at(discrete, change);
+        let warmer = discrete.boundary.scalars_at(change);
         let contact = on_degrees(
             discrete,
+            &discrete.v,
             self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
         );
         let right: Vec<f64> =
@@ -322,7 +323,7 @@ impl Tangent {
         let points = discrete.boundary.points.iter().enumerate();
         let chi: Vec<f64> = points
             .map(|(i, point)| {
-                let v = vector_at(discrete, point, &w);
+                let v = discrete.boundary.vector_at(point, discrete.mesh.dim, &w);
                 let derivative = &self.points[i];
                 let force: [f64; 3] = std::array::from_fn(|c| {
                     tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]
@@ -340,7 +341,7 @@ impl Tangent {
                     + by_friction_power * power
             })
             .collect();
-        let chi = on_nodes(&coupled.step, &chi);
+        let chi = on_degrees(discrete, &discrete.q, chi.iter().map(|&chi| [chi, 0.0, 0.0]));
         let right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
         let theta = coupled.heat.system.linearised(&self.heat, &right)?;
         coupled.sweeps += 4;

@@ -67,13 +67,8 @@ fn obstacle(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Poin
     let (boundary, dim) = (problem.contact_boundary(), problem.mesh.dim);
     boundary.points.iter().find_map(|point| {
         let obstacle = problem.contacts.get(point.side)?.obstacle.as_ref()?;
-        let mut moved = point.x;
-        for &(node, value) in &point.nodes {
-            for (c, x) in moved.iter_mut().enumerate().take(dim) {
-                *x += value * old.u[boundary.nodes[node] as usize * dim + c];
-            }
-        }
-        let found = [point.x, moved]
+        let u = boundary.vector_at(point, dim, &old.u);
+        let found = [point.x, std::array::from_fn(|c| point.x[c] + u[c])]
             .into_iter()
             .map(|x| (obstacle.nearest(&x, t).distance, x))
             .find(|(distance, _)| !distance.is_finite())?;

@@ -9,8 +9,10 @@ use super::coupling::{Coupled, Made};
 use super::datum;
 use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
-use super::system::{HalfStep, Products, Step, vector_at};
-use super::{ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport, Surface};
+use super::system::{HalfStep, Products, Step};
+use super::{
+    Accumulated, ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport,
+};
 use crate::contact::Contact;
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, SolveError, System, dot};
@@ -43,6 +45,7 @@ pub struct BackwardEuler {
 #[derive(Debug)]
 struct Systems {
     k: f64,
+    rule: Rule,
     mechanics: Option<HalfStep>,
     heat: Option<HalfStep>,
 }
@@ -71,6 +74,7 @@ impl Systems {
         );
         Ok(Systems {
             k,
+            rule,
             mechanics: mechanics.map_err(|source| ("mechanical", source))?,
             heat: heat.map_err(|source| ("heat", source))?,
         })
@@ -196,7 +200,7 @@ impl BackwardEuler {
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
         self.halve(n, end.t, HALVINGS)?;
-        let Some(Systems { k, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
+        let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
         let now = Step {
@@ -204,11 +208,12 @@ impl BackwardEuler {
             contacts: &contacts,
             discrete: &self.discrete,
             old,
+            bar: old.into(),
             products: &products,
             n,
             t: end.t,
             k: *k,
-            rule: Rule::backward_euler(*k),
+            rule: *rule,
         };
         Mechanics::is_unique(&now, mechanics, end)
     }
@@ -222,7 +227,7 @@ impl BackwardEuler {
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
         let Self { problem, discrete, systems, halved, .. } = self;
-        let Systems { k, mechanics, heat } =
+        let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let contacts = contacts_at(problem, t);
         let now = Step {
@@ -230,11 +235,12 @@ impl BackwardEuler {
             contacts: &contacts,
             discrete,
             old,
+            bar: old.into(),
             products: &products,
             n,
             t,
             k: *k,
-            rule: Rule::backward_euler(*k),
+            rule: *rule,
         };
         let before = krylov_iterations(mechanics, heat);
         let made = match (&mut *mechanics, &mut *heat) {
@@ -245,31 +251,62 @@ impl BackwardEuler {
             (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
         };
         let krylov = krylov_iterations(mechanics, heat) - before;
-        let Made { mechanics, heat, report, iterations, sweeps } = made?;
-        let ledger = audit(&now, &mechanics, &heat);
+        let made = made?;
+        let ledger = audit(&now, &made.mechanics, &made.heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
         }
-        let residual = mechanics.residual.max(heat.residual).max(report.defect.unwrap_or(0.0));
-        let counts = Counts {
-            newton_mechanics_total: old.counts.newton_mechanics_total + iterations[0],
-            newton_mechanics_max: old.counts.newton_mechanics_max.max(iterations[0]),
-            newton_heat_total: old.counts.newton_heat_total + iterations[1],
-            sweeps: old.counts.sweeps + sweeps,
-            krylov_iterations: old.counts.krylov_iterations + krylov,
-            residual_max: old.counts.residual_max.max(residual),
-            passes_total: old.counts.passes_total + report.passes,
-            contraction_max: old.counts.contraction_max.max(report.contraction.unwrap_or_default()),
-            ..old.counts
+        let (mut state, report, products) = made.end(&now, ledger);
+        state.counts.krylov_iterations += krylov;
+        self.products = Some(products);
+        Ok((state, report))
+    }
+}
+
+impl Made {
+    /// Residual of (4.1), (4.2) and of their coupling.
+    fn residual(&self) -> f64 {
+        self.mechanics.residual.max(self.heat.residual).max(self.report.defect.unwrap_or(0.0))
+    }
+
+    /// The counts with those of this step.
+    fn counts(&self, old: &Counts) -> Counts {
+        Counts {
+            newton_mechanics_total: old.newton_mechanics_total + self.iterations[0],
+            newton_mechanics_max: old.newton_mechanics_max.max(self.iterations[0]),
+            newton_heat_total: old.newton_heat_total + self.iterations[1],
+            sweeps: old.sweeps + self.sweeps,
+            residual_max: old.residual_max.max(self.residual()),
+            passes_total: old.passes_total + self.report.passes,
+            contraction_max: old.contraction_max.max(self.report.contraction.unwrap_or_default()),
+            ..*old
+        }
+    }
+
+    /// The state at the end of the step, what happened in it, and the products that the next step needs.
+    fn end(self, step: &Step, ledger: Ledger) -> (State, StepReport, Products) {
+        let (old, residual, counts) = (step.old, self.residual(), self.counts(&step.old.counts));
+        let Made { mechanics, heat, report: coupling, iterations, .. } = self;
+        let state = State {
+            step: step.n,
+            t: step.t,
+            u: mechanics.u,
+            w: mechanics.w,
+            theta: heat.theta,
+            multipliers: mechanics.multipliers,
+            branches: mechanics.branches,
+            surface: old.surface.after(step.k, &mechanics.states, heat.exchange.foundation),
+            ledger,
+            counts,
+            temperatures: old.temperatures,
         };
-        let surface = old.surface.after(now.k, &mechanics.states, heat.exchange.foundation);
         let report = StepReport {
             newton_mechanics: iterations[0],
             newton_heat: iterations[1],
             parts: 1,
             is_ambiguous: !mechanics.is_unique,
             residual,
-            coupling: report,
+            coupling,
             contact: ContactReport {
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,
@@ -278,32 +315,16 @@ impl BackwardEuler {
                 heat_flow: heat.through_contact,
             },
         };
-        self.products = Some(Products {
-            t,
+        let products = Products {
+            t: step.t,
             mass_w: mechanics.mass_w,
             a_u: mechanics.a_u,
             a_w: mechanics.a_w,
             b_w: mechanics.b_w,
             mass_theta: heat.mass_theta,
             d_theta: heat.d_theta,
-        });
-        let (u, w, theta) = (mechanics.u, mechanics.w, heat.theta);
-        Ok((
-            State {
-                step: n,
-                t,
-                u,
-                w,
-                theta,
-                multipliers: mechanics.multipliers,
-                branches: mechanics.branches,
-                surface,
-                ledger,
-                counts,
-                temperatures: old.temperatures,
-            },
-            report,
-        ))
+        };
+        (state, report, products)
     }
 }
 
@@ -348,11 +369,11 @@ impl Scheme for BackwardEuler {
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
-        let surface = Surface::new(&self.problem, &self.discrete);
+        let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
         let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
         for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
-            let r = tensor::dot(&vector_at(&self.discrete, point, &u), &frame.normal) - frame.gap;
+            let r = tensor::dot(&self.discrete.boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight
                 * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }

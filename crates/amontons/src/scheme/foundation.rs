@@ -3,15 +3,15 @@
 use serde::{Deserialize, Serialize};
 
 use super::Discretization;
-use super::system::{Step, vector_at};
+use super::system::Step;
 use crate::contact::{Contact, PointOnBoundary};
 use crate::inclusion::{Frame, PointState};
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
 
-/// What Γ_C and the foundation keep from step to step besides u, w and θ.
+/// What Γ_C and the foundation accumulate from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Surface {
+pub struct Accumulated {
     /// Depth worn off at each contact point, m.
     pub wear: Vec<f64>,
     /// Work of friction at each contact point since the start, J/m².
@@ -20,9 +20,9 @@ pub struct Surface {
     pub foundation: Vec<Option<f64>>,
 }
 
-impl Surface {
+impl Accumulated {
     /// At t = 0.
-    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Surface {
+    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
         let n = discrete.boundary.points.len();
         let first = |side: usize| {
             discrete.boundary.points.iter().find(|point| point.side == side).map_or([0.0; 3], |point| point.x)
@@ -31,7 +31,7 @@ impl Surface {
             let foundation = contact.foundation_heat.as_ref()?;
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
         };
-        Surface {
+        Accumulated {
             wear: vec![0.0; n],
             friction_work: vec![0.0; n],
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
@@ -39,11 +39,11 @@ impl Surface {
     }
 
     /// After a step of length k.
-    pub(super) fn after(&self, k: f64, states: &[PointState], foundation: Vec<Option<f64>>) -> Surface {
+    pub(super) fn after(&self, k: f64, states: &[PointState], foundation: Vec<Option<f64>>) -> Accumulated {
         let wear = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
         let friction_work =
             self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
-        Surface { wear, friction_work, foundation }
+        Accumulated { wear, friction_work, foundation }
     }
 }
 
@@ -81,7 +81,8 @@ pub(super) fn frames(
                 velocity: velocity.get(i).copied().unwrap_or_default(),
             };
             if let Some(obstacle) = &contact.obstacle {
-                let u = if obstacle.updated { vector_at(discrete, point, u) } else { [0.0; 3] };
+                let u =
+                    if obstacle.updated { discrete.boundary.vector_at(point, discrete.mesh.dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
                 let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
                 frame.normal = now.normal.map(|c| -c);
@@ -137,7 +138,7 @@ pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w
                 .get(point.side)
                 .and_then(|contact| contact.obstacle.as_ref())
                 .map_or([[0.0; 3]; 2], start);
-            let v = vector_at(discrete, point, w);
+            let v = discrete.boundary.vector_at(point, discrete.mesh.dim, w);
             let relative: Point = std::array::from_fn(|c| v[c] - frame.velocity[c] - obstacle[c]);
             let normal = dot(&relative, &frame.normal);
             let tangential: Point = std::array::from_fn(|c| relative[c] - normal * frame.normal[c]);

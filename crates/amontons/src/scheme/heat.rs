@@ -2,7 +2,7 @@
 
 use super::StepError;
 use super::foundation::temperatures;
-use super::system::{HalfStep, REFINE, Step, at_nodes, without_contact};
+use super::system::{HalfStep, REFINE, Step, on_degrees, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{Entry, max_abs};
 
@@ -51,7 +51,7 @@ impl Begun {
     /// What of (4.2), with the displacement `u` in e, does not need the contact: up to the forward sweep. The half-step
     /// starts from θ_{n−1} or from a solution of the same step with another displacement.
     pub fn new(step: &Step, half: &HalfStep, u: &[f64], from: Option<&Heat>) -> Result<Begun, StepError> {
-        let Step { discrete, old, products, t, .. } = *step;
+        let Step { discrete, old, bar, products, t, .. } = *step;
         let coupling = discrete.e.apply(u);
         let mut begun = if let Some(h) = from {
             let [supply, theta, mass_theta, d_theta] =
@@ -60,7 +60,7 @@ impl Begun {
         } else {
             let mut theta = old.theta.clone();
             discrete.q.prescribe(t, &mut theta);
-            let [mass_theta, d_theta] = if theta == old.theta {
+            let [mass_theta, d_theta] = if theta == bar.theta {
                 [products.mass_theta.clone(), products.d_theta.clone()]
             } else {
                 [discrete.storage().1.apply(&theta), discrete.apply_d(&theta)]
@@ -92,77 +92,118 @@ impl Begun {
 
     /// Solves (4.2) at the contact that the mechanical half-step has found.
     pub fn solve(mut self, step: &Step, half: &mut HalfStep, states: &[PointState]) -> Result<Heat, StepError> {
-        let Step { discrete, products, k, rule: Rule { delta, .. }, .. } = *step;
-        let (c, storage_form) = discrete.storage();
         let given = Given::new(step, &self.theta);
         let (mut iterations, mut sweeps) = (0, 0);
         let mut previous = f64::INFINITY;
         loop {
-            let reduced = std::mem::take(&mut self.reduced);
-            let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = &mut self;
-            let HalfStep { system, on_contact } = &mut *half;
-            let guess = system.kept_of(theta);
-            let (exchange, newton) = system
-                .expand(reduced, theta, |condensed, r| {
-                    let Some(on_boundary) = given.on_boundary(step, on_contact, states) else {
-                        let (x, iterations) = without_contact(condensed, r, &guess)?;
-                        return Ok((x, (Exchange::default(), iterations)));
-                    };
-                    let (solved, exchange) = on_boundary.solve(condensed, r, &guess)?;
-                    Ok((solved.x, (exchange, solved.iterations)))
-                })
-                .map_err(|why| step.failed("heat", why))?;
+            let (exchange, newton) = self.pass(step, half, &given, states)?;
             iterations += newton;
             sweeps += 2;
-            step.finite(theta, "heat")?;
-            [*mass_theta, *d_theta] = [storage_form.apply(theta), discrete.apply_d(theta)];
-            let values: Vec<f64> = exchange.flux.iter().map(|flux| flux.value).collect();
-            let chi = on_nodes(step, &values);
-            let heat_flow =
-                discrete.boundary.points.iter().zip(&values).fold(0.0, |sum, (point, flux)| sum + point.weight * flux);
-            // What is left of (4.2); at prescribed nodes the heat that has to be supplied there.
-            let mut rest: Vec<f64> = (0..theta.len())
-                .map(|i| {
-                    c / delta * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
-                })
-                .collect();
-            let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
-            discrete.q.mask(&mut rest);
-            let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
-            // A flux into a prescribed temperature may be of any size and is no term of an equation.
-            let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
-            let scale = driven.max(max_abs(d_theta));
-            let residual = step.relative(max_abs(&rest), scale, "heat")?;
-            if residual > REFINE && residual < 0.5 * previous {
-                previous = residual;
-                self.reduced = self.reduce(step, half)?;
-                continue;
+            let balance = self.balance(step, &exchange)?;
+            if balance.residual <= REFINE || balance.residual >= 0.5 * previous {
+                return self.found(step, exchange, &balance, [iterations, sweeps]);
             }
-            let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(theta))?;
-            let sum = |v: &[f64]| v.iter().sum::<f64>();
-            let amounts = Amounts {
-                supplied: k * (sum(supply) - discrete.convected(theta)),
-                coupling: k * sum(coupling),
-                contact: k * heat_flow,
-                prescribed: k * through_prescribed,
-            };
-            let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
-            return Ok(Heat {
-                theta,
-                mass_theta,
-                d_theta,
-                supply,
-                coupling,
-                exchange,
-                through_contact: heat_flow,
-                iterations,
-                sweeps,
-                residual,
-                scale,
-                amounts,
-            });
+            previous = balance.residual;
+            self.reduced = self.reduce(step, half)?;
         }
     }
+
+    /// The backward sweep with the contact solved before it: θ and its products are those of the solution then.
+    fn pass(
+        &mut self,
+        step: &Step,
+        half: &mut HalfStep,
+        given: &Given,
+        states: &[PointState],
+    ) -> Result<(Exchange, usize), StepError> {
+        let HalfStep { system, on_contact } = half;
+        let guess = system.kept_of(&self.theta);
+        let solved = system
+            .expand(std::mem::take(&mut self.reduced), &mut self.theta, |condensed, r| {
+                let Some(on_boundary) = given.on_boundary(step, on_contact, states) else {
+                    let (x, iterations) = without_contact(condensed, r, &guess)?;
+                    return Ok((x, (Exchange::default(), iterations)));
+                };
+                let (solved, exchange) = on_boundary.solve(condensed, r, &guess)?;
+                Ok((solved.x, (exchange, solved.iterations)))
+            })
+            .map_err(|why| step.failed("heat", why))?;
+        step.finite(&self.theta, "heat")?;
+        [self.mass_theta, self.d_theta] =
+            [step.discrete.storage().1.apply(&self.theta), step.discrete.apply_d(&self.theta)];
+        Ok(solved)
+    }
+
+    /// The residual of (4.2) at θ at hand.
+    fn balance(&self, step: &Step, exchange: &Exchange) -> Result<Balance, StepError> {
+        let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
+        let Step { discrete, products, rule: Rule { delta, .. }, .. } = *step;
+        let c = discrete.storage().0;
+        let chi = on_degrees(discrete, &discrete.q, exchange.flux.iter().map(|flux| [flux.value, 0.0, 0.0]));
+        let points = discrete.boundary.points.iter().zip(&exchange.flux);
+        let through_contact = points.fold(0.0, |sum, (point, flux)| sum + point.weight * flux.value);
+        // At prescribed nodes it is the heat that has to be supplied there.
+        let mut rest: Vec<f64> = (0..theta.len())
+            .map(|i| {
+                c / delta * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
+            })
+            .collect();
+        let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
+        discrete.q.mask(&mut rest);
+        let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
+        // A flux into a prescribed temperature may be of any size and is no term of an equation.
+        let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
+        let scale = driven.max(max_abs(d_theta));
+        let residual = step.relative(max_abs(&rest), scale, "heat")?;
+        Ok(Balance { residual, scale, driven, through_contact, through_prescribed })
+    }
+
+    /// The solution, if its residual is accepted.
+    fn found(
+        self,
+        step: &Step,
+        exchange: Exchange,
+        balance: &Balance,
+        [iterations, sweeps]: [usize; 2],
+    ) -> Result<Heat, StepError> {
+        let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
+        let Step { discrete, k, .. } = *step;
+        let Balance { residual, scale, driven, through_contact, through_prescribed } = *balance;
+        let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(&theta))?;
+        let sum = |v: &[f64]| v.iter().sum::<f64>();
+        let amounts = Amounts {
+            supplied: k * (sum(&supply) - discrete.convected(&theta)),
+            coupling: k * sum(&coupling),
+            contact: k * through_contact,
+            prescribed: k * through_prescribed,
+        };
+        Ok(Heat {
+            theta,
+            mass_theta,
+            d_theta,
+            supply,
+            coupling,
+            exchange,
+            through_contact,
+            iterations,
+            sweeps,
+            residual,
+            scale,
+            amounts,
+        })
+    }
+}
+
+/// How far (4.2) is from holding.
+struct Balance {
+    /// Relative to `scale`, the largest term of the equation.
+    residual: f64,
+    scale: f64,
+    /// The largest of the terms besides conduction.
+    driven: f64,
+    /// Heat that leaves through Γ_C, and where the temperature is prescribed, W.
+    through_contact: f64,
+    through_prescribed: f64,
 }
 
 impl Heat {
@@ -195,7 +236,7 @@ impl Given {
             })
         });
         Given {
-            prescribed: at_nodes(step.discrete, 1, theta),
+            prescribed: step.discrete.boundary.restricted(1, theta),
             foundation: temperatures(step),
             lumped: lumped.collect(),
         }
@@ -221,16 +262,4 @@ impl Given {
             states,
         })
     }
-}
-
-/// Σ ω Nᵀ · of values at the contact points, over all nodes.
-pub(super) fn on_nodes(step: &Step, values: &[f64]) -> Vec<f64> {
-    let boundary = &step.discrete.boundary;
-    let mut sum = vec![0.0; step.discrete.q.free.len()];
-    for (point, value) in boundary.points.iter().zip(values) {
-        for &(node, shape) in &point.nodes {
-            sum[boundary.nodes[node] as usize] += point.weight * shape * value;
-        }
-    }
-    sum
 }

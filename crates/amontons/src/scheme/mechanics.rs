@@ -2,7 +2,7 @@
 
 use super::Discretization;
 use super::foundation::frames;
-use super::system::{ACCEPTED, HalfStep, REFINE, Step, at_nodes, on_degrees, scalars_at, without_contact};
+use super::system::{ACCEPTED, HalfStep, REFINE, Step, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
@@ -44,7 +44,7 @@ pub(super) struct Mechanics {
 /// What is known on Γ_C before the half-step is solved.
 #[derive(Clone, Default)]
 pub(super) struct Given {
-    u_old: Vec<f64>,
+    u_bar: Vec<f64>,
     w_prescribed: Vec<f64>,
     /// The foundation at the contact points.
     pub frames: Vec<Frame>,
@@ -55,10 +55,10 @@ pub(super) struct Given {
 impl Given {
     /// At the prescribed values in `w`; without a temperature.
     fn new(step: &Step, w: &[f64]) -> Given {
-        let Step { problem, discrete, old, t, .. } = *step;
+        let Step { problem, discrete, old, bar, t, .. } = *step;
         Given {
-            u_old: at_nodes(discrete, discrete.mesh.dim, &old.u),
-            w_prescribed: at_nodes(discrete, discrete.mesh.dim, w),
+            u_bar: discrete.boundary.restricted(discrete.mesh.dim, bar.u),
+            w_prescribed: discrete.boundary.restricted(discrete.mesh.dim, w),
             frames: frames(problem, discrete, &old.u, &old.surface.wear, [old.t, t]),
             temperature: Vec::new(),
         }
@@ -75,7 +75,7 @@ impl Given {
             unknown,
             dim: step.discrete.mesh.dim,
             rule: step.rule,
-            u_bar: &self.u_old,
+            u_bar: &self.u_bar,
             w_prescribed: &self.w_prescribed,
             frames: &self.frames,
             temperature: &self.temperature,
@@ -124,109 +124,41 @@ impl Mechanics {
         theta: &[f64],
         from: Option<&Mechanics>,
     ) -> Result<Mechanics, StepError> {
-        let discrete = step.discrete;
-        let thermal = discrete.m.apply(theta);
-        let Begun { mut now, load, mut given } = from.map_or_else(|| Begun::new(step), Begun::from);
-        given.temperature = scalars_at(discrete, theta);
-        let foundation: Vec<f64> = given
-            .frames
-            .iter()
-            .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
-            .collect();
-        step.finite(&foundation, "the foundation")?;
-        let (mut newton, mut sweeps, mut passes) = (0, 0, 0);
+        let is_linear = step.discrete.is_linear();
+        let Begun { mut now, load, given } = from.map_or_else(|| Begun::new(step), Begun::from);
+        let equation = Equation::new(step, load, given, theta)?;
+        let (mut newton, mut passes) = (0, 0);
         let mut previous = f64::INFINITY;
-        let mut is_stale = !discrete.is_linear();
+        let mut is_stale = !is_linear;
         loop {
             if is_stale {
-                let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w);
+                let tangent = step.discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w);
                 half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
             }
-            let right = now.right(step, &load, &thermal);
-            step.finite(&right, "the data")?;
-            let HalfStep { system, on_contact } = &mut *half;
-            let guess = system.kept_of(&now.w);
-            let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
-            let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-            let iterations = system
-                .expand(reduced, &mut w, |condensed, r| {
-                    let Some(on_boundary) = given.on_boundary(step, on_contact) else {
-                        return without_contact(condensed, r, &guess);
-                    };
-                    let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
-                    Ok((solved.x, solved.iterations))
-                })
-                .map_err(|why| step.failed("mechanics", why))?;
+            let (w, multipliers, iterations) = equation.pass(half, &now)?;
             newton += iterations;
-            sweeps += 2;
             passes += 1;
-            step.finite(&w, "mechanics")?;
-            let evaluate = |w: Vec<f64>, multipliers: Multipliers| {
-                let states = given.states(step, half, &w, &multipliers);
-                Iterate::new(step, w, multipliers).balance(step, &load, &thermal, states)
-            };
-            let mut next = evaluate(w, multipliers)?;
-            // A law that is not linear may throw the residual up: the step is then shortened.
-            let mut alpha = 0.5;
-            while !discrete.is_linear() && next.residual > previous && alpha >= SHORTEST_STEP {
-                let part = |old: f64, new: f64| old + alpha * (new - old);
-                let w = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
-                let shorter = evaluate(w, now.multipliers.towards(&next.iterate.multipliers, alpha))?;
-                if shorter.residual < next.residual {
-                    next = shorter;
-                }
-                alpha *= 0.5;
+            let mut next = equation.balance(half, w, multipliers)?;
+            if !is_linear {
+                next = equation.shortened(half, &now, next, previous)?;
             }
             let (residual, ratio) = (next.residual, next.residual / previous);
-            let goes_on = if discrete.is_linear() {
-                ratio < 0.5
-            } else {
-                passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED)
-            };
-            if residual > REFINE && goes_on {
-                is_stale = !discrete.is_linear() && ratio > SLOW;
-                previous = residual;
-                now = next.iterate;
-                continue;
+            let goes_on =
+                if is_linear { ratio < 0.5 } else { passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED) };
+            if residual <= REFINE || !goes_on {
+                return equation.found(half, next, [newton, 2 * passes]);
             }
-            step.accept([residual, next.scale, next.driven, next.contact], "mechanics", || {
-                discrete.mechanical_round_off(&step.sizes(&next.iterate.w), &next.iterate.w)
-            })?;
-            let branches = step.branches(&next.iterate.w);
-            let Balanced { iterate, states, residual, scale, force, support_work, .. } = next;
-            let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
-            let u = step.displacement(&w);
-            let is_unique =
-                given.is_unique(step, half, &w, &multipliers).map_err(|source| step.unsolved("mechanics", source))?;
-            return Ok(Mechanics {
-                u,
-                is_unique,
-                w,
-                multipliers,
-                branches,
-                states,
-                iterations: newton,
-                sweeps,
-                residual,
-                scale,
-                load,
-                thermal,
-                mass_w,
-                a_u,
-                a_w,
-                b_w,
-                relaxing,
-                given,
-                force,
-                support_work,
-            });
+            is_stale = !is_linear && ratio > SLOW;
+            previous = residual;
+            now = next.iterate;
         }
     }
 
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given = Given { temperature: scalars_at(step.discrete, &step.old.theta), ..Given::new(step, &end.w) };
+        let given =
+            Given { temperature: step.discrete.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
@@ -240,7 +172,8 @@ impl Mechanics {
         };
         let (now, then) =
             (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
-        on_degrees(step.discrete, now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c])))
+        let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
+        on_degrees(step.discrete, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
@@ -251,6 +184,153 @@ impl Mechanics {
         self.given
             .on_boundary(step, on_contact)
             .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
+    }
+}
+
+/// (4.1) in a step: what is known of it before it is solved.
+struct Equation<'a> {
+    step: &'a Step<'a>,
+    load: Vec<f64>,
+    /// m(θ, ·).
+    thermal: Vec<f64>,
+    given: Given,
+}
+
+impl<'a> Equation<'a> {
+    /// With the temperature `theta` in m and in the laws of contact.
+    fn new(step: &'a Step, load: Vec<f64>, mut given: Given, theta: &[f64]) -> Result<Equation<'a>, StepError> {
+        given.temperature = step.discrete.boundary.scalars_at(theta);
+        let foundation: Vec<f64> = given
+            .frames
+            .iter()
+            .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
+            .collect();
+        step.finite(&foundation, "the foundation")?;
+        Ok(Equation { step, load, thermal: step.discrete.m.apply(theta), given })
+    }
+
+    /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
+    fn right(&self, at: &Iterate) -> Vec<f64> {
+        let step = self.step;
+        let inertia = step.discrete.inertia().0 / step.rule.delta;
+        let relaxing = |i: usize| at.relaxing.get(i).copied().unwrap_or(0.0);
+        (0..self.load.len())
+            .map(|i| {
+                self.load[i] + self.thermal[i]
+                    - inertia * (at.mass_w[i] - step.products.mass_w[i])
+                    - at.b_w[i]
+                    - at.a_u[i]
+                    - relaxing(i)
+            })
+            .collect()
+    }
+
+    /// A pair of sweeps with the contact solved between them: the velocity with its multipliers, and the Newton
+    /// iterations on Γ_C.
+    fn pass(&self, half: &mut HalfStep, now: &Iterate) -> Result<(Vec<f64>, Multipliers, usize), StepError> {
+        let step = self.step;
+        let right = self.right(now);
+        step.finite(&right, "the data")?;
+        let HalfStep { system, on_contact } = half;
+        let guess = system.kept_of(&now.w);
+        let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
+        let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
+        let iterations = system
+            .expand(reduced, &mut w, |condensed, r| {
+                let Some(on_boundary) = self.given.on_boundary(step, on_contact) else {
+                    return without_contact(condensed, r, &guess);
+                };
+                let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
+                Ok((solved.x, solved.iterations))
+            })
+            .map_err(|why| step.failed("mechanics", why))?;
+        step.finite(&w, "mechanics")?;
+        Ok((w, multipliers, iterations))
+    }
+
+    /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
+    fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced, StepError> {
+        let Step { discrete, products, k, .. } = *self.step;
+        let states = self.given.states(self.step, half, &w, &multipliers);
+        let iterate = Iterate::new(self.step, w, multipliers);
+        let (force, contact_force) = contact_forces(discrete, &states);
+        let mut rest: Vec<f64> =
+            self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
+        let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * iterate.w[i]).sum();
+        discrete.v.mask(&mut rest);
+        let inertia =
+            discrete.inertia().0 / self.step.rule.delta * max_abs(&iterate.mass_w).max(max_abs(&products.mass_w));
+        let (driven, contact) = (
+            [&self.thermal, &self.load].map(|term| max_abs(term)).into_iter().fold(inertia, f64::max),
+            discrete.v.largest(&contact_force),
+        );
+        let scale = [iterate.b_w.as_slice(), &iterate.a_u, &iterate.relaxing]
+            .map(max_abs)
+            .into_iter()
+            .fold(driven.max(contact), f64::max);
+        let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
+        Ok(Balanced { iterate, states, residual, scale, driven, contact, force, support_work })
+    }
+
+    /// The iterate `next`, or where its residual is larger than the one before, the best of ever shorter parts of the
+    /// way to it: a law that is not linear may overshoot.
+    fn shortened(
+        &self,
+        half: &HalfStep,
+        now: &Iterate,
+        mut next: Balanced,
+        previous: f64,
+    ) -> Result<Balanced, StepError> {
+        let mut alpha = 0.5;
+        while next.residual > previous && alpha >= SHORTEST_STEP {
+            let part = |old: f64, new: f64| old + alpha * (new - old);
+            let w = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
+            let shorter = self.balance(half, w, now.multipliers.towards(&next.iterate.multipliers, alpha))?;
+            if shorter.residual < next.residual {
+                next = shorter;
+            }
+            alpha *= 0.5;
+        }
+        Ok(next)
+    }
+
+    /// The solution, if its residual is accepted.
+    fn found(
+        self,
+        half: &mut HalfStep,
+        end: Balanced,
+        [iterations, sweeps]: [usize; 2],
+    ) -> Result<Mechanics, StepError> {
+        let Equation { step, load, thermal, given } = self;
+        let Balanced { iterate, states, residual, scale, driven, contact, force, support_work } = end;
+        step.accept([residual, scale, driven, contact], "mechanics", || {
+            step.discrete.mechanical_round_off(&step.sizes(&iterate.w), &iterate.w)
+        })?;
+        let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
+        let is_unique =
+            given.is_unique(step, half, &w, &multipliers).map_err(|source| step.unsolved("mechanics", source))?;
+        Ok(Mechanics {
+            u: step.displacement(&w),
+            is_unique,
+            branches: step.branches(&w),
+            w,
+            multipliers,
+            states,
+            iterations,
+            sweeps,
+            residual,
+            scale,
+            load,
+            thermal,
+            mass_w,
+            a_u,
+            a_w,
+            b_w,
+            relaxing,
+            given,
+            force,
+            support_work,
+        })
     }
 }
 
@@ -285,48 +365,6 @@ impl Iterate {
         let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
-
-    /// The right-hand side for the increment over the velocity, the contact apart.
-    fn right(&self, step: &Step, load: &[f64], thermal: &[f64]) -> Vec<f64> {
-        let inertia = step.discrete.inertia().0 / step.rule.delta;
-        let relaxing = |i: usize| self.relaxing.get(i).copied().unwrap_or(0.0);
-        (0..load.len())
-            .map(|i| {
-                load[i] + thermal[i]
-                    - inertia * (self.mass_w[i] - step.products.mass_w[i])
-                    - self.b_w[i]
-                    - self.a_u[i]
-                    - relaxing(i)
-            })
-            .collect()
-    }
-
-    /// What is left of (4.1) tested with every basis function, with contact points in these states; at prescribed nodes
-    /// it is the reaction.
-    fn balance(
-        self,
-        step: &Step,
-        load: &[f64],
-        thermal: &[f64],
-        states: Vec<PointState>,
-    ) -> Result<Balanced, StepError> {
-        let (discrete, k) = (step.discrete, step.k);
-        let (force, contact_force) = contact_forces(discrete, &states);
-        let mut rest: Vec<f64> =
-            self.right(step, load, thermal).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
-        let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * self.w[i]).sum();
-        discrete.v.mask(&mut rest);
-        let inertia =
-            discrete.inertia().0 / step.rule.delta * max_abs(&self.mass_w).max(max_abs(&step.products.mass_w));
-        let (driven, contact) =
-            ([thermal, load].map(max_abs).into_iter().fold(inertia, f64::max), discrete.v.largest(&contact_force));
-        let scale = [self.b_w.as_slice(), &self.a_u, &self.relaxing]
-            .map(max_abs)
-            .into_iter()
-            .fold(driven.max(contact), f64::max);
-        let residual = step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate: self, states, residual, scale, driven, contact, force, support_work })
-    }
 }
 
 /// Where a half-step starts.
@@ -339,17 +377,17 @@ struct Begun {
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
     fn new(step: &Step) -> Begun {
-        let Step { discrete, old, products, t, rule: Rule { gamma, .. }, .. } = *step;
+        let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
         discrete.v.prescribe(t, &mut w);
         for (i, w) in w.iter_mut().enumerate() {
-            *w = if discrete.v.free[i] { old.w[i] } else { (*w - old.u[i]) / gamma };
+            *w = if discrete.v.free[i] { old.w[i] } else { (*w - bar.u[i]) / gamma };
         }
         let given = Given::new(step, &w);
         let multipliers = old.multipliers.clone();
-        let now = if discrete.is_linear() && w == old.w {
-            // a(ū + γ w_{n−1}, ·) without another product.
+        let now = if discrete.is_linear() && w == bar.w {
+            // a(ū + γ w̄, ·) without another product.
             let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + gamma * a_w).collect();
             let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
@@ -383,5 +421,5 @@ fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, V
             *sum -= point.weight * force;
         }
     }
-    (resultant, on_degrees(discrete, states.iter().map(force)))
+    (resultant, on_degrees(discrete, &discrete.v, states.iter().map(force)))
 }

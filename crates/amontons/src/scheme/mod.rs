@@ -13,7 +13,7 @@ mod system;
 
 pub use crate::discretization::Discretization;
 pub use euler::BackwardEuler;
-pub use foundation::Surface;
+pub use foundation::Accumulated;
 pub use ledger::Ledger;
 pub use system::{ACCEPTED, REFINE};
 
@@ -41,7 +41,7 @@ pub struct State {
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: Vec<Vec<f64>>,
     /// What Γ_C and the foundation keep.
-    pub surface: Surface,
+    pub surface: Accumulated,
     /// Energies and flows since the start.
     pub ledger: Ledger,
     /// Newton iterations since the start.

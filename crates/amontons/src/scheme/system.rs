@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
-use crate::contact::{Contact, PointOnBoundary};
+use crate::contact::Contact;
 use crate::inclusion::{Failure, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System};
 use crate::problem::Problem;
@@ -29,6 +29,8 @@ pub(super) struct Step<'a> {
     pub discrete: &'a Discretization,
     /// The state that the step starts from.
     pub old: &'a State,
+    /// ū, θ̄ and z̄, and products of w̄, ū and θ̄ with the forms.
+    pub bar: Bar<'a>,
     pub products: &'a Products,
     /// n.
     pub n: usize,
@@ -39,22 +41,37 @@ pub(super) struct Step<'a> {
     pub rule: Rule,
 }
 
+/// What the rule in time adds to: with backward Euler the state before.
+#[derive(Clone, Copy)]
+pub(super) struct Bar<'a> {
+    pub u: &'a [f64],
+    pub w: &'a [f64],
+    pub theta: &'a [f64],
+    pub branches: &'a [Vec<f64>],
+}
+
+impl<'a> From<&'a State> for Bar<'a> {
+    fn from(state: &'a State) -> Bar<'a> {
+        Bar { u: &state.u, w: &state.w, theta: &state.theta, branches: &state.branches }
+    }
+}
+
 impl Step<'_> {
-    /// ū + γ w, ū = u_{n−1}.
+    /// ū + γ w.
     pub fn displacement(&self, w: &[f64]) -> Vec<f64> {
         let gamma = self.rule.gamma;
-        self.old.u.iter().zip(w).map(|(u, w)| u + gamma * w).collect()
+        self.bar.u.iter().zip(w).map(|(u, w)| u + gamma * w).collect()
     }
 
     /// |ū| + γ |w|, the sizes of what u_n is the sum of.
     pub fn sizes(&self, w: &[f64]) -> Vec<f64> {
-        self.old.u.iter().zip(w).map(|(u, w)| u.abs() + self.rule.gamma * w.abs()).collect()
+        self.bar.u.iter().zip(w).map(|(u, w)| u.abs() + self.rule.gamma * w.abs()).collect()
     }
 
     /// z_n = (z̄ + γ w)/(1 + γ/τ) of each branch that relaxes.
     pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
         let gamma = self.rule.gamma;
-        let branches = self.discrete.branches.iter().zip(&self.old.branches);
+        let branches = self.discrete.branches.iter().zip(self.bar.branches);
         branches
             .map(|(branch, z)| z.iter().zip(w).map(|(z, w)| branch.factor(self.rule) * (z + gamma * w)).collect())
             .collect()
@@ -191,50 +208,11 @@ pub(super) fn without_contact(
     Ok((x, 0))
 }
 
-/// Values at the contact nodes, node-major.
-pub(super) fn at_nodes(discrete: &Discretization, components: usize, values: &[f64]) -> Vec<f64> {
-    discrete
-        .boundary
-        .nodes
-        .iter()
-        .flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components])
-        .copied()
-        .collect()
-}
-
-/// Values at the contact points of a scalar at the nodes.
-pub(super) fn scalars_at(discrete: &Discretization, values: &[f64]) -> Vec<f64> {
-    let boundary = &discrete.boundary;
-    boundary
-        .points
-        .iter()
-        .map(|point| point.nodes.iter().map(|&(node, value)| value * values[boundary.nodes[node] as usize]).sum())
-        .collect()
-}
-
-/// Σ ω Nᵀ · of vectors at the contact points, over all degrees of freedom.
-pub(super) fn on_degrees(discrete: &Discretization, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
-    let (boundary, dim) = (&discrete.boundary, discrete.mesh.dim);
-    let mut sum = vec![0.0; discrete.v.free.len()];
-    for (point, vector) in boundary.points.iter().zip(vectors) {
-        for &(node, value) in &point.nodes {
-            for c in 0..dim {
-                sum[boundary.nodes[node] as usize * dim + c] += point.weight * value * vector[c];
-            }
-        }
-    }
+/// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
+pub(super) fn on_degrees(discrete: &Discretization, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
+    let mut sum = vec![0.0; space.free.len()];
+    discrete.boundary.scatter(space.components, vectors, &mut sum);
     sum
-}
-
-/// The vector of a field over all degrees of freedom at a contact point.
-pub(super) fn vector_at(discrete: &Discretization, point: &PointOnBoundary, values: &[f64]) -> Point {
-    let mut v = [0.0; 3];
-    for &(node, value) in &point.nodes {
-        for c in 0..discrete.mesh.dim {
-            v[c] += value * values[discrete.boundary.nodes[node] as usize * discrete.mesh.dim + c];
-        }
-    }
-    v
 }
 
 /// a − b.

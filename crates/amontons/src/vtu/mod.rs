@@ -89,7 +89,7 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
     let points = take("points")?;
     if points.components != 3 || points.values.len() % 3 != 0 {
         return Err(format!(
-            "the array points has {} values of {} components, expected 3 for each node",
+            "the array points has {} values of {} components, not 3 per node",
             points.values.len(),
             points.components
         ));
@@ -106,7 +106,7 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
 /// The values of an array of counts or numbers of things.
 fn whole(name: &str, array: Array, largest: f64) -> Result<Vec<f64>, String> {
     match array.values.iter().find(|v| !(0.0..=largest).contains(*v) || v.fract() != 0.0) {
-        Some(found) => Err(format!("the array {name} has the value {found}, expected integers from 0 to {largest}")),
+        Some(found) => Err(format!("the array {name} has the value {found}, not integers from 0 to {largest}")),
         None => Ok(array.values),
     }
 }
@@ -170,7 +170,7 @@ fn behind_underscore<'a>(bytes: &'a [u8], position: u64, tag: &BytesStart) -> Re
     let base64 = match attribute(tag, "encoding")?.as_deref() {
         Some("raw") => false,
         Some("base64") => true,
-        other => return Err(format!("the encoding of the appended data is {other:?}, expected raw or base64")),
+        other => return Err(format!("the encoding of the appended data is {other:?}, not raw or base64")),
     };
     let rest = usize::try_from(position).ok().and_then(|at| bytes.get(at..)).unwrap_or_default().trim_ascii_start();
     let rest = rest.strip_prefix(b"_").ok_or("the appended data do not begin with an underscore")?;
@@ -196,7 +196,7 @@ fn check(grid: &Grid) -> Result<(), String> {
             if array.values.len() != count * array.components {
                 let found = array.values.len();
                 return Err(format!(
-                    "the array {name} has {found} values, expected {} for each of {count} {what}",
+                    "the array {name} has {found} values, not {} for each of {count} {what}",
                     array.components
                 ));
             }

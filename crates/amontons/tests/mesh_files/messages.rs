@@ -186,12 +186,12 @@ fn faults_of_grids_name_the_array_or_cell() {
     assert_eq!(read.points.len(), 3, "the node of no cell is left out");
     assert_eq!(read.facets["boundary"].len(), 1, "facets without data are the boundary that the file means");
     for (old, new, expected) in [
-        ("0 1 2 0 1<", "0 1 -2 0 1<", "the array connectivity has the value -2, expected integers"),
+        ("0 1 2 0 1<", "0 1 -2 0 1<", "the array connectivity has the value -2, not integers"),
         ("0 1 2 0 1<", "0 1 9 0 1<", "a cell has node 9, but there are 4 nodes"),
         ("5 3<", "23 3<", "cell 0: found element type VTK 23, expected one of"),
-        ("5 3<", "9 3<", "cell 0 has 3 nodes, expected the 4 of a Q1 quadrilateral"),
-        ("4 0<", "4.5 0<", "the array region has 1 components or fractions, expected one integer per cell"),
-        ("4 0<", "4<", "the array region has 1 values, expected 1 for each of 2 cells"),
+        ("5 3<", "9 3<", "cell 0 has 3 nodes, not the 4 of a Q1 quadrilateral"),
+        ("4 0<", "4.5 0<", "the array region has 1 components or fractions, not one integer per cell"),
+        ("4 0<", "4<", "the array region has 1 values, not 1 for each of 2 cells"),
         ("type=\"Unstr", "compressor=\"vtkLZ4DataCompressor\" type=\"Unstr", "compressed by vtkLZ4DataCompressor"),
     ] {
         let error = vtu::parse(grid.replacen(old, new, 1).as_bytes()).expect_err(new).to_string();

@@ -13,13 +13,11 @@ pub struct PressureTable {
 }
 
 /// Why a table is no law for the pressure.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PressureTableFault {
     /// It is no function.
-    #[error(transparent)]
-    Table(#[from] TableFault),
+    Table(TableFault),
     /// It does not start at (0, 0).
-    #[error("a pressure of {pressure:?} at the penetration {penetration:?} at the beginning, expected 0 at 0")]
     Start {
         /// First penetration.
         penetration: f64,
@@ -27,13 +25,50 @@ pub enum PressureTableFault {
         pressure: f64,
     },
     /// The pressure falls.
-    #[error("the pressure {next:?} after {before:?}, expected pressures that do not fall")]
     Falls {
         /// A pressure.
         before: f64,
         /// The one after it.
         next: f64,
     },
+}
+
+impl PressureTableFault {
+    /// What was found.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            PressureTableFault::Table(fault) => fault.found(),
+            PressureTableFault::Start { penetration, pressure } => {
+                format!("a pressure of {pressure:?} at the penetration {penetration:?} at the beginning")
+            }
+            PressureTableFault::Falls { before, next } => format!("the pressure {next:?} after {before:?}"),
+        }
+    }
+
+    /// What was expected.
+    #[must_use]
+    pub fn expected(&self) -> &'static str {
+        match self {
+            PressureTableFault::Table(fault) => fault.expected(),
+            PressureTableFault::Start { .. } => "0 at 0",
+            PressureTableFault::Falls { .. } => "pressures that do not fall",
+        }
+    }
+}
+
+impl std::fmt::Display for PressureTableFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, expected {}", self.found(), self.expected())
+    }
+}
+
+impl std::error::Error for PressureTableFault {}
+
+impl From<TableFault> for PressureTableFault {
+    fn from(fault: TableFault) -> PressureTableFault {
+        PressureTableFault::Table(fault)
+    }
 }
 
 impl PressureTable {

@@ -92,10 +92,9 @@ pub trait Shape: Debug + Send + Sync {
 }
 
 /// What is wrong with a datum of a shape.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum ShapeFault {
     /// A length is not positive.
-    #[error("{value:?}, expected a positive number")]
     NotPositive {
         /// Its key.
         key: &'static str,
@@ -103,7 +102,6 @@ pub enum ShapeFault {
         value: f64,
     },
     /// A number is infinite or not a number.
-    #[error("{value}, expected a finite number")]
     NotFinite {
         /// Its key.
         key: &'static str,
@@ -111,7 +109,6 @@ pub enum ShapeFault {
         value: f64,
     },
     /// A vector is zero or has components that are not finite.
-    #[error("{}, expected a direction", if .vector.iter().all(|c| *c == 0.0) { "zero".to_owned() } else { format!("{vector:?}") })]
     NoDirection {
         /// Its key.
         key: &'static str,
@@ -119,25 +116,55 @@ pub enum ShapeFault {
         vector: Point,
     },
     /// The direction of a wave is that of its normal.
-    #[error("a direction along the normal, expected one across it")]
     AlongNormal {
         /// The direction.
         direction: Point,
     },
     /// The place of an obstacle that would move as a whole depends on where it is looked at.
-    #[error("an expression in space, expected a number or an expression in t: the obstacle moves as a whole")]
     InSpace {
         /// The key of the component.
         key: &'static str,
     },
     /// The level of a surface is the same everywhere.
-    #[error(
-        "an expression that is the same everywhere, expected one in space, positive outside the obstacle and negative inside"
-    )]
     Level,
 }
 
+impl std::fmt::Display for ShapeFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}, expected {}", self.found(), self.expected())
+    }
+}
+
+impl std::error::Error for ShapeFault {}
+
 impl ShapeFault {
+    /// What was found.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            ShapeFault::NotPositive { value, .. } => format!("{value:?}"),
+            ShapeFault::NotFinite { value, .. } => value.to_string(),
+            ShapeFault::NoDirection { vector, .. } if vector.iter().all(|c| *c == 0.0) => "zero".to_owned(),
+            ShapeFault::NoDirection { vector, .. } => format!("{vector:?}"),
+            ShapeFault::AlongNormal { .. } => "a direction along the normal".to_owned(),
+            ShapeFault::InSpace { .. } => "an expression in space".to_owned(),
+            ShapeFault::Level => "an expression that is the same everywhere".to_owned(),
+        }
+    }
+
+    /// What was expected.
+    #[must_use]
+    pub fn expected(&self) -> &'static str {
+        match self {
+            ShapeFault::NotPositive { .. } => "a positive number",
+            ShapeFault::NotFinite { .. } => "a finite number",
+            ShapeFault::NoDirection { .. } => "a direction",
+            ShapeFault::AlongNormal { .. } => "one across it",
+            ShapeFault::InSpace { .. } => "a number or an expression in t: the obstacle moves as a whole",
+            ShapeFault::Level => "one in space, positive outside the obstacle and negative inside",
+        }
+    }
+
     /// The key of the datum.
     #[must_use]
     pub fn key(&self) -> &'static str {

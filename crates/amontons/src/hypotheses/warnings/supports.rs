@@ -8,7 +8,7 @@ use crate::mesh::FacetSet;
 use crate::mesh::defects::{Component, components};
 use crate::model::rigid_motions;
 use crate::problem::Problem;
-use crate::tensor::Point;
+use crate::tensor::{Point, dot};
 
 /// Direction cosines below which a displacement has no part along the normal.
 const ACROSS: f64 = 1e-6;
@@ -38,10 +38,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
             for (((point, gap), closed), place) in
                 candidates.iter().zip(contact.gaps(&places, t)).zip(&mut closed).zip(&places)
             {
-                let move_of = |&(i, n): &(usize, f64)| {
-                    (0..dim).map(|c| n * point.normal[c] * u[boundary.nodes[i] as usize * dim + c]).sum::<f64>()
-                };
-                let normal = point.nodes.iter().map(move_of).sum::<f64>();
+                let normal = dot(&boundary.vector_at(point, dim, &u), &point.normal);
                 // A gap that is closed to the round-off of the coordinates is closed.
                 let round_off = 4.0 * f64::EPSILON * place.iter().fold(normal.abs(), |max, x| max.max(x.abs()));
                 *closed |= normal - gap >= -round_off;

@@ -45,11 +45,10 @@ impl std::fmt::Display for Place {
 }
 
 /// What is wrong with a mesh file: where, what was found, what was expected, what to try.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub enum MeshFileError {
     /// A fault in the file with this path.
-    #[error("{}: {fault}", path.display())]
     In {
         /// The file.
         path: PathBuf,
@@ -57,19 +56,16 @@ pub enum MeshFileError {
         fault: Box<MeshFileError>,
     },
     /// The file system gave no bytes.
-    #[error("cannot be read: {message}")]
     Unreadable {
         /// What the system said.
         message: String,
     },
     /// Neither of the known extensions.
-    #[error("the extension is {found:?}, expected .msh (Gmsh) or .vtu (VTK unstructured grid)")]
     Extension {
         /// The extension found, without the dot.
         found: String,
     },
     /// Something else stands where a number, a section or a name belongs.
-    #[error("{at}: found {found}, expected {expected}")]
     Syntax {
         /// Where.
         at: Place,
@@ -79,9 +75,6 @@ pub enum MeshFileError {
         expected: String,
     },
     /// A version of the format that is not read.
-    #[error(
-        "{at}: found version {found} of the Gmsh format, expected 2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`"
-    )]
     Version {
         /// Where.
         at: Place,
@@ -89,9 +82,6 @@ pub enum MeshFileError {
         found: String,
     },
     /// A count larger than the rest of the file can hold.
-    #[error(
-        "{at}: found a count of {found} {what}, expected at most the {room} that the rest of the file can hold; it may be truncated"
-    )]
     Count {
         /// Where.
         at: Place,
@@ -103,7 +93,6 @@ pub enum MeshFileError {
         room: u64,
     },
     /// A type of element outside Gmsh's first and second order.
-    #[error("{at}: found element type {found}, expected one of Gmsh's types 1 to 19; try Mesh.ElementOrder = 1 or 2")]
     ElementType {
         /// Where.
         at: Place,
@@ -111,9 +100,6 @@ pub enum MeshFileError {
         found: i64,
     },
     /// A cell or facet of an element type that the library does not have.
-    #[error(
-        "{at}: found element type {found}, expected one of {known}; try the first order or, for the second, change Mesh.SecondOrderIncomplete"
-    )]
     Element {
         /// Where.
         at: Place,
@@ -123,7 +109,6 @@ pub enum MeshFileError {
         known: String,
     },
     /// An element refers to a node that is not in the file.
-    #[error("{at}: found node {tag}, expected the tag of one of the {nodes} nodes of the file")]
     UnknownNode {
         /// Where.
         at: Place,
@@ -133,13 +118,11 @@ pub enum MeshFileError {
         nodes: usize,
     },
     /// Two nodes with one tag.
-    #[error("found node tag {tag} twice, expected each tag once")]
     RepeatedNode {
         /// The tag.
         tag: u64,
     },
     /// A coordinate that is no finite number.
-    #[error("{at}: found the coordinate {found} of node {tag}, expected a finite number")]
     Coordinate {
         /// Where.
         at: Place,
@@ -149,7 +132,6 @@ pub enum MeshFileError {
         found: f64,
     },
     /// Elements on an entity that `$Entities` does not list.
-    #[error("{at}: found elements on entity {tag} of dimension {dim}, expected one that $Entities lists")]
     UnknownEntity {
         /// Where.
         at: Place,
@@ -159,9 +141,6 @@ pub enum MeshFileError {
         tag: i64,
     },
     /// Cells in more than one physical group: their material would be ambiguous.
-    #[error(
-        "{at}: found cells in the regions {first:?} and {second:?}, expected one; try to remove one of the physical groups"
-    )]
     TwoRegions {
         /// Where.
         at: Place,
@@ -171,9 +150,6 @@ pub enum MeshFileError {
         second: String,
     },
     /// Cells without a physical group although others have one.
-    #[error(
-        "{at}: found {found} of {of} cells without a region, expected all or none; try a physical group of dimension {dim} for them too, or Mesh.SaveAll = 0"
-    )]
     NoRegion {
         /// Where the first of them is.
         at: Place,
@@ -185,17 +161,11 @@ pub enum MeshFileError {
         dim: usize,
     },
     /// No element of dimension 1 or more.
-    #[error(
-        "found {found}, expected at least one cell; try to mesh before saving, and to give the body a physical group"
-    )]
     Empty {
         /// What there is instead.
         found: String,
     },
     /// A curve or surface that is not straight: not a body.
-    #[error(
-        "the elements of highest dimension are of dimension {dim}, and {axis} goes from {low:e} to {high:e} on them, expected it constant; try a physical group for the volume, or to rotate the body into the {plane}"
-    )]
     NotFlat {
         /// Dimension of the elements.
         dim: usize,
@@ -209,18 +179,123 @@ pub enum MeshFileError {
         plane: &'static str,
     },
     /// A mesh in parts.
-    #[error("{at}: found a partitioned mesh, expected one in one part; try `gmsh FILE.msh -unpartition -save`")]
     Partitioned {
         /// Where.
         at: Place,
     },
     /// A grid whose arrays are inconsistent.
-    #[error("{message}")]
     Grid {
-        /// What was found and expected, with the name of the array.
+        /// What is wrong, with the name of the array.
         message: String,
     },
 }
+
+impl MeshFileError {
+    /// Where it is in the file.
+    #[must_use]
+    pub fn at(&self) -> Option<Place> {
+        match self {
+            MeshFileError::Syntax { at, .. }
+            | MeshFileError::Version { at, .. }
+            | MeshFileError::Count { at, .. }
+            | MeshFileError::ElementType { at, .. }
+            | MeshFileError::Element { at, .. }
+            | MeshFileError::UnknownNode { at, .. }
+            | MeshFileError::Coordinate { at, .. }
+            | MeshFileError::UnknownEntity { at, .. }
+            | MeshFileError::TwoRegions { at, .. }
+            | MeshFileError::NoRegion { at, .. }
+            | MeshFileError::Partitioned { at } => Some(*at),
+            MeshFileError::In { fault, .. } => fault.at(),
+            _ => None,
+        }
+    }
+
+    /// What was found.
+    #[must_use]
+    pub fn found(&self) -> String {
+        match self {
+            MeshFileError::In { fault, .. } => fault.found(),
+            MeshFileError::Unreadable { message } => format!("cannot be read: {message}"),
+            MeshFileError::Extension { found } => format!("the extension is {found:?}"),
+            MeshFileError::Grid { message } => message.clone(),
+            MeshFileError::Syntax { found, .. } | MeshFileError::Empty { found } => found.clone(),
+            MeshFileError::Version { found, .. } => format!("version {found} of the Gmsh format"),
+            MeshFileError::Count { what, found, .. } => format!("a count of {found} {what}"),
+            MeshFileError::ElementType { found, .. } => format!("element type {found}"),
+            MeshFileError::Element { found, .. } => format!("element type {found}"),
+            MeshFileError::UnknownNode { tag, .. } => format!("node {tag}"),
+            MeshFileError::RepeatedNode { tag } => format!("node tag {tag} twice"),
+            MeshFileError::Coordinate { tag, found, .. } => format!("the coordinate {found} of node {tag}"),
+            MeshFileError::UnknownEntity { dim, tag, .. } => format!("elements on entity {tag} of dimension {dim}"),
+            MeshFileError::TwoRegions { first, second, .. } => format!("cells in the regions {first:?} and {second:?}"),
+            MeshFileError::NoRegion { found, of, .. } => format!("{found} of {of} cells without a region"),
+            MeshFileError::NotFlat { dim, axis, low, high, .. } => format!(
+                "the elements of highest dimension are of dimension {dim}, and {axis} goes from {low:e} to {high:e} on them"
+            ),
+            MeshFileError::Partitioned { .. } => "a partitioned mesh".to_owned(),
+        }
+    }
+
+    /// What was expected and what to try, where that does not go without saying.
+    #[must_use]
+    pub fn expected(&self) -> Option<String> {
+        let expected = match self {
+            MeshFileError::In { fault, .. } => return fault.expected(),
+            MeshFileError::Unreadable { .. } | MeshFileError::Grid { .. } => return None,
+            MeshFileError::Extension { .. } => ".msh (Gmsh) or .vtu (VTK unstructured grid)",
+            MeshFileError::Syntax { expected, .. } => expected,
+            MeshFileError::Version { .. } => "2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
+            MeshFileError::Count { room, .. } => {
+                return Some(format!("at most the {room} that the rest of the file can hold; it may be truncated"));
+            }
+            MeshFileError::ElementType { .. } => "one of Gmsh's types 1 to 19; try Mesh.ElementOrder = 1 or 2",
+            MeshFileError::Element { known, .. } => {
+                let hint = "try the first order or, for the second, change Mesh.SecondOrderIncomplete";
+                return Some(format!("one of {known}; {hint}"));
+            }
+            MeshFileError::UnknownNode { nodes, .. } => {
+                return Some(format!("the tag of one of the {nodes} nodes of the file"));
+            }
+            MeshFileError::RepeatedNode { .. } => "each tag once",
+            MeshFileError::Coordinate { .. } => "a finite number",
+            MeshFileError::UnknownEntity { .. } => "one that $Entities lists",
+            MeshFileError::TwoRegions { .. } => "one; try to remove one of the physical groups",
+            MeshFileError::NoRegion { dim, .. } => {
+                let hint = format!("try a physical group of dimension {dim} for them too, or Mesh.SaveAll = 0");
+                return Some(format!("all or none; {hint}"));
+            }
+            MeshFileError::Empty { .. } => {
+                "at least one cell; try to mesh before saving, and to give the body a physical group"
+            }
+            MeshFileError::NotFlat { plane, .. } => {
+                let hint = format!("try a physical group for the volume, or to rotate the body into the {plane}");
+                return Some(format!("it constant; {hint}"));
+            }
+            MeshFileError::Partitioned { .. } => "one in one part; try `gmsh FILE.msh -unpartition -save`",
+        };
+        Some(expected.to_owned())
+    }
+}
+
+impl std::fmt::Display for MeshFileError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let MeshFileError::In { path, fault } = self {
+            return write!(f, "{}: {fault}", path.display());
+        }
+        let lead = match self {
+            MeshFileError::RepeatedNode { .. } | MeshFileError::Empty { .. } => "found ",
+            _ => "",
+        };
+        match self.at() {
+            Some(at) => write!(f, "{at}: found {}", self.found())?,
+            None => write!(f, "{lead}{}", self.found())?,
+        }
+        self.expected().map_or(Ok(()), |expected| write!(f, ", expected {expected}"))
+    }
+}
+
+impl std::error::Error for MeshFileError {}
 
 /// Reads a mesh from a file, Gmsh or VTK by its extension.
 ///
