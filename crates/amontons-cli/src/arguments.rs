@@ -38,6 +38,9 @@ pub enum Command {
     Resume {
         /// The results folder of the run
         dir: PathBuf,
+        /// Draw the results too
+        #[arg(long)]
+        plot: bool,
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
@@ -190,14 +193,24 @@ pub enum ProgressArgument {
 impl Command {
     /// In what form messages are printed.
     pub fn format(&self) -> Format {
+        self.common().map_or(Format::Text, |common| common.format)
+    }
+
+    /// Number of threads that is asked for.
+    pub fn threads(&self) -> Option<usize> {
+        self.common().and_then(|common| common.threads).map(usize::from)
+    }
+
+    /// The arguments that most commands have.
+    fn common(&self) -> Option<&Common> {
         match self {
             Command::Run { common, .. }
             | Command::Resume { common, .. }
             | Command::Check { common, .. }
             | Command::Converge { common, .. }
             | Command::Verify { common, .. }
-            | Command::Reproduce { common, .. } => common.format,
-            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => Format::Text,
+            | Command::Reproduce { common, .. } => Some(common),
+            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => None,
         }
     }
 }

@@ -47,6 +47,7 @@ pub mod hypotheses;
 pub mod inclusion;
 #[allow(clippy::too_many_lines, reason = "to be split with the condensed operator")]
 pub mod linalg;
+mod machine;
 pub mod material;
 pub mod mesh;
 pub mod model;

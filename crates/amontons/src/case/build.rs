@@ -1,6 +1,7 @@
 //! From the raw case to the [`Problem`]: what the schema cannot say is checked here.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::files::{Files, Loader};
 use super::material;
@@ -12,14 +13,15 @@ use super::raw;
 use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
+use crate::machine::Memory;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
-use crate::output::{Input, OutputField, Probe};
+use crate::output::{CheckpointInterval, Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::units::System;
 
-/// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
+/// Builds and checks the problem, in a machine with so much memory, where that is known.
 ///
 /// At `doubtful` paths stand-ins are in the place of faulty values, so that nothing counts that is
 /// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the
@@ -27,7 +29,7 @@ use crate::units::System;
 pub(super) fn problem(
     raw: raw::Case,
     files: &Files,
-    available: Option<f64>,
+    available: Option<Memory>,
     doubtful: &[Path],
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
@@ -138,6 +140,14 @@ pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
         }
     }
     fields
+}
+
+/// When checkpoints are written.
+pub(super) fn checkpoint(raw: &raw::Output) -> CheckpointInterval {
+    raw.checkpoint.map_or_else(CheckpointInterval::default, |raw| CheckpointInterval {
+        steps: raw.steps,
+        time: raw.seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
+    })
 }
 
 /// The expected values of a case.
@@ -324,7 +334,7 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (problem, findings) = problem(raw, &Files::None, Some(2e6), &[], false);
+        let (problem, findings) = problem(raw, &Files::None, Some(Memory { bytes: 2e6, limit: None }), &[], false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);

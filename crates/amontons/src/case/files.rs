@@ -7,7 +7,11 @@ use std::sync::Arc;
 
 use super::nearest::nearest;
 use super::path;
+use crate::machine;
 use crate::output::{INPUTS, Input};
+
+/// Longest mesh or table in bytes.
+const LONGEST: u64 = 4 << 30;
 
 /// Where the files are that a case refers to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -113,15 +117,14 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
         }
         Files::Folder(folder) => {
             let path = folder.join(name);
-            match fs::metadata(&path) {
-                Ok(meta) if meta.is_file() => {}
-                Ok(_) => return Err(missing("which is no file", None)),
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                    return Err(missing("which is not there", similar(&path, name).map(|near| did_you_mean(&near))));
+            // What is read is kept and parsed: a part of the memory has to do.
+            let longest = machine::memory().map_or(LONGEST, |memory| LONGEST.min((memory.bytes / 4.0) as u64));
+            machine::read(&path, longest).map(Arc::from).map_err(|error| {
+                if error.kind() == std::io::ErrorKind::NotFound {
+                    return missing("which is not there", similar(&path, name).map(|near| did_you_mean(&near)));
                 }
-                Err(error) => return Err(missing(&format!("which cannot be read: {error}"), None)),
-            }
-            fs::read(&path).map(Arc::from).map_err(|error| missing(&format!("which cannot be read: {error}"), None))
+                missing(&format!("which cannot be read: {error}"), None)
+            })
         }
     }
 }

@@ -7,6 +7,7 @@ use super::memory::{self, Demand};
 use super::path::Path;
 use super::place::At;
 use super::raw;
+use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
 use crate::mesh::{Diagonal, Elements, Mesh, MeshError, gmsh, vtu};
 
@@ -86,7 +87,7 @@ fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
 
 impl Build<'_> {
     /// The mesh, or a stand-in of few cells if it cannot be had.
-    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<f64>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<Memory>) -> Mesh {
         let cells = cells(raw);
         if let raw::Mesh::File { file, scale, axisymmetric } = raw {
             let mesh = self.file(file, *scale, *axisymmetric, sides);
@@ -178,13 +179,14 @@ impl Build<'_> {
     }
 
     /// Whether a run on the mesh fits into memory and its nodes can be numbered.
-    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<f64>) -> bool {
+    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<Memory>) -> bool {
         let count =
             if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
-        if let Some(available) = available.filter(|available| demand.bytes > *available) {
+        if let Some(Memory { bytes, limit }) = available.filter(|available| demand.bytes > available.bytes) {
             let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
-            let expected = format!("a mesh for the {} of memory that are free", memory::bytes(available));
+            let by = limit.map_or_else(String::new, |limit| format!(" below {limit}"));
+            let expected = format!("a mesh for the {} of memory that are free{by}", memory::bytes(bytes));
             self.note(path, At::Value, found, expected, Some(hint));
             return false;
         }

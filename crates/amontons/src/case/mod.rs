@@ -22,6 +22,7 @@ mod contact;
 mod data;
 mod fault;
 mod files;
+mod identity;
 mod material;
 mod memory;
 mod mesh;
