@@ -1,8 +1,9 @@
 //! Commands and flags.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use amontons::case::{self, Case, CaseError, Source};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
@@ -155,7 +156,7 @@ pub struct Common {
     /// Set a value of the case: KEY is its dotted path, VALUE is TOML; repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Number of threads; results do not depend on it [default: all cores]
+    /// Number of threads, at most 64 or four per core; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// How progress is reported on standard error
@@ -167,6 +168,9 @@ pub struct Common {
     /// Form of what is printed on standard output
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
+    /// Refuse meshes and tables outside the folder of the case
+    #[arg(long)]
+    pub confine: bool,
     /// Replace existing results in the folder once the new run has made its first step
     #[arg(long)]
     pub force: bool,
@@ -188,6 +192,19 @@ pub enum ProgressArgument {
     Json,
     /// Nothing
     None,
+}
+
+impl Common {
+    /// The case in a file, as these arguments allow it to be read.
+    pub fn source(&self, file: &Path) -> Result<Source, CaseError> {
+        let source = case::source(file)?;
+        Ok(if self.confine { source.confined() } else { source })
+    }
+
+    /// The case in a file, with the overrides of these arguments.
+    pub fn case(&self, file: &Path) -> Result<Case, CaseError> {
+        case::parse(&self.source(file)?, &self.set)
+    }
 }
 
 impl Command {

@@ -55,7 +55,7 @@ fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure>
 
 fn start(file: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
-    let case = case::read(file, &common.set)?;
+    let case = common.case(file)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
     let settings = settings(&case, &out, !no_certificate, &progress);
     let folder = Folder::create(&out, options(&case, !no_certificate, common))?;
@@ -64,7 +64,7 @@ fn start(file: &Path, pictures: bool, no_certificate: bool, common: &Common) -> 
 
 fn resume(dir: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
-    let case = case::read(&dir.join("case.toml"), &common.set)?;
+    let case = common.case(&dir.join("case.toml"))?;
     let out = common.out.as_deref().unwrap_or(dir);
     let same = out == dir || out.canonicalize().is_ok_and(|out| dir.canonicalize().is_ok_and(|dir| dir == out));
     // A run without a certificate goes on without one.
@@ -180,7 +180,7 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
 }
 
 fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> {
-    let case = case::read(file, &common.set)?;
+    let case = common.case(file)?;
     let problem = &case.problem;
     let (certificate, model) = (hypotheses::full(problem), Model::new(problem));
     let table = constants::table(file, levels, common)?;

@@ -15,7 +15,7 @@ pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<Co
     if levels.is_empty() {
         return Ok(None);
     }
-    let levels = case::meshes(&case::source(file)?, &common.set, levels)?;
+    let levels = case::meshes(&common.source(file)?, &common.set, levels)?;
     let meshes = levels
         .iter()
         .map(|level| Ok((level.level, level.problem.mesh.spacing(), domain_constants(&level.problem)?)))

@@ -16,7 +16,7 @@ use crate::status::Failure;
 
 /// Makes the studies that the arguments ask for and prints their tables.
 pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), Failure> {
-    let source = case::source(file)?;
+    let source = common.source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-convergence")));
     let progress = Progress::new(common);

@@ -196,8 +196,9 @@ impl Failure {
         if let Some(hint) = self.hint() {
             error["hint"] = json!(hint);
         }
-        if let Failure::Case(CaseError::Faults { file, faults }) = self {
+        if let Failure::Case(CaseError::Faults { file, faults, more }) = self {
             error["faults"] = faults::json(file, faults);
+            error["more_faults"] = json!(more);
         }
         if let Failure::Verification { table, .. } = self {
             let mut table = table.clone();
@@ -224,7 +225,7 @@ impl Failure {
             let _ = print::json(&self.json());
         } else {
             match self {
-                Failure::Case(CaseError::Faults { file, faults }) => faults::print(file, faults),
+                Failure::Case(CaseError::Faults { file, faults, more }) => faults::print(file, faults, *more),
                 _ => print::error(&self.message(), self.hint()),
             }
         }

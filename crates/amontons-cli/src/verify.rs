@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use amontons::case::{self, Source};
+use amontons::case::Source;
 use amontons::run::Settings;
 use amontons::verify::{BENCHMARKS, Recomputed, Verdict, VerifyError, benchmark, recompute, verify_case};
 
@@ -15,7 +15,7 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
     let settings = Settings { certificate: false, ..Settings::default() };
     let mut verdicts: Vec<Verdict> = Vec::new();
     let (mut failures, mut unchecked): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
-    let wanted = chosen(names, &common.set)?;
+    let wanted = chosen(names, common)?;
     let speaks = common.format == Format::Text && !common.quiet;
     if speaks {
         print::text(&header())?;
@@ -78,17 +78,17 @@ impl Target<'_> {
     }
 }
 
-fn chosen<'a>(names: &'a [String], overrides: &[String]) -> Result<Vec<Target<'a>>, Failure> {
+fn chosen<'a>(names: &'a [String], common: &Common) -> Result<Vec<Target<'a>>, Failure> {
     if names.is_empty() {
         return Ok(BENCHMARKS.iter().map(|(name, text)| Target::Case(benchmark(name, text))).collect());
     }
     let target = |name: &'a String| match BENCHMARKS.iter().find(|(known, _)| known == name) {
         Some((name, text)) => Ok(Target::Case(benchmark(name, text))),
-        None if Path::new(name).is_dir() && overrides.is_empty() => Ok(Target::Folder(name)),
+        None if Path::new(name).is_dir() && common.set.is_empty() => Ok(Target::Folder(name)),
         None if Path::new(name).is_dir() => Err(Failure::Usage(format!(
             "{name} is a results folder, whose figures are recomputed from its files: --set has no meaning there; verify the case file instead"
         ))),
-        None if Path::new(name).is_file() => Ok(Target::Case(case::source(Path::new(name))?)),
+        None if Path::new(name).is_file() => Ok(Target::Case(common.source(Path::new(name))?)),
         None => {
             let known: Vec<&str> = BENCHMARKS.iter().map(|(known, _)| *known).collect();
             Err(Failure::Usage(format!(

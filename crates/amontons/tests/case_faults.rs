@@ -444,7 +444,7 @@ fn places_are_those_of_the_file_as_it_is() {
 fn spans_cover_what_is_faulty() {
     let text = spoil(PAPER, "heat_source = 1.0", "heat_source = \"1 + θ*x\"");
     let result = case::parse(&Source::new("paper.toml", text), &[]);
-    let Err(CaseError::Faults { file, faults }) = result else { panic!("no faults") };
+    let Err(CaseError::Faults { file, faults, .. }) = result else { panic!("no faults") };
     let [fault] = faults.as_slice() else { panic!("{faults:?}") };
     let FaultPlace::File { start, end, .. } = fault.place else { panic!("{fault:?}") };
     assert_eq!(&file.text[start..end], "θ");
@@ -563,7 +563,7 @@ proptest! {
         let source = Source::new("case.toml", text);
         for overrides in [vec![], vec![format!("{key}={value}")]] {
             if let Err(error) = case::parse(&source, &overrides) {
-                let CaseError::Faults { file, faults } = &error else { panic!("{error}") };
+                let CaseError::Faults { file, faults, .. } = &error else { panic!("{error}") };
                 prop_assert!(!faults.is_empty());
                 for fault in faults {
                     if let FaultPlace::File { start, end, .. } = fault.place {

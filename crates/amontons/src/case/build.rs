@@ -6,7 +6,7 @@ use std::time::Duration;
 use super::files::{Files, Loader};
 use super::material;
 use super::nearest::nearest;
-use super::path::{Path, Segment};
+use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
@@ -30,14 +30,16 @@ pub(super) fn problem(
     raw: raw::Case,
     files: &Files,
     available: Option<Memory>,
-    doubtful: &[Path],
+    doubtful: &Doubtful,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
+    let is_sound = doubtful.is_empty();
     let mut build = Build {
         findings: Vec::new(),
         doubtful,
         loader: Loader::new(files),
         no_mesh: false,
+        is_sound,
         dim: 2,
         end: raw.time.end,
         has_other_end,
@@ -163,11 +165,13 @@ pub(super) fn expected(raw: &raw::Expected) -> Expected {
 /// What is known while a problem is built.
 pub(super) struct Build<'d> {
     pub findings: Vec<Finding>,
-    pub doubtful: &'d [Path],
+    pub doubtful: &'d Doubtful,
     /// The files beside the case.
     pub loader: Loader<'d>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
     pub no_mesh: bool,
+    /// Whether the case has no faults so far.
+    pub is_sound: bool,
     /// d.
     pub dim: usize,
     /// T in s, and whether an override gives it.
@@ -199,9 +203,7 @@ impl Build<'_> {
         }
         // A side cannot be looked up while the mesh that has the sides is unknown.
         let names_side = path.0.last() == Some(&Segment::Key("on".to_owned()));
-        let mesh_unknown = self.doubtful.iter().any(|p| p.to_string() == "mesh");
-        let related = |d: &Path| path.is_at_or_below(d) || d.is_at_or_below(path);
-        (names_side && mesh_unknown) || self.doubtful.iter().any(related)
+        (names_side && self.doubtful.mesh_unknown) || self.doubtful.is_related(path)
     }
 
     /// The name is that of a folder too.
@@ -334,7 +336,9 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (problem, findings) = problem(raw, &Files::None, Some(Memory { bytes: 2e6, limit: None }), &[], false);
+        let doubtful = Doubtful::default();
+        let memory = Memory { bytes: 2e6, limit: None };
+        let (problem, findings) = problem(raw, &Files::None, Some(memory), &doubtful, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);

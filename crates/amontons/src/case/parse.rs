@@ -2,10 +2,11 @@
 
 use toml::de::DeTable;
 
-use super::fault::{CaseError, Source};
+use super::fault::{CaseError, Lines, Source};
 use super::files::Files;
 use super::identity::identity;
 use super::overrides::Applied;
+use super::path::Doubtful;
 use super::place::{At, Finding, Origin};
 use super::schema::schema;
 use super::text::text as file_text;
@@ -104,7 +105,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         faults.extend(overrides::faults(overrides));
         // With keys given twice alone the rest can be read; overrides might change what it says.
         if overrides.is_empty() && only_duplicates {
-            let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
+            let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &[] };
             faults.extend(
                 build_case(document.get_ref(), &source.files, false)
                     .1
@@ -117,7 +118,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     let applied = overrides::apply(&source.text, overrides)
         .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
     let Applied { text, set, mut faults } = applied;
-    let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
+    let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &set };
     // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those
     // that it lacks.
     let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
@@ -163,7 +164,7 @@ fn build_case(
     let (every, fields, checkpoint) = (raw.output.every, build::fields(&raw.output), build::checkpoint(&raw.output));
     let expected = raw.expected.as_ref().map(build::expected);
     let cells = mesh::cells(&raw.mesh);
-    let (built, later) = build::problem(raw, files, machine::memory(), &doubtful, has_other_end);
+    let (built, later) = build::problem(raw, files, machine::memory(), &Doubtful::new(doubtful), has_other_end);
     findings.extend(later);
     let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
         (
