@@ -4,6 +4,10 @@ use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
 
+/// Address space that a thread takes for products of dense blocks and for its own allocations.
+#[cfg(unix)]
+const PER_THREAD: f64 = 2.0 * 67_108_864.0;
+
 /// Memory that can still be taken.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Memory {
@@ -28,7 +32,9 @@ pub(crate) fn memory() -> Option<Memory> {
 fn address_space() -> Option<f64> {
     let limit = rustix::process::getrlimit(rustix::process::Resource::As).current?;
     let taken = field("/proc/self/status", "VmSize:").unwrap_or(0.0);
-    Some((limit as f64 - taken).max(0.0))
+    // Outside of a pool there are no threads yet, and to ask for their number would start some.
+    let threads = rayon::current_thread_index().map_or(1, |_| rayon::current_num_threads());
+    Some((limit as f64 - taken - threads as f64 * PER_THREAD).max(0.0))
 }
 
 #[cfg(not(unix))]

@@ -68,7 +68,8 @@ pub struct CheckpointInterval {
 }
 
 impl FolderOptions {
-    /// Options for a case with this text: only the last fields, nothing replaced, checkpoints as usual.
+    /// Options for a case with this text: only the last fields, nothing replaced, checkpoints as usual. A case that was
+    /// read from a file has its own: `Case::folder_options`.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
         let text = text.into();
