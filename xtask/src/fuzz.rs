@@ -80,7 +80,7 @@ pub fn run(arguments: &Arguments) -> ExitCode {
             Ok(output) => {
                 all_well = false;
                 let why = String::from_utf8_lossy(&output.stderr);
-                println!("{name:<12} FAILS: {}; the input is {}", output.status, current(name).display());
+                println!("{name:<12} FAILS: {}; the input is {}", output.status, keep(name).display());
                 why.lines().take(20).for_each(|line| println!("    {line}"));
             }
             Err(error) => {
@@ -92,9 +92,18 @@ pub fn run(arguments: &Arguments) -> ExitCode {
     if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// Where the input is that is read at present.
+/// Where the input is that is read at present: in memory where the system has a folder for that.
 fn current(name: &str) -> PathBuf {
-    Path::new("target/fuzz").join(name)
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+    folder.join(format!("amontons-fuzz-{name}"))
+}
+
+/// Keeps the input that ended a process.
+fn keep(name: &str) -> PathBuf {
+    let kept = Path::new("target/fuzz").join(name);
+    let copied = fs::create_dir_all("target/fuzz").and_then(|()| fs::copy(current(name), &kept));
+    if copied.is_ok() { kept } else { current(name) }
 }
 
 /// Limits the address space of this process.
@@ -137,10 +146,6 @@ fn watch() {
 
 /// Feeds a target in this process.
 fn feed(name: &str, arguments: &Arguments) -> ExitCode {
-    if let Err(error) = fs::create_dir_all("target/fuzz") {
-        eprintln!("target/fuzz: {error}");
-        return ExitCode::FAILURE;
-    }
     let Some(mut target) = Target::new(name) else { return ExitCode::FAILURE };
     limit(arguments.memory);
     if let Some(input) = &arguments.input {

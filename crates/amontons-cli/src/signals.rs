@@ -11,7 +11,7 @@ const KILLED: i32 = 130;
 mod system {
     use std::io;
     use std::sync::Arc;
-    use std::sync::atomic::AtomicBool;
+    use std::sync::atomic::{AtomicBool, Ordering};
 
     use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
     use signal_hook::flag;
@@ -43,17 +43,22 @@ mod system {
         for signal in [SIGINT, SIGTERM] {
             flag::register_conditional_shutdown(signal, KILLED, Arc::clone(flag))?;
         }
-        for (signal, _) in ENDING {
-            flag::register(signal, Arc::clone(flag))?;
-        }
         let mut signals = Signals::new(ENDING.map(|(signal, _)| signal))?;
-        // Without a thread nothing is told; the flag is set all the same.
-        std::thread::Builder::new().spawn(move || {
+        let set = Arc::clone(flag);
+        let telling = std::thread::Builder::new().spawn(move || {
             let first = signals.forever().next();
+            // What happens next is told before it happens.
             if let Some((_, name)) = ENDING.iter().find(|(signal, _)| Some(*signal) == first) {
                 tell(name);
             }
-        })?;
+            set.store(true, Ordering::Relaxed);
+        });
+        if telling.is_err() {
+            // Without a thread nothing is told; the run ends all the same.
+            for (signal, _) in ENDING {
+                flag::register(signal, Arc::clone(flag))?;
+            }
+        }
         Ok(())
     }
 }

@@ -207,15 +207,17 @@ fn a_run_goes_on_from_wherever_it_was_killed() {
     let (_folder, whole, broken) = whole_and_broken(4);
     for name in files(&broken).iter().filter(|path| !path.ends_with("case.toml")) {
         let text = fs::read_to_string(name).unwrap_or_default();
-        if !name.ends_with("manifest.json") {
-            fs::remove_file(name).expect("a file");
-        } else {
+        if name.ends_with("manifest.json") {
             // As it is before the start.
             let mut manifest: serde_json::Value = serde_json::from_str(&text).expect("a manifest");
             manifest["sessions"] = serde_json::json!([]);
             fs::write(name, manifest.to_string()).expect("a file");
+        } else {
+            fs::remove_file(name).expect("a file");
         }
     }
+    // Its first checkpoint was being written.
+    fs::write(broken.join("checkpoint/.newer.bin.510222c1f10240b4.part"), "x").expect("a file");
     assert_code(&resume(&broken, &[]), 0);
     assert_same_results(&whole, &broken);
 }

@@ -163,7 +163,7 @@ impl Target {
         let text = || String::from_utf8_lossy(bytes).into_owned();
         match &self.kind {
             Kind::Case => {
-                told(case::parse(&Source::new("case", text()), &[]).map(|case| case.folder_options().text.len() > 0))
+                told(case::parse(&Source::new("case", text()), &[]).map(|case| !case.folder_options().text.is_empty()))
             }
             Kind::Override => told(case::parse(&Source::new("case", SMALL), &[text()])),
             Kind::Expression => told(Expression::parse(&text())),

@@ -40,6 +40,8 @@ pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use rule::Rule;
 
+use crate::contact::Status;
+
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.
 pub const TOLERANCE: f64 = 1e-12;
@@ -68,4 +70,6 @@ pub struct NotConverged {
     pub residual: f64,
     /// Points that were open, stuck and slipping at the last iterate.
     pub pattern: [usize; 3],
+    /// Contact points whose states or forces did not settle, the worst first, with their states at the last iterates.
+    pub unsettled: Vec<(usize, Vec<Status>)>,
 }

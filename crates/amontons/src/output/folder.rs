@@ -387,7 +387,6 @@ impl Folder {
     /// Brings the files back to the step of the checkpoint.
     fn go_on(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, step) = (start.from.problem, start.from.state.step);
-        owned::remove_temporary(&self.path)?;
         self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
         self.probes = self.probe_rows(problem, |columns| Rows::reopen(self.path.join(PROBES), columns, step))?;
         self.keep_snapshots(problem, step)?;

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::files::Written;
+use super::folder::FIELDS;
 use super::manifest::Manifest;
 use super::{OutputError, manifest, owned};
 
@@ -58,7 +59,7 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
         }
     }
     for (step, name) in owned::snapshots(folder) {
-        if name.ends_with(".vtu") {
+        if name.starts_with(FIELDS) {
             found.snapshots.push(step);
         }
         if found.ended.is_some() && !listed.iter().any(|(other, _)| *other == name) {

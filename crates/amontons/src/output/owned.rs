@@ -107,15 +107,18 @@ pub(super) fn remove(root: &Path, run: &Manifest, with_manifest: bool) -> Result
     for name in all.filter(|name| name != manifest::FILE) {
         remove_file(&root.join(name))?;
     }
-    remove_temporary(root)?;
-    FOLDERS.iter().for_each(|folder| remove_empty_folder(&root.join(folder)));
+    for folder in FOLDERS {
+        remove_empty_folder(&root.join(folder));
+    }
     if with_manifest { remove_file(&root.join(manifest::FILE)) } else { Ok(()) }
 }
 
 /// Removes what writers have left that were killed: files under temporary names.
-pub(super) fn remove_temporary(root: &Path) -> Result<(), OutputError> {
-    let folders = FOLDERS.iter().map(|folder| root.join(folder));
-    for folder in std::iter::once(root.to_owned()).chain(folders) {
+fn remove_temporary(root: &Path) -> Result<(), OutputError> {
+    for name in names_in(root).iter().filter(|name| of_temporary(name).is_some_and(|file| NAMES.contains(&file))) {
+        remove_file(&root.join(name))?;
+    }
+    for folder in FOLDERS.iter().map(|folder| root.join(folder)) {
         for name in names_in(&folder).iter().filter(|name| of_temporary(name).is_some()) {
             remove_file(&folder.join(name))?;
         }
@@ -133,7 +136,7 @@ pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError
     settle(root)
 }
 
-/// Brings a folder in order in which a run was killed before or while it took the place of another.
+/// Brings a folder in order in which a run was killed: while it wrote a file, or took the place of another run.
 pub(super) fn settle(root: &Path) -> Result<(), OutputError> {
     let staging = root.join(STAGING);
     let is_moving = staging.is_dir() && staging.join(manifest::FILE).symlink_metadata().is_err();
@@ -147,6 +150,7 @@ pub(super) fn settle(root: &Path) -> Result<(), OutputError> {
             move_file(&staging.join(name), &to)?;
         }
     }
+    remove_temporary(root)?;
     remove_folder(&staging)
 }
 

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
-use crate::contact::PointOnBoundary;
+use crate::contact::{PointOnBoundary, Status};
 use crate::inclusion::{NotConverged, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, Entry, Factor, FactorError, Unknowns};
 use crate::problem::Problem;
@@ -114,7 +114,29 @@ impl Step<'_> {
 
     /// The iteration on Γ_C that did not end.
     pub fn not_converged(&self, part: &'static str, why: NotConverged) -> StepError {
-        StepError::NotConverged { step: self.n, t: self.t, part, why }
+        let unsettled = self.unsettled(&why);
+        StepError::NotConverged { step: self.n, t: self.t, part, why: Box::new(why), unsettled }
+    }
+
+    /// The first contact points that did not settle: place, side, laws, states of the last iterates.
+    fn unsettled(&self, why: &NotConverged) -> String {
+        const TOLD: usize = 3;
+        let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
+        let one = |(i, states): &(usize, Vec<Status>)| {
+            let point = self.discrete.boundary.points.get(*i)?;
+            let contact = self.problem.contacts.get(point.side)?;
+            let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
+            let states: Vec<&str> = states.iter().map(|status| status.name()).collect();
+            let [x, y, z] = point.x;
+            Some(format!("({x}, {y}, {z}) on \"{}\" ({laws}): {}", contact.on, states.join(", ")))
+        };
+        let told: Vec<String> = why.unsettled.iter().filter_map(one).take(TOLD).collect();
+        if told.is_empty() {
+            return String::new();
+        }
+        let count = why.unsettled.len();
+        let points = if count == 1 { "point does" } else { "points do" };
+        format!("; {count} contact {points} not settle: {}", told.join("; "))
     }
 }
 

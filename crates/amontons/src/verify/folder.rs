@@ -167,7 +167,7 @@ impl Files<'_> {
         let (steps, times) = (table.column("step"), table.column("t"));
         let problem = &self.case.problem;
         let in_order = steps.iter().zip(&times).enumerate().filter(|(i, (step, t))| {
-            **step == (*i + 1) as f64 && (**t - problem.time(*i + 1)).abs() <= ROUND_OFF * problem.end
+            (**step - (*i + 1) as f64).abs() < 0.5 && (**t - problem.time(*i + 1)).abs() <= ROUND_OFF * problem.end
         });
         let ended = self.inspection.ended.unwrap_or(table.rows.len()) as f64;
         found.compare(self.name(), "rows of history.csv in order", in_order.count() as f64, ended);

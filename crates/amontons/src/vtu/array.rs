@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use quick_xml::events::BytesStart;
 
-use super::{Appended, attribute};
+use super::{Appended, Room, attribute};
 
 /// How the numbers of a file are stored.
 pub(super) struct Encoding {
@@ -47,11 +47,11 @@ impl Encoding {
         Some((head.iter().enumerate().map(|(i, &b)| u64::from(b) << shift(i)).sum(), rest))
     }
 
-    /// The data behind their header: at most so many bytes.
-    fn unpack(&self, bytes: &[u8], most: u64) -> Result<Vec<u8>, String> {
+    /// The data behind their header, if their place takes so many bytes.
+    fn unpack(&self, bytes: &[u8], takes: impl Fn(u128) -> bool) -> Result<Vec<u8>, String> {
         let (count, body) = self.count(bytes).ok_or("no data")?;
         if self.zlib {
-            return self.inflate(count, body, most);
+            return self.inflate(count, body, takes);
         }
         let data = usize::try_from(count).ok().and_then(|count| body.get(..count));
         data.map(<[u8]>::to_vec).ok_or_else(|| format!("{} bytes of data, {count} announced", body.len()))
@@ -59,7 +59,7 @@ impl Encoding {
 
     /// Undoes the compression: after the number of blocks follow the size of a block, the size of the last block (0:
     /// like the others), the size of each when compressed, and the blocks.
-    fn inflate(&self, blocks: u64, body: &[u8], most: u64) -> Result<Vec<u8>, String> {
+    fn inflate(&self, blocks: u64, body: &[u8], takes: impl Fn(u128) -> bool) -> Result<Vec<u8>, String> {
         let damaged = || "the compressed data are damaged".to_owned();
         let (size, body) = self.count(body).ok_or_else(damaged)?;
         let (last, mut body) = self.count(body).ok_or_else(damaged)?;
@@ -68,9 +68,9 @@ impl Encoding {
         }
         let of_last = if last > 0 { last } else { size };
         let announced = u128::from(size) * u128::from(blocks.saturating_sub(1)) + u128::from(of_last);
-        if blocks > 0 && announced > u128::from(most) {
+        if blocks > 0 && !takes(announced) {
             return Err(format!(
-                "{announced} bytes of data are announced, expected at most {most} by the counts of the file"
+                "{announced} bytes of data are announced, expected as many as the counts of the file, and the memory, allow"
             ));
         }
         let mut sizes = Vec::new();
@@ -119,8 +119,8 @@ impl Open {
         Ok(Open { name, kind, format, components, offset, text: String::new() })
     }
 
-    /// The numbers of the array, for which its place in the file has room for so many tuples.
-    pub(super) fn values(&self, encoding: &Encoding, appended: &Appended, room: u64) -> Result<Vec<f64>, String> {
+    /// The numbers of the array.
+    pub(super) fn values(&self, encoding: &Encoding, appended: &Appended, room: Room) -> Result<Vec<f64>, String> {
         let fault = |what: &str| format!("the array {}: {what}", self.name);
         let base64 = |text: &[u8]| decode(text).map_err(|e| fault(&format!("not base64: {e}")));
         let packed = match self.format.as_str() {
@@ -139,8 +139,8 @@ impl Open {
             other => return Err(fault(&format!("the format {other} is not supported"))),
         };
         let size = self.size().ok_or_else(|| fault(&format!("numbers of type {} are not supported", self.kind)))?;
-        let most = room.saturating_mul(size * self.components as u64);
-        let data = encoding.unpack(&packed, most).map_err(|what| fault(&what))?;
+        let data =
+            encoding.unpack(&packed, |bytes| room.takes(bytes, size, self.components)).map_err(|what| fault(&what))?;
         let count = data.len();
         self.finite(
             self.numbers(&data, encoding.little)

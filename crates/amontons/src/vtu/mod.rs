@@ -69,13 +69,38 @@ const MOST_NODES: u64 = 64;
 
 impl Document<'_> {
     /// Number of tuples for which the piece has room in an array.
-    fn room(&self, section: Section, name: &str) -> u64 {
+    fn room(&self, section: Section, name: &str) -> Room {
         let [points, cells] = self.counts;
-        match section {
-            Section::Points | Section::PointData => points,
-            Section::Cells if name == "connectivity" => cells.saturating_mul(MOST_NODES),
-            Section::Cells | Section::CellData => cells,
-        }
+        let (tuples, is_exact) = match section {
+            Section::Points | Section::PointData => (points, true),
+            Section::Cells if name == "connectivity" => (cells.saturating_mul(MOST_NODES), false),
+            Section::Cells | Section::CellData => (cells, true),
+        };
+        Room { tuples, is_exact, numbers: u64::MAX }
+    }
+}
+
+/// Room of an array.
+#[derive(Clone, Copy)]
+struct Room {
+    /// Number of tuples, and whether it has exactly so many.
+    tuples: u64,
+    is_exact: bool,
+    /// Most numbers.
+    numbers: u64,
+}
+
+impl Room {
+    /// The same with at most so many numbers.
+    fn within(self, numbers: u64) -> Room {
+        Room { numbers, ..self }
+    }
+
+    /// Whether an array of so many bytes, in numbers of some bytes each, has its place here.
+    fn takes(self, bytes: u128, size: u64, components: usize) -> bool {
+        let most = u128::from(self.tuples) * u128::from(size) * components as u128;
+        let fits = if self.is_exact { bytes == most } else { bytes <= most };
+        fits && bytes / u128::from(size.max(1)) <= u128::from(self.numbers)
     }
 }
 
@@ -89,8 +114,8 @@ struct Appended<'a> {
 pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
     let mut document = document(bytes)?;
     let arrays = std::mem::take(&mut document.arrays);
-    // Counts may be wrong: what is read must fit into a part of the memory, too.
-    let budget = machine::memory().map_or(u64::MAX, |memory| (memory.bytes / 4.0) as u64);
+    // Counts may be wrong: all that is read must fit into a part of the memory, too. A run takes many times as much.
+    let mut budget = machine::memory().map_or(u64::MAX, |memory| (memory.bytes / 8.0) as u64);
     let mut grid = Grid::default();
     let mut parts: BTreeMap<String, Array> = BTreeMap::new();
     for (section, open) in arrays {
@@ -100,14 +125,10 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
             Section::PointData | Section::CellData if wanted(&open.name) => String::new(),
             _ => continue,
         };
-        let read = Array {
-            components: open.components,
-            values: open.values(
-                &document.encoding,
-                &document.appended,
-                document.room(section, &open.name).min(budget / 8),
-            )?,
-        };
+        let room = document.room(section, &open.name).within(budget / 8);
+        let values = open.values(&document.encoding, &document.appended, room)?;
+        budget = budget.saturating_sub(8 * values.len() as u64);
+        let read = Array { components: open.components, values };
         drop(match section {
             Section::PointData => grid.point_data.insert(open.name, read),
             Section::CellData => grid.cell_data.insert(open.name, read),

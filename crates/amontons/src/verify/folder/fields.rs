@@ -52,7 +52,7 @@ impl Fields {
         if !same {
             return Err("its points are not those of the mesh".to_owned());
         }
-        let cells = mesh.blocks.iter().flat_map(|block| block.cells());
+        let cells = mesh.blocks.iter().flat_map(crate::mesh::Block::cells);
         if grid.ends.len() != mesh.cell_count() || !grid.cells().zip(cells).all(|(a, b)| a == b) {
             return Err("its cells are not those of the mesh".to_owned());
         }
