@@ -36,12 +36,16 @@ use std::path::{Path, PathBuf};
 
 pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
+#[cfg(feature = "case")]
 pub(crate) use columns::contact_rows;
 pub use columns::{contact_measures, history_columns, history_measures, history_values};
+#[cfg(feature = "case")]
 pub(crate) use earlier::hash as input_hash;
 pub use earlier::{finished_run, has_certificate, known_certificate};
+#[cfg(feature = "case")]
 pub(crate) use files::LONGEST;
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
+#[cfg(feature = "case")]
 pub(crate) use folder::{contact_file, fields_file};
 pub use identity::Identity;
 pub use inputs::{INPUTS, Input, fingerprint};
@@ -52,6 +56,7 @@ pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
 pub use quantity::{Base, Part, Quantity};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use study::StudyFolder;
+#[cfg(feature = "case")]
 pub(crate) use summary::of_last;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 pub use vtu::OutputField;

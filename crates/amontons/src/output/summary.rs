@@ -296,6 +296,7 @@ impl Final {
 }
 
 /// The values of `final` in `summary.json` after a step.
+#[cfg(feature = "case")]
 pub(crate) fn of_last(last: &Snapshot) -> Final {
     Final::new(last, &limits::figures(last))
 }
