@@ -1,6 +1,8 @@
 //! Developer commands: `cargo run --release -p xtask -- COMMAND`.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program prints")]
 
+mod endure;
+mod fuzz;
 mod ordering;
 mod random;
 mod search;
@@ -20,6 +22,10 @@ struct Arguments {
 enum Command {
     /// Runs random contact cases, turned in space, and tabulates how many Newton iterations their steps take.
     Search(search::Arguments),
+    /// Feeds hostile inputs to every reader of the library.
+    Fuzz(fuzz::Arguments),
+    /// Kills runs and fails their writes, and resumes each to the same bits.
+    Endure(endure::Arguments),
     /// Tabulates fill and operations of the Cholesky factor of a cube of tetrahedra by the order of elimination.
     Ordering(ordering::Arguments),
 }
@@ -27,6 +33,8 @@ enum Command {
 fn main() -> ExitCode {
     match Arguments::parse().command {
         Command::Search(arguments) => search::run(&arguments),
+        Command::Fuzz(arguments) => fuzz::run(&arguments),
+        Command::Endure(arguments) => endure::run(&arguments),
         Command::Ordering(arguments) => ordering::run(&arguments),
     }
 }

@@ -1,8 +1,9 @@
 //! Commands and flags.
 
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+use amontons::case::{self, Case, CaseError, Source};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use clap_complete::Shell;
 
@@ -38,6 +39,9 @@ pub enum Command {
     Resume {
         /// The results folder of the run
         dir: PathBuf,
+        /// Draw the results too
+        #[arg(long)]
+        plot: bool,
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
@@ -152,7 +156,7 @@ pub struct Common {
     /// Set a value of the case: KEY is its dotted path, VALUE is TOML; repeatable
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
-    /// Number of threads; results do not depend on it [default: all cores]
+    /// Number of threads, at most 64 or four per core; results do not depend on it [default: all cores]
     #[arg(long, value_name = "N")]
     pub threads: Option<NonZeroUsize>,
     /// How progress is reported on standard error
@@ -164,6 +168,9 @@ pub struct Common {
     /// Form of what is printed on standard output
     #[arg(long, value_enum, default_value_t = Format::Text)]
     pub format: Format,
+    /// Refuse meshes and tables outside the folder of the case
+    #[arg(long)]
+    pub confine: bool,
     /// Replace existing results in the folder once the new run has made its first step
     #[arg(long)]
     pub force: bool,
@@ -187,17 +194,40 @@ pub enum ProgressArgument {
     None,
 }
 
+impl Common {
+    /// The case in a file, as these arguments allow it to be read.
+    pub fn source(&self, file: &Path) -> Result<Source, CaseError> {
+        let source = case::source(file)?;
+        Ok(if self.confine { source.confined() } else { source })
+    }
+
+    /// The case in a file, with the overrides of these arguments.
+    pub fn case(&self, file: &Path) -> Result<Case, CaseError> {
+        case::parse(&self.source(file)?, &self.set)
+    }
+}
+
 impl Command {
     /// In what form messages are printed.
     pub fn format(&self) -> Format {
+        self.common().map_or(Format::Text, |common| common.format)
+    }
+
+    /// Number of threads that is asked for.
+    pub fn threads(&self) -> Option<usize> {
+        self.common().and_then(|common| common.threads).map(usize::from)
+    }
+
+    /// The arguments that most commands have.
+    fn common(&self) -> Option<&Common> {
         match self {
             Command::Run { common, .. }
             | Command::Resume { common, .. }
             | Command::Check { common, .. }
             | Command::Converge { common, .. }
             | Command::Verify { common, .. }
-            | Command::Reproduce { common, .. } => common.format,
-            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => Format::Text,
+            | Command::Reproduce { common, .. } => Some(common),
+            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => None,
         }
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use amontons::case::{self, Case};
 use amontons::hypotheses;
 use amontons::model::Model;
-use amontons::output::{self, Checkpoint, Folder, FolderOptions, OutputError, Sink, Summary};
+use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, OutputError, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
 use amontons::scheme::StepError;
@@ -24,7 +24,7 @@ use crate::{constants, converge, reproduce, verify};
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
         Command::Run { case, plot, no_certificate, common } => start(&case, plot, no_certificate, &common),
-        Command::Resume { dir, no_certificate, common } => resume(&dir, no_certificate, &common),
+        Command::Resume { dir, plot, no_certificate, common } => resume(&dir, plot, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
         Command::Plot { dir, time, dimensionless, scale, pixels } => draw(
@@ -55,55 +55,63 @@ fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure>
 
 fn start(file: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
-    let case = case::read(file, &common.set)?;
+    let case = common.case(file)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
-    let settings = settings(&case, &out, no_certificate, &progress, common);
-    let folder = Folder::create(&out, options(&case, common))?;
-    drive(&case, None, (folder, &out), &settings, progress, common)?;
-    if pictures { draw(&out, &plot::Options::default(), common.quiet || common.format == Format::Json) } else { Ok(()) }
+    let settings = settings(&case, &out, !no_certificate, &progress);
+    let folder = Folder::create(&out, options(&case, !no_certificate, common))?;
+    drive(&case, None, (folder, &out, pictures), &settings, progress, common)
 }
 
-fn resume(dir: &Path, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+fn resume(dir: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
-    let case = case::read(&dir.join("case.toml"), &common.set)?;
-    let checkpoint = Checkpoint::read(dir, &case.fingerprint())?;
+    let case = common.case(&dir.join("case.toml"))?;
     let out = common.out.as_deref().unwrap_or(dir);
-    let settings = settings(&case, dir, no_certificate, &progress, common);
-    let folder = if out == dir {
-        Folder::reopen(dir, options(&case, common))?
+    let same = out == dir || out.canonicalize().is_ok_and(|out| dir.canonicalize().is_ok_and(|dir| dir == out));
+    // A run without a certificate goes on without one.
+    let certificate = !no_certificate && output::has_certificate(dir).unwrap_or(true);
+    let options = options(&case, certificate, common);
+    let (folder, checkpoint) = if same {
+        (Folder::reopen(dir, options)?, Checkpoint::read(dir, &case.identity())?)
     } else {
-        Folder::copy(dir, out, options(&case, common))?
+        let _lock = FolderLock::take(dir)?;
+        let checkpoint = Checkpoint::read(dir, &case.identity())?;
+        (Folder::copy(dir, out, options)?, checkpoint)
     };
-    drive(&case, Some(checkpoint), (folder, out), &settings, progress, common)
+    if let Some((why, step)) = checkpoint.as_ref().and_then(|c| Some((c.fallback.as_ref()?, c.state.step))) {
+        note(&format!("{why}; going on from the checkpoint before, of step {step}"), common);
+    }
+    let settings = settings(&case, dir, certificate, &progress);
+    drive(&case, checkpoint, (folder, out, pictures), &settings, progress, common)
+}
+
+/// Tells something that a user has to know although the command goes on.
+fn note(text: &str, common: &Common) {
+    if !common.quiet {
+        print::note(text);
+    }
 }
 
 /// Settings of a run, with the certificate that `dir` holds of the same inputs.
-fn settings(case: &Case, dir: &Path, no_certificate: bool, progress: &Progress, common: &Common) -> Settings {
+fn settings(case: &Case, dir: &Path, certificate: bool, progress: &Progress) -> Settings {
     Settings {
-        threads: common.threads.map(usize::from),
+        // Commands are done in a pool of the threads that are asked for.
+        threads: None,
         interrupt: Some(progress.interrupt_flag()),
-        certificate: !no_certificate,
+        certificate,
         known: output::known_certificate(dir, &case.fingerprint()),
         watch: Some(progress.watch()),
     }
 }
 
-fn options(case: &Case, common: &Common) -> FolderOptions {
-    FolderOptions {
-        inputs: case.inputs.clone(),
-        every: case.every,
-        fields: case.fields.clone(),
-        probes: case.probes.clone(),
-        force: common.force,
-        ..FolderOptions::new(&case.text)
-    }
+fn options(case: &Case, certificate: bool, common: &Common) -> FolderOptions {
+    FolderOptions { force: common.force, certificate, ..case.folder_options() }
 }
 
-/// Runs a case into a folder and prints what it came to.
+/// Runs a case into a folder, prints what it came to, and draws it if that is asked for, also where it ended early.
 fn drive(
     case: &Case,
     from: Option<Checkpoint>,
-    (mut folder, out): (Folder, &Path),
+    (mut folder, out, pictures): (Folder, &Path, bool),
     settings: &Settings,
     progress: Progress,
     common: &Common,
@@ -116,10 +124,22 @@ fn drive(
     };
     // The bar goes before the summary comes.
     drop(progress);
+    folder.notes().iter().for_each(|text| note(text, common));
+    let quiet = common.quiet || common.format == Format::Json;
     match result {
-        Ok(summary) => done(&summary, out, common),
+        Ok(summary) => {
+            done(&summary, out, common)?;
+            if pictures { draw(out, &plot::Options::default(), quiet) } else { Ok(()) }
+        }
         Err(error) => {
             let hint = hint(&error, &folder, out);
+            let is_written = hint.is_some() && !folder.keeps_older_results();
+            if pictures
+                && is_written
+                && let Err(failure) = draw(out, &plot::Options::default(), quiet)
+            {
+                note(&failure.message(), common);
+            }
             Err(Failure::Run { error, hint })
         }
     }
@@ -160,12 +180,9 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
 }
 
 fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> {
-    let case = case::read(file, &common.set)?;
+    let case = common.case(file)?;
     let problem = &case.problem;
-    let full = run::with_threads(common.threads.map(usize::from), || hypotheses::full(problem));
-    let certificate = full.map_err(|error| Failure::Run { error, hint: None })?;
-    let model = run::with_threads(common.threads.map(usize::from), || Model::new(problem))
-        .map_err(|error| Failure::Run { error, hint: None })?;
+    let (certificate, model) = (hypotheses::full(problem), Model::new(problem));
     let table = constants::table(file, levels, common)?;
     match common.format {
         Format::Json => {

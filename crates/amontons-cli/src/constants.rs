@@ -5,7 +5,6 @@ use std::path::Path;
 use amontons::case;
 use amontons::convergence::{ConstantsTable, Limit};
 use amontons::hypotheses::{Constant, DomainConstants, domain_constants};
-use amontons::run::with_threads;
 use serde_json::{Map, Value, json};
 
 use crate::arguments::Common;
@@ -16,14 +15,11 @@ pub fn table(file: &Path, levels: &[usize], common: &Common) -> Result<Option<Co
     if levels.is_empty() {
         return Ok(None);
     }
-    let levels = case::meshes(&case::source(file)?, &common.set, levels)?;
-    let computed = with_threads(common.threads.map(usize::from), || {
-        levels
-            .iter()
-            .map(|level| Ok((level.level, level.problem.mesh.spacing(), domain_constants(&level.problem)?)))
-            .collect::<Result<Vec<_>, Failure>>()
-    });
-    let meshes = computed.map_err(|error| Failure::Run { error, hint: None })??;
+    let levels = case::meshes(&common.source(file)?, &common.set, levels)?;
+    let meshes = levels
+        .iter()
+        .map(|level| Ok((level.level, level.problem.mesh.spacing(), domain_constants(&level.problem)?)))
+        .collect::<Result<Vec<_>, Failure>>()?;
     Ok(Some(ConstantsTable::new(&meshes)))
 }
 

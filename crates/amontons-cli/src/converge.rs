@@ -7,7 +7,6 @@ use amontons::case::{self, ReferenceRequest, Source, StudyRequest};
 use amontons::convergence::{Level, ReferenceProgress, Study, StudySettings, StudyTable, Vary};
 use amontons::output::{OutputError, StudyFolder};
 use amontons::plot;
-use amontons::run::with_threads;
 use amontons::scheme::State;
 
 use crate::arguments::{Common, Format, StudyArguments};
@@ -17,7 +16,7 @@ use crate::status::Failure;
 
 /// Makes the studies that the arguments ask for and prints their tables.
 pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), Failure> {
-    let source = case::source(file)?;
+    let source = common.source(file)?;
     let name = case::parse(&source, &common.set)?.problem.name.clone();
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-convergence")));
     let progress = Progress::new(common);
@@ -30,13 +29,10 @@ pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Resu
         let out = if folder.is_empty() { out.clone() } else { out.join(folder) };
         let part = format!("study {} of {}", number + 1, variants.len());
         let running = Running { part: &part, progress: &progress, interrupt: &flag };
-        let table = study(
-            &case::study(&source, &overrides, &request(arguments))?,
-            &StudyFolder::create(&out, common.force)?,
-            common,
-            &running,
-        )?;
-        write(&source, &overrides, &table, &out)?;
+        let made = case::study(&source, &overrides, &request(arguments))?;
+        let folder = StudyFolder::create(&out, common.force)?;
+        let table = study(&made, &folder, &running)?;
+        write(&source, &overrides, &table, &folder)?;
         if common.format == Format::Text && !common.quiet {
             let title = if values.is_empty() { name.clone() } else { format!("{name}, {}", values.join(", ")) };
             print::text(&text(&title, &table, &out))?;
@@ -103,7 +99,7 @@ pub struct Running<'a> {
 
 /// Makes one study in a folder of its own. Finished levels of an interrupted one are taken as they are, and the
 /// reference goes on where it stopped.
-pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Running) -> Result<StudyTable, Failure> {
+pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<StudyTable, Failure> {
     let failed = std::sync::Mutex::new(None);
     // The study itself does not depend on what is kept: a failure is reported at the end.
     let note = |result: Result<(), OutputError>| {
@@ -127,9 +123,7 @@ pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Run
         load_reference: Some(&load_reference),
         keep_reference: Some(&keep_reference),
     };
-    let table = with_threads(common.threads.map(usize::from), || study.run(&settings))
-        .map_err(|error| Failure::Run { error, hint: None })?;
-    let table = table.map_err(|error| Failure::Study { error, folder: folder.path().to_owned() })?;
+    let table = study.run(&settings).map_err(|error| Failure::Study { error, folder: folder.path().to_owned() })?;
     match failed.into_inner() {
         Ok(Some(error)) => Err(error.into()),
         _ => Ok(table),
@@ -137,9 +131,10 @@ pub fn study(study: &Study, folder: &StudyFolder, common: &Common, running: &Run
 }
 
 /// Writes the table of a study, and draws it.
-pub fn write(source: &Source, overrides: &[String], table: &StudyTable, out: &Path) -> Result<(), Failure> {
+pub fn write(source: &Source, overrides: &[String], table: &StudyTable, folder: &StudyFolder) -> Result<(), Failure> {
     let case = case::parse(source, overrides)?;
-    StudyFolder::create(out, true)?.finish(table, &case.text, &case.inputs)?;
+    let out = folder.path();
+    folder.finish(table, &case.text, &case.inputs)?;
     let picture =
         plot::convergence(&plot::ConvergencePlot::read(&out.join("convergence.csv"), &plot::Options::default())?)?;
     picture.save(&out.join("convergence"), plot::Options::default().pixels)?;

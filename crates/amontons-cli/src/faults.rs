@@ -7,10 +7,10 @@ use ariadne::{Color, Config, IndexType, Label, Report, ReportKind};
 use serde_json::{Value, json};
 
 /// Prints all faults, each with its place, and how many there are.
-pub fn print(file: &Source, faults: &[CaseFault]) {
+pub fn print(file: &Source, faults: &[CaseFault], more: usize) {
     let mut text = Vec::new();
     // Writing into memory does not fail.
-    let _ = write(file, faults, colours(), &mut text);
+    let _ = write(file, (faults, more), colours(), &mut text);
     // Where standard error fails there is no one to tell.
     let _ = io::stderr().lock().write_all(&text);
 }
@@ -20,8 +20,9 @@ fn colours() -> bool {
     io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty())
 }
 
-fn write(file: &Source, faults: &[CaseFault], colours: bool, out: &mut Vec<u8>) -> io::Result<()> {
+fn write(file: &Source, (faults, more): (&[CaseFault], usize), colours: bool, out: &mut Vec<u8>) -> io::Result<()> {
     let name = file.name.as_str();
+    let mut source = (name, ariadne::Source::from(&file.text));
     for fault in faults {
         let message = if fault.path.is_empty() {
             format!("found {}", fault.found)
@@ -41,15 +42,16 @@ fn write(file: &Source, faults: &[CaseFault], colours: bool, out: &mut Vec<u8>) 
                 if let Some(hint) = &fault.hint {
                     report = report.with_help(hint);
                 }
-                report.finish().write((name, ariadne::Source::from(&file.text)), &mut *out)?;
+                report.finish().write(&mut source, &mut *out)?;
             }
             FaultPlace::Override(given) => without_excerpt(&format!("--set {given}"), &message, fault, out)?,
             FaultPlace::Whole => without_excerpt(name, &message, fault, out)?,
         }
         writeln!(out)?;
     }
-    let count = faults.len();
-    writeln!(out, "{name}: {count} fault{}", if count == 1 { "" } else { "s" })
+    let count = faults.len() + more;
+    let told = if more > 0 { format!(", the first {} of them are told", faults.len()) } else { String::new() };
+    writeln!(out, "{name}: {count} fault{}{told}", if count == 1 { "" } else { "s" })
 }
 
 fn without_excerpt(place: &str, message: &str, fault: &CaseFault, out: &mut Vec<u8>) -> io::Result<()> {

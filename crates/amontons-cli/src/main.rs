@@ -9,7 +9,9 @@ mod model;
 mod print;
 mod progress;
 mod reproduce;
+mod signals;
 mod status;
+mod threads;
 mod verify;
 mod voices;
 
@@ -18,9 +20,10 @@ use std::process::ExitCode;
 use clap::Parser;
 
 fn main() -> ExitCode {
+    signals::prepare();
     let arguments = arguments::Arguments::parse();
     let format = arguments.command.format();
-    match commands::execute(arguments.command) {
+    match threads::within(arguments.command.threads(), || commands::execute(arguments.command)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(format),
     }

@@ -32,6 +32,12 @@ pub fn error(message: &str, hint: Option<&str>) {
     let _ = write!(io::stderr().lock(), "Error: {message}\n{hint}");
 }
 
+/// Prints on standard error what a user has to know although the command goes on.
+pub fn note(text: &str) {
+    // Where standard error fails there is no one to tell.
+    let _ = writeln!(io::stderr().lock(), "Note: {text}");
+}
+
 /// The summary of a run for reading.
 pub fn summary(summary: &Summary, folder: &Path) -> String {
     let end = &summary.last;

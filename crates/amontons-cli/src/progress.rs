@@ -4,7 +4,7 @@
 //! too.
 
 use std::io::{IsTerminal, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -17,6 +17,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 
 use crate::arguments::{Common, ProgressArgument};
+use crate::signals;
 
 /// How long a command takes before it gets a bar, and how often the bar is drawn.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -25,8 +26,6 @@ const REDRAW: Duration = Duration::from_millis(200);
 const MINUTE: Duration = Duration::from_mins(1);
 /// Least time between JSON lines of steps.
 const JSON: Duration = Duration::from_secs(1);
-/// Exit code after a second Ctrl-C.
-const KILLED: i32 = 130;
 
 /// What is reported, and how.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -104,14 +103,14 @@ impl Place {
         value
     }
 
-    /// What happens after a first Ctrl-C.
-    fn after_interrupt(&self) -> String {
+    /// What happens after a first signal.
+    fn after_interrupt(&self, signal: &str) -> String {
         let first = match self.phase {
             "steps" if self.step < self.steps => format!("step {} of {} is finished", self.step + 1, self.steps),
             phase => format!("the present phase ({phase}) is finished"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
-        format!("Ctrl-C: {first} and {kept}; a second Ctrl-C stops at once")
+        format!("{signal}: {first} and {kept}; a second Ctrl-C stops at once")
     }
 }
 
@@ -204,9 +203,11 @@ impl Progress {
         }
         let reporter = matches!(mode, Mode::Bar | Mode::Lines).then(|| {
             let shared = Arc::clone(&shared);
-            std::thread::spawn(move || report(&shared, if shared.mode == Mode::Bar { REDRAW } else { interval }))
+            let report = move || report(&shared, if shared.mode == Mode::Bar { REDRAW } else { interval });
+            // Without a thread to report nothing is reported.
+            std::thread::Builder::new().spawn(report).ok()
         });
-        Progress { shared, reporter }
+        Progress { shared, reporter: reporter.flatten() }
     }
 
     /// Begins a part of the command with a number of steps.
@@ -239,16 +240,13 @@ impl Progress {
         }))
     }
 
-    /// A flag that Ctrl-C sets, which says what happens next; a second Ctrl-C ends the program at once.
+    /// A flag that Ctrl-C and the signals of batch systems set, which says what happens next; a second Ctrl-C ends the
+    /// program at once.
     pub fn interrupt_flag(&self) -> Arc<AtomicBool> {
         let flag = Arc::new(AtomicBool::new(false));
-        let (set, shared) = (Arc::clone(&flag), Arc::clone(&self.shared));
-        // If there is no handler to be had, Ctrl-C ends the program at once: checkpoints are written all the same.
-        let _ = ctrlc::set_handler(move || {
-            if set.swap(true, Ordering::Relaxed) {
-                std::process::exit(KILLED);
-            }
-            let message = shared.place().after_interrupt();
+        let shared = Arc::clone(&self.shared);
+        signals::interrupts(&flag, move |signal| {
+            let message = shared.place().after_interrupt(signal);
             match shared.mode {
                 Mode::Json => tell(&json!({ "interrupted": message }).to_string()),
                 Mode::Silent => {}
@@ -360,12 +358,12 @@ mod tests {
             (&json!(2), &json!(5), &json!("study 3 of 6"))
         );
         assert_eq!(
-            place.after_interrupt(),
+            place.after_interrupt("Ctrl-C"),
             "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once"
         );
         place.step = 8;
         assert!(
-            place.after_interrupt().starts_with("Ctrl-C: the present phase (steps) is finished"),
+            place.after_interrupt("Ctrl-C").starts_with("Ctrl-C: the present phase (steps) is finished"),
             "there is no step 9 of 8"
         );
     }

@@ -44,7 +44,8 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join("reproduce"));
     let report = out.join("report.md");
     if report.exists() && !common.force {
-        return Err(OutputError::HoldsResults { path: out, found: "report.md".to_owned() }.into());
+        let advice = "replace it with --force, or give another folder with --out".to_owned();
+        return Err(OutputError::HoldsResults { path: out, found: "a finished report".to_owned(), advice }.into());
     }
     let progress = Progress::new(common);
     let flag = progress.interrupt_flag();
@@ -54,7 +55,7 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
         reference: ReferenceRequest::Level(reference),
         power: 1,
     };
-    let work = Work { source: Source::new("paper.toml", PAPER), request, common, progress: &progress, flag };
+    let work = Work { source: Source::new("paper.toml", PAPER), request, progress: &progress, flag };
     let mut all = Vec::new();
     for reading in READINGS {
         let folder = out.join(reading.0);
@@ -90,7 +91,6 @@ pub fn execute(levels: &[usize], reference: usize, common: &Common) -> Result<()
 struct Work<'a> {
     source: Source,
     request: StudyRequest,
-    common: &'a Common,
     progress: &'a Progress,
     flag: Arc<AtomicBool>,
 }
@@ -104,29 +104,22 @@ impl Work<'_> {
         }
         self.progress.part(&format!("run {of}"), case.problem.steps);
         let settings = Settings {
-            threads: self.common.threads.map(usize::from),
             interrupt: Some(self.flag.clone()),
             certificate: false,
             watch: Some(self.progress.watch()),
             ..Settings::default()
         };
-        let options = FolderOptions {
-            every: case.every,
-            fields: case.fields.clone(),
-            probes: case.probes.clone(),
-            force: true,
-            ..FolderOptions::new(&case.text)
-        };
+        let options = FolderOptions { force: true, certificate: false, ..case.folder_options() };
         let mut steps = StepSink(self.progress);
-        let result = match Checkpoint::read(folder, &case.fingerprint()) {
-            Ok(checkpoint) => run::resume(
+        let result = match Checkpoint::read(folder, &case.identity()) {
+            Ok(Some(checkpoint)) => run::resume(
                 &case.problem,
                 checkpoint,
                 &settings,
                 &mut [&mut Folder::reopen(folder, options)?, &mut steps],
             ),
             // Without a checkpoint of this case there is nothing to go on with.
-            Err(_) => run::run(&case.problem, &settings, &mut [&mut Folder::create(folder, options)?, &mut steps]),
+            _ => run::run(&case.problem, &settings, &mut [&mut Folder::create(folder, options)?, &mut steps]),
         };
         result.map_err(|error| {
             let hint = matches!(error, RunError::Interrupted(_))
@@ -145,8 +138,8 @@ impl Work<'_> {
         let folder = StudyFolder::create(path, true)?;
         let part = format!("study {of}");
         let running = Running { part: &part, progress: self.progress, interrupt: &self.flag };
-        let table = converge::study(&study, &folder, self.common, &running)?;
-        converge::write(&self.source, overrides, &table, path)?;
+        let table = converge::study(&study, &folder, &running)?;
+        converge::write(&self.source, overrides, &table, &folder)?;
         folder.seal(&study)?;
         folder.clean()?;
         Ok(table)

@@ -122,10 +122,7 @@ impl Failure {
     fn class(&self) -> Class {
         match self {
             Failure::Case(CaseError::Faults { .. }) => CASE,
-            Failure::Output(OutputError::HoldsResults { .. })
-            | Failure::Exists(_)
-            | Failure::Request(_)
-            | Failure::Usage(_) => USAGE,
+            Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
             Failure::Verification { .. } => CHECK,
             Failure::Constants(_) => SOLVER,
             Failure::Plot(_) => FILE,
@@ -135,20 +132,21 @@ impl Failure {
                 StudyError::Times { .. } | StudyError::Transfer { .. } => USAGE,
                 StudyError::Setup { .. } | StudyError::Step { .. } => SOLVER,
             },
-            Failure::Case(CaseError::Read { .. }) | Failure::Output(_) | Failure::Print(_) => FILE,
+            Failure::Case(CaseError::Read { .. }) | Failure::Print(_) => FILE,
+            Failure::Output(error) => of_output(error),
             Failure::Checkpoint(error) => of_checkpoint(error),
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_)) => CASE,
                 RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
                 RunError::Interrupted(_) => INTERRUPTED,
-                RunError::Output(_) => FILE,
+                RunError::Output(error) => of_output(error),
                 RunError::Checkpoint(error) => of_checkpoint(error),
             },
         }
     }
 
-    fn message(&self) -> String {
+    pub fn message(&self) -> String {
         match self {
             Failure::Case(error) => error.to_string(),
             Failure::Run { error, .. } => error.to_string(),
@@ -174,6 +172,9 @@ impl Failure {
     fn hint(&self) -> Option<&str> {
         match self {
             Failure::Run { hint, .. } => hint.as_deref(),
+            Failure::Checkpoint(CheckpointError::Damaged { .. }) => {
+                Some("both checkpoints cannot be used; start the run anew with --force")
+            }
             _ => None,
         }
     }
@@ -195,8 +196,9 @@ impl Failure {
         if let Some(hint) = self.hint() {
             error["hint"] = json!(hint);
         }
-        if let Failure::Case(CaseError::Faults { file, faults }) = self {
+        if let Failure::Case(CaseError::Faults { file, faults, more }) = self {
             error["faults"] = faults::json(file, faults);
+            error["more_faults"] = json!(more);
         }
         if let Failure::Verification { table, .. } = self {
             let mut table = table.clone();
@@ -223,7 +225,7 @@ impl Failure {
             let _ = print::json(&self.json());
         } else {
             match self {
-                Failure::Case(CaseError::Faults { file, faults }) => faults::print(file, faults),
+                Failure::Case(CaseError::Faults { file, faults, more }) => faults::print(file, faults, *more),
                 _ => print::error(&self.message(), self.hint()),
             }
         }
@@ -231,9 +233,19 @@ impl Failure {
     }
 }
 
+fn of_output(error: &OutputError) -> Class {
+    match error {
+        OutputError::HoldsResults { .. } | OutputError::Stranger { .. } => USAGE,
+        _ => FILE,
+    }
+}
+
 fn of_checkpoint(error: &CheckpointError) -> Class {
     match error {
-        CheckpointError::OtherCase { .. } | CheckpointError::Shape { .. } => CASE,
-        CheckpointError::Read { .. } | CheckpointError::Damaged { .. } | CheckpointError::Version { .. } => FILE,
+        CheckpointError::OtherCase { .. } | CheckpointError::Shape { .. } | CheckpointError::StepLength { .. } => CASE,
+        CheckpointError::Read { .. }
+        | CheckpointError::Damaged { .. }
+        | CheckpointError::Version { .. }
+        | CheckpointError::Missing { .. } => FILE,
     }
 }

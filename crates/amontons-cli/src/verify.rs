@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use amontons::case::{self, Source};
+use amontons::case::Source;
 use amontons::run::Settings;
-use amontons::verify::{BENCHMARKS, Verdict, VerifyError, benchmark, recompute, verify_case};
+use amontons::verify::{BENCHMARKS, Recomputed, Verdict, VerifyError, benchmark, recompute, verify_case};
 
 use crate::arguments::{Common, Format};
 use crate::print;
@@ -12,10 +12,10 @@ use crate::status::Failure;
 
 /// Evaluates the benchmarks, case files and results folders that are named, all benchmarks without names.
 pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
-    let settings = Settings { threads: common.threads.map(usize::from), certificate: false, ..Settings::default() };
+    let settings = Settings { certificate: false, ..Settings::default() };
     let mut verdicts: Vec<Verdict> = Vec::new();
-    let mut failures: Vec<String> = Vec::new();
-    let wanted = chosen(names, &common.set)?;
+    let (mut failures, mut unchecked): (Vec<String>, Vec<String>) = (Vec::new(), Vec::new());
+    let wanted = chosen(names, common)?;
     let speaks = common.format == Format::Text && !common.quiet;
     if speaks {
         print::text(&header())?;
@@ -24,9 +24,13 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
         match target.verify(&common.set, &settings) {
             Ok(found) => {
                 if speaks {
-                    print::text(&found.iter().map(row).collect::<String>())?;
+                    print::text(&found.verdicts.iter().map(row).collect::<String>())?;
+                    let untold = found.unchecked.iter().map(|what| format!("not checked: {what}\n"));
+                    print::text(&untold.collect::<String>())?;
                 }
-                verdicts.extend(found);
+                verdicts.extend(found.verdicts);
+                failures.extend(found.faults.into_iter().map(|fault| format!("{}: {fault}", target.name())));
+                unchecked.extend(found.unchecked);
             }
             // Of one case the failure is that of its run; of several the others go on.
             Err(error) if wanted.len() == 1 => return Err(error.into()),
@@ -38,7 +42,9 @@ pub fn execute(names: &[String], common: &Common) -> Result<(), Failure> {
     if speaks {
         print::text(&format!("{held} of {} values hold\n", verdicts.len()))?;
     }
-    let table = serde_json::json!({ "verdicts": verdicts, "failures": failures, "holds": all_hold });
+    let table = serde_json::json!({
+        "verdicts": verdicts, "failures": failures, "unchecked": unchecked, "holds": all_hold,
+    });
     if all_hold {
         return if common.format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) };
     }
@@ -61,25 +67,28 @@ impl Target<'_> {
         }
     }
 
-    fn verify(&self, overrides: &[String], settings: &Settings) -> Result<Vec<Verdict>, VerifyError> {
+    fn verify(&self, overrides: &[String], settings: &Settings) -> Result<Recomputed, VerifyError> {
         match self {
-            Target::Case(source) => verify_case(source, overrides, settings),
+            Target::Case(source) => {
+                let verdicts = verify_case(source, overrides, settings)?;
+                Ok(Recomputed { verdicts, ..Recomputed::default() })
+            }
             Target::Folder(folder) => recompute(Path::new(folder)),
         }
     }
 }
 
-fn chosen<'a>(names: &'a [String], overrides: &[String]) -> Result<Vec<Target<'a>>, Failure> {
+fn chosen<'a>(names: &'a [String], common: &Common) -> Result<Vec<Target<'a>>, Failure> {
     if names.is_empty() {
         return Ok(BENCHMARKS.iter().map(|(name, text)| Target::Case(benchmark(name, text))).collect());
     }
     let target = |name: &'a String| match BENCHMARKS.iter().find(|(known, _)| known == name) {
         Some((name, text)) => Ok(Target::Case(benchmark(name, text))),
-        None if Path::new(name).is_dir() && overrides.is_empty() => Ok(Target::Folder(name)),
+        None if Path::new(name).is_dir() && common.set.is_empty() => Ok(Target::Folder(name)),
         None if Path::new(name).is_dir() => Err(Failure::Usage(format!(
             "{name} is a results folder, whose figures are recomputed from its files: --set has no meaning there; verify the case file instead"
         ))),
-        None if Path::new(name).is_file() => Ok(Target::Case(case::source(Path::new(name))?)),
+        None if Path::new(name).is_file() => Ok(Target::Case(common.source(Path::new(name))?)),
         None => {
             let known: Vec<&str> = BENCHMARKS.iter().map(|(known, _)| *known).collect();
             Err(Failure::Usage(format!(

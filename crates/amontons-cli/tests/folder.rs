@@ -40,6 +40,7 @@ fn a_folder_holds_what_the_contract_says() {
     let expected = [
         "case.toml",
         "certificate.json",
+        "checkpoint/previous.bin",
         "checkpoint/state.bin",
         "contact/step_0000003.csv",
         "contact/step_0000006.csv",
@@ -160,4 +161,89 @@ fn results_are_replaced_only_by_force_and_by_a_run_that_has_started_well() {
     assert_code(&run_paper(&anew, 5, &[]), 0);
     fs::remove_file(out.join("notes.txt")).expect("a file");
     assert_same_results(&out, &anew);
+}
+
+/// Nothing is removed or replaced that is not of a run.
+#[test]
+fn files_of_others_are_neither_removed_nor_replaced() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("results");
+    assert_code(&run_paper(&out, 4, &[]), 0);
+    let mine = ["inputs/mine.csv", "plots/mine.svg", "fields/mine.vtu", "notes.txt"];
+    for name in mine {
+        fs::create_dir_all(out.join(name).parent().expect("a folder")).expect("a folder");
+        fs::write(out.join(name), "mine").expect("a file");
+    }
+    assert_code(&run_paper(&out, 5, &["--force"]), 0);
+    assert!(mine.iter().all(|name| read(&out.join(name)) == "mine"));
+    assert!(!out.join("fields/step_0000004.vtu").exists());
+
+    // A case that lies in the folder is not a result.
+    let work = folder.path().join("work");
+    fs::create_dir(&work).expect("a folder");
+    fs::copy(common::paper(), work.join("case.toml")).expect("a file");
+    for further in [&[][..], &["--force"]] {
+        let refused = run_paper(&work, 4, further);
+        assert_code(&refused, 2);
+        assert!(stderr(&refused).contains("case.toml was not written by a run"), "{}", stderr(&refused));
+    }
+    assert_eq!(files(&work).len(), 1);
+    // A manifest that lists what lies outside removes nothing there.
+    let manifest = out.join("manifest.json");
+    let mut value: serde_json::Value = serde_json::from_str(&read(&manifest)).expect("a manifest");
+    value["outputs"]["../work/case.toml"] = serde_json::Value::Null;
+    value["outputs"][work.join("case.toml").display().to_string()] = serde_json::Value::Null;
+    fs::write(&manifest, value.to_string()).expect("a file");
+    assert_code(&run_paper(&out, 5, &["--force"]), 0);
+    assert!(work.join("case.toml").is_file());
+}
+
+#[test]
+fn a_folder_with_a_run_says_what_it_holds() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("results");
+    assert_code(&run_paper(&out, 4, &[]), 0);
+    let told = stderr(&run_paper(&out, 4, &[]));
+    assert!(told.contains("a finished run of \"paper\": 4 steps are made") && !told.contains("resume"), "{told}");
+    // As a kill leaves it.
+    fs::remove_file(out.join("summary.json")).expect("a file");
+    let manifest = out.join("manifest.json");
+    let mut value: serde_json::Value = serde_json::from_str(&read(&manifest)).expect("a manifest");
+    value["end"] = serde_json::Value::Null;
+    fs::write(&manifest, value.to_string()).expect("a file");
+    let told = stderr(&run_paper(&out, 4, &[]));
+    let expected = format!("go on with: amontons resume {}", out.display());
+    assert!(told.contains("a run that was broken off of \"paper\": 4 steps") && told.contains(&expected), "{told}");
+}
+
+/// Of several writers of a folder one works, and the others are told.
+#[test]
+fn one_writer_at_a_time() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("results");
+    let start = |command: &str, further: &[&str]| {
+        let (paper, out) = (common::paper(), out.display().to_string());
+        let mut arguments: Vec<&str> = vec![command];
+        arguments.extend(if command == "run" { vec![paper.as_str(), "--out", &out] } else { vec![out.as_str()] });
+        arguments.extend(further);
+        let mut command = common::amontons(&arguments);
+        command.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::piped());
+        command.spawn().expect("the program starts")
+    };
+    let long = ["--set", "mesh.n=4", "--set", "time.steps=4000", "--no-certificate"];
+    let first = start("run", &long);
+    let begin = std::time::Instant::now();
+    while fs::metadata(out.join("history.csv")).map_or(0, |meta| meta.len()) < 20_000 {
+        assert!(begin.elapsed() < std::time::Duration::from_mins(1), "the run does not start");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    for (command, further) in [("resume", &[][..]), ("run", &["--force"]), ("run", &[])] {
+        let told = start(command, further).wait_with_output().expect("the end");
+        assert_code(&told, 4);
+        let said = stderr(&told);
+        assert!(said.contains("is in use by process") && said.contains(&first.id().to_string()), "{said}");
+    }
+    assert_code(&first.wait_with_output().expect("the end"), 0);
+    assert_eq!(read(&out.join("history.csv")).lines().count(), 4001);
+    assert!(files(&out).iter().all(|path| !path.ends_with(".amontons.lock")));
 }

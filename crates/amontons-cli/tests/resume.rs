@@ -11,9 +11,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use amontons::case::{self, Case};
-use amontons::output::{Folder, FolderOptions, OutputError, RunStart, Sink, Snapshot, Summary};
+use amontons::output::{
+    Checkpoint, CheckpointInterval, Folder, FolderOptions, OutputError, RunStart, Sink, Snapshot, Summary,
+};
 use amontons::run::{self, RunError, Settings};
-use common::{amontons, assert_code, assert_same_results, json, output, paper, read, run_paper, stderr, summary};
+use common::{
+    amontons, assert_code, assert_same_results, files, json, output, paper, read, run_paper, stderr, summary,
+};
 use tempfile::{TempDir, tempdir};
 
 const STEPS: usize = 10;
@@ -47,15 +51,9 @@ fn small_case_with(further: &[&str]) -> Case {
     case::read(paper().as_ref(), &overrides).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn folder_of(case: &Case, path: &Path, checkpoint_interval: Duration) -> Folder {
-    let options = FolderOptions {
-        inputs: case.inputs.clone(),
-        every: case.every,
-        fields: case.fields.clone(),
-        probes: case.probes.clone(),
-        checkpoint_interval,
-        ..FolderOptions::new(&case.text)
-    };
+fn folder_of(case: &Case, path: &Path, time: Duration) -> Folder {
+    let checkpoint = CheckpointInterval { time: Some(time), steps: None };
+    let options = FolderOptions { checkpoint, ..case.folder_options() };
     Folder::create(path, options).expect("a folder")
 }
 
@@ -141,15 +139,45 @@ fn a_run_that_died_goes_on_from_its_newest_checkpoint() {
     // What a crash may leave: rows behind the checkpoint, a row in part, a file in part.
     let mut history = fs::OpenOptions::new().append(true).open(died.join("history.csv")).expect("the history");
     history.write_all(b"8,0.8,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1,1\n9,0.9,1.0").expect("rows");
-    fs::write(died.join("fields/.step_0000008.vtu.part"), "x").expect("a file");
+    fs::write(died.join("fields/.step_0000008.vtu.0123456789abcdef.part"), "x").expect("a file");
     assert_code(&resume(&died, &[]), 0);
     assert_same_results(&whole, &died);
+}
+
+#[test]
+fn the_checkpoint_before_takes_the_place_of_a_damaged_one() {
+    let (_folder, whole, broken) = whole_and_broken(4);
+    let [newest, before] = ["state.bin", "previous.bin"].map(|name| broken.join("checkpoint").join(name));
+    let good = [&newest, &before].map(|file| fs::read(file).expect("a checkpoint"));
+    let mut flipped = good[0].clone();
+    flipped[good[0].len() / 2] ^= 4;
+    for bad in [&flipped[..], &good[0][..80], &[]] {
+        let copy = broken.with_file_name(format!("copy-{}", bad.len()));
+        fs::write(&newest, bad).expect("a file");
+        let printed = resume(&broken, &["--out", &copy.display().to_string()]);
+        assert_code(&printed, 0);
+        let told = stderr(&printed);
+        assert!(told.contains("state.bin is damaged") && told.contains("of step 1"), "{told}");
+        assert_same_results(&whole, &copy);
+    }
+    fs::remove_file(&newest).expect("a file");
+    // With the one before spoiled, too, there is nothing to go on from.
+    fs::write(&before, &good[1][..100]).expect("a file");
+    assert_code(&resume(&broken, &[]), 4);
+    fs::remove_file(&before).expect("a file");
+    let printed = resume(&broken, &[]);
+    assert_code(&printed, 4);
+    assert!(stderr(&printed).contains("has no checkpoint but results of steps"), "{}", stderr(&printed));
+    fs::write(&newest, &good[0]).expect("a file");
+    assert_code(&resume(&broken, &[]), 0);
+    assert_same_results(&whole, &broken);
 }
 
 #[test]
 fn a_damaged_checkpoint_is_told() {
     let (_folder, _, broken) = whole_and_broken(4);
     let file = broken.join("checkpoint/state.bin");
+    fs::remove_file(broken.join("checkpoint/previous.bin")).expect("a file");
     let good = fs::read(&file).expect("a checkpoint");
     let spoil = |bytes: &[u8], told: &str| {
         fs::write(&file, bytes).expect("a file");
@@ -169,19 +197,103 @@ fn a_damaged_checkpoint_is_told() {
     let mut other = good.clone();
     other[16] = 9;
     spoil(&other, "format 9");
-    fs::remove_file(&file).expect("a file");
-    assert_code(&resume(&broken, &[]), 4);
     fs::write(&file, &good).expect("a file");
     assert_code(&resume(&broken, &[]), 0);
+}
+
+/// A run that was killed before its first checkpoint starts with `resume`, which needs no more than the case.
+#[test]
+fn a_run_goes_on_from_wherever_it_was_killed() {
+    let (_folder, whole, broken) = whole_and_broken(4);
+    for name in files(&broken).iter().filter(|path| !path.ends_with("case.toml")) {
+        let text = fs::read_to_string(name).unwrap_or_default();
+        if name.ends_with("manifest.json") {
+            // As it is before the start.
+            let mut manifest: serde_json::Value = serde_json::from_str(&text).expect("a manifest");
+            manifest["sessions"] = serde_json::json!([]);
+            fs::write(name, manifest.to_string()).expect("a file");
+        } else {
+            fs::remove_file(name).expect("a file");
+        }
+    }
+    // Its first checkpoint was being written.
+    fs::write(broken.join("checkpoint/.newer.bin.510222c1f10240b4.part"), "x").expect("a file");
+    assert_code(&resume(&broken, &[]), 0);
+    assert_same_results(&whole, &broken);
 }
 
 #[test]
 fn a_run_goes_on_with_its_own_case_only() {
     let (_folder, _, broken) = whole_and_broken(4);
-    let printed = resume(&broken, &["--set", "load.heat_source=2"]);
-    assert_code(&printed, 2);
-    assert!(stderr(&printed).contains("another case"), "{}", stderr(&printed));
+    let refused = |set: &str, told: &[&str]| {
+        let printed = resume(&broken, &["--set", set]);
+        assert_code(&printed, 2);
+        assert!(told.iter().all(|told| stderr(&printed).contains(told)), "{}", stderr(&printed));
+    };
+    refused("load.heat_source=2", &["of another case", "load.heat_source was 1.0 and is 2.0"]);
+    refused("contact.gap=0.1", &["contact.gap was 0.0 and is 0.1"]);
+    refused("time.steps=20", &["time steps of 0.1 s", "steps of 0.05 s"]);
     assert_code(&resume(&broken.join("none"), &[]), 4);
+    // By hand, too.
+    let case = broken.join("case.toml");
+    fs::write(&case, read(&case).replace("density = 1.0", "density = 1.5")).expect("a file");
+    let printed = resume(&broken, &[]);
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("material.density was 1.0 and is 1.5"), "{}", stderr(&printed));
+}
+
+/// With a longer time and other output a run goes on to the bits of one that was asked for that at once.
+#[test]
+fn a_finished_run_is_continued_for_longer() {
+    let folder = tempdir().expect("a folder");
+    let [short, long] = ["short", "long"].map(|name| folder.path().join(name));
+    let longer = ["--set", "time.end=2.0", "--set", "time.steps=20", "--set", "output.every=5"];
+    assert_code(&run_paper(&short, STEPS, &["--set", "output.every=5"]), 0);
+    // A comment changes nothing but the hash of the case.
+    let case = short.join("case.toml");
+    let text = read(&case);
+    fs::write(&case, format!("# a comment\n{text}")).expect("a file");
+    assert_code(&resume(&short, &[]), 0);
+    fs::write(&case, text).expect("a file");
+    assert_code(&resume(&short, &longer), 0);
+    assert_code(&run_paper(&long, STEPS, &longer), 0);
+    assert_eq!(summary(&short)["steps"], 20);
+    // The findings on the longer run are of its own certificate.
+    assert_same_results(&long, &short);
+    // A snapshot that has gone is told.
+    fs::remove_file(short.join("fields/step_0000005.vtu")).expect("a file");
+    let printed = resume(&short, &[]);
+    assert_code(&printed, 0);
+    assert!(stderr(&printed).contains("fields/step_0000005.vtu of the run before is gone"), "{}", stderr(&printed));
+}
+
+/// Checkpoints are written at the start, after the first step, and as often as the case asks for.
+#[test]
+fn checkpoints_are_written_when_the_case_asks_for_them() {
+    let folder = tempdir().expect("a folder");
+    for (asked, expected) in [("steps = 3", 7), ("steps = 2", 7), ("seconds = 3600", 1), ("seconds = 0", 7)] {
+        let path = folder.path().join(asked);
+        let case = small_case_with(&[&format!("output.checkpoint={{ {asked} }}")]);
+        let mut results = Folder::create(&path, case.folder_options()).expect("a folder");
+        let mut die = At(7, || {
+            Err(OutputError::Io { doing: "write", path: PathBuf::new(), source: std::io::Error::other("gone") })
+        });
+        let ended = run::run(&case.problem, &Settings::default(), &mut [&mut results, &mut die]);
+        assert!(matches!(ended, Err(RunError::Output(_))));
+        drop(results);
+        let checkpoint = Checkpoint::read(&path, &case.identity()).expect("a checkpoint").expect("one");
+        assert_eq!(checkpoint.state.step, expected, "{asked}");
+    }
+}
+
+/// A run without a certificate goes on without one.
+#[test]
+fn no_certificate_is_made_of_a_run_that_had_none() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    assert_code(&run_paper(&out, STEPS, &["--no-certificate"]), 0);
+    assert_code(&resume(&out, &["--plot"]), 0);
+    assert!(!out.join("certificate.json").exists() && files(&out).iter().any(|path| path.ends_with("history.png")));
 }
 
 /// Results keep copies of the tables that a case refers to: a run goes on, and is drawn and verified, without the
@@ -343,6 +455,7 @@ fn wear_and_warm_foundations_go_on_to_the_same_bits() {
         let (whole, broken) = (folder.path().join("whole"), folder.path().join("broken"));
         let mut sink = folder_of(&case, &whole, Duration::from_mins(1));
         run::run(&case.problem, &Settings::default(), &mut [&mut sink]).expect("a run");
+        drop(sink);
         interrupted(&case, &broken, step);
         assert_code(&resume(&broken, &[]), 0);
         assert_same_results(&whole, &broken);

@@ -46,6 +46,7 @@ pub mod forms;
 pub mod hypotheses;
 pub mod inclusion;
 pub mod linalg;
+mod machine;
 pub mod material;
 pub mod mesh;
 pub mod model;

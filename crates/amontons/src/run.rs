@@ -21,7 +21,7 @@ use crate::scheme::{BackwardEuler, Scheme, SetupError, StepError};
 /// How a run is made. None of it changes results.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Number of threads; without it, those of the thread pool at hand, by default all cores.
+    /// Number of threads; without it, those of the thread pool that the run is started in, else one per core.
     pub threads: Option<usize>,
     /// Ends the run before its next step when it becomes true.
     pub interrupt: Option<Arc<AtomicBool>>,
@@ -69,7 +69,7 @@ impl Default for Settings {
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The threads could not be started.
-    #[error("cannot start {threads} threads: {message}; ask for fewer")]
+    #[error("cannot start {threads} threads: {message}; ask for fewer with --threads")]
     Threads {
         /// Number asked for.
         threads: usize,
@@ -141,8 +141,10 @@ fn drive(
     let mut scheme = within(pool.as_ref(), || BackwardEuler::with_backend(problem, Arc::<Timed>::clone(&backend)))?;
     let unknowns = counted(&scheme);
     let resumed = from.is_some();
-    let Checkpoint { mut state, mut report, work: before } = beginning(from, problem, &scheme)?;
-    let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total };
+    let Checkpoint { mut state, mut report, work: before, .. } = beginning(from, problem, &scheme)?;
+    // What a run that goes on factorizes again has been counted.
+    let again = if resumed { scheme.factorizations() } else { (0, 0) };
+    let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
     let factor = backend.seconds();
     clock.seconds.factor += factor;
     clock.seconds.certificate += certificate;
@@ -214,7 +216,8 @@ fn judged(problem: &Problem, settings: &Settings) -> Vec<Finding> {
 /// The state that a run begins with.
 fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &BackwardEuler) -> Result<Checkpoint, RunError> {
     let Some(checkpoint) = from else {
-        return Ok(Checkpoint { state: scheme.initial()?, report: None, work: Work::default() });
+        let state = scheme.initial()?;
+        return Ok(Checkpoint { state, report: None, work: Work::default(), k: problem.k(), fallback: None });
     };
     checkpoint.check(scheme.discretization(), problem)?;
     Ok(checkpoint)
@@ -244,10 +247,21 @@ fn interrupted(settings: &Settings) -> bool {
     settings.interrupt.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed))
 }
 
+/// Stack of a thread: that of the first one on most systems, whichever thread the work is done on.
+const STACK: usize = 8 << 20;
+
+/// A pool of its own, so that nothing global is set and a thread that cannot be started is an error; none where the
+/// work is in a pool already that will do.
 fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
-    let Some(threads) = threads else { return Ok(None) };
-    let built = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    built.map(Some).map_err(|error| RunError::Threads { threads, message: error.to_string() })
+    let inside = rayon::current_thread_index().is_some();
+    if inside && threads.is_none_or(|threads| threads == rayon::current_num_threads()) {
+        return Ok(None);
+    }
+    let built = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK).build();
+    built.map(Some).map_err(|error| {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        RunError::Threads { threads: threads.unwrap_or(cores), message: error.to_string() }
+    })
 }
 
 /// Computes with a number of threads, or with all available ones.
@@ -272,6 +286,8 @@ struct Clock {
     seconds: Seconds,
     /// Total of the sessions before.
     before: f64,
+    /// Factorizations of this session that one before has made, too.
+    again: (usize, usize),
 }
 
 impl Clock {
@@ -279,8 +295,8 @@ impl Clock {
     fn work(&self, before: Work, scheme: &BackwardEuler) -> Work {
         let (factorizations, contact_factorizations) = scheme.factorizations();
         Work {
-            factorizations: before.factorizations + factorizations,
-            contact_factorizations: before.contact_factorizations + contact_factorizations,
+            factorizations: before.factorizations + factorizations - self.again.0,
+            contact_factorizations: before.contact_factorizations + contact_factorizations - self.again.1,
             seconds: Seconds { total: self.before + self.begin.elapsed().as_secs_f64(), ..self.seconds },
         }
     }

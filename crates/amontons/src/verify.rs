@@ -12,11 +12,9 @@ use crate::output::{
 };
 use crate::run::{RunError, Settings, run};
 
-#[cfg(feature = "plot")]
 mod folder;
 
-#[cfg(feature = "plot")]
-pub use folder::recompute;
+pub use folder::{Recomputed, recompute};
 
 /// Names and texts of the shipped benchmarks, by name.
 pub const BENCHMARKS: &[(&str, &str)] = include!(concat!(env!("OUT_DIR"), "/benchmarks.rs"));
@@ -59,9 +57,8 @@ pub enum VerifyError {
     #[error(transparent)]
     Request(#[from] StudyRequestError),
     /// The files of a run cannot be read.
-    #[cfg(feature = "plot")]
     #[error(transparent)]
-    Files(#[from] crate::plot::PlotError),
+    Files(#[from] OutputError),
     /// The case has no value to compare.
     #[error("{0} has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]")]
     Nothing(String),
@@ -104,58 +101,56 @@ pub fn verify_case(source: &Source, overrides: &[String], settings: &Settings) -
     if expected.is_some() || checks.iter().any(reads_run) {
         let summary = run(&case.problem, settings, &mut [&mut recorder])?;
         if let Some(expected) = expected {
+            let summary = serde_json::to_value(&summary);
+            let summary = summary.map_err(|error| VerifyError::Check(format!("{name}: {error}")))?;
             verdicts.extend(of_summary(name, &summary, expected)?);
         }
     }
     let mut studies = Studies { source, overrides, case: &case, done: Vec::new(), own: None };
     for (index, check) in checks.iter().enumerate() {
-        let (what, computed, is) = match check {
-            Check::Probe { probe, time, is } => {
-                let value = recorder
-                    .probe(index, *time)
-                    .ok_or_else(|| VerifyError::Check(format!("{name}: no {}, t = {time}", probe.name)))?;
-                (format!("{}, t = {time}", probe.name), value, is)
-            }
-            Check::History { column, time, take, is } => {
-                let value = recorder.column(column, *time, *take);
-                let value = value.ok_or_else(|| {
-                    VerifyError::Check(format!(
-                        "{name}: history.csv has no {column} at t = {}",
-                        time.unwrap_or_default()
-                    ))
-                })?;
-                let when = match (time, take) {
-                    (Some(t), _) => format!("{column} at t = {t}"),
-                    (None, Take::Last) => format!("{column} at the end"),
-                    (None, Take::Min) => format!("smallest {column}"),
-                    (None, Take::Max) => format!("largest {column}"),
-                };
-                (when, value, is)
-            }
-            Check::Order { study, error, is } => {
-                let vary = match (study.vary, study.power) {
-                    (Vary::Both, 2) => "h with k ~ h²",
-                    (Vary::Both, _) => "h = k",
-                    (Vary::Space, _) => "h",
-                    (Vary::Time, _) => "k",
-                };
-                (format!("order of {} in {vary}", error.name()), studies.order(study, *error)?, is)
-            }
-            Check::Error { error, is } => {
-                (format!("{} on the mesh of the case", error.name()), studies.own_error(*error)?, is)
-            }
+        let computed = match check {
+            Check::Probe { probe, time, .. } => recorder
+                .probe(index, *time)
+                .ok_or_else(|| VerifyError::Check(format!("{name}: no {}, t = {time}", probe.name)))?,
+            Check::History { column, time, take, .. } => recorder.column(column, *time, *take).ok_or_else(|| {
+                VerifyError::Check(format!("{name}: history.csv has no {column} at t = {}", time.unwrap_or_default()))
+            })?,
+            Check::Order { study, error, .. } => studies.order(study, *error)?,
+            Check::Error { error, .. } => studies.own_error(*error)?,
         };
-        verdicts.push(verdict(name, what, computed, is));
+        verdicts.push(verdict(name, title(check), computed, check.comparison()));
     }
     Ok(verdicts)
 }
 
+/// What a check compares.
+fn title(check: &Check) -> String {
+    match check {
+        Check::Probe { probe, time, .. } => format!("{}, t = {time}", probe.name),
+        Check::History { column, time, take, .. } => match (time, take) {
+            (Some(t), _) => format!("{column} at t = {t}"),
+            (None, Take::Last) => format!("{column} at the end"),
+            (None, Take::Min) => format!("smallest {column}"),
+            (None, Take::Max) => format!("largest {column}"),
+        },
+        Check::Order { study, error, .. } => {
+            let vary = match (study.vary, study.power) {
+                (Vary::Both, 2) => "h with k ~ h²",
+                (Vary::Both, _) => "h = k",
+                (Vary::Space, _) => "h",
+                (Vary::Time, _) => "k",
+            };
+            format!("order of {} in {vary}", error.name())
+        }
+        Check::Error { error, .. } => format!("{} on the mesh of the case", error.name()),
+    }
+}
+
 /// The values of `[expected]` against those of a summary, one verdict per component.
-fn of_summary(name: &str, summary: &Summary, expected: &Expected) -> Result<Vec<Verdict>, VerifyError> {
-    let summary = serde_json::to_value(summary).map_err(|error| VerifyError::Check(format!("{name}: {error}")))?;
+fn of_summary(name: &str, summary: &serde_json::Value, expected: &Expected) -> Result<Vec<Verdict>, VerifyError> {
     let mut verdicts = Vec::new();
     for (path, values) in &expected.values {
-        let found = path.split('.').try_fold(&summary, |value, key| value.get(key));
+        let found = path.split('.').try_fold(summary, |value, key| value.get(key));
         let components = match found {
             Some(serde_json::Value::Array(all)) => all.iter().map(serde_json::Value::as_f64).collect(),
             Some(one) => one.as_f64().map(|one| vec![one]),

@@ -472,6 +472,10 @@ fn a_step_that_fails_in_halves_too_names_its_first_failure() {
     let StepError::NotConverged { step: 5, t, part: "mechanics", .. } = error else { panic!("{error}") };
     near(t, 0.4 + 10.0 * 0.1 / 32.0, 1e-12, "the time of the first failure");
     assert!(error.to_string().contains("step 5 (t = 4.3125"), "{error}");
+    // The point at the end of the rod is the only one.
+    let told = error.to_string();
+    let named = "; 1 contact point does not settle: (1, 0, 0) on \"right\" (Broken, Frictionless): ";
+    assert!(told.contains(named) && told.ends_with("open"), "{told}");
 }
 
 /// What a run with halved steps finds does not depend on where it was taken up again, nor on the number of threads.

@@ -55,13 +55,13 @@ spoiled! {
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
         "paper.toml:20:1: time.young: found an unknown key, expected one of end, steps; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
-        "paper.toml:70:1: output.foobar: found an unknown key, expected one of every, fields";
+        "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields";
     coupling_unknown: "[output]" => "[scheme]\ncoupling = \"monolitic\"\n[output]"
         "paper.toml:70:12: scheme.coupling: found \"monolitic\", expected \"staggered\", \"fixed-point\" or \"monolithic\" (how mechanics and heat are coupled within a step); did you mean \"monolithic\"?";
     unknown_table: "[output]" => "[outputs]"
         "paper.toml:69:2: outputs: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, time, units, verify; did you mean `output`?";
     unknown_key_at_the_root: "name = \"paper\"" => "name = \"paper\"\nsteps = 4"
-        "paper.toml:11:1: steps: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, time, units, verify; `steps` belongs to [time]";
+        "paper.toml:11:1: steps: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, time, units, verify; `steps` belongs to [output.checkpoint] or [time]";
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
         "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
@@ -444,7 +444,7 @@ fn places_are_those_of_the_file_as_it_is() {
 fn spans_cover_what_is_faulty() {
     let text = spoil(PAPER, "heat_source = 1.0", "heat_source = \"1 + θ*x\"");
     let result = case::parse(&Source::new("paper.toml", text), &[]);
-    let Err(CaseError::Faults { file, faults }) = result else { panic!("no faults") };
+    let Err(CaseError::Faults { file, faults, .. }) = result else { panic!("no faults") };
     let [fault] = faults.as_slice() else { panic!("{faults:?}") };
     let FaultPlace::File { start, end, .. } = fault.place else { panic!("{fault:?}") };
     assert_eq!(&file.text[start..end], "θ");
@@ -563,7 +563,7 @@ proptest! {
         let source = Source::new("case.toml", text);
         for overrides in [vec![], vec![format!("{key}={value}")]] {
             if let Err(error) = case::parse(&source, &overrides) {
-                let CaseError::Faults { file, faults } = &error else { panic!("{error}") };
+                let CaseError::Faults { file, faults, .. } = &error else { panic!("{error}") };
                 prop_assert!(!faults.is_empty());
                 for fault in faults {
                     if let FaultPlace::File { start, end, .. } = fault.place {

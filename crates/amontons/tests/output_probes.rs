@@ -233,7 +233,7 @@ fn probes_go_on_with_the_run() {
     let kept = fs::read_to_string(&file).unwrap();
     assert_eq!(kept.lines().count(), 4);
     fs::write(&file, kept + "4,0.5,1,1,1,1,1\n5,0.6").unwrap();
-    let checkpoint = Checkpoint::read(&broken, &case.fingerprint()).unwrap();
+    let checkpoint = Checkpoint::read(&broken, &case.identity()).unwrap().unwrap();
     resume(&case.problem, checkpoint, &settings(), &mut [&mut Folder::reopen(&broken, options(&case)).unwrap()])
         .unwrap();
     assert_eq!(fs::read_to_string(&file).unwrap(), fs::read_to_string(whole.join("probes.csv")).unwrap());

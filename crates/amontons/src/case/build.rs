@@ -1,10 +1,11 @@
 //! From the raw case to the [`Problem`]: what the schema cannot say is checked here.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::files::{Files, Loader};
 use super::nearest::nearest;
-use super::path::{Path, Segment};
+use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
@@ -13,14 +14,15 @@ use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal};
+use crate::machine::Memory;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
-use crate::output::{Input, OutputField, Probe};
+use crate::output::{CheckpointInterval, Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::units::System;
 
-/// Builds and checks the problem, in a machine with so many bytes of memory, where that is known.
+/// Builds and checks the problem, in a machine with so much memory, where that is known.
 ///
 /// At the doubtful paths of `notes` stand-ins are in the place of faulty values, so that nothing counts that is
 /// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the
@@ -28,16 +30,18 @@ use crate::units::System;
 pub(super) fn problem(
     raw: raw::Case,
     files: &Files,
-    available: Option<f64>,
+    available: Option<Memory>,
     notes: Notes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
+    let is_sound = notes.doubtful.is_empty();
     let mut build = Build {
         findings: Vec::new(),
         doubtful: notes.doubtful,
         limits: notes.limits,
         loader: Loader::new(files),
         no_mesh: false,
+        is_sound,
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         end: raw.time.end,
@@ -153,6 +157,14 @@ pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
     fields
 }
 
+/// When checkpoints are written.
+pub(super) fn checkpoint(raw: &raw::Output) -> CheckpointInterval {
+    raw.checkpoint.map_or_else(CheckpointInterval::default, |raw| CheckpointInterval {
+        steps: raw.steps,
+        time: raw.seconds.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok()),
+    })
+}
+
 /// The expected values of a case.
 pub(super) fn expected(raw: &raw::Expected) -> Expected {
     let list = |values: &raw::Values| match values {
@@ -167,7 +179,7 @@ pub(super) fn expected(raw: &raw::Expected) -> Expected {
 #[derive(Clone, Copy)]
 pub(super) struct Notes<'d> {
     /// Where stand-ins are.
-    pub doubtful: &'d [Path],
+    pub doubtful: &'d Doubtful,
     /// What is expected of the values of expressions and tables.
     pub limits: &'d [(Path, Limits)],
 }
@@ -175,7 +187,7 @@ pub(super) struct Notes<'d> {
 /// What is known while a problem is built.
 pub(super) struct Build<'d> {
     pub findings: Vec<Finding>,
-    pub doubtful: &'d [Path],
+    pub doubtful: &'d Doubtful,
     /// The numbers that keys admit.
     pub limits: &'d [(Path, Limits)],
     /// The files beside the case.
@@ -184,6 +196,8 @@ pub(super) struct Build<'d> {
     pub mesh_file: Option<(String, f64)>,
     /// Whether there is no mesh, so that nothing is known of sides, regions and dimensions.
     pub no_mesh: bool,
+    /// Whether the case has no faults so far.
+    pub is_sound: bool,
     /// d.
     pub dim: usize,
     /// T in s, the number of steps, and whether an override gives T.
@@ -216,9 +230,7 @@ impl Build<'_> {
         }
         // A side cannot be looked up while the mesh that has the sides is unknown.
         let names_side = path.0.last() == Some(&Segment::Key("on".to_owned()));
-        let mesh_unknown = self.doubtful.iter().any(|p| p.to_string() == "mesh");
-        let related = |d: &Path| path.is_at_or_below(d) || d.is_at_or_below(path);
-        (names_side && mesh_unknown) || self.doubtful.iter().any(related)
+        (names_side && self.doubtful.mesh_unknown) || self.doubtful.is_related(path)
     }
 
     /// The name is that of a folder too.
@@ -355,7 +367,9 @@ mod tests {
     #[test]
     fn a_mesh_that_does_not_fit_into_memory_is_refused() -> Result<(), toml::de::Error> {
         let raw: raw::Case = toml::from_str(crate::case::STARTER)?;
-        let (problem, findings) = problem(raw, &Files::None, Some(2e6), Notes { doubtful: &[], limits: &[] }, false);
+        let (doubtful, memory) = (Doubtful::default(), Memory { bytes: 2e6, limit: None });
+        let notes = Notes { doubtful: &doubtful, limits: &[] };
+        let (problem, findings) = problem(raw, &Files::None, Some(memory), notes, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
         let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);

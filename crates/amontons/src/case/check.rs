@@ -11,6 +11,9 @@ use super::path::Path;
 use super::place::{At, Finding};
 use super::schema::{Limits, View, one_of};
 
+/// Faults up to which misplaced keys are looked for in all tables.
+const HINTED: usize = 500;
+
 /// What the walk gives.
 pub(super) struct Checked {
     /// The document, stand-ins in the place of what departs from the schema.
@@ -179,7 +182,9 @@ impl<'s> Walk<'s> {
         let meant = nearest(key, &absent).or_else(|| nearest(key, &keys)).or_else(|| synonym(key, &keys));
         let hint = match meant {
             Some(meant) => Some(format!("did you mean `{meant}`?")),
-            None => self.home_of(key, &at),
+            // To look through all tables takes its time, and of many faults only the first are told.
+            None if self.findings.len() < HINTED => self.home_of(key, &at),
+            None => None,
         };
         let expected = match keys.as_slice() {
             [] => "no key here".to_owned(),

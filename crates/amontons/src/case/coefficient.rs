@@ -163,7 +163,7 @@ impl Build<'_> {
             return true;
         }
         // Points of a stand-in mesh say nothing.
-        if self.doubtful.iter().any(|p| p.is_in("mesh")) {
+        if self.doubtful.has_in_mesh {
             return false;
         }
         let key = Path::parse(path).unwrap_or_default();
@@ -185,7 +185,7 @@ impl Build<'_> {
     pub fn holds<T>(&mut self, path: &str, plan: &Plan<T>, sites: &Sites) -> bool {
         let refused = if !plan.varies() {
             plan.at(&[0.0; 3], 0.0).err().map(|refusal| (refusal, String::new()))
-        } else if self.doubtful.iter().any(|p| p.is_in("mesh")) {
+        } else if self.doubtful.has_in_mesh {
             None
         } else {
             let times = self.times(plan.changes());

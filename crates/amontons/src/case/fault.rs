@@ -23,7 +23,20 @@ impl Source {
     pub fn new(name: impl Into<String>, text: impl Into<String>) -> Source {
         Source { name: name.into(), text: text.into(), files: Files::None }
     }
+
+    /// The same text, which may refer only to files in the folder of the case.
+    #[must_use]
+    pub fn confined(self) -> Source {
+        let files = match self.files {
+            Files::Folder(folder) => Files::Confined(folder),
+            files => files,
+        };
+        Source { files, ..self }
+    }
 }
+
+/// Most faults that are told: who has corrected them sees the others.
+const MOST: usize = 50;
 
 /// Where a fault is.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -45,19 +58,35 @@ pub enum FaultPlace {
     Whole,
 }
 
-impl FaultPlace {
-    /// The place of a span of bytes of a text.
-    pub(super) fn in_file(text: &str, span: Range<usize>) -> FaultPlace {
-        let mut start = span.start.min(text.len());
-        while !text.is_char_boundary(start) {
-            start -= 1;
-        }
-        let before = text.get(..start).unwrap_or_default();
-        let line = before.matches('\n').count() + 1;
-        let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
-        FaultPlace::File { start, end: span.end.clamp(start, text.len()), line, column }
+/// A text with the beginnings of its lines, so that places in it are found without reading it again.
+pub(super) struct Lines<'t> {
+    text: &'t str,
+    starts: Vec<usize>,
+}
+
+impl<'t> Lines<'t> {
+    pub(super) fn of(text: &'t str) -> Lines<'t> {
+        Lines { text, starts: std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect() }
     }
 
+    pub(super) fn text(&self) -> &'t str {
+        self.text
+    }
+
+    /// The place of a span of bytes of the text.
+    pub(super) fn place(&self, span: Range<usize>) -> FaultPlace {
+        let mut start = span.start.min(self.text.len());
+        while !self.text.is_char_boundary(start) {
+            start -= 1;
+        }
+        let line = self.starts.partition_point(|&first| first <= start);
+        let first = line.checked_sub(1).and_then(|i| self.starts.get(i)).copied().unwrap_or(0);
+        let column = self.text.get(first..start).unwrap_or_default().chars().count() + 1;
+        FaultPlace::File { start, end: span.end.clamp(start, self.text.len()), line, column }
+    }
+}
+
+impl FaultPlace {
     /// Faults of the whole come first, then those in the file, then those of overrides.
     fn order(&self) -> (u8, usize) {
         match self {
@@ -108,12 +137,14 @@ pub enum CaseError {
         source: io::Error,
     },
     /// The file, or an override, has faults. One per line: `file:line:column: path: found …, expected …; hint`.
-    #[error("{}", lines(file, faults))]
+    #[error("{}", lines(file, faults, *more))]
     Faults {
         /// The file as it is, without overrides; the spans of the faults are spans of its text.
         file: Source,
-        /// The faults in the order of their places.
+        /// The faults in the order of their places: the first of them if there are many.
         faults: Vec<CaseFault>,
+        /// How many faults are left out.
+        more: usize,
     },
 }
 
@@ -121,15 +152,18 @@ impl CaseError {
     /// The error of a case with these faults, sorted by place.
     pub(super) fn faults(file: &Source, mut faults: Vec<CaseFault>) -> CaseError {
         faults.sort_by_key(|fault| fault.place.order());
-        CaseError::Faults { file: file.clone(), faults }
+        let more = faults.len().saturating_sub(MOST);
+        faults.truncate(MOST);
+        CaseError::Faults { file: file.clone(), faults, more }
     }
 }
 
-fn lines(file: &Source, faults: &[CaseFault]) -> String {
+fn lines(file: &Source, faults: &[CaseFault], more: usize) -> String {
     let line = |fault: &CaseFault| match &fault.place {
         FaultPlace::File { line, column, .. } => format!("{}:{line}:{column}: {fault}", file.name),
         FaultPlace::Override(given) => format!("--set {given}: {fault}"),
         FaultPlace::Whole => format!("{}: {fault}", file.name),
     };
-    faults.iter().map(line).collect::<Vec<_>>().join("\n")
+    let rest = (more > 0).then(|| format!("{}: {more} more faults", file.name));
+    faults.iter().map(line).chain(rest).collect::<Vec<_>>().join("\n")
 }

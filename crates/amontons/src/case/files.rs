@@ -7,7 +7,11 @@ use std::sync::Arc;
 
 use super::nearest::nearest;
 use super::path;
+use crate::machine;
 use crate::output::{INPUTS, Input};
+
+/// Longest mesh or table in bytes.
+const LONGEST: u64 = 4 << 30;
 
 /// Where the files are that a case refers to.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -17,6 +21,8 @@ pub enum Files {
     None,
     /// In this folder, that of the case file; relative names are seen from it.
     Folder(PathBuf),
+    /// In this folder and those below it, and nowhere else.
+    Confined(PathBuf),
     /// In memory, by the name that the case gives them.
     Memory(BTreeMap<String, Arc<[u8]>>),
 }
@@ -122,19 +128,33 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
             let names: Vec<&str> = all.keys().map(String::as_str).collect();
             all.get(name).cloned().ok_or_else(|| missing("which is not there", nearest(name, &names).map(did_you_mean)))
         }
-        Files::Folder(folder) => {
+        Files::Folder(folder) | Files::Confined(folder) => {
             let path = folder.join(name);
-            match fs::metadata(&path) {
-                Ok(meta) if meta.is_file() => {}
-                Ok(_) => return Err(missing("which is no file", None)),
-                Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-                    return Err(missing("which is not there", similar(&path, name).map(|near| did_you_mean(&near))));
-                }
-                Err(error) => return Err(missing(&format!("which cannot be read: {error}"), None)),
+            if matches!(files, Files::Confined(_)) && !is_inside(folder, &path) {
+                return Err(Missing {
+                    found: format!("\"{name}\", which is not in the folder of the case"),
+                    expected: "a file in that folder: --confine allows no other".to_owned(),
+                    hint: None,
+                });
             }
-            fs::read(&path).map(Arc::from).map_err(|error| missing(&format!("which cannot be read: {error}"), None))
+            // What is read is kept and parsed: a part of the memory has to do.
+            let longest = machine::memory().map_or(LONGEST, |memory| LONGEST.min((memory.bytes / 4.0) as u64));
+            machine::read(&path, longest).map(Arc::from).map_err(|error| {
+                if error.kind() == std::io::ErrorKind::NotFound {
+                    return missing("which is not there", similar(&path, name).map(|near| did_you_mean(&near)));
+                }
+                missing(&format!("which cannot be read: {error}"), None)
+            })
         }
     }
+}
+
+/// Whether a path, links followed, is one below a folder. Of a file that is not there the folder counts that it would
+/// be in.
+fn is_inside(folder: &Path, path: &Path) -> bool {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let real = path.canonicalize().or_else(|_| path.parent().unwrap_or(folder).canonicalize());
+    folder.canonicalize().is_ok_and(|folder| real.is_ok_and(|real| real.starts_with(folder)))
 }
 
 /// A file of the same folder that goes by a similar name, as it would be given.

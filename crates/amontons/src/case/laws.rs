@@ -17,16 +17,6 @@ pub(super) type Keyed<'a> = Vec<(String, &'a Datum)>;
 /// What values of coefficients make.
 pub(super) type Make<T> = Box<dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync>;
 
-/// Found and expected in the message of a fault.
-pub(super) fn parts(message: &str) -> (&str, &str) {
-    message.split_once(", expected ").unwrap_or((message, "as many"))
-}
-
-fn table_refusal(message: &str, key: &'static str) -> Refusal {
-    let (found, expected) = parts(message);
-    Refusal::new(found, expected).of(key)
-}
-
 fn keyed<'a, T>(all: &[(&str, &'a T)]) -> Vec<(String, &'a T)> {
     all.iter().map(|(key, coefficient)| ((*key).to_owned(), *coefficient)).collect()
 }
@@ -101,7 +91,7 @@ fn pressure_refusal(fault: &PressureTableFault) -> Refusal {
         PressureTableFault::Falls { .. } => "pressure",
         PressureTableFault::Start { .. } | PressureTableFault::Table(_) => "penetration",
     };
-    table_refusal(&fault.to_string(), key)
+    Refusal::new(fault.found(), fault.expected()).of(key)
 }
 
 /// What a law of friction takes and makes.
@@ -207,7 +197,7 @@ fn tabulated<'a>(
 
 fn function_refusal(fault: &TableFault, key: &'static str) -> Refusal {
     let key = if matches!(fault, TableFault::Lengths { .. }) { "coefficient" } else { key };
-    table_refusal(&fault.to_string(), key)
+    Refusal::new(fault.found(), fault.expected()).of(key)
 }
 
 /// What a law of heat exchange takes and makes.

@@ -36,14 +36,6 @@ impl Demand {
     }
 }
 
-/// Bytes of memory that are free for use, where the system tells.
-pub(super) fn available() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;
-    let kilobytes: f64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kilobytes * 1024.0)
-}
-
 /// A number of bytes with three digits: `1.25 GB`.
 pub(super) fn bytes(count: f64) -> String {
     let (unit, name) =

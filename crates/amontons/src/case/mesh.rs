@@ -7,6 +7,7 @@ use super::memory::{self, Demand};
 use super::path::Path;
 use super::place::At;
 use super::raw;
+use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
 use crate::mesh::{Diagonal, Elements, Mesh, MeshError, gmsh, vtu};
 
@@ -80,7 +81,7 @@ fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
 
 impl Build<'_> {
     /// The mesh, or a stand-in of few cells if it cannot be had.
-    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<f64>) -> Mesh {
+    pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<Memory>) -> Mesh {
         let cells = cells(raw);
         if let raw::Mesh::File { file, scale, axisymmetric } = raw {
             let mesh = self.file(file, *scale, *axisymmetric, sides);
@@ -110,12 +111,9 @@ impl Build<'_> {
         }
         let demand = demand(raw, &cells, contact_on);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
-        let built = if self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available) {
-            generate(raw, &cells)
-        } else {
-            // As few cells as every kind of mesh can have.
-            generate(raw, &cells.iter().map(|n| (*n).min(4)).collect::<Vec<_>>())
-        };
+        let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
+        // A case with faults is not run: a few cells tell which sides there are.
+        let built = if fits && self.is_sound { generate(raw, &cells) } else { generate(raw, &few(raw, &cells)) };
         built.unwrap_or_else(|error| {
             let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
             self.note("mesh", At::Value, error.found(), expected, None);
@@ -173,13 +171,14 @@ impl Build<'_> {
     }
 
     /// Whether a run on the mesh fits into memory and its nodes can be numbered.
-    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<f64>) -> bool {
+    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<Memory>) -> bool {
         let count =
             if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
-        if let Some(available) = available.filter(|available| demand.bytes > *available) {
+        if let Some(Memory { bytes, limit }) = available.filter(|available| demand.bytes > available.bytes) {
             let found = format!("{found}, which need about {}", memory::bytes(demand.bytes));
-            let expected = format!("a mesh for the {} of memory that are free", memory::bytes(available));
+            let by = limit.map_or_else(String::new, |limit| format!(" below {limit}"));
+            let expected = format!("a mesh for the {} of memory that are free{by}", memory::bytes(bytes));
             self.note(path, At::Value, found, expected, Some(hint));
             return false;
         }
@@ -189,6 +188,12 @@ impl Build<'_> {
         }
         true
     }
+}
+
+/// As few cells as every kind of mesh can have; around a round one as many as leave its shape.
+fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
+    let is_round = matches!(raw, raw::Mesh::Disc { .. } | raw::Mesh::Ring { .. } | raw::Mesh::Cylinder { .. });
+    cells.iter().enumerate().map(|(i, n)| (*n).min(if is_round && i == 1 { 64 } else { 4 })).collect()
 }
 
 /// What a run on a generated mesh needs.

@@ -24,6 +24,7 @@ mod data;
 mod elasticity;
 mod fault;
 mod files;
+mod identity;
 mod laws;
 mod material;
 mod memory;

@@ -55,7 +55,7 @@ impl Build<'_> {
         let level = self.expression(&key, level)?;
         let shape = self.shape(path, Surface::new(level))?;
         // Points of a stand-in mesh say nothing.
-        let known = !self.doubtful.iter().any(|doubtful| doubtful.is_in("mesh"));
+        let known = !self.doubtful.has_in_mesh;
         if let Some(x) = points.iter().find(|x| known && !shape.nearest(x, 0.0).distance.is_finite()) {
             let found = format!("no point of the zero level that is nearest to {} at t = 0", self.place(x));
             let hint = "a level is positive outside the obstacle, negative inside and continuous";

@@ -2,16 +2,19 @@
 
 use toml::de::DeTable;
 
-use super::fault::{CaseError, Source};
+use super::fault::{CaseError, Lines, Source};
 use super::files::Files;
+use super::identity::identity;
 use super::overrides::Applied;
+use super::path::Doubtful;
 use super::place::{At, Finding, Origin};
 use super::schema::schema;
 use super::text::text as file_text;
 use super::verify::{Expected, Verify};
-use super::{build, check, memory, mesh, overrides, path, raw, syntax};
+use super::{build, check, mesh, overrides, path, raw, syntax};
 use crate::convergence::Exact;
-use crate::output::{Input, OutputField, Probe, fingerprint};
+use crate::machine;
+use crate::output::{CheckpointInterval, FolderOptions, Identity, Input, OutputField, Probe, fingerprint};
 use crate::problem::Problem;
 
 /// A case, ready to run.
@@ -23,6 +26,8 @@ pub struct Case {
     pub every: usize,
     /// Fields of the snapshots beside those that every one has.
     pub fields: Vec<OutputField>,
+    /// When checkpoints are written.
+    pub checkpoint: CheckpointInterval,
     /// What is read off the run after every step.
     pub probes: Vec<Probe>,
     /// Values that a run must give.
@@ -37,6 +42,8 @@ pub struct Case {
     pub text: String,
     /// The files that it refers to.
     pub inputs: Vec<Input>,
+    /// The overrides that were applied.
+    pub overrides: Vec<String>,
 }
 
 impl Case {
@@ -44,6 +51,27 @@ impl Case {
     #[must_use]
     pub fn fingerprint(&self) -> String {
         fingerprint(&self.text, &self.inputs)
+    }
+
+    /// What the states of a run of the case depend on.
+    #[must_use]
+    pub fn identity(&self) -> Identity {
+        identity(&self.text, &self.inputs)
+    }
+
+    /// How the results of the case are written into a folder.
+    #[must_use]
+    pub fn folder_options(&self) -> FolderOptions {
+        FolderOptions {
+            inputs: self.inputs.clone(),
+            identity: self.identity(),
+            every: self.every,
+            fields: self.fields.clone(),
+            probes: self.probes.clone(),
+            checkpoint: self.checkpoint,
+            overrides: self.overrides.clone(),
+            ..FolderOptions::new(&self.text)
+        }
     }
 }
 
@@ -77,7 +105,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
         faults.extend(overrides::faults(overrides));
         // With keys given twice alone the rest can be read; overrides might change what it says.
         if overrides.is_empty() && only_duplicates {
-            let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &[] };
+            let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &[] };
             faults.extend(
                 build_case(document.get_ref(), &source.files, false)
                     .1
@@ -90,7 +118,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     let applied = overrides::apply(&source.text, overrides)
         .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
     let Applied { text, set, mut faults } = applied;
-    let origin = Origin { text: &source.text, document: document.get_ref(), overrides: &set };
+    let origin = Origin { lines: Lines::of(&source.text), document: document.get_ref(), overrides: &set };
     // A run that an override makes shorter need not reach the times of the checks in the file; `verify` names those
     // that it lacks.
     let has_other_end = set.iter().any(|(path, _)| matches!(path.to_string().as_str(), "time" | "time.end"));
@@ -101,6 +129,7 @@ pub fn parse(source: &Source, overrides: &[String]) -> Result<Case, CaseError> {
     faults.extend(findings.into_iter().map(|finding| origin.locate(finding)));
     match case {
         Some((mut case, references)) if faults.is_empty() => {
+            case.overrides = overrides.to_vec();
             case.text = overrides::refer(&text, &references)
                 .map_err(|error| CaseError::faults(source, syntax::faults(&source.text, vec![error]).faults))?;
             Ok(case)
@@ -132,20 +161,29 @@ fn build_case(
             return (None, findings);
         }
     };
-    let (every, fields, expected) =
-        (raw.output.every, build::fields(&raw.output), raw.expected.as_ref().map(build::expected));
+    let (every, fields, checkpoint) = (raw.output.every, build::fields(&raw.output), build::checkpoint(&raw.output));
+    let expected = raw.expected.as_ref().map(build::expected);
     let cells = mesh::cells(&raw.mesh);
-    let (built, later) = build::problem(
-        raw,
-        files,
-        memory::available(),
-        build::Notes { doubtful: &doubtful, limits: &limits },
-        has_other_end,
-    );
+    let doubtful = Doubtful::new(doubtful);
+    let notes = build::Notes { doubtful: &doubtful, limits: &limits };
+    let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
     findings.extend(later);
     let case = built.map(|build::Built { problem, probes, exact, verify, inputs, references }| {
         (
-            Case { problem, every, fields, probes, expected, exact, verify, cells, text: String::new(), inputs },
+            Case {
+                problem,
+                every,
+                fields,
+                checkpoint,
+                probes,
+                expected,
+                exact,
+                verify,
+                cells,
+                text: String::new(),
+                inputs,
+                overrides: Vec::new(),
+            },
             references,
         )
     });

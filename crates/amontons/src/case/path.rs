@@ -3,7 +3,7 @@
 use std::fmt;
 
 /// One step of a path.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Segment {
     /// Into a table.
     Key(String),
@@ -12,8 +12,42 @@ pub(super) enum Segment {
 }
 
 /// A path from the root of a case to one of its values.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Path(pub Vec<Segment>);
+
+/// Paths at which stand-ins are in the place of faulty values.
+#[derive(Debug, Default)]
+pub(super) struct Doubtful {
+    /// Ascending, so that what is below a path follows it.
+    paths: Vec<Path>,
+    /// Whether the mesh as a whole is among them, and whether anything in it is.
+    pub mesh_unknown: bool,
+    pub has_in_mesh: bool,
+}
+
+impl Doubtful {
+    pub fn new(mut paths: Vec<Path>) -> Doubtful {
+        paths.sort_unstable();
+        let mesh_unknown = paths.binary_search(&Path::default().key("mesh")).is_ok();
+        let has_in_mesh = paths.iter().any(|path| path.is_in("mesh"));
+        Doubtful { paths, mesh_unknown, has_in_mesh }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.paths.is_empty()
+    }
+
+    /// Whether one of the paths is at, above or below another path.
+    pub fn is_related(&self, path: &Path) -> bool {
+        let above = (0..=path.0.len()).any(|n| {
+            let prefix = &path.0[..n];
+            self.paths.binary_search_by(|other| other.0.as_slice().cmp(prefix)).is_ok()
+        });
+        let next = self.paths.partition_point(|other| other < path);
+        above || self.paths.get(next).is_some_and(|other| other.is_at_or_below(path))
+    }
+}
 
 impl Path {
     /// Reads a path: keys parted by dots, indices in brackets or between dots. A key that has

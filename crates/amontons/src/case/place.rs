@@ -5,7 +5,7 @@ use std::ops::Range;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fault::{CaseFault, FaultPlace};
+use super::fault::{CaseFault, FaultPlace, Lines};
 use super::path::{Path, Segment};
 use crate::problem::Fault;
 
@@ -54,7 +54,7 @@ impl From<Fault> for Finding {
 
 /// The file and the overrides that a case was read from.
 pub(super) struct Origin<'a> {
-    pub text: &'a str,
+    pub lines: Lines<'a>,
     /// The document in the file, before overrides.
     pub document: &'a DeTable<'a>,
     /// The overrides: what they set, and how they were given.
@@ -89,13 +89,13 @@ impl Origin<'_> {
                 };
             }
         };
-        FaultPlace::in_file(self.text, span)
+        self.lines.place(span)
     }
 
     /// The place of a table that lacks something: its header, or the override that made it.
     fn place_of_table(&self, path: &Path) -> FaultPlace {
         match self.entry(path) {
-            Some((_, span)) => FaultPlace::in_file(self.text, span),
+            Some((_, span)) => self.lines.place(span),
             None => self.place(path, At::Missing),
         }
     }
@@ -120,7 +120,7 @@ impl Origin<'_> {
 
     /// The place in the file of a byte of a string, given the span of the string with its quotes.
     fn inside(&self, span: Range<usize>, offset: usize) -> Range<usize> {
-        let Some(raw) = self.text.get(span.clone()) else { return span };
+        let Some(raw) = self.lines.text().get(span.clone()) else { return span };
         let quote = ["\"\"\"", "'''", "\"", "'"].into_iter().find(|q| raw.starts_with(q)).map_or(0, str::len);
         let after = raw.get(quote..).unwrap_or_default();
         let newline = match after {
@@ -140,5 +140,5 @@ impl Origin<'_> {
 }
 
 fn key_value<'t, 'i>(table: &'t DeTable<'i>, name: &str) -> Option<(Range<usize>, &'t Spanned<DeValue<'i>>)> {
-    table.iter().find(|(key, _)| key.get_ref() == name).map(|(key, value)| (key.span(), value))
+    table.get_key_value(name).map(|(key, value)| (key.span(), value))
 }

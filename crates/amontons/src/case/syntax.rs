@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::fault::{CaseFault, FaultPlace};
+use super::fault::{CaseFault, FaultPlace, Lines};
 
 /// An error of the TOML parser: its message and its place.
 pub(super) type SyntaxError = (String, Option<Range<usize>>);
@@ -52,10 +52,11 @@ pub(super) fn faults(text: &str, mut errors: Vec<SyntaxError>) -> SyntaxFaults {
     errors.sort_by_key(|(_, span)| span.as_ref().map_or(0, |s| s.start));
     let mut faults: Vec<(usize, CaseFault)> = Vec::new();
     let mut only_duplicates = true;
+    let lines = Lines::of(text);
     for (message, span) in errors {
         let kind = Kind::of(&message);
         let span = span.unwrap_or(0..0);
-        let place = FaultPlace::in_file(text, span.clone());
+        let place = lines.place(span.clone());
         let FaultPlace::File { line, .. } = place else { continue };
         if faults.last().is_none_or(|(last, _)| *last != line) {
             only_duplicates &= kind == Kind::Duplicate;

@@ -1,10 +1,11 @@
 //! The file of a case.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::path::Path;
 
 use super::nearest::nearest;
+use crate::machine;
 
 /// Longest case file in bytes: far above any real one, far below what memory holds.
 const LONGEST: u64 = 16 << 20;
@@ -14,18 +15,7 @@ const LONGEST: u64 = 16 << 20;
 /// # Errors
 /// When the file is not there, not a file, too long or not UTF-8; the message says what to try.
 pub(super) fn text(path: &Path) -> io::Result<String> {
-    if fs::metadata(path).map_err(|error| explain(path, error))?.is_dir() {
-        return Err(io::Error::new(io::ErrorKind::IsADirectory, "found a folder, expected a case file"));
-    }
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| explain(path, error))?;
-    file.take(LONGEST + 1).read_to_end(&mut bytes).map_err(|error| explain(path, error))?;
-    if bytes.len() as u64 > LONGEST {
-        return Err(io::Error::new(
-            io::ErrorKind::FileTooLarge,
-            format!("found more than {LONGEST} bytes, expected a case file"),
-        ));
-    }
+    let bytes = machine::read(path, LONGEST).map_err(|error| explain(path, error))?;
     String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = error.as_bytes().iter().take(valid).filter(|b| **b == b'\n').count() + 1;
@@ -44,6 +34,11 @@ fn explain(path: &Path, error: io::Error) -> io::Error {
         }
         io::ErrorKind::PermissionDenied => {
             io::Error::new(error.kind(), "found a file that may not be read, expected a case file")
+        }
+        io::ErrorKind::InvalidInput | io::ErrorKind::FileTooLarge => {
+            let what = error.to_string();
+            let found = what.split(", expected ").next().unwrap_or(&what);
+            io::Error::new(error.kind(), format!("{found}, expected a case file"))
         }
         _ => error,
     }

@@ -69,6 +69,16 @@ pub enum Check {
     },
 }
 
+impl Check {
+    /// What the value must be.
+    #[must_use]
+    pub fn comparison(&self) -> &Comparison {
+        let (Check::Probe { is, .. } | Check::History { is, .. } | Check::Order { is, .. } | Check::Error { is, .. }) =
+            self;
+        is
+    }
+}
+
 /// Which value of a column is taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Take {

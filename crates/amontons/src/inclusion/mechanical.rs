@@ -1,5 +1,8 @@
 //! The mechanical step on Γ_C: normal contact, friction and wear.
 
+use std::collections::VecDeque;
+use std::sync::{Arc, Mutex, PoisonError};
+
 use super::frame::{Frame, PointDerivative, PointState};
 use super::friction::Slip;
 use super::interface::{Interface, LocalTangent};
@@ -18,6 +21,8 @@ const SHARPEST: f64 = 1024.0;
 /// Relative change of a pressure within the round-off of the penetration above which the law jumps there. Of a law
 /// without a jump it is at most 1e-9 of the largest pressure, by the number above; a jump is of the order of one.
 const JUMP: f64 = 1e-3;
+/// Iterates whose states are kept, to name the points that do not settle where a step fails.
+const SEEN: usize = 8;
 
 /// State of the contact points that a step starts from and ends with.
 #[derive(Clone, Debug, PartialEq, Default)]
@@ -86,6 +91,8 @@ pub(super) struct Mechanical<'a> {
     opening: Vec<[f64; 2]>,
     /// v_F along the tangents at each point.
     foundation: Vec<[f64; 2]>,
+    /// States of the points at the last iterates that were evaluated.
+    seen: Arc<Mutex<VecDeque<Vec<Status>>>>,
 }
 
 impl<'a> Mechanical<'a> {
@@ -107,7 +114,7 @@ impl<'a> Mechanical<'a> {
             step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
         let foundation =
             interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
-        Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation }
+        Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation, seen: Arc::default() }
     }
 
     pub fn contact(&self, i: usize) -> &Contact {
@@ -349,7 +356,14 @@ impl Term for Mechanical<'_> {
     type Laws = Vec<Laws>;
 
     fn laws(&self, x: &[f64], multipliers: &Vec<Multiplier>) -> Vec<Laws> {
-        multipliers.iter().enumerate().map(|(i, multiplier)| self.laws_at(i, x, multiplier)).collect()
+        let laws: Vec<Laws> =
+            multipliers.iter().enumerate().map(|(i, multiplier)| self.laws_at(i, x, multiplier)).collect();
+        let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        if seen.len() == SEEN {
+            seen.pop_front();
+        }
+        seen.push_back(laws.iter().map(|laws| laws.status).collect());
+        laws
     }
 
     fn forces(&self, laws: &Vec<Laws>, out: &mut [f64]) {
@@ -442,6 +456,27 @@ impl Term for Mechanical<'_> {
             pattern[laws.status as usize] += 1;
         }
         pattern
+    }
+
+    fn unsettled(&self, laws: &Vec<Laws>, errors: &[f64]) -> Vec<(usize, Vec<Status>)> {
+        let seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
+        let states = |i: usize| {
+            let last = laws.get(i).map(|laws| laws.status);
+            let mut states: Vec<Status> = seen.iter().filter_map(|all| all.get(i).copied()).chain(last).collect();
+            states.dedup();
+            states
+        };
+        let left = |(i, laws): (usize, &Laws)| {
+            let (force, projected) = (laws.force(), laws.projected());
+            let defects = (0..self.step.dim).map(|a| self.interface.rows[i].weight * (force[a] - projected[a]));
+            max_abs(&self.interface.change(i, errors).into_iter().chain(defects).collect::<Vec<_>>())
+        };
+        let left: Vec<f64> = laws.iter().enumerate().map(left).collect();
+        let largest = max_abs(&left);
+        let mut points: Vec<(usize, Vec<Status>)> = (0..left.len()).map(|i| (i, states(i))).collect();
+        points.retain(|(i, states)| states.len() > 1 || (largest > 0.0 && left[*i] >= 0.5 * largest));
+        points.sort_by(|(a, _), (b, _)| left[*b].total_cmp(&left[*a]));
+        points
     }
 }
 

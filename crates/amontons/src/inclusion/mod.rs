@@ -41,6 +41,7 @@ pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use rule::Rule;
 
+use crate::contact::Status;
 use crate::linalg::SolveError;
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
@@ -92,4 +93,6 @@ pub struct NotConverged {
     pub residual: f64,
     /// Points that were open, stuck and slipping at the last iterate.
     pub pattern: [usize; 3],
+    /// Contact points whose states or forces did not settle, the worst first, with their states at the last iterates.
+    pub unsettled: Vec<(usize, Vec<Status>)>,
 }

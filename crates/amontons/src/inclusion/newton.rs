@@ -5,6 +5,7 @@
 //! residual decreases; where that ends at a kink, a full step leaves it.
 
 use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
+use crate::contact::Status;
 use crate::linalg::{Condensed, Entry, SolveError, max_abs};
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
@@ -43,6 +44,11 @@ pub(super) trait Term {
     fn settled(&self, x: &[f64], laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
     /// Points that are open, stuck and slipping.
     fn pattern(&self, laws: &Self::Laws) -> [usize; 3];
+    /// Points whose states differ between the last iterates, and those where the equations, which lack `errors`, and
+    /// the laws are left the farthest from holding; the worst first, with these states.
+    fn unsettled(&self, _laws: &Self::Laws, _errors: &[f64]) -> Vec<(usize, Vec<Status>)> {
+        Vec::new()
+    }
 }
 
 /// S (x − x̂) + Σ ω Nᵀ f = r: the increment is solved for, so that the round-off of the sweeps is relative to the
@@ -156,8 +162,15 @@ impl<T: Term> Evaluation<T> {
 
     /// The end of an iteration that has not.
     fn fail(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
-        let failure =
-            NotConverged { iterations, residual: self.residual / self.scale, pattern: term.pattern(&self.laws) };
+        let mut errors = vec![0.0; self.at.x.len()];
+        term.forces(&self.laws, &mut errors);
+        errors.iter_mut().zip(&self.rest).for_each(|(error, rest)| *error -= rest);
+        let failure = NotConverged {
+            iterations,
+            residual: self.residual / self.scale,
+            pattern: term.pattern(&self.laws),
+            unsettled: term.unsettled(&self.laws, &errors),
+        };
         Outcome { end: self.at, iterations, failure: Some(failure) }
     }
 }

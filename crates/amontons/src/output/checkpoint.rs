@@ -1,35 +1,39 @@
 //! Checkpoints: all that a run needs to go on, to the last bit.
 //!
-//! `checkpoint/state.bin` consists of
+//! `checkpoint/state.bin` is the newest one, `checkpoint/previous.bin` the one before, for the case that the newest is
+//! damaged. Each consists of
 //!
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 6 |
-//! | 32 | SHA-256 of the fingerprint of the case: its text, and what the files hold that it refers to |
+//! | 4 | version of the format, little-endian, now 7 |
+//! | 32 | SHA-256 of what the state depends on, [`Identity`] |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
 //! | 32 | SHA-256 of all that stands before |
 
-use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::files::write_atomically;
-use super::{OutputError, Snapshot, Work};
+use super::files::{LONGEST, Written, move_file, sync_folder, write_atomically};
+use super::{Identity, OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
+use crate::machine;
 use crate::problem::Problem;
 use crate::scheme::{Accumulated, ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport};
 use crate::tensor::Point;
 
-/// Where the newest checkpoint is in a results folder.
+/// Where the newest checkpoint is in a results folder, and the one before.
 pub(super) const FILE: &str = "checkpoint/state.bin";
+pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
+/// Where one is written before it becomes the newest.
+pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -42,6 +46,10 @@ pub struct Checkpoint {
     pub report: Option<StepReport>,
     /// Work done up to here.
     pub work: Work,
+    /// Step length k of the run, s.
+    pub k: f64,
+    /// Why the checkpoint is not the newest of its folder, if it is the one before.
+    pub fallback: Option<String>,
 }
 
 /// Why a run cannot go on from a checkpoint.
@@ -56,7 +64,7 @@ pub enum CheckpointError {
         source: std::io::Error,
     },
     /// The file is not a whole checkpoint.
-    #[error("the checkpoint {} is damaged: found {found}, expected {expected}; start the run anew", path.display())]
+    #[error("the checkpoint {} is damaged: found {found}, expected {expected}", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -74,9 +82,30 @@ pub enum CheckpointError {
         found: u32,
     },
     /// The case is not the one of the checkpoint.
-    #[error("the checkpoint {} is of another case; a run goes on with the case it was started with: undo the change or start anew", path.display())]
+    #[error(
+        "the checkpoint {} is of another case: {}; undo the change, or start a run of its own with --out; a run goes on with other [output], [expected], [verify], comments, and with a longer time.end at the same step length",
+        path.display(), keys.join("; ")
+    )]
     OtherCase {
         /// The file.
+        path: PathBuf,
+        /// The keys that differ, with both values.
+        keys: Vec<String>,
+    },
+    /// The case has steps of another length.
+    #[error(
+        "the checkpoint has time steps of {found:?} s, the case has steps of {expected:?} s; change time.end and time.steps in proportion"
+    )]
+    StepLength {
+        /// Step length of the checkpoint, s.
+        found: f64,
+        /// Step length of the problem, s.
+        expected: f64,
+    },
+    /// There is no checkpoint, and the run has made steps.
+    #[error("{} has no checkpoint but results of steps; start the run anew with --force", path.display())]
+    Missing {
+        /// The folder.
         path: PathBuf,
     },
     /// The state does not belong to the problem.
@@ -94,6 +123,8 @@ pub enum CheckpointError {
 /// The body of the file; it mirrors the types of the scheme so that the format changes only on purpose.
 #[derive(Serialize, Deserialize)]
 struct Body {
+    case: Identity,
+    k: f64,
     step: usize,
     t: f64,
     u: Vec<f64>,
@@ -142,7 +173,7 @@ struct ReportPoint {
 const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
 
 impl Body {
-    fn new(now: &Snapshot) -> Body {
+    fn new(case: &Identity, now: &Snapshot) -> Body {
         let report = now.report.map(|report| {
             let contact = &report.contact;
             let at_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
@@ -171,12 +202,14 @@ impl Body {
                 points: points.collect(),
             }
         });
-        Body { work: now.work, report, ..Body::of_state(now.state) }
+        Body { case: case.clone(), k: now.problem.k(), work: now.work, report, ..Body::of_state(now.state) }
     }
 
     fn of_state(state: &State) -> Body {
         let state = state.clone();
         Body {
+            case: Identity::default(),
+            k: 0.0,
             step: state.step,
             t: state.t,
             u: state.u,
@@ -241,23 +274,51 @@ impl Body {
             counts: self.counts,
             temperatures: self.temperatures,
         };
-        Checkpoint { state, report, work: self.work }
+        Checkpoint { state, report, work: self.work, k: self.k, fallback: None }
     }
 }
 
 impl Checkpoint {
-    /// Reads the newest checkpoint of a results folder whose case has the fingerprint `case`.
+    /// Reads the newest checkpoint of a results folder, or the one before where the newest is damaged; none where the
+    /// run has not come to its first one.
     ///
     /// # Errors
-    /// When it is not there, damaged, of another format or of another case.
-    pub fn read(folder: &Path, case: &str) -> Result<Checkpoint, CheckpointError> {
-        let path = folder.join(FILE);
-        let bytes = fs::read(&path).map_err(|source| CheckpointError::Read { path: path.clone(), source })?;
-        decode(&path, &bytes, case).map(Body::into_checkpoint)
+    /// When there are only damaged ones, when they are of another format or of another case, and when there is none
+    /// although the run has made steps.
+    pub fn read(folder: &Path, case: &Identity) -> Result<Option<Checkpoint>, CheckpointError> {
+        let one = |name: &str| {
+            let path = folder.join(name);
+            machine::read(&path, LONGEST)
+                .map_err(|source| CheckpointError::Read { path: path.clone(), source })
+                .and_then(|bytes| of_case(&path, &bytes, case))
+        };
+        let is_absent = |error: &CheckpointError| matches!(error, CheckpointError::Read { source, .. } if source.kind() == std::io::ErrorKind::NotFound);
+        let newest = match one(FILE) {
+            Ok(checkpoint) => return Ok(Some(checkpoint)),
+            Err(error @ (CheckpointError::Damaged { .. } | CheckpointError::Read { .. })) => error,
+            Err(error) => return Err(error),
+        };
+        match one(PREVIOUS) {
+            Ok(checkpoint) => Ok(Some(Checkpoint { fallback: Some(newest.to_string()), ..checkpoint })),
+            Err(error @ CheckpointError::OtherCase { .. }) => Err(error),
+            Err(error) if is_absent(&error) && is_absent(&newest) => {
+                let rows = machine::read_text(&folder.join(super::folder::HISTORY), LONGEST).unwrap_or_default();
+                if rows.lines().count() > 1 {
+                    return Err(CheckpointError::Missing { path: folder.to_owned() });
+                }
+                // That there is no such folder is told by who needs it.
+                Ok(None)
+            }
+            Err(_) => Err(newest),
+        }
     }
 
     /// Whether the checkpoint is one of a problem with this discretization.
     pub(crate) fn check(&self, discretization: &Discretization, problem: &Problem) -> Result<(), CheckpointError> {
+        // Lengths that are quotients of other numbers may differ in their last bits.
+        if (self.k - problem.k()).abs() > 4.0 * f64::EPSILON * problem.k() {
+            return Err(CheckpointError::StepLength { found: self.k, expected: problem.k() });
+        }
         let (nodes, dim) = (discretization.mesh.points.len(), discretization.mesh.dim);
         let same = |what, found, expected| {
             if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
@@ -279,26 +340,49 @@ impl Checkpoint {
         ] {
             same("contact points", kept, points)?;
         }
+        if let Some(report) = &self.report {
+            let of_points = [report.contact.states.len(), report.contact.temperature.len(), report.contact.flux.len()];
+            of_points.into_iter().try_for_each(|kept| same("contact points", kept, points))?;
+        }
         same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
         same("steps", self.state.step, self.state.step.min(problem.steps))
     }
 }
 
-/// Writes a checkpoint into a results folder, in place of the one before.
-pub(super) fn write(folder: &Path, case: &str, now: &Snapshot) -> Result<(), OutputError> {
+/// Writes a checkpoint into a results folder. If `keeps` is true the newest one there becomes the one before.
+pub(super) fn write(folder: &Path, case: &Identity, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
     let path = folder.join(FILE);
-    let body = postcard::to_stdvec(&Body::new(now))
+    let body = postcard::to_stdvec(&Body::new(case, now))
         .map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
-    let bytes = seal(case, &body);
-    write_atomically(&path, |out| out.write_all(&bytes))
+    let bytes = seal(&case.hash(), &body);
+    let newer = folder.join(NEWER);
+    write_atomically(&newer, |out| out.write_all(&bytes))?;
+    // A crash between the two leaves the one before, which is then read.
+    if keeps {
+        move_file(&path, &folder.join(PREVIOUS))?;
+    }
+    move_file(&newer, &path)?;
+    sync_folder(path.parent()).map_err(OutputError::io("write", &path))
+}
+
+/// The files of the checkpoints as they stand.
+pub(super) fn written(folder: &Path) -> Vec<(&'static str, Written)> {
+    let of = |name: &'static str| Some((name, Written::read(&folder.join(name)).ok()?));
+    [FILE, PREVIOUS].into_iter().filter_map(of).collect()
+}
+
+/// Whether the newest checkpoint of a folder is undamaged.
+pub(super) fn is_whole(folder: &Path) -> bool {
+    let path = folder.join(FILE);
+    machine::read(&path, LONGEST).is_ok_and(|bytes| unseal(&path, &bytes).is_ok())
 }
 
 /// Puts a body between the header and the checksum.
-fn seal(case: &str, body: &[u8]) -> Vec<u8> {
+fn seal(case: &[u8; HASH], body: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(HEADER + body.len() + HASH);
     bytes.extend_from_slice(MAGIC);
     bytes.extend_from_slice(&VERSION.to_le_bytes());
-    bytes.extend_from_slice(&Sha256::digest(case));
+    bytes.extend_from_slice(case);
     bytes.extend_from_slice(&(body.len() as u64).to_le_bytes());
     bytes.extend_from_slice(body);
     let checksum = Sha256::digest(&bytes);
@@ -311,19 +395,46 @@ pub(super) fn write_states(path: &Path, case: &str, states: &[State]) -> Result<
     let bodies: Vec<Body> = states.iter().map(Body::of_state).collect();
     let body = postcard::to_stdvec(&bodies)
         .map_err(|error| OutputError::Encode { path: path.to_owned(), message: error.to_string() })?;
-    let bytes = seal(case, &body);
-    write_atomically(path, |out| out.write_all(&bytes))
+    let bytes = seal(&Sha256::digest(case).into(), &body);
+    write_atomically(path, |out| out.write_all(&bytes)).map(|_| ())
 }
 
 /// States that [`write_states`] wrote for a case of this fingerprint.
 pub(super) fn read_states(path: &Path, case: &str) -> Result<Vec<State>, CheckpointError> {
-    let bytes = fs::read(path).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
-    let bodies: Vec<Body> = decode(path, &bytes, case)?;
+    let bytes =
+        machine::read(path, LONGEST).map_err(|source| CheckpointError::Read { path: path.to_owned(), source })?;
+    let (hash, body) = unseal(path, &bytes)?;
+    if Sha256::digest(case).as_slice() != hash {
+        return Err(CheckpointError::OtherCase {
+            path: path.to_owned(),
+            keys: vec!["the text has changed".to_owned()],
+        });
+    }
+    let bodies: Vec<Body> = decode(path, body)?;
     Ok(bodies.into_iter().map(|body| body.into_checkpoint().state).collect())
 }
 
-/// The body of a file whose header and checksum are right.
-fn decode<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8], case: &str) -> Result<T, CheckpointError> {
+/// A checkpoint of a case of this identity.
+fn of_case(path: &Path, bytes: &[u8], case: &Identity) -> Result<Checkpoint, CheckpointError> {
+    let (hash, body) = unseal(path, bytes)?;
+    let body: Body = decode(path, body)?;
+    if *hash != case.hash() || body.case != *case {
+        let keys = body.case.differences(case);
+        return Err(CheckpointError::OtherCase { path: path.to_owned(), keys });
+    }
+    Ok(body.into_checkpoint())
+}
+
+fn decode<T: serde::de::DeserializeOwned>(path: &Path, body: &[u8]) -> Result<T, CheckpointError> {
+    postcard::from_bytes(body).map_err(|error| CheckpointError::Damaged {
+        path: path.to_owned(),
+        found: error.to_string(),
+        expected: "a state".to_owned(),
+    })
+}
+
+/// The hash of the case and the body of a file whose header and checksum are right.
+fn unseal<'b>(path: &Path, bytes: &'b [u8]) -> Result<(&'b [u8; HASH], &'b [u8]), CheckpointError> {
     let damaged = |found: String, expected: String| CheckpointError::Damaged { path: path.to_owned(), found, expected };
     let too_short = || damaged(format!("{} bytes", bytes.len()), "the whole file".to_owned());
     let rest = bytes
@@ -346,8 +457,5 @@ fn decode<T: serde::de::DeserializeOwned>(path: &Path, bytes: &[u8], case: &str)
     if Sha256::digest(&bytes[..bytes.len() - HASH]).as_slice() != checksum {
         return Err(damaged("a checksum that does not match".to_owned(), "the one written with the file".to_owned()));
     }
-    if Sha256::digest(case).as_slice() != hash {
-        return Err(CheckpointError::OtherCase { path: path.to_owned() });
-    }
-    postcard::from_bytes(body).map_err(|error| damaged(error.to_string(), "a state".to_owned()))
+    Ok((hash, body))
 }

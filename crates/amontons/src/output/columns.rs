@@ -352,7 +352,7 @@ pub fn contact_measures(dim: usize) -> Vec<(String, Option<Measure>)> {
 }
 
 /// The rows of `contact.csv` after a step, as they are written.
-pub(super) fn contact_rows(now: &Snapshot) -> Vec<String> {
+pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
     let Some(report) = now.report else { return Vec::new() };
     let (contact, dim) = (&report.contact, now.problem.mesh.dim);
     let of_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));

@@ -1,12 +1,16 @@
 //! `history.csv` and `probes.csv`, one row per step, and `contact.csv`, one row per contact point.
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use super::columns::{contact_measures, contact_rows};
-use super::files::write_atomically;
+use sha2::{Digest, Sha256};
+
+use super::files::{LONGEST, Written, write_atomically};
+use super::manifest::hexadecimal;
 use super::{OutputError, Snapshot};
+use crate::machine;
 
 /// Numbers in the shortest form that reads back to the same bits, counts without a point.
 pub(super) fn join(values: &[f64]) -> String {
@@ -19,18 +23,21 @@ pub(super) fn join(values: &[f64]) -> String {
 pub(super) struct Rows {
     path: PathBuf,
     file: File,
+    /// Length and hash of what the file holds.
+    bytes: u64,
+    hash: Sha256,
 }
 
 impl Rows {
     /// A file with a header and no rows.
     pub fn create(path: PathBuf, columns: &[String]) -> Result<Rows, OutputError> {
-        write_atomically(&path, |out| writeln!(out, "{}", columns.join(",")))?;
-        Rows::append(path)
+        let header = columns.join(",") + "\n";
+        Rows::begin(path, &header)
     }
 
     /// The file of a run that goes on after `steps` steps: rows behind them are cut off.
     pub fn reopen(path: PathBuf, columns: &[String], steps: usize) -> Result<Rows, OutputError> {
-        let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
+        let text = machine::read_text(&path, LONGEST).map_err(OutputError::io("read", &path))?;
         let inconsistent =
             |found: String, expected: String| OutputError::Inconsistent { path: path.clone(), found, expected };
         // A line that a crash cut short has no line end; it is behind the rows that count, or missing from them.
@@ -48,22 +55,28 @@ impl Rows {
                 format!("a row for each of the {steps} steps of the checkpoint"),
             ));
         }
-        write_atomically(&path, |out| {
-            writeln!(out, "{header}")?;
-            rows.iter().try_for_each(|row| out.write_all(row.as_bytes()))
-        })?;
-        Rows::append(path)
+        Rows::begin(path, &(header + "\n" + &rows.concat()))
     }
 
-    fn append(path: PathBuf) -> Result<Rows, OutputError> {
+    /// A file with this text, to which rows are added.
+    fn begin(path: PathBuf, text: &str) -> Result<Rows, OutputError> {
+        write_atomically(&path, |out| out.write_all(text.as_bytes()))?;
         let file = OpenOptions::new().append(true).open(&path).map_err(OutputError::io("open", &path))?;
-        Ok(Rows { path, file })
+        Ok(Rows { path, file, bytes: text.len() as u64, hash: Sha256::new_with_prefix(text) })
     }
 
     /// Adds the row of a step in one piece.
     pub fn push(&mut self, values: &[f64]) -> Result<(), OutputError> {
         let row = join(values) + "\n";
-        self.file.write_all(row.as_bytes()).map_err(OutputError::io("write", &self.path))
+        self.file.write_all(row.as_bytes()).map_err(OutputError::io("write", &self.path))?;
+        self.bytes += row.len() as u64;
+        self.hash.update(&row);
+        Ok(())
+    }
+
+    /// The file as it has been written.
+    pub fn written(&self) -> Written {
+        Written { bytes: self.bytes, sha256: hexadecimal(&self.hash.clone().finalize()) }
     }
 
     /// Sees to it that the rows are on the disk.
@@ -78,7 +91,7 @@ impl Rows {
 }
 
 /// Writes the contact points, one row per point.
-pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<(), OutputError> {
+pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<Written, OutputError> {
     let names: Vec<String> = contact_measures(now.problem.mesh.dim).into_iter().map(|(name, _)| name).collect();
     write_atomically(path, |out| {
         writeln!(out, "{}", names.join(","))?;

@@ -1,14 +1,14 @@
 //! What an earlier run of the same inputs left in its results folder: its certificate, and its summary if it was done.
 
-use std::fs;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::files::write_json;
+use super::files::{LONGEST, Written, write_json};
 use super::manifest::{Manifest, hexadecimal};
 use super::{Outcome, OutputError, Summary};
 use crate::hypotheses::Finding;
+use crate::machine;
 use sha2::{Digest, Sha256};
 
 /// Name of the file of the certificate in a results folder.
@@ -24,7 +24,11 @@ struct Certificate {
 }
 
 /// Writes the certificate of a run with these inputs.
-pub(super) fn write_certificate(folder: &Path, fingerprint: &str, findings: &[Finding]) -> Result<(), OutputError> {
+pub(super) fn write_certificate(
+    folder: &Path,
+    fingerprint: &str,
+    findings: &[Finding],
+) -> Result<Written, OutputError> {
     let (version, input_sha256) = (env!("CARGO_PKG_VERSION").to_owned(), hash(fingerprint));
     write_json(&folder.join(CERTIFICATE), &Certificate { version, input_sha256, findings: findings.to_vec() })
 }
@@ -34,20 +38,27 @@ pub(super) fn write_certificate(folder: &Path, fingerprint: &str, findings: &[Fi
 /// `fingerprint` is that of the case: [`crate::case::Case::fingerprint`].
 #[must_use]
 pub fn known_certificate(folder: &Path, fingerprint: &str) -> Option<Vec<Finding>> {
-    let text = fs::read_to_string(folder.join(CERTIFICATE)).ok()?;
+    let text = machine::read_text(&folder.join(CERTIFICATE), LONGEST).ok()?;
     let kept: Certificate = serde_json::from_str(&text).ok()?;
     (kept.version == env!("CARGO_PKG_VERSION") && kept.input_sha256 == hash(fingerprint)).then_some(kept.findings)
+}
+
+/// Whether the run in a results folder evaluates all hypotheses; none where there is no run.
+#[must_use]
+pub fn has_certificate(folder: &Path) -> Option<bool> {
+    Manifest::read(folder).ok().map(|manifest| manifest.settings().certificate)
 }
 
 /// The summary of a run with these inputs that is done, if a results folder holds one of this version of the program.
 #[must_use]
 pub fn finished_run(folder: &Path, fingerprint: &str) -> Option<Summary> {
     let manifest = Manifest::read(folder).ok()?;
-    let summary: Summary = serde_json::from_str(&fs::read_to_string(folder.join("summary.json")).ok()?).ok()?;
+    let summary: Summary =
+        serde_json::from_str(&machine::read_text(&folder.join("summary.json"), LONGEST).ok()?).ok()?;
     (manifest.is_of(fingerprint) && summary.outcome == Outcome::Done).then_some(summary)
 }
 
 /// SHA-256, hexadecimal.
-pub(super) fn hash(fingerprint: &str) -> String {
+pub(crate) fn hash(fingerprint: &str) -> String {
     hexadecimal(&Sha256::digest(fingerprint))
 }

@@ -1,47 +1,34 @@
 //! The results folder.
 
-use std::fs;
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::columns::{contact_measures, history_columns, history_measures, history_values};
 use super::csv::{Rows, write_contact};
 use super::earlier::{CERTIFICATE, write_certificate};
-use super::files::{copy, create_folder, remove, write_atomically, write_json};
-use super::inputs::{INPUTS, Input, fingerprint, write_inputs};
+use super::files::{Written, create_folder, remove_file, remove_folder, write_atomically, write_json};
+use super::inputs::{Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
+use super::owned::{self, STAGING};
+use super::room::demand;
 use super::vtu::{write_collection, write_fields};
 use super::{
-    OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary, checkpoint, manifest,
+    FolderLock, Identity, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary,
+    checkpoint, manifest,
 };
+use crate::machine;
 use crate::problem::Problem;
 use crate::units::Measure;
 
-const HISTORY: &str = "history.csv";
-const PROBES: &str = "probes.csv";
-/// Folder of the contact points at the times of the field snapshots.
-const CONTACT: &str = "contact";
-/// What a results folder may hold, studies included.
-const RESULTS: [&str; 15] = [
-    "summary.json",
-    manifest::FILE,
-    CERTIFICATE,
-    HISTORY,
-    PROBES,
-    "contact.csv",
-    "contact",
-    "fields.pvd",
-    "fields",
-    "checkpoint",
-    "case.toml",
-    INPUTS,
-    "convergence.csv",
-    "convergence.json",
-    "convergence.svg",
-];
-/// Where a run that replaces another keeps its results until its first step is made.
-const STAGING: &str = ".starting";
+pub(super) const HISTORY: &str = "history.csv";
+pub(super) const PROBES: &str = "probes.csv";
+/// Folder of the field snapshots, and of the contact points at their times.
+pub(super) const FIELDS: &str = "fields";
+pub(super) const CONTACT: &str = "contact";
+/// Longest time between checkpoints, and their share of the time of a run, where nothing else is asked for.
+const LONGEST_INTERVAL: Duration = Duration::from_mins(1);
+const SHARE: u32 = 100;
 
 /// How results are written.
 #[derive(Clone, Debug)]
@@ -50,6 +37,8 @@ pub struct FolderOptions {
     pub text: String,
     /// The files that the text refers to.
     pub inputs: Vec<Input>,
+    /// What the states of the run depend on.
+    pub identity: Identity,
     /// Steps between field snapshots; 0: only the last.
     pub every: usize,
     /// Fields of the snapshots beside those that every one has.
@@ -58,60 +47,125 @@ pub struct FolderOptions {
     pub probes: Vec<Probe>,
     /// Whether results that are there may be replaced.
     pub force: bool,
-    /// Time between checkpoints.
-    pub checkpoint_interval: Duration,
+    /// When checkpoints are written.
+    pub checkpoint: CheckpointInterval,
+    /// Whether the run evaluates all hypotheses.
+    pub certificate: bool,
+    /// The overrides that the text has applied.
+    pub overrides: Vec<String>,
+}
+
+/// When checkpoints are written, besides one at the start, after the first step and at the end: as soon as one of the
+/// two has passed.
+///
+/// Without either, at least every minute, and as often as takes one per cent of the time.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CheckpointInterval {
+    /// Steps since the last one.
+    pub steps: Option<usize>,
+    /// Time since the last one.
+    pub time: Option<Duration>,
 }
 
 impl FolderOptions {
-    /// Options for a case with this text: only the last fields, nothing replaced, one checkpoint per minute.
+    /// Options for a case with this text: only the last fields, nothing replaced, checkpoints as usual. A case that was
+    /// read from a file has its own: `Case::folder_options`.
     #[must_use]
     pub fn new(text: impl Into<String>) -> FolderOptions {
+        let text = text.into();
         FolderOptions {
-            text: text.into(),
+            identity: Identity::of_text(&text, &[]),
+            text,
             inputs: Vec::new(),
             every: 0,
             fields: OutputField::DEFAULT.to_vec(),
             probes: Vec::new(),
             force: false,
-            checkpoint_interval: Duration::from_mins(1),
+            checkpoint: CheckpointInterval::default(),
+            certificate: true,
+            overrides: Vec::new(),
         }
     }
 
     fn fingerprint(&self) -> String {
         fingerprint(&self.text, &self.inputs)
     }
+
+    fn settings(&self) -> Settings {
+        let CheckpointInterval { steps, time } = self.checkpoint;
+        let longest = time.or(steps.is_none().then_some(LONGEST_INTERVAL));
+        Settings {
+            every: self.every,
+            checkpoint_seconds: longest.map(|time| time.as_secs_f64()),
+            checkpoint_steps: steps,
+            certificate: self.certificate,
+            overrides: self.overrides.clone(),
+        }
+    }
 }
 
-/// Writes the results folder of a run.
+/// Writes the results folder of a run. Nobody else may write into it meanwhile.
 #[derive(Debug)]
 pub struct Folder {
     path: PathBuf,
     options: FolderOptions,
-    /// Whether results of another run are there, to be replaced once this one has made a step.
-    replaces: bool,
+    /// The run whose results are there, to be replaced once this one has made a step.
+    replaces: Option<Manifest>,
+    manifest: Manifest,
     history: Option<Rows>,
     probes: Option<(ProbeSet, Rows)>,
-    manifest: Option<Manifest>,
     /// The recovery of stresses on the mesh of the run, from its first snapshot on.
     recovery: Option<StressRecovery>,
     /// Time and file of the field snapshots.
     snapshots: Vec<(f64, String)>,
-    last_checkpoint: Instant,
+    last_checkpoint: LastCheckpoint,
+    /// What a user has to know about what was found in the folder.
+    notes: Vec<String>,
+    _lock: FolderLock,
+}
+
+/// The newest checkpoint of the session.
+#[derive(Debug)]
+struct LastCheckpoint {
+    /// Its step; none before the first.
+    step: Option<usize>,
+    at: Instant,
+    /// How long it took to write.
+    took: Duration,
+    /// The step that the session began with.
+    first: usize,
 }
 
 impl Folder {
     /// A folder for a new run; it is created if it is not there.
     ///
     /// # Errors
-    /// When it holds results and `force` is not given, or when it cannot be created.
+    /// When it holds results and `force` is not given, or files of others with names of results; when somebody writes
+    /// into it, and when it cannot be created.
     pub fn create(path: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
-        let path = path.into();
-        let found = RESULTS.iter().find(|name| path.join(name).symlink_metadata().is_ok());
-        if let Some(found) = found.filter(|_| !options.force) {
-            return Err(OutputError::HoldsResults { path, found: (*found).to_owned() });
+        let folder = Folder::prepare(path.into(), options)?;
+        folder.write_inputs()?;
+        Ok(folder)
+    }
+
+    fn prepare(path: PathBuf, options: FolderOptions) -> Result<Folder, OutputError> {
+        create_folder(&path)?;
+        let lock = FolderLock::take(&path)?;
+        owned::settle(&path)?;
+        let mut earlier = Manifest::find(&path)?;
+        if let Some(run) = &earlier
+            && run.is_started()
+            && !options.force
+        {
+            return Err(owned::told(&path, run));
         }
-        remove(&path.join(STAGING))?;
-        let folder = Folder::new(path, options, found.is_some());
+        owned::refuse_strangers(&path, earlier.as_ref(), &options.inputs)?;
+        if let Some(run) = earlier.take_if(|run| !run.is_started()) {
+            // It has no results yet.
+            owned::remove(&path, &run, true)?;
+        }
+        let manifest = Manifest::new(&options.fingerprint(), options.settings());
+        let folder = Folder::new(path, options, (earlier, manifest), lock);
         create_folder(&folder.root())?;
         Ok(folder)
     }
@@ -119,72 +173,89 @@ impl Folder {
     /// The folder of a run that goes on.
     ///
     /// # Errors
-    /// When there is no such folder.
+    /// When there is no run in it, or when somebody writes into it.
     pub fn reopen(path: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
         let path = path.into();
-        fs::read_dir(&path).map_err(OutputError::io("read", &path))?;
-        Ok(Folder::new(path, options, false))
+        std::fs::read_dir(&path).map_err(OutputError::io("read", &path))?;
+        let lock = FolderLock::take(&path)?;
+        owned::settle(&path)?;
+        let manifest = Manifest::read(&path)?;
+        Ok(Folder::new(path, options, (None, manifest), lock))
     }
 
-    /// The folder of a run that goes on in a new place: the results of `from` are copied, and stay.
+    /// The folder of a run that goes on in a new place: the results of `from` are copied, and stay. Take the
+    /// [`FolderLock`] of `from` before.
     ///
     /// # Errors
     /// When the new folder holds results and `force` is not given, or when files cannot be copied.
     pub fn copy(from: &Path, to: impl Into<PathBuf>, options: FolderOptions) -> Result<Folder, OutputError> {
-        let mut folder = Folder::create(to, options)?;
-        let staging = folder.root();
-        for name in RESULTS {
-            copy(&from.join(name), &staging.join(name))?;
-        }
-        if folder.replaces {
-            folder.replace()?;
-        }
+        let run = Manifest::read(from)?;
+        let mut folder = Folder::prepare(to.into(), options)?;
+        owned::copy(from, &run, &folder.root())?;
+        run.write(&folder.root())?;
+        folder.manifest = run;
+        folder.replace()?;
         Ok(folder)
     }
 
     /// Whether results of an earlier run are still there: the new run has not made a step.
     #[must_use]
     pub fn keeps_older_results(&self) -> bool {
-        self.replaces
+        self.replaces.is_some()
     }
 
-    fn new(path: PathBuf, options: FolderOptions, replaces: bool) -> Folder {
-        let last_checkpoint = Instant::now();
+    /// What a user has to know about what was found in the folder.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    fn new(
+        path: PathBuf,
+        options: FolderOptions,
+        (replaces, manifest): (Option<Manifest>, Manifest),
+        lock: FolderLock,
+    ) -> Folder {
         Folder {
             path,
             options,
             replaces,
+            manifest,
             history: None,
             probes: None,
-            manifest: None,
             recovery: None,
             snapshots: Vec::new(),
-            last_checkpoint,
+            last_checkpoint: LastCheckpoint { step: None, at: Instant::now(), took: Duration::ZERO, first: 0 },
+            notes: Vec::new(),
+            _lock: lock,
         }
     }
 
     /// Where results go at present.
     fn root(&self) -> PathBuf {
-        if self.replaces { self.path.join(STAGING) } else { self.path.clone() }
+        if self.replaces.is_some() { self.path.join(STAGING) } else { self.path.clone() }
+    }
+
+    /// Writes the manifest and the case: from here on the folder is that of the run.
+    fn write_inputs(&self) -> Result<(), OutputError> {
+        let (root, mut manifest) = (self.root(), self.manifest.clone());
+        self.list_names(&mut manifest);
+        manifest.write(&root)?;
+        write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
+        write_inputs(&root, &self.options.inputs)
+    }
+
+    /// Lists the files that the run may write.
+    fn list_names(&self, manifest: &mut Manifest) {
+        owned::NAMES.into_iter().filter(|name| *name != manifest::FILE).for_each(|name| manifest.name(name));
+        self.options.inputs.iter().for_each(|input| manifest.list(&input.path, Some(Written::of(&input.bytes))));
+        manifest.list("case.toml", Some(Written::of(self.options.text.as_bytes())));
     }
 
     /// Replaces the results of the run before by those of this one.
     fn replace(&mut self) -> Result<(), OutputError> {
-        for name in RESULTS {
-            remove(&self.path.join(name))?;
-        }
-        let staging = self.root();
-        for name in RESULTS {
-            let (from, to) = (staging.join(name), self.path.join(name));
-            match fs::rename(&from, &to) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                    return Err(OutputError::io("move", &from)(error));
-                }
-                _ => {}
-            }
-        }
-        remove(&staging)?;
-        self.replaces = false;
+        let Some(earlier) = self.replaces.take() else { return Ok(()) };
+        owned::replace(&self.path, &earlier)?;
         if let Some(history) = &mut self.history {
             history.moved(self.path.join(HISTORY));
         }
@@ -195,7 +266,7 @@ impl Folder {
     }
 
     fn is_due(&self, step: usize) -> bool {
-        self.options.every > 0 && step.is_multiple_of(self.options.every)
+        is_due(self.options.every, step)
     }
 
     fn write_fields(&mut self, now: &Snapshot) -> Result<(), OutputError> {
@@ -204,23 +275,47 @@ impl Folder {
         if self.recovery.is_none() && now.problem.physics.has_mechanics() {
             self.recovery = Some(StressRecovery::new(&now.problem.mesh));
         }
-        write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
+        let written = write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
+        self.manifest.list(&file, Some(written));
         if !now.problem.contacts.is_empty() && now.report.is_some() {
             create_folder(&root.join(CONTACT))?;
-            write_contact(&root.join(contact_file(now.state.step)), now)?;
+            let name = contact_file(now.state.step);
+            let written = write_contact(&root.join(&name), now)?;
+            self.manifest.list(&name, Some(written));
         }
         self.snapshots.push((now.state.t, file));
-        write_collection(&root.join("fields.pvd"), &self.snapshots)
+        self.write_collection()
     }
 
-    fn write_checkpoint(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+    fn write_collection(&mut self) -> Result<(), OutputError> {
+        let written = write_collection(&self.root().join("fields.pvd"), &self.snapshots)?;
+        self.manifest.list("fields.pvd", Some(written));
+        Ok(())
+    }
+
+    fn write_checkpoint(&mut self, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
+        let begin = Instant::now();
         // The rows come first: a checkpoint must not be ahead of the history.
         for rows in self.history.iter().chain(self.probes.iter().map(|(_, rows)| rows)) {
             rows.sync()?;
         }
-        checkpoint::write(&self.root(), &self.options.fingerprint(), now)?;
-        self.last_checkpoint = Instant::now();
+        checkpoint::write(&self.root(), &self.options.identity, now, keeps)?;
+        let last = &mut self.last_checkpoint;
+        (last.step, last.at, last.took) = (Some(now.state.step), Instant::now(), begin.elapsed());
         Ok(())
+    }
+
+    fn checkpoint_is_due(&self, step: usize) -> bool {
+        let LastCheckpoint { step: last, at, took, first } = self.last_checkpoint;
+        let CheckpointInterval { steps, time } = self.options.checkpoint;
+        let interval = match (steps, time) {
+            (_, Some(time)) => time,
+            (Some(_), None) => Duration::MAX,
+            (None, None) => LONGEST_INTERVAL.min(took.saturating_mul(SHARE)),
+        };
+        step == first + 1
+            || steps.is_some_and(|steps| step >= last.unwrap_or(first) + steps.max(1))
+            || at.elapsed() >= interval
     }
 
     /// The probes of the run, if it has any, with their table.
@@ -243,20 +338,31 @@ impl Folder {
         Ok(Some((set, open(&columns)?)))
     }
 
+    /// Refuses to start where the results of the steps that are left do not fit on the disk.
+    fn check_room(&self, start: &RunStart) -> Result<(), OutputError> {
+        let (problem, first) = (start.from.problem, start.from.state.step);
+        let due = (first..problem.steps).filter(|&n| self.is_due(n)).count() + 1;
+        let needed = demand(&start.from, &self.options.fields, due, problem.steps - first.min(problem.steps));
+        match machine::disk_free(&self.path) {
+            Some(free) if needed > free as f64 => {
+                Err(OutputError::NoRoom { path: self.path.clone(), needed, free: free as f64 })
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn start_anew(&mut self, start: &RunStart) -> Result<(), OutputError> {
         let (root, problem) = (self.root(), start.from.problem);
-        for folder in ["fields", "checkpoint"] {
+        for folder in [FIELDS, "checkpoint"] {
             create_folder(&root.join(folder))?;
         }
-        write_atomically(&root.join("case.toml"), |out| out.write_all(self.options.text.as_bytes()))?;
-        write_inputs(&root, &self.options.inputs)?;
+        self.manifest = Manifest::new(&self.options.fingerprint(), self.options.settings());
+        let mut manifest = self.manifest.clone();
+        self.list_names(&mut manifest);
+        manifest.units(&problem.name, problem.units(), &self.tables(problem));
+        self.manifest = manifest;
         self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);
         self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
-        let settings =
-            Settings { every: self.options.every, checkpoint_seconds: self.options.checkpoint_interval.as_secs_f64() };
-        let mut manifest = Manifest::new(&problem.name, &self.options.fingerprint(), settings);
-        manifest.units(problem.units(), &self.tables(problem));
-        self.manifest = Some(manifest);
         if self.is_due(0) {
             self.write_fields(&start.from)?;
         }
@@ -283,45 +389,85 @@ impl Folder {
         let (problem, step) = (start.from.problem, start.from.state.step);
         self.history = Some(Rows::reopen(self.path.join(HISTORY), &history_columns(problem), step)?);
         self.probes = self.probe_rows(problem, |columns| Rows::reopen(self.path.join(PROBES), columns, step))?;
-        self.manifest = Some(Manifest::read(&self.path)?);
-        let due = (0..=step).filter(|&n| self.is_due(n)).map(|n| (problem.time(n), fields_file(n)));
-        self.snapshots = due.filter(|(_, file)| self.path.join(file).is_file()).collect();
-        for folder in ["fields", CONTACT] {
-            self.remove_later(folder)?;
-        }
-        write_collection(&self.path.join("fields.pvd"), &self.snapshots)
-    }
-
-    /// Removes the snapshots in a folder that are not of the run so far.
-    fn remove_later(&self, folder: &str) -> Result<(), OutputError> {
-        let path = self.path.join(folder);
-        create_folder(&path)?;
-        let stem = |name: &str| Path::new(name).file_stem().map(std::ffi::OsStr::to_os_string);
-        for entry in fs::read_dir(&path).map_err(OutputError::io("read", &path))? {
-            let entry = entry.map_err(OutputError::io("read", &path))?;
-            let name = entry.file_name().to_string_lossy().into_owned();
-            let ours = name.starts_with("step_") || name.starts_with(".step_");
-            if ours && !self.snapshots.iter().any(|(_, file)| stem(file) == stem(&name)) {
-                remove(&entry.path())?;
-            }
+        self.keep_snapshots(problem, step)?;
+        let mut manifest = self.manifest.clone();
+        manifest.change(&self.options.fingerprint(), self.options.settings());
+        let copies = |name: &str| !name.starts_with("inputs/");
+        manifest.retain(copies);
+        self.list_names(&mut manifest);
+        self.manifest = manifest;
+        self.write_inputs_again()?;
+        if !checkpoint::is_whole(&self.path) {
+            self.write_checkpoint(&start.from, false)?;
         }
         Ok(())
     }
+
+    /// Writes the case and its files where they are not what the run goes on with.
+    fn write_inputs_again(&self) -> Result<(), OutputError> {
+        let path = self.path.join("case.toml");
+        if Written::read(&path).ok() != Some(Written::of(self.options.text.as_bytes())) {
+            write_atomically(&path, |out| out.write_all(self.options.text.as_bytes()))?;
+        }
+        write_inputs(&self.path, &self.options.inputs)
+    }
+
+    /// Takes the snapshots up to a step as they are, and removes the others.
+    ///
+    /// Those count that were due, or are listed as written; not the one that was written only because the run ended.
+    fn keep_snapshots(&mut self, problem: &Problem, step: usize) -> Result<(), OutputError> {
+        let (every, passing) = (self.manifest.settings().every, self.manifest.passing());
+        let before = self.manifest.clone();
+        let listed: Vec<(&str, Option<&Written>)> = before.outputs();
+        let counts = |n: usize, name: &str| {
+            n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
+        };
+        let there = owned::snapshots(&self.path);
+        let snapshot = |name: &str| [FIELDS, CONTACT].iter().any(|folder| name.starts_with(&format!("{folder}/")));
+        self.manifest.retain(|name| !snapshot(name));
+        for (n, name) in there {
+            let path = self.path.join(&name);
+            if !counts(n, &name) {
+                remove_file(&path)?;
+                continue;
+            }
+            let written = match listed.iter().find(|(other, _)| *other == name) {
+                Some((_, Some(written))) => (*written).clone(),
+                _ => Written::read(&path).map_err(OutputError::io("read", &path))?,
+            };
+            self.manifest.list(&name, Some(written));
+            if name == fields_file(n) {
+                self.snapshots.push((problem.time(n), name));
+            }
+        }
+        let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n)).map(fields_file);
+        for name in due.filter(|name| !self.snapshots.iter().any(|(_, file)| file == name)) {
+            self.notes.push(format!("{name} of the run before is gone; fields.pvd leaves it out"));
+            self.manifest.list(&name, None);
+        }
+        self.write_collection()
+    }
+}
+
+/// Whether a snapshot is due at a step.
+fn is_due(every: usize, step: usize) -> bool {
+    every > 0 && step.is_multiple_of(every)
 }
 
 /// The file of the contact points beside the fields at a step, seen from the results folder.
-fn contact_file(step: usize) -> String {
+pub(crate) fn contact_file(step: usize) -> String {
     format!("{CONTACT}/step_{step:07}.csv")
 }
 
 /// The file of the fields at a step, seen from the results folder.
-fn fields_file(step: usize) -> String {
-    format!("fields/step_{step:07}.vtu")
+pub(crate) fn fields_file(step: usize) -> String {
+    format!("{FIELDS}/step_{step:07}.vtu")
 }
 
 impl Sink for Folder {
     fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
         self.recovery = None;
+        self.check_room(start)?;
         if start.resumed {
             self.go_on(start)?;
         } else {
@@ -329,21 +475,25 @@ impl Sink for Folder {
         }
         let root = self.root();
         match start.certificate {
-            Some(findings) => write_certificate(&root, &self.options.fingerprint(), findings)?,
-            None => remove(&root.join(CERTIFICATE))?,
+            Some(findings) => {
+                let written = write_certificate(&root, &self.options.fingerprint(), findings)?;
+                self.manifest.list(CERTIFICATE, Some(written));
+            }
+            None => remove_file(&root.join(CERTIFICATE))?,
         }
-        if let Some(manifest) = &mut self.manifest {
-            manifest.begin(start.threads, start.from.state.step);
-            manifest.write(&root)?;
+        let step = start.from.state.step;
+        self.manifest.begin(start.threads, step);
+        self.manifest.write(&root)?;
+        if !start.resumed {
+            self.write_checkpoint(&start.from, false)?;
         }
-        self.last_checkpoint = Instant::now();
+        (self.last_checkpoint.step, self.last_checkpoint.first) = (Some(step), step);
+        self.last_checkpoint.at = Instant::now();
         Ok(())
     }
 
     fn step(&mut self, now: &Snapshot) -> Result<(), OutputError> {
-        if self.replaces {
-            self.replace()?;
-        }
+        self.replace()?;
         if let Some((history, values)) = self.history.as_mut().zip(history_values(now)) {
             history.push(&values)?;
         }
@@ -355,34 +505,44 @@ impl Sink for Folder {
         if self.is_due(now.state.step) {
             self.write_fields(now)?;
         }
-        if self.last_checkpoint.elapsed() >= self.options.checkpoint_interval {
-            self.write_checkpoint(now)?;
+        if self.checkpoint_is_due(now.state.step) {
+            self.write_checkpoint(now, true)?;
         }
         Ok(())
     }
 
     fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
-        if self.replaces {
+        if self.replaces.is_some() {
             return Ok(());
         }
         let file = fields_file(last.state.step);
         if self.snapshots.last().is_none_or(|(_, newest)| *newest != file) {
             self.write_fields(last)?;
         }
-        write_contact(&self.path.join("contact.csv"), last)?;
-        self.write_checkpoint(last)
+        let written = write_contact(&self.path.join("contact.csv"), last)?;
+        self.manifest.list("contact.csv", Some(written));
+        if self.last_checkpoint.step != Some(last.state.step) {
+            self.write_checkpoint(last, true)?;
+        }
+        Ok(())
     }
 
     fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {
-        if self.replaces {
+        if self.replaces.is_some() {
             // The run has not made a step: what was there before stays.
-            return remove(&self.root());
+            return remove_folder(&self.root());
         }
-        write_json(&self.path.join("summary.json"), summary)?;
-        if let Some(manifest) = &mut self.manifest {
-            manifest.end(summary.steps);
-            manifest.write(&self.path)?;
+        let written = write_json(&self.path.join("summary.json"), summary)?;
+        self.manifest.list("summary.json", Some(written));
+        for (name, written) in checkpoint::written(&self.path) {
+            self.manifest.list(name, Some(written));
         }
-        Ok(())
+        let rows = self.history.iter().map(|rows| (HISTORY, rows));
+        for (name, rows) in rows.chain(self.probes.iter().map(|(_, rows)| (PROBES, rows))) {
+            self.manifest.list(name, Some(rows.written()));
+        }
+        self.manifest.forget_unwritten(&owned::NAMES);
+        self.manifest.end(summary.steps, !self.is_due(summary.steps));
+        self.manifest.write(&self.path)
     }
 }

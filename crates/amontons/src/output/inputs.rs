@@ -42,6 +42,6 @@ pub(super) fn write_inputs(folder: &Path, inputs: &[Input]) -> Result<(), Output
         create_folder(&folder.join(INPUTS))?;
     }
     inputs.iter().try_for_each(|input| {
-        write_atomically(&folder.join(&input.path), |out| std::io::Write::write_all(out, &input.bytes))
+        write_atomically(&folder.join(&input.path), |out| std::io::Write::write_all(out, &input.bytes)).map(|_| ())
     })
 }

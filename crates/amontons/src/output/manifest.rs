@@ -1,24 +1,26 @@
 //! `manifest.json`: what made the results.
 
 use std::collections::BTreeMap;
-use std::fs;
-use std::path::Path;
+use std::io;
+use std::path::{Component, Path};
 use std::time::SystemTime;
 
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::OutputError;
-use super::files::write_json;
+use super::files::{LONGEST, Written, write_atomically};
 use crate::inclusion::TOLERANCE;
+use crate::machine;
 use crate::scheme::{ACCEPTED, REFINE};
 use crate::units::{Measure, Units};
 
 /// Name of the file in a results folder.
 pub(super) const FILE: &str = "manifest.json";
+const PROGRAM: &str = "amontons";
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Manifest {
+pub(crate) struct Manifest {
     program: String,
     version: String,
     case: String,
@@ -36,16 +38,39 @@ pub(super) struct Manifest {
     columns: BTreeMap<String, BTreeMap<String, String>>,
     start: String,
     end: Option<String>,
-    /// One entry each time the run was started or resumed.
+    /// One entry each time the run was started or resumed; none before the start.
     sessions: Vec<Session>,
+    /// The files that the run has written, with lengths and hashes once it has ended. Those in the folders of snapshots
+    /// are the run's whether they are listed or not.
+    #[serde(default)]
+    outputs: Option<BTreeMap<String, Option<Written>>>,
+    /// The step of the snapshot that is there only because the run ended at it.
+    #[serde(default)]
+    passing: Option<usize>,
+    /// SHA-256 of this file with an empty value here.
+    #[serde(default)]
+    sha256: String,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Settings {
+pub(crate) struct Settings {
     /// Steps between field snapshots.
     pub every: usize,
-    /// Seconds between checkpoints.
-    pub checkpoint_seconds: f64,
+    /// Most seconds between checkpoints.
+    pub checkpoint_seconds: Option<f64>,
+    /// Most steps between checkpoints.
+    #[serde(default)]
+    pub checkpoint_steps: Option<usize>,
+    /// Whether the run evaluates all hypotheses.
+    #[serde(default = "yes")]
+    pub certificate: bool,
+    /// The overrides of all sessions: what `[expected]` and `[verify]` say is of the case without them.
+    #[serde(default)]
+    pub overrides: Vec<String>,
+}
+
+fn yes() -> bool {
+    true
 }
 
 /// Relative residuals that the solver works with; none of them is for users to set.
@@ -78,11 +103,11 @@ struct Session {
 
 impl Manifest {
     /// The manifest of a run that starts now.
-    pub fn new(case: &str, fingerprint: &str, settings: Settings) -> Manifest {
+    pub fn new(fingerprint: &str, settings: Settings) -> Manifest {
         Manifest {
-            program: "amontons".to_owned(),
+            program: PROGRAM.to_owned(),
             version: version(),
-            case: case.to_owned(),
+            case: String::new(),
             input_sha256: hexadecimal(&Sha256::digest(fingerprint)),
             settings,
             tolerances: Tolerances { newton: TOLERANCE, refined_above: REFINE, accepted_below: ACCEPTED },
@@ -97,7 +122,87 @@ impl Manifest {
             start: now(),
             end: None,
             sessions: Vec::new(),
+            outputs: Some(BTreeMap::new()),
+            passing: None,
+            sha256: String::new(),
         }
+    }
+
+    /// Takes the inputs and settings of the session that begins.
+    pub fn change(&mut self, fingerprint: &str, settings: Settings) {
+        let before = std::mem::replace(&mut self.settings, settings).overrides;
+        self.settings.overrides.splice(0..0, before);
+        self.input_sha256 = hexadecimal(&Sha256::digest(fingerprint));
+    }
+
+    /// SHA-256 of the inputs, hexadecimal.
+    pub fn input_sha256(&self) -> &str {
+        &self.input_sha256
+    }
+
+    /// Name of the case.
+    pub fn case(&self) -> &str {
+        &self.case
+    }
+
+    /// Settings of the last session.
+    pub fn settings(&self) -> &Settings {
+        &self.settings
+    }
+
+    /// Whether the run has begun its steps at least once.
+    pub fn is_started(&self) -> bool {
+        !self.sessions.is_empty()
+    }
+
+    /// The step at which the run ended; none while it runs, and of one that was killed.
+    pub fn ended(&self) -> Option<usize> {
+        self.end.as_ref()?;
+        self.sessions.last()?.to_step
+    }
+
+    /// The files that the run has listed, by their names seen from the folder. Names that lead out of the folder are
+    /// left out.
+    pub fn outputs(&self) -> Vec<(&str, Option<&Written>)> {
+        let inside = |name: &str| {
+            let mut parts = Path::new(name).components();
+            parts.by_ref().all(|part| matches!(part, Component::Normal(_)))
+        };
+        match &self.outputs {
+            Some(all) => all
+                .iter()
+                .filter(|(name, _)| inside(name))
+                .map(|(name, written)| (name.as_str(), written.as_ref()))
+                .collect(),
+            // Versions that did not list them wrote these.
+            None => super::owned::NAMES.iter().map(|name| (*name, None)).collect(),
+        }
+    }
+
+    /// Notes a file that the run writes, with its length and hash once they are known.
+    pub fn list(&mut self, name: &str, written: Option<Written>) {
+        self.outputs.get_or_insert_default().insert(name.to_owned(), written);
+    }
+
+    /// Notes a file that the run may write.
+    pub fn name(&mut self, name: &str) {
+        self.outputs.get_or_insert_default().entry(name.to_owned()).or_default();
+    }
+
+    /// Forgets the files of these names that have not been written.
+    pub fn forget_unwritten(&mut self, names: &[&str]) {
+        let outputs = self.outputs.get_or_insert_default();
+        outputs.retain(|name, written| written.is_some() || !names.contains(&name.as_str()));
+    }
+
+    /// Forgets the files that do not satisfy a condition.
+    pub fn retain(&mut self, keep: impl Fn(&str) -> bool) {
+        self.outputs.get_or_insert_default().retain(|name, _| keep(name));
+    }
+
+    /// The step of the snapshot that is there only because the run ended at it.
+    pub fn passing(&self) -> Option<usize> {
+        self.passing
     }
 
     /// Whether it is that of a run with these inputs, made and ended by this version of the program.
@@ -110,33 +215,57 @@ impl Manifest {
     /// Reads the manifest of a results folder.
     pub fn read(folder: &Path) -> Result<Manifest, OutputError> {
         let path = folder.join(FILE);
-        let text = fs::read_to_string(&path).map_err(OutputError::io("read", &path))?;
-        serde_json::from_str(&text).map_err(|error| OutputError::Inconsistent {
-            path,
-            found: error.to_string(),
-            expected: "the manifest of a run".to_owned(),
-        })
+        Manifest::find(folder)?.ok_or_else(|| OutputError::io("read", &path)(io::Error::from(io::ErrorKind::NotFound)))
     }
 
-    /// Notes the units of the tables, given by their names and columns.
-    pub fn units(&mut self, units: Units, tables: &[(&str, Vec<(String, Measure)>)]) {
+    /// Reads the manifest of a results folder; none where there is no such file.
+    pub fn find(folder: &Path) -> Result<Option<Manifest>, OutputError> {
+        let path = folder.join(FILE);
+        let text = match machine::read_text(&path, LONGEST) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            text => text.map_err(OutputError::io("read", &path))?,
+        };
+        let inconsistent = |found: String| OutputError::Inconsistent {
+            path: path.clone(),
+            found,
+            expected: "the manifest of a run".to_owned(),
+        };
+        let manifest: Manifest = serde_json::from_str(&text).map_err(|error| inconsistent(error.to_string()))?;
+        if manifest.program == PROGRAM { Ok(Some(manifest)) } else { Err(inconsistent("another file".to_owned())) }
+    }
+
+    /// Whether the file of a results folder has the text that this manifest was written with.
+    pub fn is_intact(&self, folder: &Path) -> bool {
+        let text = machine::read_text(&folder.join(FILE), LONGEST).unwrap_or_default();
+        self.text().is_ok_and(|own| own == text)
+    }
+
+    /// The text of the file.
+    fn text(&self) -> serde_json::Result<String> {
+        let empty = Manifest { sha256: String::new(), ..self.clone() };
+        let sha256 = hexadecimal(&Sha256::digest(serde_json::to_string_pretty(&empty)?));
+        Ok(serde_json::to_string_pretty(&Manifest { sha256, ..empty })? + "\n")
+    }
+
+    /// Notes the name of the case, and the units of the tables, given by their names and columns.
+    pub fn units(&mut self, case: &str, units: Units, tables: &[(&str, Vec<(String, Measure)>)]) {
         let of = |columns: &[(String, Measure)]| {
             let with_unit = columns.iter().filter(|(_, measure)| !units.of(*measure).is_empty());
             with_unit.map(|(name, measure)| (name.clone(), units.of(*measure).to_owned())).collect()
         };
-        self.units = units;
+        (self.case, self.units) = (case.to_owned(), units);
         self.columns = tables.iter().map(|(name, columns)| ((*name).to_owned(), of(columns))).collect();
     }
 
     /// Notes that the run starts, or goes on, from a step.
     pub fn begin(&mut self, threads: usize, from_step: usize) {
-        (self.version, self.threads, self.end) = (version(), threads, None);
+        (self.version, self.threads, self.end, self.passing) = (version(), threads, None, None);
         self.sessions.push(Session { version: version(), threads, from_step, to_step: None, start: now(), end: None });
     }
 
-    /// Notes that the run ends at a step.
-    pub fn end(&mut self, to_step: usize) {
-        self.end = Some(now());
+    /// Notes that the run ends at a step, and whether it has written a snapshot only because of that.
+    pub fn end(&mut self, to_step: usize, is_passing: bool) {
+        (self.end, self.passing) = (Some(now()), is_passing.then_some(to_step));
         if let Some(session) = self.sessions.last_mut() {
             (session.to_step, session.end) = (Some(to_step), self.end.clone());
         }
@@ -144,7 +273,10 @@ impl Manifest {
 
     /// Writes the manifest into a results folder.
     pub fn write(&self, folder: &Path) -> Result<(), OutputError> {
-        write_json(&folder.join(FILE), self)
+        let path = folder.join(FILE);
+        let text =
+            self.text().map_err(|error| OutputError::Encode { path: path.clone(), message: error.to_string() })?;
+        write_atomically(&path, |out| io::Write::write_all(out, text.as_bytes())).map(|_| ())
     }
 }
 

@@ -15,13 +15,18 @@ mod csv;
 mod earlier;
 mod files;
 mod folder;
+mod identity;
 mod inputs;
+mod inspect;
 mod limits;
+mod lock;
 mod manifest;
 mod memory;
+mod owned;
 mod probe;
 mod quantity;
 mod recovery;
+mod room;
 mod study;
 mod summary;
 mod vtu;
@@ -31,15 +36,28 @@ use std::path::{Path, PathBuf};
 
 pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
+#[cfg(feature = "case")]
+pub(crate) use columns::contact_rows;
 pub use columns::{contact_measures, history_columns, history_measures, history_values};
-pub use earlier::{finished_run, known_certificate};
-pub use folder::{Folder, FolderOptions};
+#[cfg(feature = "case")]
+pub(crate) use earlier::hash as input_hash;
+pub use earlier::{finished_run, has_certificate, known_certificate};
+#[cfg(feature = "case")]
+pub(crate) use files::LONGEST;
+pub use folder::{CheckpointInterval, Folder, FolderOptions};
+#[cfg(feature = "case")]
+pub(crate) use folder::{contact_file, fields_file};
+pub use identity::Identity;
 pub use inputs::{INPUTS, Input, fingerprint};
+pub use inspect::{Inspection, inspect};
+pub use lock::FolderLock;
 pub use memory::Memory;
 pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
 pub use quantity::{Base, Part, Quantity};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use study::StudyFolder;
+#[cfg(feature = "case")]
+pub(crate) use summary::of_last;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
 pub use vtu::OutputField;
 
@@ -126,12 +144,38 @@ pub enum OutputError {
         source: io::Error,
     },
     /// The folder holds results that would be lost.
-    #[error("{} already holds results ({found}); give another folder, go on with them by `resume`, or replace them by `--force`", path.display())]
+    #[error("{} holds {found}; {advice}", path.display())]
     HoldsResults {
         /// The folder.
         path: PathBuf,
-        /// One of the files found.
+        /// What it holds.
         found: String,
+        /// What to do.
+        advice: String,
+    },
+    /// A file that the run would replace is not of a run.
+    #[error("{} was not written by a run that the folder's manifest.json lists, and would be replaced; move it away, or give another folder with --out", path.display())]
+    Stranger {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Somebody else writes into the folder.
+    #[error("{} is in use{}; wait until that run has ended, or give another folder with --out", path.display(), if holder.is_empty() { String::new() } else { format!(" by {holder}") })]
+    InUse {
+        /// The folder.
+        path: PathBuf,
+        /// Who writes into it.
+        holder: String,
+    },
+    /// The results do not fit on the disk.
+    #[error("{}: the results need about {:.3e} bytes, and {:.3e} are free on its disk; write fewer snapshots (output.every), or give a folder on another disk with --out", path.display(), needed, free)]
+    NoRoom {
+        /// The folder.
+        path: PathBuf,
+        /// Bytes that the results need.
+        needed: f64,
+        /// Bytes that are free.
+        free: f64,
     },
     /// The files of a run do not fit together.
     #[error("{}: found {found}, expected {expected}", path.display())]

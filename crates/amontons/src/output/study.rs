@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use super::checkpoint::{read_states, write_states};
 use super::earlier::hash;
-use super::files::{create_folder, remove, write_atomically, write_json};
+use super::files::{LONGEST, create_folder, remove_folder, write_atomically, write_json};
 use super::inputs::{Input, write_inputs};
-use super::{OutputError, StudyTable};
+use super::{FolderLock, OutputError, StudyTable, manifest};
 use crate::convergence::{Level, Reference, ReferenceProgress, Study};
+use crate::machine;
 use crate::scheme::State;
 
 /// A results folder that holds a study: `convergence.csv`, `convergence.json`, and `levels/` with the states of
@@ -16,23 +17,31 @@ use crate::scheme::State;
 #[derive(Debug)]
 pub struct StudyFolder {
     path: PathBuf,
+    _lock: FolderLock,
 }
 
 impl StudyFolder {
     /// A folder for a study; it is created if it is not there.
     ///
     /// # Errors
-    /// When it holds a finished study or a run and `force` is not given, or cannot be created.
+    /// When it holds a run, or a finished study and `force` is not given; when somebody writes into it, or it cannot be
+    /// created.
     pub fn create(path: impl Into<PathBuf>, force: bool) -> Result<StudyFolder, OutputError> {
         let path = path.into();
-        let found = ["convergence.csv", "summary.json", "history.csv"]
-            .iter()
-            .find(|name| path.join(name).symlink_metadata().is_ok());
-        if let Some(found) = found.filter(|_| !force) {
-            return Err(OutputError::HoldsResults { path, found: (*found).to_owned() });
+        let holds = |found: &str, advice: &str| {
+            Err(OutputError::HoldsResults { path: path.clone(), found: found.to_owned(), advice: advice.to_owned() })
+        };
+        let is_there = |name: &str| path.join(name).symlink_metadata().is_ok();
+        if is_there(manifest::FILE) {
+            return holds("a run", "give another folder with --out");
         }
+        if is_there("convergence.csv") && !force {
+            return holds("a finished study", "replace it with --force, or give another folder with --out");
+        }
+        create_folder(&path)?;
+        let lock = FolderLock::take(&path)?;
         create_folder(&path.join("levels"))?;
-        Ok(StudyFolder { path })
+        Ok(StudyFolder { path, _lock: lock })
     }
 
     /// The folder.
@@ -63,7 +72,7 @@ impl StudyFolder {
     /// The table of a study that was finished before with the same inputs; none if there is none to be had.
     #[must_use]
     pub fn finished(path: &Path, study: &Study) -> Option<StudyTable> {
-        let read = |name: &str| std::fs::read_to_string(path.join(name)).ok();
+        let read = |name: &str| machine::read_text(&path.join(name), LONGEST).ok();
         (read(INPUT)?.trim() == study_hash(study)).then_some(())?;
         serde_json::from_str(&read("convergence.json")?).ok()
     }
@@ -74,7 +83,7 @@ impl StudyFolder {
         let key = study_hash(study);
         let state = read_states(&self.levels(REFERENCE), &key).ok()?.pop()?;
         let (step, worst): (usize, _) =
-            serde_json::from_str(&std::fs::read_to_string(self.levels(REFERENCE_ERRORS)).ok()?).ok()?;
+            serde_json::from_str(&machine::read_text(&self.levels(REFERENCE_ERRORS), LONGEST).ok()?).ok()?;
         // The two files are written one after the other.
         (state.step == step).then_some(ReferenceProgress { state, worst })
     }
@@ -85,7 +94,7 @@ impl StudyFolder {
     /// When it cannot be written.
     pub fn keep_reference(&self, study: &Study, progress: &ReferenceProgress) -> Result<(), OutputError> {
         write_states(&self.levels(REFERENCE), &study_hash(study), std::slice::from_ref(&progress.state))?;
-        write_json(&self.levels(REFERENCE_ERRORS), &(progress.state.step, &progress.worst))
+        write_json(&self.levels(REFERENCE_ERRORS), &(progress.state.step, &progress.worst)).map(|_| ())
     }
 
     /// Removes the states of the levels and of the reference, which a finished study does not need.
@@ -93,7 +102,7 @@ impl StudyFolder {
     /// # Errors
     /// When they cannot be removed.
     pub fn clean(&self) -> Result<(), OutputError> {
-        remove(&self.path.join("levels"))
+        remove_folder(&self.path.join("levels"))
     }
 
     fn levels(&self, name: &str) -> PathBuf {
@@ -105,7 +114,7 @@ impl StudyFolder {
     /// # Errors
     /// When the file cannot be written.
     pub fn seal(&self, study: &Study) -> Result<(), OutputError> {
-        write_atomically(&self.path.join(INPUT), |out| writeln!(out, "{}", study_hash(study)))
+        write_atomically(&self.path.join(INPUT), |out| writeln!(out, "{}", study_hash(study))).map(|_| ())
     }
 
     /// Writes the table, with the text of the case and the files that it refers to beside it.
@@ -116,7 +125,7 @@ impl StudyFolder {
         write_atomically(&self.path.join("case.toml"), |out| out.write_all(case.as_bytes()))?;
         write_inputs(&self.path, inputs)?;
         write_json(&self.path.join("convergence.json"), table)?;
-        write_atomically(&self.path.join("convergence.csv"), |out| out.write_all(table.csv().as_bytes()))
+        write_atomically(&self.path.join("convergence.csv"), |out| out.write_all(table.csv().as_bytes())).map(|_| ())
     }
 }
 

@@ -9,6 +9,7 @@ use crate::contact::Status;
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
 use crate::linalg::max_abs;
+use crate::machine;
 use crate::scheme::{ContactReport, Contraction, Ledger};
 use crate::units::Units;
 
@@ -225,9 +226,9 @@ pub struct Solver {
     pub newton_mechanics_max: usize,
     /// Newton iterations of heat steps.
     pub newton_heat_total: usize,
-    /// Factorizations of the systems; a resumed run makes them again.
+    /// Factorizations of the systems, without those that a resumed run makes again at its start.
     pub factorizations: usize,
-    /// Factorizations of condensed systems on Γ_C; a resumed run starts without those it had kept.
+    /// Factorizations of condensed systems on Γ_C; a resumed run makes again those it had kept.
     pub contact_factorizations: usize,
     /// Sweeps over a factor, forward or backward.
     pub sweeps: usize,
@@ -300,6 +301,12 @@ impl Final {
     }
 }
 
+/// The values of `final` in `summary.json` after a step.
+#[cfg(feature = "case")]
+pub(crate) fn of_last(last: &Snapshot) -> Final {
+    Final::new(last, &limits::figures(last))
+}
+
 impl Summary {
     /// Sums up a run that ended after `last`; `findings` are those on the data, the audit's are added.
     #[must_use]
@@ -352,7 +359,7 @@ impl Summary {
             warnings: findings.iter().filter(|finding| finding.warns()).cloned().collect(),
             findings,
             seconds: work.seconds,
-            peak_memory_bytes: peak_memory(),
+            peak_memory_bytes: machine::peak_memory(),
         }
     }
 }
@@ -419,12 +426,4 @@ fn sum(values: &mut dyn Iterator<Item = f64>) -> f64 {
 /// Folds a node-major vector component by component.
 fn by_component(values: &[f64], dim: usize, start: f64, fold: fn(f64, f64) -> f64) -> Vec<f64> {
     (0..dim).map(|c| values.iter().skip(c).step_by(dim).copied().fold(start, fold)).collect()
-}
-
-/// Most memory that this process held, bytes, where the system tells.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }

@@ -7,7 +7,7 @@ use vtkio::model::{
     Attribute, Attributes, ByteOrder, CellType, Cells, DataSet, UnstructuredGridPiece, Version, VertexNumbers, Vtk,
 };
 
-use super::files::write_atomically;
+use super::files::{Written, write_atomically};
 use super::{OutputError, PointValues, Snapshot, StressRecovery, cell_values};
 use crate::material::VTK_COMPONENTS;
 use crate::problem::Physics;
@@ -37,7 +37,7 @@ impl OutputField {
     pub const DEFAULT: [OutputField; 1] = [OutputField::Stress];
 
     /// Whether a problem with these equations has the field; one that it does not have is not written.
-    fn is_of(self, physics: Physics) -> bool {
+    pub(super) fn is_of(self, physics: Physics) -> bool {
         if self == OutputField::HeatFlux { physics.has_heat() } else { physics.has_mechanics() }
     }
 }
@@ -49,7 +49,7 @@ pub(super) fn write_fields(
     now: &Snapshot,
     fields: &[OutputField],
     recovery: Option<&StressRecovery>,
-) -> Result<(), OutputError> {
+) -> Result<Written, OutputError> {
     let grid = grid(now, fields, recovery);
     let mut bytes = Vec::new();
     grid.write_xml(&mut bytes)
@@ -169,7 +169,7 @@ fn cell_type(code: u8) -> CellType {
 }
 
 /// Writes the list of snapshots, pairs of a time and a file.
-pub(super) fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<(), OutputError> {
+pub(super) fn write_collection(path: &Path, snapshots: &[(f64, String)]) -> Result<Written, OutputError> {
     write_atomically(path, |out| {
         writeln!(out, "<?xml version=\"1.0\"?>")?;
         writeln!(out, "<VTKFile type=\"Collection\" version=\"0.1\" byte_order=\"LittleEndian\">")?;

@@ -4,10 +4,12 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 use super::PlotError;
+use crate::machine;
+use crate::output::LONGEST;
 
 /// The text of a file.
 pub(super) fn text(path: &Path) -> Result<String, PlotError> {
-    std::fs::read_to_string(path).map_err(|source| PlotError::Read { path: path.to_owned(), source })
+    machine::read_text(path, LONGEST).map_err(|source| PlotError::Read { path: path.to_owned(), source })
 }
 
 /// A table with named columns.

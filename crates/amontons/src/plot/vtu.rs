@@ -5,13 +5,15 @@ use std::path::Path;
 use quick_xml::events::Event;
 
 use super::PlotError;
+use crate::machine;
+use crate::output::LONGEST;
 pub(super) use crate::vtu::{Array, Grid};
 use crate::vtu::{attribute, parse};
 
 /// Reads a grid with all its data from a file.
 pub(super) fn read(path: &Path) -> Result<Grid, PlotError> {
     let fault = |what: String| PlotError::Format { path: path.to_owned(), what };
-    let bytes = std::fs::read(path).map_err(|source| PlotError::Read { path: path.to_owned(), source })?;
+    let bytes = machine::read(path, LONGEST).map_err(|source| PlotError::Read { path: path.to_owned(), source })?;
     parse(&bytes, |_| true).map_err(fault)
 }
 

@@ -166,7 +166,7 @@ pub struct ContactReport {
 pub enum StepError {
     /// The iteration on Γ_C did not end.
     #[error(
-        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations; relative residual {:.3e}; contact points {} open, {} stick, {} slip",
+        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
         .why.iterations, .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
     )]
     NotConverged {
@@ -177,7 +177,9 @@ pub enum StepError {
         /// `mechanics` or `heat`.
         part: &'static str,
         /// Iterations, residual and contact pattern.
-        why: NotConverged,
+        why: Box<NotConverged>,
+        /// The contact points whose states did not settle, in words; empty if all did.
+        unsettled: String,
     },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
     #[error(

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
-use crate::contact::Contact;
-use crate::inclusion::{Failure, Rule};
+use crate::contact::{Contact, Status};
+use crate::inclusion::{Failure, NotConverged, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System};
 use crate::problem::Problem;
 use crate::space::Space;
@@ -139,9 +139,33 @@ impl Step<'_> {
     /// A problem on Γ_C that was not solved.
     pub fn failed(&self, part: &'static str, why: Failure) -> StepError {
         match why {
-            Failure::NotConverged(why) => StepError::NotConverged { step: self.n, t: self.t, part, why },
+            Failure::NotConverged(why) => {
+                let unsettled = self.unsettled(&why);
+                StepError::NotConverged { step: self.n, t: self.t, part, why: Box::new(why), unsettled }
+            }
             Failure::Linear(source) => self.unsolved(part, source),
         }
+    }
+
+    /// The first contact points that did not settle: place, side, laws, states of the last iterates.
+    fn unsettled(&self, why: &NotConverged) -> String {
+        const TOLD: usize = 3;
+        let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
+        let one = |(i, states): &(usize, Vec<Status>)| {
+            let point = self.discrete.boundary.points.get(*i)?;
+            let contact = self.problem.contacts.get(point.side)?;
+            let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
+            let states: Vec<&str> = states.iter().map(|status| status.name()).collect();
+            let [x, y, z] = point.x;
+            Some(format!("({x}, {y}, {z}) on \"{}\" ({laws}): {}", contact.on, states.join(", ")))
+        };
+        let told: Vec<String> = why.unsettled.iter().filter_map(one).take(TOLD).collect();
+        if told.is_empty() {
+            return String::new();
+        }
+        let count = why.unsettled.len();
+        let points = if count == 1 { "point does" } else { "points do" };
+        format!("; {count} contact {points} not settle: {}", told.join("; "))
     }
 }
 

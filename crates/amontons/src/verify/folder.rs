@@ -1,91 +1,342 @@
-//! The figures of a run held against those that its files give.
+//! A results folder held against itself: its files against their hashes, and its figures against those that the fields,
+//! tables and the checkpoint give.
+//!
+//! What is recomputed, in every dimension:
+//!
+//! | figures | from |
+//! |---|---|
+//! | `final` of `summary.json` | displacement, velocity, temperature of the last snapshot; contact points of the checkpoint |
+//! | `energy`, `solver` of `summary.json` | the last row of `history.csv`; the checkpoint |
+//! | von Mises stress, strain, stress and heat flux of the cells | displacement, velocity, temperature of each snapshot |
+//! | kinetic and elastic energy and heat content of the rows | the snapshots at their steps |
+//! | states and extremes of contact of the rows | the tables of contact points at their steps |
+//! | closing error of every row | the energies and works of the row |
+//! | `contact.csv`, the last row of `history.csv` | the checkpoint |
+
+mod fields;
+mod tables;
 
 use std::path::Path;
 
-use super::{Verdict, VerifyError, verdict};
-use crate::case::Comparison;
-use crate::contact::Status;
-use crate::output::columns;
-use crate::plot::{ContactRow, Run};
+use serde_json::Value;
 
-/// Recomputes the figures of a run from the files of its results folder and holds its summary against them.
-///
-/// # Errors
-/// When files are missing or damaged.
-pub fn recompute(folder: &Path) -> Result<Vec<Verdict>, VerifyError> {
-    let path = folder.join("summary.json");
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| VerifyError::Check(format!("cannot read {}: {error}", path.display())))?;
-    let summary: serde_json::Value =
-        serde_json::from_str(&text).map_err(|error| VerifyError::Check(format!("{}: {error}", path.display())))?;
-    let run = Run::read(folder)?;
-    let name = summary["case"].as_str().unwrap_or("run").to_owned();
-    let mut figures = of_fields(&run);
-    let of_history = [
-        ("/energy/kinetic", columns::KINETIC.name.to_owned()),
-        ("/energy/elastic", columns::ELASTIC.name.to_owned()),
-        ("/energy/load_work", columns::LOAD_WORK.name.to_owned()),
-        ("/energy/viscous_dissipation", columns::VISCOUS_DISSIPATION.name.to_owned()),
-        ("/energy/friction_dissipation", columns::FRICTION_DISSIPATION.name.to_owned()),
-        ("/final/contact/force/0", columns::CONTACT_FORCE.component(0)),
-        ("/final/contact/force/1", columns::CONTACT_FORCE.component(1)),
-    ];
-    figures
-        .extend(of_history.into_iter().filter_map(|(place, column)| Some((place, *run.history.get(&column)?.last()?))));
-    // The audit of the last row: what is stored and dissipated is the work done, up to the closing error.
-    let at = |column: &str| run.history.get(column).and_then(|values| values.last()).copied().unwrap_or(0.0);
-    let mut verdicts: Vec<Verdict> = figures
-        .into_iter()
-        .filter_map(|(place, computed)| {
-            let reference = summary.pointer(place)?.as_f64()?;
-            let is = Comparison { reference, tolerance: 1e-12, scale: reference.abs() };
-            Some(verdict(&name, place.trim_start_matches('/').replace('/', "."), computed, &is))
-        })
-        .collect();
-    let turned = summary.pointer("/energy/turned_over").and_then(serde_json::Value::as_f64).unwrap_or(1.0);
-    let closing = summary.pointer("/energy/closing_error").and_then(serde_json::Value::as_f64).unwrap_or(f64::NAN);
-    let is = Comparison { reference: closing, tolerance: 1e-12, scale: 1.0 };
-    let error = at(columns::CLOSING_ERROR.name);
-    // A run without mechanics turns nothing over.
-    verdicts.push(verdict(
-        &name,
-        "energy.closing_error".to_owned(),
-        if turned > 0.0 { error / turned } else { error },
-        &is,
-    ));
-    Ok(verdicts)
+use super::{Verdict, VerifyError, interpolate, verdict};
+use crate::case::{self, Case, Check, Comparison, Take};
+use crate::machine;
+use crate::output::{self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, Work, history_columns, history_values};
+use crate::scheme::Discretization;
+use fields::Fields;
+use tables::{Audit, Table};
+
+/// Share of a number that its value may differ by when it is computed again: some last bits.
+const ROUND_OFF: f64 = 1e-12;
+
+/// What the files of a run came to.
+#[derive(Clone, Debug, Default)]
+pub struct Recomputed {
+    /// Figures that were computed again, and comparisons that the case asks for.
+    pub verdicts: Vec<Verdict>,
+    /// What is wrong with the files.
+    pub faults: Vec<String>,
+    /// What was not checked, and why.
+    pub unchecked: Vec<String>,
 }
 
-/// Figures of the last fields and of the last contact points, by their places in the summary.
-fn of_fields(run: &Run) -> Vec<(&'static str, f64)> {
-    let mut figures: Vec<(&'static str, f64)> = Vec::new();
-    let range = |values: &mut dyn Iterator<Item = f64>| {
-        values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
-    };
-    if let Some(fields) = &run.snapshot {
-        let [x, y] = [0, 1].map(|c| range(&mut fields.displacement.iter().map(|u| u[c])));
-        let theta = range(&mut fields.temperature.iter().copied());
-        let stress = range(&mut fields.von_mises.iter().copied());
-        figures.extend([
-            ("/final/displacement_min/0", x[0]),
-            ("/final/displacement_max/0", x[1]),
-            ("/final/displacement_min/1", y[0]),
-            ("/final/displacement_max/1", y[1]),
-            ("/final/temperature_min", theta[0]),
-            ("/final/temperature_max", theta[1]),
-            ("/final/von_mises_max", stress[1]),
-        ]);
+/// Holds the files of a results folder against their hashes, recomputes its figures from them, and compares what
+/// `[expected]` and `[verify]` of its case ask for.
+///
+/// # Errors
+/// When the folder has no manifest. What is damaged is no error: it is told in the result.
+pub fn recompute(folder: &Path) -> Result<Recomputed, VerifyError> {
+    let inspection = output::inspect(folder)?;
+    let mut found = Recomputed { faults: inspection.faults.clone(), ..Recomputed::default() };
+    let case = case::read(&folder.join("case.toml"), &[]);
+    let name = case.as_ref().map_or_else(|_| "run".to_owned(), |case| case.problem.name.clone());
+    found.compare(&name, "files as they were written", inspection.intact as f64, inspection.listed as f64);
+    match case {
+        Ok(case) => found.of_case(folder, &case, &inspection),
+        Err(error) => found.faults.push(error.to_string()),
     }
-    if !run.contact.is_empty() {
-        let count = |status: Status| run.contact.iter().filter(|row| row.status == status).count() as f64;
-        let largest = |value: fn(&ContactRow) -> f64| run.contact.iter().map(value).fold(0.0, f64::max);
-        figures.extend([
-            ("/final/contact/pressure_max", largest(|row| row.pressure)),
-            ("/final/contact/penetration_max", largest(|row| row.penetration)),
-            ("/final/contact/open", count(Status::Open)),
-            ("/final/contact/stick", count(Status::Stick)),
-            ("/final/contact/slip", count(Status::Slip)),
-        ]);
+    Ok(found)
+}
+
+impl Recomputed {
+    /// Whether all that was checked holds.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.faults.is_empty() && self.verdicts.iter().all(|verdict| verdict.holds)
     }
-    figures
+
+    /// Notes a number that was computed again.
+    fn compare(&mut self, name: &str, what: impl Into<String>, computed: f64, reference: f64) {
+        let is = Comparison { reference, tolerance: ROUND_OFF, scale: reference.abs() };
+        self.verdicts.push(verdict(name, what.into(), computed, &is));
+    }
+
+    /// Notes the largest difference of numbers beside the largest of them.
+    fn differ(&mut self, name: &str, what: impl Into<String>, difference: f64, scale: f64) {
+        let is = Comparison { reference: 0.0, tolerance: ROUND_OFF, scale };
+        self.verdicts.push(verdict(name, what.into(), difference, &is));
+    }
+
+    fn of_case(&mut self, folder: &Path, case: &Case, inspection: &Inspection) {
+        let problem = &case.problem;
+        if output::input_hash(&case.fingerprint()) != inspection.input_sha256 {
+            self.faults.push("case.toml or a file in inputs is not what the run was made with".to_owned());
+        }
+        let summary = self.summary(folder, problem.steps, inspection);
+        let discretization = Discretization::new(problem);
+        let checkpoint = match Checkpoint::read(folder, &case.identity()) {
+            Ok(checkpoint) => checkpoint,
+            Err(error) => {
+                self.faults.push(error.to_string());
+                None
+            }
+        };
+        let checkpoint = checkpoint.filter(|checkpoint| {
+            let fits = checkpoint.check(&discretization, problem);
+            fits.as_ref().err().into_iter().for_each(|error| self.faults.push(error.to_string()));
+            fits.is_ok() && Some(checkpoint.state.step) == inspection.ended
+        });
+        let run = Files { folder, case, discretization: &discretization, inspection };
+        let history = run.history(self);
+        run.snapshots(history.as_ref(), self);
+        match &checkpoint {
+            Some(checkpoint) => run.end(checkpoint, history.as_ref(), summary.as_ref(), self),
+            None => self.unchecked.push("final figures and contact.csv: there is no checkpoint of the end".to_owned()),
+        }
+        run.asked_for(checkpoint.as_ref(), history.as_ref(), summary.as_ref(), self);
+        self.unchecked.push("times, memory, findings and warnings of summary.json: only their hash".to_owned());
+    }
+
+    /// The summary of a run that has ended well.
+    fn summary(&mut self, folder: &Path, steps: usize, inspection: &Inspection) -> Option<Value> {
+        let Some(ended) = inspection.ended else {
+            self.faults.push(format!("the run has not ended; go on with: amontons resume {}", folder.display()));
+            return None;
+        };
+        let text = machine::read_text(&folder.join("summary.json"), LONGEST);
+        let summary: Value = match text.map(|text| serde_json::from_str(&text)) {
+            Ok(Ok(summary)) => summary,
+            Ok(Err(error)) => {
+                self.faults.push(format!("summary.json: {error}"));
+                return None;
+            }
+            Err(error) => {
+                self.faults.push(format!("summary.json cannot be read: {error}"));
+                return None;
+            }
+        };
+        match summary["outcome"].as_str() {
+            Some("done") if ended == steps => {}
+            outcome => self.faults.push(format!(
+                "the run is {}: {ended} of {steps} steps are made",
+                outcome.unwrap_or("without an outcome")
+            )),
+        }
+        Some(summary)
+    }
+}
+
+/// The files of a run.
+struct Files<'a> {
+    folder: &'a Path,
+    case: &'a Case,
+    discretization: &'a Discretization,
+    inspection: &'a Inspection,
+}
+
+impl Files<'_> {
+    fn name(&self) -> &str {
+        &self.case.problem.name
+    }
+
+    /// `history.csv`, with its rows checked.
+    fn history(&self, found: &mut Recomputed) -> Option<Table> {
+        let table = match Table::read(&self.folder.join("history.csv")) {
+            Ok(table) if table.names == history_columns(&self.case.problem) => table,
+            Ok(_) => {
+                found.faults.push("history.csv has other columns than the case".to_owned());
+                return None;
+            }
+            Err(what) => {
+                found.faults.push(format!("history.csv: {what}"));
+                return None;
+            }
+        };
+        let (steps, times) = (table.column("step"), table.column("t"));
+        let problem = &self.case.problem;
+        let in_order = steps.iter().zip(&times).enumerate().filter(|(i, (step, t))| {
+            (**step - (*i + 1) as f64).abs() < 0.5 && (**t - problem.time(*i + 1)).abs() <= ROUND_OFF * problem.end
+        });
+        let ended = self.inspection.ended.unwrap_or(table.rows.len()) as f64;
+        found.compare(self.name(), "rows of history.csv in order", in_order.count() as f64, ended);
+        let Audit { worst, allowed } = tables::audit(&table);
+        let is = Comparison { reference: 0.0, tolerance: 1.0, scale: allowed };
+        found.verdicts.push(verdict(self.name(), "energy identity of the rows".to_owned(), worst, &is));
+        Some(table)
+    }
+
+    /// The snapshots, each against itself and against the row of its step.
+    fn snapshots(&self, history: Option<&Table>, found: &mut Recomputed) {
+        let mut differences = fields::Differences::default();
+        for &step in &self.inspection.snapshots {
+            let file = output::fields_file(step);
+            match Fields::read(&self.folder.join(&file), &self.case.problem) {
+                Ok(fields) => fields.differences(self.discretization, &self.case.problem, &mut differences),
+                Err(what) => {
+                    found.faults.push(format!("{file}: {what}"));
+                    continue;
+                }
+            }
+            let Some(row) = step.checked_sub(1).filter(|_| history.is_some()) else { continue };
+            let Some(history) = history else { continue };
+            let contact = self.folder.join(output::contact_file(step));
+            if !self.case.problem.contacts.is_empty() {
+                match Table::read(&contact) {
+                    Ok(points) => tables::contact(&points, history, row, &mut differences),
+                    Err(what) => found.faults.push(format!("{}: {what}", output::contact_file(step))),
+                }
+            }
+            if let Ok(fields) = Fields::read(&self.folder.join(&file), &self.case.problem) {
+                fields.energies(self.discretization, &self.case.problem, (history, row), &mut differences);
+            }
+        }
+        for (what, (difference, scale)) in differences.all {
+            found.differ(self.name(), what, difference, scale);
+        }
+    }
+
+    /// The figures of the end.
+    fn end(&self, checkpoint: &Checkpoint, history: Option<&Table>, summary: Option<&Value>, found: &mut Recomputed) {
+        let (problem, name) = (&self.case.problem, self.name());
+        let mut state = checkpoint.state.clone();
+        let file = output::fields_file(state.step);
+        match Fields::read(&self.folder.join(&file), problem) {
+            Ok(fields) => fields.put(problem, &mut state, &mut |what, difference, scale| {
+                found.differ(name, format!("{what} of {file} against the checkpoint"), difference, scale);
+            }),
+            Err(_) => found.unchecked.push(format!("final figures from {file}: it cannot be read")),
+        }
+        let now = Snapshot {
+            problem,
+            discretization: self.discretization,
+            state: &state,
+            report: checkpoint.report.as_ref(),
+            work: Work::default(),
+        };
+        if let Some(summary) = summary {
+            let mut figures = Vec::new();
+            let of_last = serde_json::to_value(output::of_last(&now)).unwrap_or_default();
+            flatten("final", &of_last, &summary["final"], &mut figures);
+            let energy = state.ledger.clone();
+            let [closing, heat] = [energy.relative_closing_error(), energy.relative_heat_closing_error()];
+            let mut energy = serde_json::to_value(energy).unwrap_or_default();
+            (energy["closing_error"], energy["heat_closing_error"]) = (closing.into(), heat.into());
+            flatten("energy", &energy, &summary["energy"], &mut figures);
+            let counts = serde_json::to_value(&state.counts).unwrap_or_default();
+            flatten("solver", &counts, &summary["solver"], &mut figures);
+            for (what, computed, reference) in figures {
+                match reference {
+                    Some(reference) => found.compare(name, what, computed, reference),
+                    None => found.faults.push(format!("summary.json has no number {what}, expected {computed:e}")),
+                }
+            }
+            found.compare(name, "steps", state.step as f64, summary["steps"].as_f64().unwrap_or(f64::NAN));
+            found.compare(name, "time", state.t, summary["time"].as_f64().unwrap_or(f64::NAN));
+        }
+        if let (Some(history), Some(values)) = (history, history_values(&now)) {
+            let last = history.rows.last().map_or(&[][..], Vec::as_slice);
+            let pairs = values.iter().zip(last);
+            let same = pairs.filter(|(a, b)| (*a - *b).abs() <= ROUND_OFF * a.abs()).count();
+            found.compare(name, "last row of history.csv against the checkpoint", same as f64, values.len() as f64);
+        }
+        let text = machine::read_text(&self.folder.join("contact.csv"), LONGEST).unwrap_or_default();
+        let rows = output::contact_rows(&Snapshot { state: &checkpoint.state, ..now });
+        let same = text.lines().skip(1).zip(&rows).filter(|(there, row)| there == row).count();
+        let all = rows.len().max(text.lines().count().saturating_sub(1));
+        found.compare(name, "rows of contact.csv against the checkpoint", same as f64, all as f64);
+    }
+
+    /// What `[expected]` and `[verify]` of the case ask for.
+    fn asked_for(
+        &self,
+        checkpoint: Option<&Checkpoint>,
+        history: Option<&Table>,
+        summary: Option<&Value>,
+        found: &mut Recomputed,
+    ) {
+        let set: Vec<&str> = self.inspection.overrides.iter().map(String::as_str).collect();
+        let others = set.iter().filter(|set| !set.trim_start().starts_with("output")).count();
+        if others > 0 && (self.case.expected.is_some() || self.case.verify.is_some()) {
+            found
+                .unchecked
+                .push(format!("[expected] and [verify]: the case was run with --set {}", set.join(" --set ")));
+            return;
+        }
+        if let (Some(expected), Some(summary)) = (&self.case.expected, summary) {
+            match super::of_summary(self.name(), summary, expected) {
+                Ok(verdicts) => found.verdicts.extend(verdicts),
+                Err(error) => found.faults.push(error.to_string()),
+            }
+        }
+        for check in self.case.verify.iter().flat_map(|verify| &verify.checks) {
+            let what = super::title(check);
+            let computed = match check {
+                Check::History { column, time, take, .. } => history.and_then(|h| h.take(column, *time, *take)),
+                Check::Probe { probe, time, .. } => checkpoint.and_then(|end| {
+                    let now = Snapshot {
+                        problem: &self.case.problem,
+                        discretization: self.discretization,
+                        state: &end.state,
+                        report: end.report.as_ref(),
+                        work: Work::default(),
+                    };
+                    let set = ProbeSet::new(&self.case.problem, std::slice::from_ref(probe)).ok()?;
+                    let at_end = (end.state.t - time).abs() <= ROUND_OFF * time.abs();
+                    at_end.then(|| set.values(&now).first().copied()).flatten()
+                }),
+                Check::Order { .. } | Check::Error { .. } => None,
+            };
+            match computed {
+                Some(computed) => found.verdicts.push(verdict(self.name(), what, computed, check.comparison())),
+                None => found
+                    .unchecked
+                    .push(format!("{what}: its value is not in the files; run `amontons verify` with the case file")),
+            }
+        }
+    }
+}
+
+/// The numbers of a value with their places, beside those of another; of numbers that are not there none.
+fn flatten(place: &str, value: &Value, beside: &Value, all: &mut Vec<(String, f64, Option<f64>)>) {
+    match value {
+        Value::Number(number) => all.push((place.to_owned(), number.as_f64().unwrap_or(f64::NAN), beside.as_f64())),
+        Value::Array(values) => {
+            for (i, value) in values.iter().enumerate() {
+                flatten(&format!("{place}.{i}"), value, beside.get(i).unwrap_or(&Value::Null), all);
+            }
+        }
+        Value::Object(values) => {
+            for (key, value) in values {
+                flatten(&format!("{place}.{key}"), value, beside.get(key).unwrap_or(&Value::Null), all);
+            }
+        }
+        Value::Null if !beside.is_null() => all.push((place.to_owned(), f64::NAN, beside.as_f64().or(Some(0.0)))),
+        _ => {}
+    }
+}
+
+impl Table {
+    /// A value of a column as a check asks for it.
+    fn take(&self, name: &str, time: Option<f64>, take: Take) -> Option<f64> {
+        self.names.iter().any(|n| n == name).then_some(())?;
+        let values = self.column(name);
+        match (time, take) {
+            (Some(t), _) => interpolate(&self.column("t"), &values, t),
+            (None, Take::Last) => values.last().copied(),
+            (None, Take::Min) => values.into_iter().reduce(f64::min),
+            (None, Take::Max) => values.into_iter().reduce(f64::max),
+        }
+    }
 }

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use miniz_oxide::inflate::decompress_to_vec_zlib_with_limit;
 use quick_xml::events::BytesStart;
 
-use super::{Appended, attribute};
+use super::{Appended, Room, attribute};
 
 /// How the numbers of a file are stored.
 pub(super) struct Encoding {
@@ -47,11 +47,11 @@ impl Encoding {
         Some((head.iter().enumerate().map(|(i, &b)| u64::from(b) << shift(i)).sum(), rest))
     }
 
-    /// The data behind their header.
-    fn unpack(&self, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    /// The data behind their header, if their place takes so many bytes.
+    fn unpack(&self, bytes: &[u8], takes: impl Fn(u128) -> bool) -> Result<Vec<u8>, String> {
         let (count, body) = self.count(bytes).ok_or("no data")?;
         if self.zlib {
-            return self.inflate(count, body).ok_or_else(|| "the compressed data are damaged".to_owned());
+            return self.inflate(count, body, takes);
         }
         let data = usize::try_from(count).ok().and_then(|count| body.get(..count));
         data.map(<[u8]>::to_vec).ok_or_else(|| format!("{} bytes of data, {count} announced", body.len()))
@@ -59,30 +59,39 @@ impl Encoding {
 
     /// Undoes the compression: after the number of blocks follow the size of a block, the size of the last block (0:
     /// like the others), the size of each when compressed, and the blocks.
-    fn inflate(&self, blocks: u64, body: &[u8]) -> Option<Vec<u8>> {
-        let (size, body) = self.count(body)?;
-        let (last, mut body) = self.count(body)?;
+    fn inflate(&self, blocks: u64, body: &[u8], takes: impl Fn(u128) -> bool) -> Result<Vec<u8>, String> {
+        let damaged = || "the compressed data are damaged".to_owned();
+        let (size, body) = self.count(body).ok_or_else(damaged)?;
+        let (last, mut body) = self.count(body).ok_or_else(damaged)?;
         if blocks > (body.len() / self.header) as u64 {
-            return None;
+            return Err(damaged());
+        }
+        let of_last = if last > 0 { last } else { size };
+        let announced = u128::from(size) * u128::from(blocks.saturating_sub(1)) + u128::from(of_last);
+        if blocks > 0 && !takes(announced) {
+            return Err(format!(
+                "{announced} bytes of data are announced, expected as many as the counts of the file, and the memory, allow"
+            ));
         }
         let mut sizes = Vec::new();
         for _ in 0..blocks {
-            let (compressed, rest) = self.count(body)?;
-            sizes.push(usize::try_from(compressed).ok()?);
+            let (compressed, rest) = self.count(body).ok_or_else(damaged)?;
+            sizes.push(usize::try_from(compressed).map_err(|_| damaged())?);
             body = rest;
         }
         let mut data = Vec::new();
         for (i, &compressed) in sizes.iter().enumerate() {
-            let (block, rest) = body.split_at_checked(compressed)?;
-            let expected = if i + 1 == sizes.len() && last > 0 { last } else { size };
-            let expected = usize::try_from(expected).ok()?;
+            let (block, rest) = body.split_at_checked(compressed).ok_or_else(damaged)?;
+            let expected = if i + 1 == sizes.len() { of_last } else { size };
+            let expected = usize::try_from(expected).map_err(|_| damaged())?;
             let inflated = decompress_to_vec_zlib_with_limit(block, expected)
                 .ok()
-                .filter(|inflated| inflated.len() == expected)?;
+                .filter(|inflated| inflated.len() == expected)
+                .ok_or_else(damaged)?;
             data.extend(inflated);
             body = rest;
         }
-        Some(data)
+        Ok(data)
     }
 }
 
@@ -110,7 +119,8 @@ impl Open {
         Ok(Open { name, kind, format, components, offset, text: String::new() })
     }
 
-    pub(super) fn values(&self, encoding: &Encoding, appended: &Appended) -> Result<Vec<f64>, String> {
+    /// The numbers of the array.
+    pub(super) fn values(&self, encoding: &Encoding, appended: &Appended, room: Room) -> Result<Vec<f64>, String> {
         let fault = |what: &str| format!("the array {}: {what}", self.name);
         let base64 = |text: &[u8]| decode(text).map_err(|e| fault(&format!("not base64: {e}")));
         let packed = match self.format.as_str() {
@@ -128,12 +138,20 @@ impl Open {
             }
             other => return Err(fault(&format!("the format {other} is not supported"))),
         };
-        let data = encoding.unpack(&packed).map_err(|what| fault(&what))?;
+        let size = self.size().ok_or_else(|| fault(&format!("numbers of type {} are not supported", self.kind)))?;
+        let data =
+            encoding.unpack(&packed, |bytes| room.takes(bytes, size, self.components)).map_err(|what| fault(&what))?;
         let count = data.len();
         self.finite(
             self.numbers(&data, encoding.little)
                 .ok_or_else(|| fault(&format!("numbers of type {} cannot be read from {count} bytes", self.kind)))?,
         )
+    }
+
+    /// Bytes of a number.
+    fn size(&self) -> Option<u64> {
+        let digits = self.kind.trim_start_matches(|c: char| c.is_ascii_alphabetic());
+        matches!(digits, "8" | "16" | "32" | "64").then(|| digits.parse::<u64>().ok()).flatten().map(|bits| bits / 8)
     }
 
     fn finite(&self, values: Vec<f64>) -> Result<Vec<f64>, String> {

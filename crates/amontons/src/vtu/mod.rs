@@ -10,6 +10,8 @@ use std::collections::BTreeMap;
 use array::{Encoding, Open};
 use quick_xml::events::{BytesStart, Event};
 
+use crate::machine;
+
 /// Values of an array with their number of components.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Array {
@@ -58,6 +60,48 @@ struct Document<'a> {
     encoding: Encoding,
     arrays: Vec<(Section, Open)>,
     appended: Appended<'a>,
+    /// Numbers of points and of cells that the piece announces.
+    counts: [u64; 2],
+}
+
+/// Most nodes of a cell of a type that is read.
+const MOST_NODES: u64 = 64;
+
+impl Document<'_> {
+    /// Number of tuples for which the piece has room in an array.
+    fn room(&self, section: Section, name: &str) -> Room {
+        let [points, cells] = self.counts;
+        let (tuples, is_exact) = match section {
+            Section::Points | Section::PointData => (points, true),
+            Section::Cells if name == "connectivity" => (cells.saturating_mul(MOST_NODES), false),
+            Section::Cells | Section::CellData => (cells, true),
+        };
+        Room { tuples, is_exact, numbers: u64::MAX }
+    }
+}
+
+/// Room of an array.
+#[derive(Clone, Copy)]
+struct Room {
+    /// Number of tuples, and whether it has exactly so many.
+    tuples: u64,
+    is_exact: bool,
+    /// Most numbers.
+    numbers: u64,
+}
+
+impl Room {
+    /// The same with at most so many numbers.
+    fn within(self, numbers: u64) -> Room {
+        Room { numbers, ..self }
+    }
+
+    /// Whether an array of so many bytes, in numbers of some bytes each, has its place here.
+    fn takes(self, bytes: u128, size: u64, components: usize) -> bool {
+        let most = u128::from(self.tuples) * u128::from(size) * components as u128;
+        let fits = if self.is_exact { bytes == most } else { bytes <= most };
+        fits && bytes / u128::from(size.max(1)) <= u128::from(self.numbers)
+    }
 }
 
 /// Bytes behind the XML part, from behind their underscore.
@@ -68,7 +112,10 @@ struct Appended<'a> {
 
 /// Reads a grid, and of its point and cell data the arrays whose names are wanted.
 pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
-    let Document { encoding, arrays, appended } = document(bytes)?;
+    let mut document = document(bytes)?;
+    let arrays = std::mem::take(&mut document.arrays);
+    // Counts may be wrong: all that is read must fit into a part of the memory, too. A run takes many times as much.
+    let mut budget = machine::memory().map_or(u64::MAX, |memory| (memory.bytes / 8.0) as u64);
     let mut grid = Grid::default();
     let mut parts: BTreeMap<String, Array> = BTreeMap::new();
     for (section, open) in arrays {
@@ -78,7 +125,10 @@ pub(crate) fn parse(bytes: &[u8], wanted: impl Fn(&str) -> bool) -> Result<Grid,
             Section::PointData | Section::CellData if wanted(&open.name) => String::new(),
             _ => continue,
         };
-        let read = Array { components: open.components, values: open.values(&encoding, &appended)? };
+        let room = document.room(section, &open.name).within(budget / 8);
+        let values = open.values(&document.encoding, &document.appended, room)?;
+        budget = budget.saturating_sub(8 * values.len() as u64);
+        let read = Array { components: open.components, values };
         drop(match section {
             Section::PointData => grid.point_data.insert(open.name, read),
             Section::CellData => grid.cell_data.insert(open.name, read),
@@ -114,6 +164,7 @@ fn whole(name: &str, array: Array, largest: f64) -> Result<Vec<f64>, String> {
 fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
     let mut reader = quick_xml::Reader::from_reader(bytes);
     let (mut encoding, mut section, mut pieces) = (None, None, 0);
+    let mut counts = [0; 2];
     // An array may hold keys with a text of their own.
     let mut inside_key = false;
     let mut open: Option<Open> = None;
@@ -128,7 +179,7 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
                 encoding = Some(Encoding::of(&tag)?);
             }
             Event::Start(tag) => match tag.name().as_ref() {
-                b"Piece" => pieces += 1,
+                b"Piece" => (pieces, counts) = (pieces + 1, announced(&tag)?),
                 b"Points" => section = Some(Section::Points),
                 b"Cells" => section = Some(Section::Cells),
                 b"PointData" => section = Some(Section::PointData),
@@ -160,9 +211,20 @@ fn document(bytes: &[u8]) -> Result<Document<'_>, String> {
         }
     }
     match encoding {
-        Some(encoding) if pieces == 1 => Ok(Document { encoding, arrays, appended }),
+        Some(encoding) if pieces == 1 => Ok(Document { encoding, arrays, appended, counts }),
         _ => Err(format!("expected a VTKFile with one Piece, found {pieces}")),
     }
+}
+
+/// The numbers of points and cells that a piece announces.
+fn announced(tag: &BytesStart) -> Result<[u64; 2], String> {
+    let count = |name: &str| -> Result<u64, String> {
+        // Without a count there is no room for compressed data; others are counted as they are read.
+        let Some(text) = attribute(tag, name)? else { return Ok(0) };
+        let count = text.trim().parse::<u32>();
+        count.map(u64::from).map_err(|_| format!("{name} is {text:?}, expected a number of at most {}", u32::MAX))
+    };
+    Ok([count("NumberOfPoints")?, count("NumberOfCells")?])
 }
 
 /// The appended data: what follows the underscore behind the opening tag. Raw bytes are no XML, so the XML ends there.

@@ -45,7 +45,7 @@ pub fn folder(name: &str) -> PathBuf {
 }
 
 pub fn options(case: &Case) -> FolderOptions {
-    FolderOptions { fields: case.fields.clone(), probes: case.probes.clone(), ..FolderOptions::new(&case.text) }
+    FolderOptions { every: 0, ..case.folder_options() }
 }
 
 /// A probe with the name of its quantity.

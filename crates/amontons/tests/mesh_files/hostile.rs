@@ -108,3 +108,29 @@ fn every_truncation_of_a_file_is_a_fault() {
         }
     }
 }
+
+/// 500 MB of zeros in a file of 500 kB, with counts that do not allow them and with counts that do.
+#[test]
+fn compressed_arrays_are_expanded_up_to_the_counts_of_the_file() {
+    const ZEROS: usize = 500_000_000;
+    let block = miniz_oxide::deflate::compress_to_vec_zlib(&vec![0; ZEROS], 6);
+    let header = [1, ZEROS as u64, 0, block.len() as u64].map(u64::to_le_bytes).concat();
+    let array = |name: &str| {
+        format!("<DataArray type=\"UInt8\" Name=\"{name}\" NumberOfComponents=\"3\" format=\"appended\" offset=\"0\"/>")
+    };
+    for count in [4, 4_000_000_000_u64] {
+        let head = format!(
+            "<VTKFile type=\"UnstructuredGrid\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\
+             <UnstructuredGrid><Piece NumberOfPoints=\"{count}\" NumberOfCells=\"{count}\"><Points>{}</Points><Cells>{}{}{}\
+             </Cells></Piece></UnstructuredGrid><AppendedData encoding=\"raw\">_",
+            array("Points"),
+            array("connectivity"),
+            array("offsets"),
+            array("types"),
+        );
+        let bytes = [head.as_bytes(), &header, &block].concat();
+        assert!(bytes.len() < 1_000_000);
+        let told = vtu::parse(&bytes).expect_err("a fault").to_string();
+        assert!(told.contains("the array Points: 500000000 bytes of data are announced"), "{told}");
+    }
+}

@@ -193,11 +193,29 @@ pub(in crate::case) struct Output {
     pub every: usize,
     /// Fields written in addition to displacement, velocity, temperature, von Mises stress and region.
     pub fields: Vec<OutputField>,
+    /// When checkpoints are written besides those at the start, after the first step and at the end. By default at
+    /// least every minute, and more often if that takes less than 1 % of the time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub checkpoint: Option<Checkpoint>,
+}
+
+/// Most steps and most seconds between two checkpoints; one is written as soon as either has passed.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Checkpoint {
+    /// Most steps between two checkpoints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 1))]
+    pub steps: Option<usize>,
+    /// Most seconds between two checkpoints.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(range(min = 0, max = 1_000_000_000))]
+    pub seconds: Option<f64>,
 }
 
 impl Default for Output {
     fn default() -> Output {
-        Output { every: 0, fields: vec![OutputField::Stress] }
+        Output { every: 0, fields: vec![OutputField::Stress], checkpoint: None }
     }
 }
 

@@ -14,7 +14,11 @@ mod loose;
 use std::path::{Path, PathBuf};
 
 use super::Mesh;
+use crate::machine;
 pub(super) use loose::{Kind, Loose, LooseBlock};
+
+/// Longest mesh file in bytes.
+const LONGEST: u64 = 4 << 30;
 
 /// Where in a mesh file something was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -313,7 +317,8 @@ pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
         "vtu" => super::vtu::parse,
         _ => return Err(inside(MeshFileError::Extension { found: extension })),
     };
-    let bytes = std::fs::read(path).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }))?;
+    let bytes =
+        machine::read(path, LONGEST).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }))?;
     parse(&bytes).map_err(inside)
 }
 

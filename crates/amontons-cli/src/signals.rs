@@ -1,0 +1,90 @@
+//! Signals: a run ends in order where the system asks for it, and limits of the system are errors with a message.
+
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Exit code after a second signal, and after one for which there is no handler.
+#[cfg(not(unix))]
+const KILLED: i32 = 130;
+
+#[cfg(unix)]
+mod system {
+    use std::io;
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+
+    use signal_hook::consts::{SIGABRT, SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU, SIGXFSZ};
+    use signal_hook::flag;
+    use signal_hook::iterator::Signals;
+
+    /// Exit code after a second Ctrl-C or SIGTERM, and where memory has run out.
+    const KILLED: i32 = 130;
+    const NO_MEMORY: i32 = 4;
+
+    /// Signals that end a run in order, and how messages call them.
+    const ENDING: [(i32, &str); 6] = [
+        (SIGINT, "Ctrl-C"),
+        (SIGTERM, "SIGTERM"),
+        (SIGHUP, "SIGHUP"),
+        (SIGXCPU, "SIGXCPU, the limit of the CPU time"),
+        (SIGUSR1, "SIGUSR1"),
+        (SIGUSR2, "SIGUSR2"),
+    ];
+
+    pub fn prepare() -> io::Result<()> {
+        // With a handler a file that grows beyond its limit is an error of the write.
+        flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)))?;
+        // Where memory runs out, the runtime says so and aborts: a program that has said why it ends has an exit code.
+        flag::register_conditional_shutdown(SIGABRT, NO_MEMORY, Arc::new(AtomicBool::new(true)))?;
+        Ok(())
+    }
+
+    pub fn interrupts(flag: &Arc<AtomicBool>, tell: impl Fn(&str) + Send + 'static) -> io::Result<()> {
+        for signal in [SIGINT, SIGTERM] {
+            flag::register_conditional_shutdown(signal, KILLED, Arc::clone(flag))?;
+        }
+        let mut signals = Signals::new(ENDING.map(|(signal, _)| signal))?;
+        let set = Arc::clone(flag);
+        let telling = std::thread::Builder::new().spawn(move || {
+            let first = signals.forever().next();
+            // What happens next is told before it happens.
+            if let Some((_, name)) = ENDING.iter().find(|(signal, _)| Some(*signal) == first) {
+                tell(name);
+            }
+            set.store(true, Ordering::Relaxed);
+        });
+        if telling.is_err() {
+            // Without a thread nothing is told; the run ends all the same.
+            for (signal, _) in ENDING {
+                flag::register(signal, Arc::clone(flag))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Prepares the program for limits on files and memory.
+pub fn prepare() {
+    #[cfg(unix)]
+    // Without a handler these limits end the program at once.
+    let _ = system::prepare();
+}
+
+/// Sets a flag when the system or the user asks the program to end, and says so by `tell`; a second Ctrl-C ends it at
+/// once.
+pub fn interrupts(flag: &Arc<AtomicBool>, tell: impl Fn(&str) + Send + 'static) {
+    // Without a handler the program ends at once: checkpoints are written all the same.
+    #[cfg(unix)]
+    let _ = system::interrupts(flag, tell);
+    #[cfg(not(unix))]
+    {
+        use std::sync::atomic::Ordering;
+        let set = Arc::clone(flag);
+        let _ = ctrlc::set_handler(move || {
+            if set.swap(true, Ordering::Relaxed) {
+                std::process::exit(KILLED);
+            }
+            tell("Ctrl-C");
+        });
+    }
+}

@@ -1,0 +1,32 @@
+//! The threads of a command.
+
+use amontons::run::RunError;
+
+use crate::status::Failure;
+
+/// Most threads that can be asked for: that many on every machine, and more on one with many cores.
+const MOST: usize = 64;
+const PER_CORE: usize = 4;
+/// Stack of a thread.
+const STACK: usize = 8 << 20;
+
+/// Does the work of a command in a pool with so many threads, by default one per core.
+pub fn within<T: Send>(threads: Option<usize>, work: impl FnOnce() -> Result<T, Failure> + Send) -> Result<T, Failure> {
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let most = MOST.max(PER_CORE * cores);
+    if let Some(threads) = threads.filter(|threads| *threads > most) {
+        return Err(Failure::Usage(format!(
+            "--threads {threads}: expected at most {most} on this machine with {cores} cores"
+        )));
+    }
+    let mut pool = rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).stack_size(STACK);
+    if threads == Some(1) {
+        // No thread is started.
+        pool = pool.use_current_thread();
+    }
+    let pool = pool.build().map_err(|error| Failure::Run {
+        error: RunError::Threads { threads: threads.unwrap_or(cores), message: error.to_string() },
+        hint: None,
+    })?;
+    pool.install(work)
+}

@@ -1,0 +1,181 @@
+//! Limits of the system and hostile files: an exit code with a message, never a signal, a panic or a long wait.
+#![cfg(unix)]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+mod common;
+
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use common::{amontons, assert_code, output, paper, read, run_paper, stderr, summary};
+use tempfile::tempdir;
+
+/// The program under a limit of the shell.
+fn limited(limit: &str, arguments: &[&str]) -> Output {
+    let mut command = Command::new("sh");
+    command.args(["-c", &format!("ulimit {limit}; exec \"$0\" \"$@\""), env!("CARGO_BIN_EXE_amontons")]);
+    output(command.args(arguments).env("NO_COLOR", "1"))
+}
+
+/// Asserts one of some exit codes, and a message if it is none of success.
+fn assert_told(printed: &Output, codes: &[i32], what: &str) {
+    assert_eq!(printed.status.signal(), None, "{what}: {}", stderr(printed));
+    let code = printed.status.code().expect("a code");
+    assert!(codes.contains(&code), "{what}: {code}\n{}", stderr(printed));
+    assert!(code == 0 || !stderr(printed).trim().is_empty(), "{what}: no message");
+    assert!(!stderr(printed).contains("panicked"), "{what}: {}", stderr(printed));
+}
+
+/// From the least address space in which the program starts at all.
+#[test]
+fn little_memory_ends_with_a_message() {
+    let folder = tempdir().expect("a folder");
+    let case = paper();
+    for (i, megabytes) in [40, 60, 80, 100, 130, 160, 200, 300, 500, 1000].into_iter().enumerate() {
+        let out = folder.path().join(i.to_string()).display().to_string();
+        let arguments = ["run", &case, "--out", &out, "--quiet", "--no-certificate", "--set", "time.steps=2"];
+        let all = [&arguments[..], &["--set", "mesh.n=96"]].concat();
+        let printed = limited(&format!("-v {}", megabytes * 1024), &all);
+        assert_told(&printed, &[0, 2, 4], &format!("{megabytes} MB"));
+    }
+    // The limit is seen before the mesh is built.
+    let printed = limited("-v 600000", &["check", &case, "--set", "mesh.n=4096"]);
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("`ulimit -v`"), "{}", stderr(&printed));
+}
+
+#[test]
+fn a_file_that_may_not_grow_is_an_error_of_the_write() {
+    let folder = tempdir().expect("a folder");
+    let case = paper();
+    for kilobytes in [1, 4, 20, 60] {
+        let out = folder.path().join(kilobytes.to_string());
+        let path = out.display().to_string();
+        let arguments = ["run", &case, "--out", &path, "--quiet", "--set", "mesh.n=16", "--set", "time.steps=40"];
+        // Blocks of 512 bytes.
+        let printed = limited(&format!("-f {}", 2 * kilobytes), &arguments);
+        assert_told(&printed, &[4], &format!("{kilobytes} kB"));
+        assert!(stderr(&printed).contains("cannot write"), "{}", stderr(&printed));
+        assert!(common::files(&out).iter().all(|path| path.extension().is_none_or(|ending| ending != "part")));
+    }
+}
+
+#[test]
+fn few_files_and_too_many_threads_are_told() {
+    let folder = tempdir().expect("a folder");
+    let (case, out) = (paper(), folder.path().join("run").display().to_string());
+    let arguments = ["run", &case, "--out", &out, "--quiet", "--set", "mesh.n=8", "--set", "time.steps=4"];
+    assert_told(&limited("-n 16", &arguments), &[0, 2, 4], "16 files");
+    let printed = output(&mut amontons(&["check", &case, "--threads", "5000"]));
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("--threads 5000: expected at most"), "{}", stderr(&printed));
+}
+
+/// The signals of batch systems end a run in order, and so does a limit of the CPU time.
+#[test]
+fn signals_of_batch_systems_leave_a_checkpoint() {
+    let folder = tempdir().expect("a folder");
+    for signal in ["TERM", "HUP", "USR1", "USR2", "XCPU"] {
+        let out = folder.path().join(signal);
+        let (case, path) = (paper(), out.display().to_string());
+        let arguments = ["run", &case, "--out", &path, "--no-certificate", "--set", "mesh.n=4"];
+        let mut command = amontons(&[&arguments[..], &["--set", "time.steps=20000"]].concat());
+        let child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        let begin = Instant::now();
+        while fs::metadata(out.join("history.csv")).map_or(0, |meta| meta.len()) < 20_000 {
+            assert!(begin.elapsed() < Duration::from_mins(1), "the run does not start");
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args([&format!("-{signal}"), &id]).status().expect("kill").success());
+        let ended = child.wait_with_output().expect("the end");
+        assert_code(&ended, 130);
+        assert!(stderr(&ended).contains(signal) && stderr(&ended).contains("amontons resume"), "{}", stderr(&ended));
+        assert_eq!(summary(&out)["outcome"], "interrupted");
+        // A run that is interrupted is not one that holds.
+        let verified = output(&mut amontons(&["verify", &path]));
+        assert_code(&verified, 1);
+        assert!(stderr(&verified).contains("the run is interrupted"), "{}", stderr(&verified));
+    }
+}
+
+/// A case that names a table.
+fn with_table(folder: &Path, table: &str) -> String {
+    let file = folder.join("table.toml");
+    let text =
+        read(paper().as_ref()).replace("heat_source = 1.0 ", &format!("heat_source = {{ table = \"{table}\" }} "));
+    fs::write(&file, text).expect("a file");
+    file.display().to_string()
+}
+
+#[test]
+fn only_regular_files_are_read() {
+    let folder = tempdir().expect("a folder");
+    let pipe = folder.path().join("pipe.csv");
+    assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
+    for table in ["pipe.csv", "/dev/zero", "/proc/kmsg", "."] {
+        let printed = output(&mut amontons(&["check", &with_table(folder.path(), table)]));
+        assert_code(&printed, 2);
+        assert!(stderr(&printed).contains("cannot be read"), "{table}: {}", stderr(&printed));
+    }
+    let case = folder.path().join("pipe.toml").display().to_string();
+    assert!(Command::new("mkfifo").arg(&case).status().expect("mkfifo").success());
+    let printed = output(&mut amontons(&["check", &case]));
+    assert_code(&printed, 4);
+    assert!(stderr(&printed).contains("found a pipe or a device, expected a case file"), "{}", stderr(&printed));
+}
+
+#[test]
+fn a_confined_case_reads_nothing_outside_its_folder() {
+    let folder = tempdir().expect("a folder");
+    let (inside, outside) = (folder.path().join("case"), folder.path().join("secret.csv"));
+    fs::create_dir_all(inside.join("data")).expect("a folder");
+    for path in [&outside, &inside.join("data/mine.csv")] {
+        fs::write(path, "t,f\n0,1\n1,2\n").expect("a file");
+    }
+    std::os::unix::fs::symlink(&outside, inside.join("link.csv")).expect("a link");
+    let absolute = outside.display().to_string();
+    for (table, code) in [("data/mine.csv", 0), ("../secret.csv", 2), (absolute.as_str(), 2), ("link.csv", 2)] {
+        let case = with_table(&inside, table);
+        assert_code(&output(&mut amontons(&["check", &case, "--quiet"])), 0);
+        let printed = output(&mut amontons(&["check", &case, "--quiet", "--confine"]));
+        assert_code(&printed, code);
+        assert!(code == 0 || stderr(&printed).contains("not in the folder of the case"), "{}", stderr(&printed));
+    }
+}
+
+#[test]
+fn at_most_fifty_faults_are_told() {
+    let folder = tempdir().expect("a folder");
+    let file = folder.path().join("faults.toml").display().to_string();
+    let text = read(paper().as_ref());
+    let unknown: String = (0..20_000).map(|i| format!("key_{i} = 1\n")).collect();
+    let entries: String =
+        (0..20_000).map(|i| format!("[[boundary]]\non = \"side {i}\"\ntraction = \"{i}\"\n")).collect();
+    let lines: String = (0..20_000).map(|i| format!("line {i} is no TOML\n")).collect();
+    for (faults, told) in [(unknown + &text, "20000 faults"), (text.clone() + &entries, "faults"), (lines, "faults")] {
+        fs::write(&file, faults).expect("a file");
+        let printed = output(&mut amontons(&["check", &file]));
+        assert_code(&printed, 2);
+        let said = stderr(&printed);
+        assert!(said.contains(told) && said.contains("the first 50 of them are told"), "{}", said.len());
+        assert!(said.len() < 100_000, "{} bytes", said.len());
+    }
+    // A case with faults does not build its mesh, whose cells would take the machine down.
+    let printed =
+        output(&mut amontons(&["check", &paper(), "--set", "mesh.n=3000", "--set", "density=1", "--format", "json"]));
+    assert_code(&printed, 2);
+}
+
+/// Where the disk has no room for the results, that is told before the first step.
+#[test]
+fn results_that_do_not_fit_on_the_disk_are_refused() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let printed = run_paper(&out, 1_000_000_000, &["--no-certificate", "--set", "output.every=1"]);
+    assert_code(&printed, 4);
+    assert!(stderr(&printed).contains("are free on its disk"), "{}", stderr(&printed));
+}

@@ -1,0 +1,182 @@
+//! Which files of a folder belong to a run, and how a run takes the place of another.
+//!
+//! A run owns the files that its `manifest.json` lists and the snapshots in its folders `fields` and `contact`. It
+//! starts only where no file of others has a name that it may use, and removes no file but its own.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::earlier::CERTIFICATE;
+use super::files::{LONGEST, create_folder, move_file, of_temporary, remove_empty_folder, remove_file, remove_folder};
+use super::folder::{CONTACT, FIELDS, HISTORY, PROBES};
+use super::inputs::{INPUTS, Input};
+use super::manifest::Manifest;
+use super::{Outcome, OutputError, Summary, checkpoint, manifest};
+use crate::machine;
+
+/// The files that a run may write, but for copies of inputs and snapshots.
+pub(super) const NAMES: [&str; 11] = [
+    "case.toml",
+    CERTIFICATE,
+    HISTORY,
+    PROBES,
+    "contact.csv",
+    "fields.pvd",
+    "summary.json",
+    checkpoint::FILE,
+    checkpoint::PREVIOUS,
+    checkpoint::NEWER,
+    manifest::FILE,
+];
+/// The folders of the snapshots, and the ending of the files in each.
+const SNAPSHOTS: [(&str, &str); 2] = [(FIELDS, "vtu"), (CONTACT, "csv")];
+/// The folders that a run may make.
+const FOLDERS: [&str; 4] = [FIELDS, CONTACT, "checkpoint", INPUTS];
+/// Where a run that replaces another keeps its results until its first step is made.
+pub(super) const STAGING: &str = ".amontons-starting";
+
+/// The step of a snapshot by its name: 3 of `step_0000003.vtu`.
+fn step_of(name: &str, ending: &str) -> Option<usize> {
+    let digits = name.strip_prefix("step_")?.strip_suffix(ending)?.strip_suffix('.')?;
+    (digits.len() >= 7 && digits.bytes().all(|b| b.is_ascii_digit())).then(|| digits.parse().ok()).flatten()
+}
+
+/// The names in a folder; none of one that is not there.
+fn names_in(path: &Path) -> Vec<String> {
+    let entries = fs::read_dir(path).into_iter().flatten().flatten();
+    let mut names: Vec<String> = entries.filter_map(|entry| entry.file_name().into_string().ok()).collect();
+    names.sort();
+    names
+}
+
+/// The snapshots that are there: steps and names seen from the results folder.
+pub(super) fn snapshots(root: &Path) -> Vec<(usize, String)> {
+    let of = |(folder, ending): (&str, &str)| {
+        let names = names_in(&root.join(folder)).into_iter();
+        let steps = names.filter_map(|name| Some((step_of(&name, ending)?, format!("{folder}/{name}"))));
+        steps.collect::<Vec<_>>()
+    };
+    SNAPSHOTS.into_iter().flat_map(of).collect()
+}
+
+/// Refuses a folder in which files of others have names that the run may use.
+pub(super) fn refuse_strangers(root: &Path, earlier: Option<&Manifest>, inputs: &[Input]) -> Result<(), OutputError> {
+    let listed: Vec<&str> = earlier.map_or_else(Vec::new, |m| m.outputs().into_iter().map(|(name, _)| name).collect());
+    let mut names: Vec<String> = NAMES.iter().map(|name| (*name).to_owned()).collect();
+    names.extend(inputs.iter().map(|input| input.path.clone()));
+    if earlier.is_none() {
+        names.extend(snapshots(root).into_iter().map(|(_, name)| name));
+    }
+    let is_strange = |name: &&String| {
+        *name != manifest::FILE && !listed.contains(&name.as_str()) && root.join(name).symlink_metadata().is_ok()
+    };
+    match names.iter().find(is_strange) {
+        Some(name) => Err(OutputError::Stranger { path: root.join(name) }),
+        None => Ok(()),
+    }
+}
+
+/// What a folder holds that has the manifest of a run: `an interrupted run of "paper": 941 of its steps are made`, and
+/// what to do.
+pub(super) fn told(root: &Path, manifest: &Manifest) -> OutputError {
+    let summary = machine::read_text(&root.join("summary.json"), LONGEST).ok();
+    let summary: Option<Summary> = summary.and_then(|text| serde_json::from_str(&text).ok());
+    let rows = || {
+        let rows = machine::read_text(&root.join(HISTORY), LONGEST).unwrap_or_default();
+        rows.lines().count().saturating_sub(1)
+    };
+    let steps = manifest.ended().unwrap_or_else(rows);
+    let outcome = summary.filter(|_| manifest.ended().is_some()).map(|summary| summary.outcome);
+    let (what, goes_on) = match outcome {
+        Some(Outcome::Done) => ("a finished run", false),
+        Some(Outcome::Unsound) => ("a run whose results cannot be trusted", false),
+        Some(Outcome::NotConverged) => ("a run that did not converge", false),
+        Some(Outcome::Interrupted) => ("an interrupted run", true),
+        None => ("a run that was broken off", true),
+    };
+    let found = format!("{what} of \"{}\": {steps} steps are made", manifest.case());
+    let go_on = if goes_on { format!("go on with: amontons resume {}; or ", root.display()) } else { String::new() };
+    let advice = format!("{go_on}replace it with --force, or give another folder with --out");
+    OutputError::HoldsResults { path: root.to_owned(), found, advice }
+}
+
+/// Removes the files of a run, and the folders that are empty without them; the manifest last, if at all.
+pub(super) fn remove(root: &Path, run: &Manifest, with_manifest: bool) -> Result<(), OutputError> {
+    let listed = run.outputs().into_iter().map(|(name, _)| name.to_owned());
+    let all = listed.chain(snapshots(root).into_iter().map(|(_, name)| name));
+    for name in all.filter(|name| name != manifest::FILE) {
+        remove_file(&root.join(name))?;
+    }
+    for folder in FOLDERS {
+        remove_empty_folder(&root.join(folder));
+    }
+    if with_manifest { remove_file(&root.join(manifest::FILE)) } else { Ok(()) }
+}
+
+/// Removes what writers have left that were killed: files under temporary names.
+fn remove_temporary(root: &Path) -> Result<(), OutputError> {
+    for name in names_in(root).iter().filter(|name| of_temporary(name).is_some_and(|file| NAMES.contains(&file))) {
+        remove_file(&root.join(name))?;
+    }
+    for folder in FOLDERS.iter().map(|folder| root.join(folder)) {
+        for name in names_in(&folder).iter().filter(|name| of_temporary(name).is_some()) {
+            remove_file(&folder.join(name))?;
+        }
+    }
+    Ok(())
+}
+
+/// Puts the results of the run in the staging folder in the place of those of the run before.
+///
+/// The manifest is moved as soon as the files of the run before are gone: a staging folder without one tells
+/// [`settle`] that a crash came in between.
+pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError> {
+    remove(root, earlier, false)?;
+    move_file(&root.join(STAGING).join(manifest::FILE), &root.join(manifest::FILE))?;
+    settle(root)
+}
+
+/// Brings a folder in order in which a run was killed: while it wrote a file, or took the place of another run.
+pub(super) fn settle(root: &Path) -> Result<(), OutputError> {
+    let staging = root.join(STAGING);
+    let is_moving = staging.is_dir() && staging.join(manifest::FILE).symlink_metadata().is_err();
+    if is_moving {
+        let run = Manifest::find(root)?;
+        let listed = run.iter().flat_map(|run| run.outputs().into_iter().map(|(name, _)| name.to_owned()));
+        let all: Vec<String> = listed.chain(snapshots(&staging).into_iter().map(|(_, name)| name)).collect();
+        for name in all.iter().filter(|name| staging.join(name).symlink_metadata().is_ok()) {
+            let to = root.join(name);
+            create_folder(to.parent().unwrap_or(root))?;
+            move_file(&staging.join(name), &to)?;
+        }
+    }
+    remove_temporary(root)?;
+    remove_folder(&staging)
+}
+
+/// Copies the files of a run to another folder.
+pub(super) fn copy(from: &Path, run: &Manifest, to: &Path) -> Result<(), OutputError> {
+    let listed = run.outputs().into_iter().map(|(name, _)| name.to_owned());
+    let all: std::collections::BTreeSet<String> =
+        listed.chain(snapshots(from).into_iter().map(|(_, name)| name)).collect();
+    for name in all.iter().filter(|name| from.join(name).symlink_metadata().is_ok()) {
+        let target: PathBuf = to.join(name);
+        create_folder(target.parent().unwrap_or(to))?;
+        super::files::copy_file(&from.join(name), &target)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn snapshots_are_told_by_their_names() {
+        assert_eq!(step_of("step_0000003.vtu", "vtu"), Some(3));
+        assert_eq!(step_of("step_12345678.csv", "csv"), Some(12_345_678));
+        for other in ["step_3.vtu", "step_0000003.csv", "step_000000a.vtu", "my_step_0000003.vtu", "step_0000003vtu"] {
+            assert_eq!(step_of(other, "vtu"), None, "{other}");
+        }
+    }
+}

@@ -1,0 +1,33 @@
+//! What the results of a run take on the disk, estimated before it starts.
+
+use super::{OutputField, Snapshot};
+
+/// Bytes that the snapshots, checkpoints and rows of a run take.
+///
+/// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one that is written; three
+/// checkpoints hold the state, velocities, displacements, temperatures and branches.
+pub(super) fn demand(from: &Snapshot, fields: &[OutputField], snapshots: usize, steps: usize) -> f64 {
+    let problem = from.problem;
+    let (mesh, physics) = (&problem.mesh, problem.physics);
+    let (nodes, cells) = (mesh.points.len() as f64, mesh.cell_count() as f64);
+    let of_cells: usize = mesh.blocks.iter().map(|block| block.len() * block.element.nodes.len()).sum();
+    let count = |field: &OutputField| match field {
+        _ if !field.is_of(physics) => [0.0; 2],
+        OutputField::Stress | OutputField::Strain => [0.0, 6.0],
+        OutputField::Principal => [0.0, 12.0],
+        OutputField::HeatFlux => [0.0, 3.0],
+        OutputField::NodalStress => [6.0, 0.0],
+    };
+    let [at_nodes, in_cells] = fields.iter().map(count).fold([0.0; 2], |[nodes, cells], [n, c]| [nodes + n, cells + c]);
+    let mechanics = if physics.has_mechanics() { [7.0, 1.0] } else { [0.0; 2] };
+    let heat = if physics.has_heat() { 1.0 } else { 0.0 };
+    // Places, and of each cell its offset, its type and its region.
+    let numbers = nodes * (3.0 + mechanics[0] + heat + at_nodes) + cells * (mechanics[1] + in_cells);
+    let grid = 8.0 * (numbers + of_cells as f64) + 13.0 * cells;
+    let points = from.discretization.boundary.points.len() as f64;
+    let per_snapshot = grid * 4.0 / 3.0 + points * 300.0;
+    let state = from.state;
+    let kept = state.u.len() + state.w.len() + state.theta.len() + state.branches.iter().map(Vec::len).sum::<usize>();
+    let checkpoint = 8.0 * kept as f64 + points * 300.0;
+    (snapshots as f64 + 1.0) * per_snapshot + 3.0 * checkpoint + steps as f64 * 700.0
+}

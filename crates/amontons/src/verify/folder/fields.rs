@@ -1,0 +1,171 @@
+//! The snapshots of a run: read, and computed again from displacement, velocity and temperature.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::tables::Table;
+use crate::inclusion::Multipliers;
+use crate::linalg::dot;
+use crate::machine;
+use crate::material::VTK_COMPONENTS;
+use crate::output::{LONGEST, PointValues, cell_values, columns};
+use crate::problem::Problem;
+use crate::scheme::{Accumulated, Counts, Discretization, Ledger, State};
+use crate::tensor::Sym;
+use crate::vtu::{self, Array, Grid};
+
+/// Largest differences by what was compared, each with the largest number beside it.
+#[derive(Debug, Default)]
+pub(super) struct Differences {
+    pub all: BTreeMap<String, (f64, f64)>,
+}
+
+impl Differences {
+    /// Notes a difference beside the size of its numbers.
+    pub fn note(&mut self, what: String, difference: f64, size: f64) {
+        let (worst, scale) = self.all.entry(what).or_insert((0.0, 0.0));
+        // What is not a number stays.
+        if difference.abs() > *worst || difference.is_nan() {
+            *worst = difference.abs();
+        }
+        *scale = scale.max(size.abs());
+    }
+}
+
+/// The fields of a snapshot.
+pub(super) struct Fields {
+    grid: Grid,
+    dim: usize,
+}
+
+impl Fields {
+    /// Reads a snapshot on the mesh of a problem.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn read(path: &Path, problem: &Problem) -> Result<Fields, String> {
+        let bytes = machine::read(path, LONGEST).map_err(|error| format!("cannot be read: {error}"))?;
+        let grid = vtu::parse(&bytes, |_| true)?;
+        let mesh = &problem.mesh;
+        let same = grid.points.len() == mesh.points.len()
+            && grid.points.iter().zip(&mesh.points).all(|(a, b)| a.map(f64::to_bits) == b.map(f64::to_bits));
+        if !same {
+            return Err("its points are not those of the mesh".to_owned());
+        }
+        let cells = mesh.blocks.iter().flat_map(crate::mesh::Block::cells);
+        if grid.ends.len() != mesh.cell_count() || !grid.cells().zip(cells).all(|(a, b)| a == b) {
+            return Err("its cells are not those of the mesh".to_owned());
+        }
+        Ok(Fields { grid, dim: mesh.dim })
+    }
+
+    /// A vector of the nodes, node-major.
+    fn vector(&self, name: &str) -> Option<Vec<f64>> {
+        let array = self.grid.point_data.get(name).filter(|array| array.components == 3)?;
+        Some(array.values.chunks_exact(3).flat_map(|v| v[..self.dim].to_vec()).collect())
+    }
+
+    fn scalar(&self, name: &str) -> Option<&[f64]> {
+        self.grid.point_data.get(name).filter(|array| array.components == 1).map(|array| array.values.as_slice())
+    }
+
+    /// Puts the fields into a state, and tells by how much they differ from those there.
+    pub fn put(&self, problem: &Problem, state: &mut State, tell: &mut dyn FnMut(&str, f64, f64)) {
+        let mut take = |name: &str, into: &mut Vec<f64>, from: Option<Vec<f64>>| {
+            let from = from.filter(|from| from.len() == into.len());
+            let difference = from.as_ref().map_or(f64::NAN, |from| largest_difference(from, into));
+            tell(name, difference, into.iter().fold(0.0f64, |m, v| m.max(v.abs())));
+            if let Some(from) = from {
+                *into = from;
+            }
+        };
+        if problem.physics.has_mechanics() {
+            take("displacement", &mut state.u, self.vector("displacement"));
+            take("velocity", &mut state.w, self.vector("velocity"));
+        }
+        if problem.physics.has_heat() {
+            take("temperature", &mut state.theta, self.scalar("temperature").map(<[f64]>::to_vec));
+        }
+    }
+
+    /// A state with these fields, and nothing else of that of a run.
+    fn state(&self, discretization: &Discretization, problem: &Problem) -> State {
+        let nodes = problem.mesh.points.len();
+        let zero = || vec![0.0; nodes * self.dim];
+        State {
+            u: self.vector("displacement").unwrap_or_else(zero),
+            w: self.vector("velocity").unwrap_or_else(zero),
+            theta: self.scalar("temperature").map_or_else(|| vec![0.0; nodes], <[f64]>::to_vec),
+            step: 0,
+            t: 0.0,
+            multipliers: Multipliers::default(),
+            branches: vec![zero(); discretization.branches.len()],
+            surface: Accumulated::default(),
+            ledger: Ledger::default(),
+            counts: Counts::default(),
+            temperatures: [0.0; 2],
+        }
+    }
+
+    /// The values of the cells against those of displacement, velocity and temperature.
+    pub fn differences(&self, discretization: &Discretization, problem: &Problem, found: &mut Differences) {
+        let state = self.state(discretization, problem);
+        // Branches that relax have a stress of their own, which no field shows.
+        let relaxes = !discretization.branches.is_empty();
+        let values = cell_values(problem, &state);
+        let tensor = |of: fn(&PointValues) -> Sym| -> Vec<f64> {
+            values.iter().flat_map(|v| VTK_COMPONENTS.map(|(i, j)| of(v).get(i, j))).collect()
+        };
+        let mut known: Vec<(&str, Vec<f64>)> =
+            vec![("strain", tensor(|v| v.strain)), ("heat_flux", values.iter().flat_map(|v| v.heat_flux).collect())];
+        if !relaxes {
+            known.push(("stress", tensor(|v| v.stress)));
+            known.push(("von_mises", values.iter().map(|v| v.stress.von_mises()).collect()));
+        }
+        for (name, computed) in known {
+            let Some(Array { values, .. }) = self.grid.cell_data.get(name) else { continue };
+            let size = computed.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let difference =
+                if values.len() == computed.len() { largest_difference(values, &computed) } else { f64::NAN };
+            found.note(format!("{name} of the cells against the nodes"), difference, size);
+        }
+    }
+
+    /// Energies of the fields against the row of their step.
+    pub fn energies(
+        &self,
+        discretization: &Discretization,
+        problem: &Problem,
+        (history, row): (&Table, usize),
+        found: &mut Differences,
+    ) {
+        let state = self.state(discretization, problem);
+        let mut note = |name: &str, computed: f64, size: f64| {
+            if let Some(told) = history.value(row, name) {
+                found.note(format!("{name} of the fields against history.csv"), computed - told, size.max(told.abs()));
+            }
+        };
+        if problem.physics.has_mechanics() {
+            let (rho, inertia) = discretization.inertia();
+            let kinetic = 0.5 * rho * dot(&state.w, &inertia.apply(&state.w));
+            note(columns::KINETIC.name, kinetic, kinetic.abs());
+            let elastic = discretization.stored_energy(&state.u).filter(|_| discretization.branches.is_empty());
+            if let Some(elastic) = elastic {
+                // A body that is moved as a whole has terms that cancel.
+                let sizes = discretization.a.magnitude(&state.u);
+                let size = 0.5 * state.u.iter().zip(sizes).map(|(u, size)| u.abs() * size).sum::<f64>();
+                note(columns::ELASTIC.name, elastic, size);
+            }
+        }
+        if problem.physics.has_heat() {
+            let (c, storage) = discretization.storage();
+            let content = c * storage.apply(&state.theta).iter().sum::<f64>();
+            let size = c * storage.magnitude(&state.theta).iter().sum::<f64>();
+            note(columns::HEAT_CONTENT.name, content, size);
+        }
+    }
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, |m, d| if d > m || d.is_nan() { d } else { m })
+}

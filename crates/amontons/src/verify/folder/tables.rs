@@ -1,0 +1,116 @@
+//! The tables of a run: read, and held against each other.
+
+use std::path::Path;
+
+use super::fields::Differences;
+use crate::contact::Status;
+use crate::machine;
+use crate::output::{LONGEST, columns};
+
+/// A table of numbers under a line of names; words are read as not a number.
+pub(super) struct Table {
+    pub names: Vec<String>,
+    pub rows: Vec<Vec<f64>>,
+    /// The word of each row in the column `status`, if there is one.
+    status: Vec<String>,
+}
+
+impl Table {
+    /// Reads a table.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn read(path: &Path) -> Result<Table, String> {
+        let text = machine::read_text(path, LONGEST).map_err(|error| format!("cannot be read: {error}"))?;
+        let mut lines = text.lines();
+        let names: Vec<String> = lines.next().unwrap_or_default().split(',').map(str::to_owned).collect();
+        let words = names.iter().position(|name| name == columns::STATUS.name);
+        let (mut rows, mut status) = (Vec::new(), Vec::new());
+        for (i, line) in lines.enumerate() {
+            let cells: Vec<&str> = line.split(',').collect();
+            // A name of a side may have commas: it is among the last columns.
+            if cells.len() < names.len() {
+                return Err(format!("row {} has {} values under {} names", i + 1, cells.len(), names.len()));
+            }
+            rows.push(cells.iter().map(|cell| cell.parse().unwrap_or(f64::NAN)).collect());
+            status.extend(words.and_then(|c| cells.get(c)).map(|word| (*word).to_owned()));
+        }
+        Ok(Table { names, rows, status })
+    }
+
+    /// The values of a column; not a number where it is not there.
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let c = self.names.iter().position(|n| n == name);
+        self.rows.iter().map(|row| c.and_then(|c| row.get(c)).copied().unwrap_or(f64::NAN)).collect()
+    }
+
+    /// The value of a column in a row; none where it is not there.
+    pub fn value(&self, row: usize, name: &str) -> Option<f64> {
+        let c = self.names.iter().position(|n| n == name)?;
+        self.rows.get(row)?.get(c).copied()
+    }
+}
+
+/// How far the energy identity fails over the rows, and what the round-off of its terms allows.
+pub(super) struct Audit {
+    pub worst: f64,
+    pub allowed: f64,
+}
+
+/// The energy identity of every row: what is stored, plus what is dissipated, minus the work done is the energy at the
+/// start plus the closing error of the row.
+///
+/// The energy at the start is in no row: that of the first is taken. Terms of n rows are sums of n numbers, each with a
+/// last bit of its own.
+pub(super) fn audit(history: &Table) -> Audit {
+    let plus = [
+        columns::KINETIC.name,
+        columns::ELASTIC.name,
+        columns::CONTACT_ENERGY.name,
+        columns::VISCOUS_DISSIPATION.name,
+        columns::FRICTION_DISSIPATION.name,
+        columns::WEAR_DISSIPATION.name,
+        columns::SCHEME_DISSIPATION.name,
+    ];
+    let minus = [columns::LOAD_WORK.name, columns::THERMAL_WORK.name, columns::CLOSING_ERROR.name];
+    let terms: Vec<(f64, Vec<f64>)> = plus
+        .iter()
+        .map(|name| (1.0, history.column(name)))
+        .chain(minus.iter().map(|name| (-1.0, history.column(name))))
+        .collect();
+    let sum = |row: usize| terms.iter().map(|(sign, values)| sign * values[row]).sum::<f64>();
+    let rows = history.rows.len();
+    let largest = terms.iter().flat_map(|(_, values)| values).fold(0.0f64, |largest, v| largest.max(v.abs()));
+    let worst = (0..rows)
+        .map(|row| (sum(row) - sum(0)).abs())
+        .fold(0.0f64, |worst, e| if e > worst || e.is_nan() { e } else { worst });
+    // The worst case: every sum of n numbers loses n last bits of its largest partial sum.
+    Audit { worst, allowed: f64::EPSILON * largest * (terms.len() * (rows + 1)) as f64 }
+}
+
+/// The contact points at a step against its row in the history.
+pub(super) fn contact(points: &Table, history: &Table, row: usize, differences: &mut Differences) {
+    for status in [Status::Open, Status::Stick, Status::Slip] {
+        let count = points.status.iter().filter(|word| *word == status.name()).count() as f64;
+        if let Some(told) = history.value(row, status.name()) {
+            differences.note(format!("{} of contact/ against history.csv", status.name()), count - told, told);
+        }
+    }
+    let largest = |name: &str| points.column(name).into_iter().fold(0.0f64, f64::max);
+    for (name, of) in
+        [(columns::PENETRATION_MAX.name, columns::PENETRATION.name), (columns::WEAR_MAX.name, columns::WEAR.name)]
+    {
+        if let Some(told) = history.value(row, name) {
+            differences.note(format!("{name} of contact/ against history.csv"), largest(of) - told, told);
+        }
+    }
+    let (weights, wear) = (points.column(columns::WEIGHT.name), points.column(columns::WEAR.name));
+    let touching = points.status.iter().zip(&weights).filter(|(word, _)| *word != Status::Open.name());
+    let area = touching.map(|(_, weight)| weight).sum::<f64>();
+    let volume = weights.iter().zip(&wear).map(|(weight, wear)| weight * wear).sum::<f64>();
+    for (name, value) in [(columns::CONTACT_AREA.name, area), (columns::WEAR_VOLUME.name, volume)] {
+        if let Some(told) = history.value(row, name) {
+            differences.note(format!("{name} of contact/ against history.csv"), value - told, told);
+        }
+    }
+}

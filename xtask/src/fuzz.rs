@@ -1,0 +1,211 @@
+//! Hostile inputs to every reader of the library, on stable Rust.
+//!
+//! Each target runs in a process of its own under a limit of the address space. Inputs are mutations of sound ones with
+//! the words of the case file's schema; one whose outcome is worded as none before joins the sound ones. An input that
+//! ends the process, or takes longer than it may, is kept in `target/fuzz`.
+
+mod mutate;
+mod targets;
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::panic::{self, AssertUnwindSafe};
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use crate::random::Random;
+use mutate::Mutator;
+use targets::{Target, names};
+
+/// Longest time that one input may take.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// How often the watchdog looks.
+const GLANCE: Duration = Duration::from_millis(100);
+/// Longest input: longer ones say nothing that shorter ones do not.
+const LONGEST: usize = 1 << 16;
+/// Inputs that are kept beside the sound ones.
+const KEPT: usize = 4000;
+/// Exit code of a process that the watchdog has ended.
+const TOO_LONG: i32 = 3;
+
+/// What to feed.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// The reader; all of them without one
+    target: Option<String>,
+    /// Seconds per reader
+    #[arg(long, default_value_t = 10)]
+    seconds: u64,
+    /// Seed of the first mutation
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Limit of the address space, MB
+    #[arg(long, default_value_t = 1024)]
+    memory: u64,
+    /// Feed in this process
+    #[arg(long, hide = true)]
+    worker: bool,
+    /// Read this input alone
+    #[arg(long)]
+    input: Option<PathBuf>,
+}
+
+/// Feeds one target or all, and tells what came of it.
+pub fn run(arguments: &Arguments) -> ExitCode {
+    let chosen: Vec<&str> = match &arguments.target {
+        None => names(),
+        Some(name) => names().into_iter().filter(|known| known == name).collect(),
+    };
+    if chosen.is_empty() {
+        eprintln!("there is no such reader; those there are: {}", names().join(", "));
+        return ExitCode::from(2);
+    }
+    if arguments.worker {
+        return chosen.first().map_or(ExitCode::FAILURE, |name| feed(name, arguments));
+    }
+    println!("{:<12} {:>10} {:>9} {:>11} {:>9}  outcome", "reader", "inputs", "outcomes", "longest ms", "peak MB");
+    let mut all_well = true;
+    for name in chosen {
+        let Ok(program) = std::env::current_exe() else { return ExitCode::FAILURE };
+        let mut command = Command::new(program);
+        command.args(["fuzz", name, "--worker", "--seconds", &arguments.seconds.to_string()]);
+        command.args(["--seed", &arguments.seed.to_string(), "--memory", &arguments.memory.to_string()]);
+        if let Some(input) = &arguments.input {
+            command.arg("--input").arg(input);
+        }
+        match command.env("RUST_BACKTRACE", "0").output() {
+            Ok(output) if output.status.success() => print!("{}", String::from_utf8_lossy(&output.stdout)),
+            Ok(output) => {
+                all_well = false;
+                let why = String::from_utf8_lossy(&output.stderr);
+                println!("{name:<12} FAILS: {}; the input is {}", output.status, keep(name).display());
+                why.lines().take(20).for_each(|line| println!("    {line}"));
+            }
+            Err(error) => {
+                all_well = false;
+                println!("{name:<12} cannot be started: {error}");
+            }
+        }
+    }
+    if all_well { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Where the input is that is read at present: in memory where the system has a folder for that.
+fn current(name: &str) -> PathBuf {
+    let memory = Path::new("/dev/shm");
+    let folder = if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() };
+    folder.join(format!("amontons-fuzz-{name}"))
+}
+
+/// Keeps the input that ended a process.
+fn keep(name: &str) -> PathBuf {
+    let kept = Path::new("target/fuzz").join(name);
+    let copied = fs::create_dir_all("target/fuzz").and_then(|()| fs::copy(current(name), &kept));
+    if copied.is_ok() { kept } else { current(name) }
+}
+
+/// Limits the address space of this process.
+fn limit(megabytes: u64) {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Resource, Rlimit, setrlimit};
+        let bytes = Some(megabytes << 20);
+        if let Err(error) = setrlimit(Resource::As, Rlimit { current: bytes, maximum: bytes }) {
+            eprintln!("the address space cannot be limited: {error}");
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = megabytes;
+}
+
+/// Number of inputs read, for the watchdog.
+static READ: AtomicU64 = AtomicU64::new(0);
+
+/// Ends the process when one input takes too long.
+fn watch() {
+    let patience = (PATIENCE.as_millis() / GLANCE.as_millis()) as u32;
+    let watching = std::thread::Builder::new().spawn(move || {
+        let (mut last, mut glances) = (0, 0);
+        loop {
+            std::thread::sleep(GLANCE);
+            let now = READ.load(Ordering::Relaxed);
+            glances = if now == last { glances + 1 } else { 0 };
+            if glances > patience {
+                eprintln!("an input takes longer than {PATIENCE:?}");
+                std::process::exit(TOO_LONG);
+            }
+            last = now;
+        }
+    });
+    if let Err(error) = watching {
+        eprintln!("there is no watchdog: {error}");
+    }
+}
+
+/// Feeds a target in this process.
+fn feed(name: &str, arguments: &Arguments) -> ExitCode {
+    let Some(mut target) = Target::new(name) else { return ExitCode::FAILURE };
+    limit(arguments.memory);
+    if let Some(input) = &arguments.input {
+        return read_one(&mut target, input);
+    }
+    // Panics are told once, with the input that caused them.
+    let mut mutator = Mutator::new(Random::new(arguments.seed), target.words());
+    let mut corpus = target.corpus();
+    let (mut outcomes, mut longest, mut count) = (BTreeSet::new(), Duration::ZERO, 0u64);
+    watch();
+    let begin = Instant::now();
+    while begin.elapsed() < Duration::from_secs(arguments.seconds) || count < corpus.len() as u64 {
+        // The sound ones come first, as they are.
+        let input = match corpus.get(count as usize) {
+            Some(sound) if count < target.sound() as u64 => sound.clone(),
+            _ => mutator.mutate(&corpus, LONGEST),
+        };
+        if let Err(error) = fs::write(current(name), &input) {
+            eprintln!("{}: {error}", current(name).display());
+            return ExitCode::FAILURE;
+        }
+        let started = Instant::now();
+        let Ok(outcome) = panic::catch_unwind(AssertUnwindSafe(|| target.read(&input))) else {
+            return ExitCode::FAILURE;
+        };
+        longest = longest.max(started.elapsed());
+        count += 1;
+        READ.store(count, Ordering::Relaxed);
+        if outcomes.insert(signature(&outcome)) && corpus.len() < KEPT {
+            corpus.push(input);
+        }
+    }
+    let peak = fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let peak =
+        peak.lines().find_map(|line| line.strip_prefix("VmHWM:")?.trim().strip_suffix("kB")?.trim().parse().ok());
+    let megabytes = peak.map_or_else(|| "-".to_owned(), |kibibytes: f64| format!("{:.0}", kibibytes / 1024.0));
+    let milliseconds = longest.as_secs_f64() * 1e3;
+    println!("{name:<12} {count:>10} {:>9} {milliseconds:>11.1} {megabytes:>9}  holds", outcomes.len());
+    ExitCode::SUCCESS
+}
+
+fn read_one(target: &mut Target, input: &Path) -> ExitCode {
+    match fs::read(input) {
+        Ok(bytes) => {
+            println!("{}", target.read(&bytes));
+            ExitCode::SUCCESS
+        }
+        Err(error) => {
+            eprintln!("{}: {error}", input.display());
+            ExitCode::FAILURE
+        }
+    }
+}
+
+/// What is alike in messages about other numbers and names: their letters outside quotes.
+fn signature(outcome: &str) -> String {
+    let mut quoted = false;
+    let letters = outcome.chars().filter(|c| {
+        quoted ^= matches!(c, '"' | '`');
+        !quoted && (c.is_alphabetic() || *c == ' ')
+    });
+    letters.take(200).collect()
+}

@@ -1,0 +1,284 @@
+//! The readers: what each reads, and sound inputs for it.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use amontons::case::{self, Case, Files, Source};
+use amontons::expression::Expression;
+use amontons::mesh::{gmsh, vtu};
+use amontons::output::{Checkpoint, Folder, FolderOptions};
+use amontons::plot;
+use amontons::run::{self, Settings};
+use amontons::verify::{BENCHMARKS, recompute};
+use sha2::{Digest, Sha256};
+
+/// A case that runs in a moment.
+const SMALL: &str = r#"
+name = "small"
+[mesh]
+kind = "rectangle"
+size = [1.0, 1.0]
+n = 2
+[time]
+end = 1.0
+steps = 3
+[material]
+density = 1
+heat_capacity = 1
+expansion = 0.1
+coupling = 0.1
+conductivity = 1
+elasticity = { law = "isotropic", young = 10.0, poisson = 0.2 }
+viscosity = { law = "lame", first = 1, second = 1 }
+[load]
+body_force = [0.3, -1]
+heat_source = 1
+[[boundary]]
+on = "top"
+displacement = [0, 0]
+temperature = 0
+[contact]
+on = "bottom"
+normal = { law = "compliance", stiffness = 100.0 }
+friction = { law = "coulomb", coefficient = 0.2 }
+heat = { law = "ramp", conductance = 1.0, width = 1e-3, foundation_temperature = 0.0 }
+[output]
+every = 1
+"#;
+
+/// Bytes before and behind the body of a checkpoint.
+const HEADER: usize = 16 + 4 + 32 + 8;
+const HASH: usize = 32;
+
+/// Names of the readers.
+pub fn names() -> Vec<&'static str> {
+    vec!["case", "override", "expression", "table", "gmsh", "vtu", "checkpoint", "results"]
+}
+
+/// A reader with what it needs.
+pub struct Target {
+    kind: Kind,
+    corpus: Vec<Vec<u8>>,
+}
+
+enum Kind {
+    Case,
+    Override,
+    Expression,
+    Table,
+    Gmsh,
+    Vtu,
+    Checkpoint {
+        case: Box<Case>,
+        folder: PathBuf,
+    },
+    /// A results folder with the names of its files: the first byte of an input chooses one of them.
+    Results {
+        folder: PathBuf,
+        files: Vec<PathBuf>,
+        sound: Vec<Vec<u8>>,
+    },
+}
+
+impl Target {
+    /// The reader of a name.
+    pub fn new(name: &str) -> Option<Target> {
+        let cases = || -> Vec<Vec<u8>> {
+            let texts = BENCHMARKS.iter().map(|(_, text)| *text).chain([SMALL, case::STARTER]);
+            texts.filter(|text| text.len() < 6000).map(|text| text.as_bytes().to_vec()).collect()
+        };
+        let texts = |all: &[&str]| all.iter().map(|text| text.as_bytes().to_vec()).collect::<Vec<_>>();
+        let (kind, corpus) = match name {
+            "case" => (Kind::Case, cases()),
+            "override" => (
+                Kind::Override,
+                texts(&["mesh.n=4", "contact.gap=\"x\"", "boundary[0].displacement=[0, 0]", "load.body_force=[1, 2]"]),
+            ),
+            "expression" => (
+                Kind::Expression,
+                texts(&["sin(pi*x)*exp(-t)", "if(x < 0.5, 1, y^2)", "-(1 + 2)*max(x, y, z)/3e-2", "abs(t)^-2"]),
+            ),
+            "table" => (Kind::Table, texts(&["t,f\n0,1\n1,2\n", "0;1\n1;2", "# c\n\"t\"\tf\n0\t1\n", "0 1\n1 2\n"])),
+            "gmsh" => (Kind::Gmsh, meshes("msh")),
+            "vtu" => (Kind::Vtu, meshes("vtu")),
+            "checkpoint" => {
+                let (folder, case) = small_run(name)?;
+                let sound = fs::read(folder.join("checkpoint/state.bin")).ok()?;
+                (Kind::Checkpoint { case: Box::new(case), folder }, vec![sound])
+            }
+            "results" => {
+                let (folder, _) = small_run(name)?;
+                let files: Vec<PathBuf> = files(&folder);
+                let sound: Vec<Vec<u8>> = files.iter().filter_map(|file| fs::read(file).ok()).collect();
+                let corpus = sound.iter().enumerate().map(|(i, bytes)| [&[i as u8][..], bytes].concat()).collect();
+                (Kind::Results { folder, files, sound }, corpus)
+            }
+            _ => return None,
+        };
+        Some(Target { kind, corpus })
+    }
+
+    /// The inputs to begin with.
+    pub fn corpus(&self) -> Vec<Vec<u8>> {
+        self.corpus.clone()
+    }
+
+    /// Number of the sound inputs.
+    pub fn sound(&self) -> usize {
+        self.corpus.len()
+    }
+
+    /// Words to put in: those of the schema, of the mesh formats, and of expressions.
+    pub fn words(&self) -> Vec<String> {
+        let mut words: Vec<String> = match self.kind {
+            Kind::Gmsh => ["$Nodes\n", "$EndNodes\n", "$Elements\n", "$Entities\n", "$PhysicalNames\n", "4.1 1 8\n"]
+                .map(str::to_owned)
+                .to_vec(),
+            Kind::Vtu => [
+                "<DataArray type=\"UInt8\" format=\"appended\" offset=\"0\">",
+                "NumberOfPoints=\"4294967295\"",
+                "NumberOfComponents=\"64\"",
+                "compressor=\"vtkZLibDataCompressor\"",
+                "header_type=\"UInt64\"",
+                "<InformationKey>",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
+            _ => [
+                "(", ")", "^", "\"", "'''", "[[", "]]", "{", "}", "=", "\n[", "\u{feff}", "#", ",", ";", "if(", "sqrt(",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
+        };
+        if matches!(self.kind, Kind::Case | Kind::Override) {
+            collect(&case::schema(), &mut words);
+        }
+        words
+    }
+
+    /// Reads an input; what came of it in words.
+    pub fn read(&mut self, bytes: &[u8]) -> String {
+        let text = || String::from_utf8_lossy(bytes).into_owned();
+        match &self.kind {
+            Kind::Case => {
+                told(case::parse(&Source::new("case", text()), &[]).map(|case| !case.folder_options().text.is_empty()))
+            }
+            Kind::Override => told(case::parse(&Source::new("case", SMALL), &[text()])),
+            Kind::Expression => told(Expression::parse(&text())),
+            Kind::Table => {
+                let files = BTreeMap::from([("f.csv".to_owned(), Arc::from(bytes))]);
+                let case = SMALL.replace("heat_source = 1", "heat_source = { table = \"f.csv\" }");
+                told(case::parse(&Source { files: Files::Memory(files), ..Source::new("case", case) }, &[]))
+            }
+            Kind::Gmsh => told(gmsh::parse(bytes).map(|mesh| mesh.cell_count())),
+            Kind::Vtu => told(vtu::parse(bytes).map(|mesh| mesh.cell_count())),
+            Kind::Checkpoint { case, folder } => checkpoint(case, folder, bytes),
+            Kind::Results { folder, files, sound } => results(folder, files, sound, bytes),
+        }
+    }
+}
+
+/// An error in its words; all that is read well is alike.
+fn told<T, E: ToString>(result: Result<T, E>) -> String {
+    result.map_or_else(|error| error.to_string(), |_| String::new())
+}
+
+/// Goes on from a checkpoint whose checksum is right whatever its body.
+fn checkpoint(case: &Case, folder: &Path, bytes: &[u8]) -> String {
+    let mut sealed = bytes.to_vec();
+    if let Some(body) = sealed.len().checked_sub(HEADER + HASH) {
+        sealed[HEADER - 8..HEADER].copy_from_slice(&(body as u64).to_le_bytes());
+        let end = sealed.len() - HASH;
+        let sum = Sha256::digest(&sealed[..end]);
+        sealed[end..].copy_from_slice(&sum);
+    }
+    if let Err(error) = fs::write(folder.join("checkpoint/state.bin"), sealed) {
+        return error.to_string();
+    }
+    match Checkpoint::read(folder, &case.identity()) {
+        Ok(Some(checkpoint)) => {
+            let settings = Settings { certificate: false, ..Settings::default() };
+            told(run::resume(&case.problem, checkpoint, &settings, &mut []))
+        }
+        Ok(None) => "none".to_owned(),
+        Err(error) => error.to_string(),
+    }
+}
+
+/// Verifies a results folder of which one file is another, and reads it for pictures.
+fn results(folder: &Path, files: &[PathBuf], sound: &[Vec<u8>], bytes: &[u8]) -> String {
+    let Some((first, rest)) = bytes.split_first() else { return String::new() };
+    let which = usize::from(*first) % files.len().max(1);
+    let (Some(file), Some(before)) = (files.get(which), sound.get(which)) else { return String::new() };
+    if let Err(error) = fs::write(file, rest) {
+        return error.to_string();
+    }
+    let found = match recompute(folder) {
+        Ok(found) => [found.faults, found.unchecked].concat().join(" "),
+        Err(error) => error.to_string(),
+    };
+    let drawn = told(plot::Run::read(folder));
+    let restored = told(fs::write(file, before));
+    found + &drawn + &restored
+}
+
+/// A results folder of its own with the run of the small case.
+fn small_run(name: &str) -> Option<(PathBuf, Case)> {
+    let folder = std::env::temp_dir().join(format!("amontons-fuzz-{name}-{}", std::process::id()));
+    let case = case::parse(&Source::new("small.toml", SMALL), &[]).ok()?;
+    let options = FolderOptions { certificate: false, ..case.folder_options() };
+    let settings = Settings { certificate: false, ..Settings::default() };
+    let mut results = Folder::create(&folder, options).ok()?;
+    run::run(&case.problem, &settings, &mut [&mut results]).ok()?;
+    fs::remove_file(folder.join("checkpoint/previous.bin")).ok()?;
+    Some((folder, case))
+}
+
+impl Drop for Target {
+    fn drop(&mut self) {
+        if let Kind::Checkpoint { folder, .. } | Kind::Results { folder, .. } = &self.kind {
+            // What stays lies in the folder for temporary files.
+            let _ = fs::remove_dir_all(folder);
+        }
+    }
+}
+
+/// The files of a folder and of those below it.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
+    }
+    found.retain(|path| path.file_name().is_some_and(|name| name != ".amontons.lock"));
+    found.sort();
+    found
+}
+
+/// The mesh files of the tests with an ending.
+fn meshes(ending: &str) -> Vec<Vec<u8>> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../crates/amontons/tests/meshes");
+    let all = files(&folder).into_iter().filter(|path| path.extension().is_some_and(|e| e == ending));
+    all.filter_map(|path| fs::read(path).ok()).filter(|bytes| bytes.len() < 200_000).collect()
+}
+
+/// Keys and words of a schema.
+fn collect(schema: &serde_json::Value, words: &mut Vec<String>) {
+    match schema {
+        serde_json::Value::Object(all) => {
+            for (key, value) in all {
+                if key == "properties" {
+                    words.extend(value.as_object().into_iter().flatten().map(|(name, _)| format!("{name} = ")));
+                }
+                if let (true, Some(word)) = (key == "const", value.as_str()) {
+                    words.push(format!("\"{word}\""));
+                }
+                collect(value, words);
+            }
+        }
+        serde_json::Value::Array(all) => all.iter().for_each(|value| collect(value, words)),
+        _ => {}
+    }
+}
