@@ -185,16 +185,10 @@ fn drive(
     let last =
         Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
-    let outcome = match failed {
-        Some(_) => Outcome::NotConverged,
-        None if state.step < problem.steps => Outcome::Interrupted,
-        None => Outcome::Done,
-    };
+    let outcome = outcome(failed.as_ref(), state.step, problem.steps);
     let last = Snapshot { work: clock.work(before, &scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
-    let mut summary = Summary::new(&last, unknowns, findings, outcome, error);
-    scheme.backend().clone_into(&mut summary.solver.backend);
-    let summary = sound(summary);
+    let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &scheme);
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     ended(failed, summary)
 }
@@ -223,8 +217,18 @@ fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &BackwardEuler
     Ok(checkpoint)
 }
 
+/// How a run ends after so many of its steps.
+fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
+    match failed {
+        Some(_) => Outcome::NotConverged,
+        None if made < steps => Outcome::Interrupted,
+        None => Outcome::Done,
+    }
+}
+
 /// The summary of a run, which is unsound where its figures cannot be trusted.
-fn sound(mut summary: Summary) -> Summary {
+fn sound(mut summary: Summary, scheme: &BackwardEuler) -> Summary {
+    scheme.backend().clone_into(&mut summary.solver.backend);
     if summary.outcome == Outcome::Done
         && let Some(why) = summary.unsound()
     {

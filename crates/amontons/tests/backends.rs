@@ -112,7 +112,11 @@ fn contact(system: &System, nodes: &[u32], size: usize) -> Vec<Entry> {
         match i % 3 {
             0 => entries.extend([x, y, z].map(|unknown| (unknown, unknown, stiff(unknown)))),
             1 => {
-                entries.extend([(z, z, stiff(z)), (x, z, 0.5 * stiff(z)), (y, y, 0.01 * system.condensed().scale()[0])])
+                entries.extend([
+                    (z, z, stiff(z)),
+                    (x, z, 0.5 * stiff(z)),
+                    (y, y, 0.01 * system.condensed().scale()[0]),
+                ]);
             }
             _ => {}
         }

@@ -34,14 +34,13 @@ pub(super) fn problem(
     notes: Notes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
-    let is_sound = notes.doubtful.is_empty();
     let mut build = Build {
         findings: Vec::new(),
         doubtful: notes.doubtful,
         limits: notes.limits,
         loader: Loader::new(files),
         no_mesh: false,
-        is_sound,
+        is_sound: notes.doubtful.is_empty(),
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
         end: raw.time.end,

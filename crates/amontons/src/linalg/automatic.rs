@@ -45,7 +45,7 @@ impl Backend for Automatic {
     }
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
-        Some(Arc::new(Automatic { multigrid: self.multigrid.stopped_by(flag) }))
+        Some(Arc::new(Automatic { multigrid: Multigrid::stopped_by(flag) }))
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {

@@ -242,7 +242,7 @@ impl BackwardEuler {
             k: *k,
             rule: *rule,
         };
-        let before = krylov_iterations(mechanics, heat);
+        let before = krylov_iterations(mechanics.as_ref(), heat.as_ref());
         let made = match (&mut *mechanics, &mut *heat) {
             (Some(mechanics), Some(heat)) => Coupled::new(now, mechanics, heat).solve(),
             (Some(mechanics), None) => alone::mechanics(&now, mechanics),
@@ -250,7 +250,7 @@ impl BackwardEuler {
             // `Physics` has no such value.
             (None, None) => Err(StepError::NotFinite { step: n, t, part: "the data" }),
         };
-        let krylov = krylov_iterations(mechanics, heat) - before;
+        let krylov = krylov_iterations(mechanics.as_ref(), heat.as_ref()) - before;
         let made = made?;
         let ledger = audit(&now, &made.mechanics, &made.heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
@@ -329,8 +329,8 @@ impl Made {
 }
 
 /// Krylov iterations of both half-steps so far.
-fn krylov_iterations(mechanics: &Option<HalfStep>, heat: &Option<HalfStep>) -> usize {
-    mechanics.iter().chain(heat).map(|half| half.system.iterations()).sum()
+fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> usize {
+    mechanics.into_iter().chain(heat).map(|half| half.system.iterations()).sum()
 }
 
 /// The range that takes in some values, too.

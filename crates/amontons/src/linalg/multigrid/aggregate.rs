@@ -122,7 +122,9 @@ fn orthonormalize(columns: &mut [Vec<f64>], r: &mut [f64]) {
         let length = dot(column, column).sqrt();
         if length > DEPENDENT * size {
             r[k * m + k] = length;
-            column.iter_mut().for_each(|v| *v /= length);
+            for v in column.iter_mut() {
+                *v /= length;
+            }
         } else {
             column.fill(0.0);
         }

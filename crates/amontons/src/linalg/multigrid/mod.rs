@@ -38,8 +38,8 @@ impl Stop {
 }
 
 impl Multigrid {
-    /// The same, ending its work when the flag becomes true.
-    pub(super) fn stopped_by(&self, flag: &Arc<AtomicBool>) -> Multigrid {
+    /// One that ends its work when the flag becomes true.
+    pub(super) fn stopped_by(flag: &Arc<AtomicBool>) -> Multigrid {
         Multigrid { stop: Stop(Some(Arc::clone(flag))) }
     }
 }
@@ -63,7 +63,7 @@ impl Backend for Multigrid {
     }
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
-        Some(Arc::new(self.stopped_by(flag)))
+        Some(Arc::new(Multigrid::stopped_by(flag)))
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
