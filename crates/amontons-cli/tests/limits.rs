@@ -116,10 +116,15 @@ fn only_regular_files_are_read() {
     let folder = tempdir().expect("a folder");
     let pipe = folder.path().join("pipe.csv");
     assert!(Command::new("mkfifo").arg(&pipe).status().expect("mkfifo").success());
-    for table in ["pipe.csv", "/dev/zero", "/proc/kmsg", "."] {
+    for (table, why) in [
+        ("pipe.csv", "cannot be read"),
+        ("/dev/zero", "cannot be read"),
+        ("/proc/kmsg", "cannot be read"),
+        (".", "which is no file"),
+    ] {
         let printed = output(&mut amontons(&["check", &with_table(folder.path(), table)]));
         assert_code(&printed, 2);
-        assert!(stderr(&printed).contains("cannot be read"), "{table}: {}", stderr(&printed));
+        assert!(stderr(&printed).contains(why), "{table}: {}", stderr(&printed));
     }
     let case = folder.path().join("pipe.toml").display().to_string();
     assert!(Command::new("mkfifo").arg(&case).status().expect("mkfifo").success());

@@ -133,7 +133,7 @@ fn data_of_files() {
         ),
         (
             "long",
-            "material.density.data: found the array long has 2 values in part.vtu, expected 1 for each of 1 cells",
+            "material.density.data: found the array long has 2 values, not 1 for each of 1 cells in part.vtu, expected a mesh with data",
         ),
         (
             "other",

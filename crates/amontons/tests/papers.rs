@@ -140,7 +140,8 @@ fn keys<'t>(schema: &Value, text: &'t str) -> Vec<&'t str> {
         .expect("tables")
         .keys()
         .map(String::as_str)
-        .filter(|key| *key != "name")
+        // `solver` is a table of results, too.
+        .filter(|key| !["name", "solver"].contains(key))
         .collect();
     let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "._".contains(c)));
     let is_path = |word: &&str| {

@@ -143,6 +143,9 @@ fn read(files: &Files, name: &str) -> Result<Arc<[u8]>, Missing> {
                 if error.kind() == std::io::ErrorKind::NotFound {
                     return missing("which is not there", similar(&path, name).map(|near| did_you_mean(&near)));
                 }
+                if path.is_dir() {
+                    return missing("which is no file", None);
+                }
                 missing(&format!("which cannot be read: {error}"), None)
             })
         }

@@ -26,8 +26,8 @@ pub trait Backend: Debug + Send + Sync {
     /// When the matrix is not positive definite or does not fit into memory.
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError>;
 
-    /// The same backend, ending its work with [`SolveError::Interrupted`] when the flag becomes true; none if it does not
-    /// look at one.
+    /// The same backend, ending its work with [`SolveError::Interrupted`] when the flag becomes true; none if it does
+    /// not look at one.
     fn interruptible(&self, _flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
         None
     }

@@ -1,5 +1,5 @@
-//! The levels of smoothed aggregation and their V-cycle, in single precision: it is a preconditioner, and reads half the
-//! memory.
+//! The levels of smoothed aggregation and their V-cycle, in single precision: it is a preconditioner, and reads half
+//! the memory.
 
 use faer::{Mat, Side};
 use rayon::prelude::*;
@@ -116,8 +116,8 @@ impl Hierarchy {
         Ok(Hierarchy { coarsest: Lu::new(dense.clone()), dense, levels, changed: Vec::new(), scale })
     }
 
-    /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the coarser
-    /// levels it is PᵀJP with the P of K alone.
+    /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the
+    /// coarser levels it is PᵀJP with the P of K alone.
     pub fn add(&mut self, contact: &Blocks<f64>) {
         for Changed { level, at, block, inverse } in self.changed.drain(..).rev() {
             let level = &mut self.levels[level];
