@@ -67,6 +67,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         ),
         row("time", &phases(seconds)),
     ];
+    lines.extend(systems(&summary.solver));
     for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
         lines.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
     }
@@ -106,6 +107,12 @@ fn phases(seconds: &Seconds) -> String {
     format!(
         "{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output"
     )
+}
+
+/// A line on linear systems that were not solved by a factor.
+fn systems(solver: &Solver) -> Option<String> {
+    let text = || format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations);
+    (solver.backend == "iterative").then(|| row("linear systems", &text()))
 }
 
 /// A line on halved and ambiguous steps, if there are any.
