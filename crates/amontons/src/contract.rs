@@ -17,7 +17,7 @@ pub use contact::{assert_friction_law, assert_heat_law, assert_normal_law};
 
 use crate::contact::obstacle::Shape;
 use crate::contact::{ContactPoint, WearLaw};
-use crate::element::{Element, MAX_NODES, Table};
+use crate::element::{Element, MAX_NODES, ShapeTable};
 use crate::hypotheses::Samples;
 use crate::material::TensorLaw;
 use crate::mesh::{FacetMap, Mesh};
@@ -104,7 +104,7 @@ fn assert_facets(element: &'static Element) {
         let nodes: Vec<u32> = facet.nodes.iter().map(|&i| i as u32).collect();
         // The corners of a facet determine the places of its other nodes.
         let flat = Element::find(facet.element.shape, 1).unwrap_or(facet.element);
-        let linear = Table::at(flat, facet.element.nodes);
+        let linear = ShapeTable::at(flat, facet.element.nodes);
         for (q, &node) in facet.nodes.iter().enumerate().filter(|_| facet.element.dim() > 0) {
             for d in 0..3 {
                 let expected: f64 =
@@ -117,7 +117,7 @@ fn assert_facets(element: &'static Element) {
                 );
             }
         }
-        let table = Table::new(facet.element, 3);
+        let table = ShapeTable::new(facet.element, 3);
         let mut map = FacetMap::new(&mesh, &table);
         for (q, weight) in table.weights.iter().enumerate() {
             map.at(&nodes, q);

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use amontons::case::{self, Source};
 use amontons::contact::{ContactBoundary, PointOnBoundary, Quadrature, Status};
-use amontons::element::Table;
+use amontons::element::ShapeTable;
 use amontons::inclusion::PointState;
 use amontons::mesh::CellMap;
 use amontons::output::Memory;
@@ -64,7 +64,7 @@ fn dot(a: &[f64; 3], b: &[f64; 3]) -> f64 {
 fn heat_content(problem: &Problem, state: &State) -> f64 {
     let mut sum = 0.0;
     for block in &problem.mesh.blocks {
-        let table = Table::new(block.element, 6);
+        let table = ShapeTable::new(block.element, 6);
         let mut map = CellMap::new(&problem.mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {

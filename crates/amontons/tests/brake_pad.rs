@@ -6,7 +6,7 @@ mod common;
 use std::f64::consts::PI;
 
 use amontons::contact::Status;
-use amontons::element::Table;
+use amontons::element::ShapeTable;
 use amontons::mesh::{CellMap, FacetMap, Mesh};
 use amontons::output::Memory;
 use amontons::problem::Problem;
@@ -18,7 +18,7 @@ fn area(mesh: &Mesh, side: &str) -> f64 {
     let facets = mesh.facets.get(side).expect("the side");
     let mut sum = 0.0;
     for (element, nodes) in facets.facets() {
-        let table = Table::new(element, 6);
+        let table = ShapeTable::new(element, 6);
         let mut map = FacetMap::new(mesh, &table);
         for (q, weight) in table.weights.iter().enumerate() {
             map.at(nodes, q);
@@ -32,7 +32,7 @@ fn area(mesh: &Mesh, side: &str) -> f64 {
 fn volumes(mesh: &Mesh) -> Vec<f64> {
     let mut volumes = vec![0.0; mesh.regions.len()];
     for block in &mesh.blocks {
-        let table = Table::new(block.element, 6);
+        let table = ShapeTable::new(block.element, 6);
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {

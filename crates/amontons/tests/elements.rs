@@ -13,7 +13,7 @@ mod bodies;
 
 use std::sync::Arc;
 
-use amontons::element::{self, Element, Table};
+use amontons::element::{self, Element, ShapeTable};
 use amontons::expression::Expression;
 use amontons::field::Field;
 use amontons::forms::{self, Dilatation};
@@ -241,7 +241,7 @@ fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilat
     let mut load = vec![0.0; dim * mesh.points.len()];
     let set = &mesh.facets["right"];
     for block in &set.blocks {
-        let table = Table::new(block.element, 3);
+        let table = ShapeTable::new(block.element, 3);
         let mut map = FacetMap::new(&mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for (q, weight) in table.weights.iter().enumerate() {

@@ -15,7 +15,7 @@ mod common;
 use std::fs;
 
 use amontons::case::Case;
-use amontons::element::Table;
+use amontons::element::ShapeTable;
 use amontons::material::StressState;
 use amontons::mesh::{Block, CellMap};
 use amontons::output::{Folder, Memory, NodalStress, ProbePlace, Take, cell_values, nodal_stress};
@@ -71,7 +71,7 @@ fn errors(mesh: &str, dim: usize, plane: StressState) -> [f64; 3] {
     let (cells, nodal) = (cell_values(&case.problem, &state), nodal_stress(&case.problem, &state));
     let (mut of_cells, mut of_nodes, mut cells) = (0.0, 0.0, cells.into_iter());
     for block in &mesh.blocks {
-        let table = Table::new(block.element, 2 * block.element.degree + 2);
+        let table = ShapeTable::new(block.element, 2 * block.element.degree + 2);
         let mut map = CellMap::new(mesh, &table);
         for (cell, values) in block.cells().zip(&mut cells) {
             for q in 0..table.len() {

@@ -14,7 +14,7 @@ use amontons::case::{self, Source};
 use amontons::contact::Status;
 use amontons::mesh::{Elements, Mesh};
 use amontons::output::{Folder, FolderOptions};
-use amontons::plot::{self, ColorMap, Kind, Options, Panel, Run, Solid, SolidContact, Surface};
+use amontons::plot::{self, ColorMap, Kind, Options, Panel, Run, Skin, Solid, SolidContact};
 use amontons::run;
 use amontons::units::Units;
 use tiny_skia::Pixmap;
@@ -105,7 +105,7 @@ fn a_body_in_space_has_all_pictures_and_the_same_every_time() {
 /// A unit cube whose faces z = 1 and z = 0 have temperatures of their own.
 fn cube() -> Run {
     let mesh = Mesh::box_([1.0; 3], [2; 3], Elements::Q1).expect("a mesh");
-    let surface = Surface::of_mesh(&mesh).expect("a surface");
+    let surface = Skin::of_mesh(&mesh).expect("a surface");
     let contact = mesh
         .points
         .iter()

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::quadrature::{Rule, Shape};
@@ -230,7 +230,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
         let lumping = Lumping::new(mesh, block.element);
         // The normal at the node: a mean over the facet would be off by the order of its size where the facet is
         // curved.
-        let at_nodes = Table::at(block.element, block.element.nodes);
+        let at_nodes = ShapeTable::at(block.element, block.element.nodes);
         let (mut map, mut node_map, n) =
             (FacetMap::new(mesh, &lumping.table), FacetMap::new(mesh, &at_nodes), block.element.nodes.len());
         for facet in block.nodes.chunks_exact(n) {
@@ -264,7 +264,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
 /// parts would be positive at every node, but not those of the shape functions: pressures at vertices and middle nodes
 /// would oscillate.
 pub(super) struct Lumping {
-    pub table: Table,
+    pub table: ShapeTable,
     /// φ at the points of the table, one per node.
     shares: Vec<f64>,
 }
@@ -279,7 +279,7 @@ impl Lumping {
             (Shape::Segment, 2) => mesh.axisymmetric,
             _ => false,
         };
-        let table = Table::new(element, degree);
+        let table = ShapeTable::new(element, degree);
         let n = element.nodes.len();
         if !at_nodes {
             let shares = (0..table.len()).flat_map(|q| table.values(q)).copied().collect();
@@ -292,7 +292,7 @@ impl Lumping {
         };
         let nodes = Rule { points: element.nodes.to_vec(), weights: (0..n).map(weight).collect() };
         Lumping {
-            table: Table::of_rule(element, nodes),
+            table: ShapeTable::of_rule(element, nodes),
             shares: (0..n * n).map(|at| f64::from(u8::from(at / n == at % n))).collect(),
         }
     }
@@ -314,7 +314,7 @@ impl Lumping {
 fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let mut points = Vec::new();
     for block in &set.blocks {
-        let table = Table::new(block.element, 2 * block.element.degree);
+        let table = ShapeTable::new(block.element, 2 * block.element.degree);
         let mut map = FacetMap::new(mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for q in 0..table.len() {
@@ -445,7 +445,7 @@ mod tests {
                 let set = &mesh.facets[side];
                 let mut load = vec![0.0; mesh.points.len()];
                 for block in &set.blocks {
-                    let table = Table::new(block.element, 6);
+                    let table = ShapeTable::new(block.element, 6);
                     let mut map = FacetMap::new(&mesh, &table);
                     for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
                         for q in 0..table.len() {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::expression::Derivatives;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, dot};
@@ -60,7 +60,7 @@ const CELLS: usize = 64;
 pub fn against_exact(mesh: &Mesh, state: &State, exact: &Exact) -> Errors {
     let mut sums = [0.0; 4];
     for block in &mesh.blocks {
-        let table = Table::new(block.element, DEGREE.max(2 * block.element.degree + 2));
+        let table = ShapeTable::new(block.element, DEGREE.max(2 * block.element.degree + 2));
         // Chunks of a fixed size are summed in their order: the same bits on any number of threads.
         let chunks: Vec<[f64; 4]> = block
             .nodes

@@ -2,7 +2,7 @@
 //! on the intersections of the cells where they are not.
 
 use crate::convergence::norms::{Errors, Products, of_difference};
-use crate::element::{MAX_NODES, P1_TRIANGLE, Table};
+use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
 use crate::linalg::BlockMatrix;
 use crate::mesh::{At, Locator, OUTSIDE, reference_point};
 use crate::mesh::{CellMap, Mesh};
@@ -129,7 +129,7 @@ impl<'a> Transfer<'a> {
         let dim = fine.dim;
         // The difference of two linear functions squared is quadratic.
         let quadrature = rule(Shape::Triangle, 2);
-        let table = Table::new(&P1_TRIANGLE, 0);
+        let table = ShapeTable::new(&P1_TRIANGLE, 0);
         let nodes_of = |mesh: &'a Mesh, at: At| -> &'a [u32] {
             let block = &mesh.blocks[at.0 as usize];
             let n = block.element.nodes.len();

@@ -24,7 +24,7 @@ pub use prism::{P1_PRISM, P2_PRISM};
 pub use pyramid::P1_PYRAMID;
 pub use quadrilateral::{Q1_QUADRILATERAL, Q2_QUADRILATERAL};
 pub use segment::{P1_SEGMENT, P2_SEGMENT, POINT_LEFT, POINT_RIGHT};
-pub use table::Table;
+pub use table::ShapeTable;
 pub use tetrahedron::{P1_TETRAHEDRON, P2_TETRAHEDRON};
 pub use triangle::{P1_TRIANGLE, P2_TRIANGLE};
 

@@ -6,7 +6,7 @@ use crate::tensor::Point;
 
 /// An element at the points of a rule: values and reference gradients of its shape functions, and the weights.
 #[derive(Clone, Debug)]
-pub struct Table {
+pub struct ShapeTable {
     /// The element.
     pub element: &'static Element,
     /// Weights of the points, of the reference cell.
@@ -15,30 +15,30 @@ pub struct Table {
     gradients: Vec<Point>,
 }
 
-impl Table {
+impl ShapeTable {
     /// The element at the points of the rule that integrates polynomials of a degree on its shape,
     /// see [`crate::quadrature::rule`].
     #[must_use]
-    pub fn new(element: &'static Element, degree: usize) -> Table {
-        Table::of_rule(element, rule(element.shape, degree))
+    pub fn new(element: &'static Element, degree: usize) -> ShapeTable {
+        ShapeTable::of_rule(element, rule(element.shape, degree))
     }
 
     /// The element at some points, with weight 1 each.
     #[must_use]
-    pub fn at(element: &'static Element, points: &[Point]) -> Table {
-        Table::of_rule(element, Rule { points: points.to_vec(), weights: vec![1.0; points.len()] })
+    pub fn at(element: &'static Element, points: &[Point]) -> ShapeTable {
+        ShapeTable::of_rule(element, Rule { points: points.to_vec(), weights: vec![1.0; points.len()] })
     }
 
     /// The element at the points of a rule.
     #[must_use]
-    pub fn of_rule(element: &'static Element, rule: Rule) -> Table {
+    pub fn of_rule(element: &'static Element, rule: Rule) -> ShapeTable {
         let n = element.nodes.len();
         let (mut values, mut gradients) = (vec![0.0; n * rule.points.len()], vec![[0.0; 3]; n * rule.points.len()]);
         for (q, x) in rule.points.iter().enumerate() {
             (element.shape_functions)(x, &mut values[q * n..(q + 1) * n]);
             (element.gradients)(x, &mut gradients[q * n..(q + 1) * n]);
         }
-        Table { element, weights: rule.weights, values, gradients }
+        ShapeTable { element, weights: rule.weights, values, gradients }
     }
 
     /// Number of points.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::Dilatation;
 use crate::mesh::{Block, CellMap, Mesh};
@@ -18,7 +18,7 @@ pub(super) fn of_region<'a, T: ?Sized>(list: &[&'a T], region: usize) -> Option<
 /// A point of a cell, as a form sees it.
 pub(super) struct Cell<'a> {
     pub mesh: &'a Mesh,
-    table: &'a Table,
+    table: &'a ShapeTable,
     pub map: CellMap<'a>,
     pub nodes: &'a [u32],
     pub region: usize,
@@ -39,7 +39,7 @@ pub(super) fn strain_components(mesh: &Mesh) -> usize {
 }
 
 impl<'a> Cell<'a> {
-    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a Table, strains: Option<Dilatation>) -> Cell<'a> {
+    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a ShapeTable, strains: Option<Dilatation>) -> Cell<'a> {
         let (components, fields) = (strain_components(mesh), block.element.nodes.len() * mesh.dim);
         Cell {
             mesh,
@@ -166,7 +166,7 @@ pub(super) fn by_cells(
     mut add: impl FnMut(&[u32], usize, &[f64]),
 ) {
     for block in &mesh.blocks {
-        let table = Table::new(block.element, degree(block.element));
+        let table = ShapeTable::new(block.element, degree(block.element));
         let (n, size) = (block.element.nodes.len(), size(block.element));
         let together = (KEPT / size).max(TASK);
         let mut kept = vec![0.0; size * together.min(block.len())];

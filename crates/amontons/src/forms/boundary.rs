@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::field::Field;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::mesh::{FacetMap, Mesh};
@@ -25,7 +25,7 @@ fn assemble<'a, K: 'a>(
         let Some(set) = mesh.facets.get(on) else { continue };
         let matrix = matrix.get_or_insert_with(|| BlockMatrix::zero(graph, components, components));
         for block in &set.blocks {
-            let table = Table::new(block.element, 2 * block.element.degree + 2);
+            let table = ShapeTable::new(block.element, 2 * block.element.degree + 2);
             let (mut map, width) = (FacetMap::new(mesh, &table), block.element.nodes.len() * components);
             let mut form = vec![0.0; width * width];
             for facet in block.nodes.chunks_exact(block.element.nodes.len()) {

@@ -1,6 +1,6 @@
 //! The load vectors (f(t), v)_V of (2.16) and (q_h(t), η)_Q of (2.17).
 
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{BoundaryCondition, Convection};
@@ -73,7 +73,7 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
         return;
     }
     for block in &mesh.blocks {
-        let table = Table::new(block.element, data_degree(block.element));
+        let table = ShapeTable::new(block.element, data_degree(block.element));
         let mut map = CellMap::new(mesh, &table);
         let (mut points, mut entries) = (Vec::new(), Vec::new());
         for nodes in block.cells() {
@@ -100,7 +100,7 @@ fn facet_terms(
 ) {
     let Some(set) = mesh.facets.get(on).filter(|_| !field.is_zero()) else { return };
     for block in &set.blocks {
-        let table = Table::new(block.element, data_degree(block.element));
+        let table = ShapeTable::new(block.element, data_degree(block.element));
         let mut map = FacetMap::new(mesh, &table);
         let (mut points, mut entries) = (Vec::new(), Vec::new());
         for nodes in block.nodes.chunks_exact(block.element.nodes.len()) {

@@ -19,7 +19,7 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::forms;
 use crate::linalg::{
     Backend, BlockMatrix, Eigenpair, Entry, Graph, Layout, Pencil, Quotient, SolveError, System, Unknowns, dot, largest,
@@ -102,12 +102,12 @@ pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, SolveError
         // (ε(u), ε(v)) is the form a of the identity.
         let strain =
             || forms::a(mesh, &graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
-        constants_of(&on, &v, strain, [Part::Whole, Part::Normal, Part::Tangential])
+        constants_of(&on, &v, strain, [TracePart::Whole, TracePart::Normal, TracePart::Tangential])
     };
     let heat = || {
         let q = problem.temperature_space();
         let gradient = || forms::d(mesh, &graph, &[&Sym::identity(mesh.dim)]);
-        constants_of(&on, &q, gradient, [Part::Whole])
+        constants_of(&on, &q, gradient, [TracePart::Whole])
     };
     let (mechanics, heat) = rayon::join(mechanics, heat);
     let ((c_k, [s1, s1_normal, s1_tangential]), (c_f, [s2])) = (mechanics?, heat?);
@@ -116,7 +116,7 @@ pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, SolveError
 
 /// What is measured of a trace.
 #[derive(Clone, Copy)]
-enum Part {
+enum TracePart {
     Whole,
     Normal,
     Tangential,
@@ -135,7 +135,7 @@ fn constants_of<const N: usize>(
     on: &Domain,
     space: &Space,
     energy: impl FnOnce() -> BlockMatrix,
-    parts: [Part; N],
+    parts: [TracePart; N],
 ) -> Result<(Option<Constant>, [Option<Constant>; N]), SolveError> {
     if !is_held(on.mass.graph(), space) {
         return Ok((None, [None; N]));
@@ -185,11 +185,11 @@ fn is_held(graph: &Graph, space: &Space) -> bool {
 }
 
 /// Entries of ∫_{Γ_C} of the product of two traces, on the contact unknowns in elimination order.
-fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: usize, part: Part) -> Vec<Entry> {
+fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: usize, part: TracePart) -> Vec<Entry> {
     let position = unknowns.positions(mesh.points.len() * components);
     let mut entries = Vec::new();
-    let tables: Vec<Table> =
-        contact.blocks.iter().map(|block| Table::new(block.element, 2 * block.element.degree)).collect();
+    let tables: Vec<ShapeTable> =
+        contact.blocks.iter().map(|block| ShapeTable::new(block.element, 2 * block.element.degree)).collect();
     let maps = contact.blocks.iter().zip(&tables).flat_map(|(block, table)| {
         let mut map = FacetMap::new(mesh, table);
         block.nodes.chunks_exact(block.element.nodes.len()).map(move |facet| {
@@ -210,9 +210,9 @@ fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: 
             let product = |r: usize, c: usize| {
                 let whole = if r == c { 1.0 } else { 0.0 };
                 match part {
-                    Part::Whole => whole,
-                    Part::Normal => normal[r] * normal[c],
-                    Part::Tangential => whole - normal[r] * normal[c],
+                    TracePart::Whole => whole,
+                    TracePart::Normal => normal[r] * normal[c],
+                    TracePart::Tangential => whole - normal[r] * normal[c],
                 }
             };
             for (a, &(i, r, _)) in dofs.iter().enumerate() {

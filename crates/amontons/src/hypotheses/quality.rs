@@ -2,7 +2,7 @@
 
 use super::laws::at;
 use super::{Finding, FindingId, FindingStatus};
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, Mesh};
 use crate::tensor::Point;
 
@@ -22,7 +22,7 @@ pub(super) fn cells(mesh: &Mesh) -> Finding {
         let moment = moment(element, mesh.dim);
         // The map of a linear simplex is the same at every node.
         let simplex = element.degree == 1 && element.nodes.len() == mesh.dim + 1;
-        let table = Table::at(element, if simplex { &element.nodes[..1] } else { element.nodes });
+        let table = ShapeTable::at(element, if simplex { &element.nodes[..1] } else { element.nodes });
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for q in 0..table.len() {

@@ -21,7 +21,7 @@ use super::step::{heat_acts_at_once, holds_the_body};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactBoundary};
 use crate::discretization::Discretization;
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::field::{Coefficient, Field};
 use crate::forms;
 use crate::linalg::{BlockMatrix, Layout, SolveError, System, dot};
@@ -374,7 +374,7 @@ fn source(problem: &Problem, t: f64) -> f64 {
     let mesh = &problem.mesh;
     let mut sum = 0.0;
     for block in &mesh.blocks {
-        let table = Table::new(block.element, forms::data_degree(block.element));
+        let table = ShapeTable::new(block.element, forms::data_degree(block.element));
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {

@@ -11,7 +11,7 @@ pub use coincident::coincident;
 
 use super::topology::{self, Key, Owner, key};
 use super::{Block, Mesh};
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, dot, length};
 
 /// How many defects of a kind are listed; the others are counted.
@@ -288,11 +288,11 @@ fn determinant(mesh: &Mesh, cell: &[u32], gradients: &[Point]) -> f64 {
 }
 
 /// The table of an element at the points where its cells must have a positive Jacobian: one if it is constant.
-fn points_of(element: &'static Element) -> Table {
+fn points_of(element: &'static Element) -> ShapeTable {
     if element.gradient_degree == 0 {
-        Table::at(element, &[element.centre()])
+        ShapeTable::at(element, &[element.centre()])
     } else {
-        Table::new(element, 2 * element.degree)
+        ShapeTable::new(element, 2 * element.degree)
     }
 }
 

@@ -1,19 +1,19 @@
-//! Geometry of cells and facets at the points of a [`Table`].
+//! Geometry of cells and facets at the points of a [`ShapeTable`].
 
 use super::Mesh;
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
 
 /// Geometry of a cell at a point of a table: position, volume factor, physical gradients. Made once for many cells:
 ///
 /// ```
-/// use amontons::{element::Table, mesh::{CellMap, Diagonal, Mesh}};
+/// use amontons::{element::ShapeTable, mesh::{CellMap, Diagonal, Mesh}};
 ///
 /// let mesh = Mesh::rectangle([2.0, 1.0], [4, 2], Diagonal::Right)?;
 /// let mut area = 0.0;
 /// for block in &mesh.blocks {
-///     let table = Table::new(block.element, 1);
+///     let table = ShapeTable::new(block.element, 1);
 ///     let mut map = CellMap::new(&mesh, &table);
 ///     for cell in block.cells() {
 ///         for q in 0..table.len() {
@@ -36,7 +36,7 @@ pub struct CellMap<'a> {
     /// Gradients of the shape functions in 1/m, one per node.
     pub gradients: Vec<Point>,
     mesh: &'a Mesh,
-    table: &'a Table,
+    table: &'a ShapeTable,
     q: usize,
 }
 
@@ -44,7 +44,7 @@ impl<'a> CellMap<'a> {
     /// A map for the cells of a mesh that have the element of the table. It means nothing before the first
     /// [`CellMap::at`].
     #[must_use]
-    pub fn new(mesh: &'a Mesh, table: &'a Table) -> CellMap<'a> {
+    pub fn new(mesh: &'a Mesh, table: &'a ShapeTable) -> CellMap<'a> {
         CellMap {
             position: [0.0; 3],
             jacobian: 0.0,
@@ -107,7 +107,7 @@ pub struct FacetMap<'a> {
     /// Unit outward normal ν.
     pub normal: Point,
     mesh: &'a Mesh,
-    table: &'a Table,
+    table: &'a ShapeTable,
     q: usize,
 }
 
@@ -115,7 +115,7 @@ impl<'a> FacetMap<'a> {
     /// A map for the facets of a mesh that have the element of the table. It means nothing before the first
     /// [`FacetMap::at`].
     #[must_use]
-    pub fn new(mesh: &'a Mesh, table: &'a Table) -> FacetMap<'a> {
+    pub fn new(mesh: &'a Mesh, table: &'a ShapeTable) -> FacetMap<'a> {
         FacetMap { position: [0.0; 3], area: 0.0, normal: [0.0; 3], mesh, table, q: 0 }
     }
 

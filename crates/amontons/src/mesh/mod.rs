@@ -23,9 +23,9 @@ pub(crate) use geometry::invert;
 pub use geometry::{CellMap, FacetMap};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
-pub use read::{MeshFileError, Place, read};
+pub use read::{FilePosition, MeshFileError, read};
 
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};
 
 /// What is wrong with a mesh or with the numbers that describe one.
@@ -246,7 +246,7 @@ impl Mesh {
         for (b, block) in self.blocks.iter().enumerate() {
             // Affine cells have one Jacobian; the others are asked at more points than the forms have.
             let affine = block.element.is_simplex() && block.element.degree == 1;
-            let table = Table::new(block.element, if affine { 0 } else { 2 * block.element.degree + 2 });
+            let table = ShapeTable::new(block.element, if affine { 0 } else { 2 * block.element.degree + 2 });
             let mut map = CellMap::new(self, &table);
             for (c, nodes) in block.cells().enumerate() {
                 let mut least = f64::INFINITY;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{CellMap, Mesh};
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::tensor::Point;
 
 impl Mesh {
@@ -50,8 +50,8 @@ impl Mesh {
                 self.value_products(element, true),
                 self.flux_products(element),
             ]);
-            let tables = degrees.into_iter().map(|degree| Table::new(element, degree));
-            for table in tables.chain([Table::at(element, &[element.centre()])]) {
+            let tables = degrees.into_iter().map(|degree| ShapeTable::new(element, degree));
+            for table in tables.chain([ShapeTable::at(element, &[element.centre()])]) {
                 let mut map = CellMap::new(self, &table);
                 for cell in block.cells() {
                     for q in 0..table.len() {

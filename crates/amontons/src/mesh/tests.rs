@@ -11,7 +11,7 @@ const EVERY: [Elements; 4] = [Elements::P1, Elements::P2, Elements::Q1, Elements
 fn volume_integral(mesh: &Mesh, f: impl Fn(&Point) -> f64) -> f64 {
     let mut sum = 0.0;
     for block in &mesh.blocks {
-        let table = Table::new(block.element, 2 * block.element.degree + 2);
+        let table = ShapeTable::new(block.element, 2 * block.element.degree + 2);
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {
@@ -27,7 +27,7 @@ fn volume_integral(mesh: &Mesh, f: impl Fn(&Point) -> f64) -> f64 {
 fn surface_integral(mesh: &Mesh, set: &FacetSet, f: impl Fn(&Point, &Point) -> f64) -> f64 {
     let mut sum = 0.0;
     for block in &set.blocks {
-        let table = Table::new(block.element, 2 * block.element.degree + 2);
+        let table = ShapeTable::new(block.element, 2 * block.element.degree + 2);
         let mut map = FacetMap::new(mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for (q, weight) in table.weights.iter().enumerate() {

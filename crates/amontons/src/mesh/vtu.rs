@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::data::Values;
-use super::read::{Kind, Loose, LooseBlock, MeshFileError, Place};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError};
 use super::{Block, Mesh};
 use crate::element;
 use crate::tensor::Point;
@@ -27,7 +27,7 @@ const POINTS: [u8; 2] = [1, 2];
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     let wanted = |name: &str| REGION.contains(&name) || SIDE.contains(&name);
     let grid = vtu::parse(bytes, wanted).map_err(|message| MeshFileError::Grid { message })?;
-    loose(grid)?.into_mesh(Place::Cell)
+    loose(grid)?.into_mesh(FilePosition::Cell)
 }
 
 /// The points of a grid, its cells of the highest dimension by element, and the data `name` of these cells or of the
@@ -115,7 +115,7 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
     }
     let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
         let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
-        MeshFileError::Element { at: Place::Cell(cell), found: format!("VTK {code}"), known: known.join(", ") }
+        MeshFileError::Element { at: FilePosition::Cell(cell), found: format!("VTK {code}"), known: known.join(", ") }
     })?;
     Ok(Kind { name: element.name, dim: element.dim(), nodes: element.nodes.len(), element: Some(element) })
 }

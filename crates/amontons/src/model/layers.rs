@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::height;
 use crate::contact::{Contact, ContactPoint};
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::tensor::{Point, dot};
@@ -44,7 +44,7 @@ pub fn cell_heights(mesh: &Mesh, set: &FacetSet) -> Vec<CellAtFacet> {
     let mut all = Vec::with_capacity(cells.len());
     let mut number = 0;
     for block in &set.blocks {
-        let table = Table::at(block.element, &[block.element.centre()]);
+        let table = ShapeTable::at(block.element, &[block.element.centre()]);
         let mut map = FacetMap::new(mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             map.at(facet, 0);

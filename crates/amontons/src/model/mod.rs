@@ -14,7 +14,7 @@ pub use layers::{ThermalLayer, cell_heights, thermal_layers};
 pub use supports::rigid_motions;
 pub use times::Times;
 
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::mesh::defects::components;
 use crate::mesh::{Block, CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
@@ -89,7 +89,7 @@ fn volumes(mesh: &Mesh) -> Vec<f64> {
 
 /// The integral of a function over the cells of a block.
 fn integral(mesh: &Mesh, block: &Block, value: impl Fn(&Point) -> f64) -> f64 {
-    let table = Table::new(block.element, mesh.dim * block.element.degree + usize::from(mesh.axisymmetric));
+    let table = ShapeTable::new(block.element, mesh.dim * block.element.degree + usize::from(mesh.axisymmetric));
     let mut map = CellMap::new(mesh, &table);
     let mut sum = 0.0;
     for cell in block.cells() {
@@ -105,7 +105,7 @@ fn integral(mesh: &Mesh, block: &Block, value: impl Fn(&Point) -> f64) -> f64 {
 fn area(mesh: &Mesh, set: &FacetSet) -> f64 {
     let mut sum = 0.0;
     for block in &set.blocks {
-        let table = Table::new(block.element, 2 * block.element.degree + 1);
+        let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
         let mut map = FacetMap::new(mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for (q, weight) in table.weights.iter().enumerate() {

@@ -42,7 +42,7 @@ fn sprung(problem: &Problem) -> Vec<(u32, Point)> {
             Support::Normal(field) if field.is_zero() => {}
             Support::Normal(_) => {
                 for block in &set.blocks {
-                    let table = crate::element::Table::at(block.element, block.element.nodes);
+                    let table = crate::element::ShapeTable::at(block.element, block.element.nodes);
                     let mut map = crate::mesh::FacetMap::new(mesh, &table);
                     for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
                         for (q, &node) in facet.iter().enumerate() {

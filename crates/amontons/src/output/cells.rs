@@ -1,6 +1,6 @@
 //! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
 
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::linalg::max_abs;
 use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
 use crate::mesh::{CellMap, Mesh};
@@ -35,20 +35,20 @@ impl PointValues {
 /// Points of the cells of every block at which a body is evaluated.
 #[derive(Debug)]
 pub(super) struct Tables {
-    pub points: Vec<Table>,
+    pub points: Vec<ShapeTable>,
     /// The points of the means of the dilatation, where it is taken so.
-    means: Vec<Table>,
+    means: Vec<ShapeTable>,
 }
 
 impl Tables {
     /// The points that `rule` gives for the element of a block.
     pub fn new(problem: &Problem, rule: impl Fn(&Element) -> Rule) -> Tables {
         let mesh = &problem.mesh;
-        let points = mesh.blocks.iter().map(|block| Table::of_rule(block.element, rule(block.element))).collect();
+        let points = mesh.blocks.iter().map(|block| ShapeTable::of_rule(block.element, rule(block.element))).collect();
         let means = mesh.blocks.iter().filter(|_| problem.dilatation == Dilatation::Mean);
         Tables {
             points,
-            means: means.map(|block| Table::new(block.element, strain_degree(mesh, block.element))).collect(),
+            means: means.map(|block| ShapeTable::new(block.element, strain_degree(mesh, block.element))).collect(),
         }
     }
 }
@@ -157,7 +157,7 @@ pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
     let mut sum = 0.0;
     let scale = safe_scale(max_abs(v));
     for block in &mesh.blocks {
-        let table = Table::new(block.element, strain_degree(mesh, block.element));
+        let table = ShapeTable::new(block.element, strain_degree(mesh, block.element));
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {
@@ -175,7 +175,7 @@ pub fn strain_norm(mesh: &Mesh, v: &[f64]) -> f64 {
 pub fn largest_strain(mesh: &Mesh, v: &[f64]) -> (f64, Point) {
     let mut worst = (0.0, [0.0; 3]);
     for block in &mesh.blocks {
-        let table = Table::new(block.element, strain_degree(mesh, block.element));
+        let table = ShapeTable::new(block.element, strain_degree(mesh, block.element));
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for q in 0..table.len() {

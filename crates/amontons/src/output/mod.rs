@@ -53,7 +53,7 @@ pub use inspect::{Inspection, inspect};
 pub use lock::FolderLock;
 pub use memory::Memory;
 pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
-pub use quantity::{Base, Part, Quantity};
+pub use quantity::{Base, Quantity, Selection};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};
 pub use study::StudyFolder;
 #[cfg(feature = "case")]

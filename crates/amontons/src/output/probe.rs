@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::cells::Tables;
-use super::quantity::{Base, OnContact, Part, Quantity};
+use super::quantity::{Base, OnContact, Quantity, Selection};
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
 use crate::contact::{ContactBoundary, Status, read, read_vector};
 use crate::convergence::Locator;
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use crate::problem::{Problem, ProblemData};
 use crate::quadrature::{Rule, rule};
@@ -353,8 +353,8 @@ impl<'a> Builder<'a> {
                 return Err(ProbeError::Absent(quantity.name()));
             }
             (Base::Hoop, _) if !mesh.axisymmetric => return Err(ProbeError::Hoop),
-            (_, Part::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
-            (_, Part::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
+            (_, Selection::Normal) if !on_side => return Err(ProbeError::Normal(quantity.name())),
+            (_, Selection::Component(c)) if quantity.is_vector() && c >= mesh.dim => {
                 return Err(ProbeError::Component { name: quantity.name(), dim: mesh.dim });
             }
             _ => {}
@@ -492,12 +492,12 @@ impl<'a> Builder<'a> {
     fn on(&mut self, quantity: Quantity, set: &FacetSet, take: Take) -> Vec<Spot> {
         let (mesh, cells) = (self.mesh, self.mesh.cells_of(set));
         let table = |element: &'static Element| match take {
-            Take::Max | Take::Min => Table::at(element, element.nodes),
+            Take::Max | Take::Min => ShapeTable::at(element, element.nodes),
             Take::Mean | Take::Integral => {
-                Table::new(element, integral_degree(element) + usize::from(mesh.axisymmetric))
+                ShapeTable::new(element, integral_degree(element) + usize::from(mesh.axisymmetric))
             }
         };
-        let tables: Vec<Table> = set.blocks.iter().map(|block| table(block.element)).collect();
+        let tables: Vec<ShapeTable> = set.blocks.iter().map(|block| table(block.element)).collect();
         let (mut spots, mut cells) = (Vec::new(), cells.into_iter());
         for (block, table) in set.blocks.iter().zip(&tables) {
             let mut map = FacetMap::new(mesh, table);
@@ -530,7 +530,7 @@ impl<'a> Builder<'a> {
         let (mut spots, nodal) = (Vec::new(), quantity.is_nodal());
         for (b, block) in self.mesh.blocks.iter().enumerate().filter(|(_, block)| block.region == region) {
             let (table, first) =
-                (Table::of_rule(block.element, points(block.element)), sampling(block.element).points.len());
+                (ShapeTable::of_rule(block.element, points(block.element)), sampling(block.element).points.len());
             let mut map = CellMap::new(self.mesh, &table);
             for (c, nodes) in block.cells().enumerate() {
                 for q in first..table.len() {

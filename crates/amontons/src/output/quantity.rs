@@ -54,7 +54,7 @@ pub enum OnContact {
 
 /// What is taken of a vector or tensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum Selection {
     /// All components.
     All,
     /// One component: of a vector x, y, z, of a tensor xx, yy, zz, xy, yz, zx, of principal values the first, second,
@@ -72,40 +72,44 @@ pub struct Quantity {
     /// What it is of.
     pub base: Base,
     /// What is taken of it.
-    pub part: Part,
+    pub part: Selection,
 }
 
-const VECTOR: &[(&str, Part)] = &[
-    ("", Part::All),
-    ("_x", Part::Component(0)),
-    ("_y", Part::Component(1)),
-    ("_z", Part::Component(2)),
-    ("_magnitude", Part::Magnitude),
-    ("_normal", Part::Normal),
+const VECTOR: &[(&str, Selection)] = &[
+    ("", Selection::All),
+    ("_x", Selection::Component(0)),
+    ("_y", Selection::Component(1)),
+    ("_z", Selection::Component(2)),
+    ("_magnitude", Selection::Magnitude),
+    ("_normal", Selection::Normal),
 ];
-const TANGENTIAL: &[(&str, Part)] = &[
-    ("", Part::All),
-    ("_x", Part::Component(0)),
-    ("_y", Part::Component(1)),
-    ("_z", Part::Component(2)),
-    ("_magnitude", Part::Magnitude),
+const TANGENTIAL: &[(&str, Selection)] = &[
+    ("", Selection::All),
+    ("_x", Selection::Component(0)),
+    ("_y", Selection::Component(1)),
+    ("_z", Selection::Component(2)),
+    ("_magnitude", Selection::Magnitude),
 ];
-const TENSOR: &[(&str, Part)] = &[
-    ("", Part::All),
-    ("_xx", Part::Component(0)),
-    ("_yy", Part::Component(1)),
-    ("_zz", Part::Component(2)),
-    ("_xy", Part::Component(3)),
-    ("_yz", Part::Component(4)),
-    ("_zx", Part::Component(5)),
-    ("_normal", Part::Normal),
+const TENSOR: &[(&str, Selection)] = &[
+    ("", Selection::All),
+    ("_xx", Selection::Component(0)),
+    ("_yy", Selection::Component(1)),
+    ("_zz", Selection::Component(2)),
+    ("_xy", Selection::Component(3)),
+    ("_yz", Selection::Component(4)),
+    ("_zx", Selection::Component(5)),
+    ("_normal", Selection::Normal),
 ];
-const PRINCIPAL: &[(&str, Part)] =
-    &[("", Part::All), ("_1", Part::Component(0)), ("_2", Part::Component(1)), ("_3", Part::Component(2))];
-const NUMBER: &[(&str, Part)] = &[("", Part::All)];
+const PRINCIPAL: &[(&str, Selection)] = &[
+    ("", Selection::All),
+    ("_1", Selection::Component(0)),
+    ("_2", Selection::Component(1)),
+    ("_3", Selection::Component(2)),
+];
+const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 
 /// Names with their endings.
-const BASES: [(&str, Base, &[(&str, Part)]); 17] = [
+const BASES: [(&str, Base, &[(&str, Selection)]); 17] = [
     ("displacement", Base::Displacement, VECTOR),
     ("velocity", Base::Velocity, VECTOR),
     ("temperature", Base::Temperature, NUMBER),
@@ -163,13 +167,15 @@ impl Quantity {
     /// Endings of the names of its columns in `dim` dimensions: one, empty, for a number.
     #[must_use]
     pub fn columns(self, dim: usize) -> Vec<&'static str> {
-        if self.part != Part::All {
+        if self.part != Selection::All {
             return vec![""];
         }
         let parts = BASES.iter().find(|(_, base, _)| *base == self.base).map_or(NUMBER, |(.., parts)| parts);
         let most = if self.is_vector() { dim } else { usize::MAX };
-        let components =
-            parts.iter().filter(|(_, part)| matches!(part, Part::Component(c) if *c < most)).map(|(ending, _)| *ending);
+        let components = parts
+            .iter()
+            .filter(|(_, part)| matches!(part, Selection::Component(c) if *c < most))
+            .map(|(ending, _)| *ending);
         if parts.len() == 1 { vec![""] } else { components.collect() }
     }
 
@@ -215,7 +221,7 @@ impl Quantity {
             Base::Principal => {
                 let axes = point.stress.principal_axes();
                 match self.part {
-                    Part::Component(c) => out.extend(axes.get(c).map(|(value, _)| *value)),
+                    Selection::Component(c) => out.extend(axes.get(c).map(|(value, _)| *value)),
                     _ => out.extend(axes.map(|(value, _)| value)),
                 }
             }
@@ -226,18 +232,18 @@ impl Quantity {
 
     fn of_vector(self, dim: usize, v: &Point, normal: &Point, out: &mut Vec<f64>) {
         match self.part {
-            Part::All => out.extend(v.iter().take(dim)),
-            Part::Component(c) => out.extend(v.get(c)),
-            Part::Magnitude => out.push(length(v)),
-            Part::Normal => out.push(dot(v, normal)),
+            Selection::All => out.extend(v.iter().take(dim)),
+            Selection::Component(c) => out.extend(v.get(c)),
+            Selection::Magnitude => out.push(length(v)),
+            Selection::Normal => out.push(dot(v, normal)),
         }
     }
 
     fn of_tensor(self, tensor: &Sym, normal: &Point, out: &mut Vec<f64>) {
         match self.part {
-            Part::Component(c) => out.extend(VTK_COMPONENTS.get(c).map(|&(i, j)| tensor.get(i, j))),
-            Part::Normal => out.push(dot(&tensor.apply(normal), normal)),
-            Part::All | Part::Magnitude => out.extend(VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))),
+            Selection::Component(c) => out.extend(VTK_COMPONENTS.get(c).map(|&(i, j)| tensor.get(i, j))),
+            Selection::Normal => out.push(dot(&tensor.apply(normal), normal)),
+            Selection::All | Selection::Magnitude => out.extend(VTK_COMPONENTS.map(|(i, j)| tensor.get(i, j))),
         }
     }
 

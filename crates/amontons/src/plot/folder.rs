@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use super::body::Body;
 use super::run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
-use super::surface::Surface;
+use super::surface::Skin;
 use super::table::CsvTable;
 use super::{PlotError, frames, vtu};
 use crate::case::{self, CaseError};
@@ -195,7 +195,7 @@ fn optional(data: &BTreeMap<String, vtu::Array>, name: &str) -> Vec<f64> {
 /// The fields of a body in space.
 fn solid(grid: &vtu::Grid, contact: Vec<SolidContact>) -> Result<Solid, String> {
     let solid = Solid {
-        surface: Surface::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells()))
+        surface: Skin::new(grid.points.clone(), grid.types.iter().copied().zip(grid.cells()))
             .map_err(|e| e.to_string())?,
         displacement: displacement(grid)?,
         temperature: temperature(grid)?,

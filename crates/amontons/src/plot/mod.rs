@@ -52,7 +52,7 @@ pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_pan
 pub use picture::Picture;
 pub use plane::scale_factor;
 pub use run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
-pub use surface::Surface;
+pub use surface::Skin;
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]

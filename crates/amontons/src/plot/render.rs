@@ -172,7 +172,7 @@ impl Canvas {
 mod tests {
     use super::*;
     use crate::mesh::{Elements, Mesh};
-    use crate::plot::surface::Surface;
+    use crate::plot::surface::Skin;
 
     type Outcome = Result<(), Box<dyn std::error::Error>>;
 
@@ -215,7 +215,7 @@ mod tests {
     /// of the others.
     #[test]
     fn a_box_shows_the_three_faces_towards_the_eye() -> Outcome {
-        let surface = Surface::of_mesh(&Mesh::box_([1.0, 1.0, 1.0], [3, 3, 3], Elements::Q1)?)?;
+        let surface = Skin::of_mesh(&Mesh::box_([1.0, 1.0, 1.0], [3, 3, 3], Elements::Q1)?)?;
         let view = View::new(-60.0, 30.0);
         let points: Vec<[f64; 3]> = surface.points.iter().map(|p| view.place(*p)).collect();
         // The value of a triangle is the number of its face: 2 axis + (1 at the far end).

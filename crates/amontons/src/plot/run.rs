@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::PlotError;
 use super::body::Body;
-use super::surface::Surface;
+use super::surface::Skin;
 use crate::contact::Status;
 use crate::output::columns;
 use crate::problem::Problem;
@@ -176,7 +176,7 @@ impl Snapshot {
 #[derive(Clone, Debug)]
 pub struct Solid {
     /// The surface of the body.
-    pub surface: Surface,
+    pub surface: Skin,
     /// Displacement of each node, m.
     pub displacement: Vec<[f64; 3]>,
     /// Temperature of each node, K; empty in a run without heat.

@@ -12,7 +12,7 @@ const FACET_NODES: usize = 9;
 
 /// The surface of a body in space.
 #[derive(Clone, Debug)]
-pub struct Surface {
+pub struct Skin {
     /// All nodes of the body, m.
     pub(super) points: Vec<[f64; 3]>,
     /// Triangles with their outward side in front; a quadratic facet gives four or eight.
@@ -34,27 +34,18 @@ pub(super) struct Edge {
     pub facets: [u32; 2],
 }
 
-impl Surface {
+impl Skin {
     /// The surface of cells given by their VTK type and their nodes in the order of VTK.
     ///
     /// # Errors
     /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a
     /// coordinate is not finite.
-    pub fn new<'a>(
-        points: Vec<[f64; 3]>,
-        cells: impl IntoIterator<Item = (u8, &'a [u32])>,
-    ) -> Result<Surface, PlotError> {
+    pub fn new<'a>(points: Vec<[f64; 3]>, cells: impl IntoIterator<Item = (u8, &'a [u32])>) -> Result<Skin, PlotError> {
         if let Some(node) = points.iter().position(|p| p.iter().any(|x| !x.is_finite())) {
             return Err(PlotError::Data(format!("the coordinates of node {node} are not finite")));
         }
-        let mut surface = Surface {
-            points,
-            triangles: Vec::new(),
-            owners: Vec::new(),
-            facets: Vec::new(),
-            edges: Vec::new(),
-            cells: 0,
-        };
+        let mut surface =
+            Skin { points, triangles: Vec::new(), owners: Vec::new(), facets: Vec::new(), edges: Vec::new(), cells: 0 };
         // In the order in which the facets came, so that a picture depends on the mesh only.
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
         let mut open: HashMap<[u32; FACET_NODES], usize> = HashMap::new();
@@ -103,11 +94,11 @@ impl Surface {
     ///
     /// # Errors
     /// [`PlotError::Data`] when the mesh is not three-dimensional.
-    pub fn of_mesh(mesh: &Mesh) -> Result<Surface, PlotError> {
+    pub fn of_mesh(mesh: &Mesh) -> Result<Skin, PlotError> {
         if mesh.dim != 3 {
             return Err(PlotError::Data(format!("the mesh is {}-dimensional, expected a body in space", mesh.dim)));
         }
-        Surface::new(mesh.points.clone(), mesh.blocks.iter().flat_map(|b| b.cells().map(|cell| (b.element.vtk, cell))))
+        Skin::new(mesh.points.clone(), mesh.blocks.iter().flat_map(|b| b.cells().map(|cell| (b.element.vtk, cell))))
     }
 
     /// Cuts the facets into triangles and finds their edges.
@@ -202,7 +193,7 @@ mod tests {
     fn the_surface_of_a_box_encloses_it() -> Outcome {
         for elements in [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2] {
             let mesh = Mesh::box_([1.0, 2.0, 3.0], [2, 3, 2], elements)?;
-            let surface = Surface::of_mesh(&mesh)?;
+            let surface = Skin::of_mesh(&mesh)?;
             let flux = |t: &[u32; 3]| dot(surface.points[t[0] as usize], surface.across(t)) / 6.0;
             assert!((surface.triangles.iter().map(flux).sum::<f64>() - 6.0).abs() < 1e-12, "{elements:?}");
             assert!((surface.areas().iter().sum::<f64>() - 22.0).abs() < 1e-12, "{elements:?}");
@@ -216,7 +207,7 @@ mod tests {
     #[test]
     fn the_outline_of_a_box_are_its_edges() -> Outcome {
         let mesh = Mesh::box_([1.0, 2.0, 3.0], [2, 2, 2], Elements::Q2)?;
-        let surface = Surface::of_mesh(&mesh)?;
+        let surface = Skin::of_mesh(&mesh)?;
         let length = |edges: &[[u32; 2]]| -> f64 {
             let ends = |e: &[u32; 2]| e.map(|n| surface.points[n as usize]);
             edges.iter().map(ends).map(|[a, b]| norm([0, 1, 2].map(|d| b[d] - a[d]))).sum()
@@ -236,7 +227,7 @@ mod tests {
             ((10, &[0, 1, 2]), "3 nodes"),
             ((10, &[0, 1, 2, 9]), "node 9"),
         ] {
-            let error = Surface::new(points.clone(), [cell]).map(|_| ()).map_err(|e| e.to_string());
+            let error = Skin::new(points.clone(), [cell]).map(|_| ()).map_err(|e| e.to_string());
             assert!(error.clone().is_err_and(|e| e.contains(word)), "{error:?}");
         }
     }

@@ -2,7 +2,7 @@
 
 use super::{Fault, ProblemData, Role};
 use crate::contact::{GraphKind, Quadrature};
-use crate::element::Table;
+use crate::element::ShapeTable;
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::space::{Prescription, Space};
@@ -205,7 +205,7 @@ fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> 
     let mut axis = None;
     let mut number = 0;
     for block in &set.blocks {
-        let table = Table::at(block.element, block.element.nodes);
+        let table = ShapeTable::at(block.element, block.element.nodes);
         let mut map = FacetMap::new(mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for q in 0..table.len() {

@@ -1,7 +1,7 @@
 //! Which datum is not finite where a step failed.
 
 use super::{State, StepError};
-use crate::element::{Element, Table};
+use crate::element::{Element, ShapeTable};
 use crate::forms;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{Datum, Problem};
@@ -36,7 +36,7 @@ fn culprit(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point
 
 /// The points at which loads are integrated, of a side or of the body.
 fn quadrature(mesh: &Mesh, side: Option<&str>) -> Vec<Point> {
-    let table = |element: &'static Element| Table::new(element, forms::data_degree(element));
+    let table = |element: &'static Element| ShapeTable::new(element, forms::data_degree(element));
     let mut points = Vec::new();
     let Some(side) = side else {
         for block in &mesh.blocks {

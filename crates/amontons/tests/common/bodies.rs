@@ -1,7 +1,7 @@
 //! Meshes of every element, and functions on them, for the tests of elements and forms.
 #![allow(dead_code, reason = "each test uses a part")]
 
-use amontons::element::{self, Element, Table};
+use amontons::element::{self, Element, ShapeTable};
 use amontons::mesh::{Block, CellMap, Diagonal, Elements, FacetSet, Mesh};
 use amontons::tensor::Point;
 
@@ -75,7 +75,7 @@ pub fn on_boundary(mesh: &Mesh) -> Vec<bool> {
 pub fn errors(mesh: &Mesh, values: &[f64], f: impl Fn(&Point) -> (f64, Point)) -> [f64; 2] {
     let mut sums = [0.0; 2];
     for block in &mesh.blocks {
-        let table = Table::new(block.element, 2 * block.element.degree + 4);
+        let table = ShapeTable::new(block.element, 2 * block.element.degree + 4);
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for (q, weight) in table.weights.iter().enumerate() {

@@ -15,7 +15,7 @@ mod hostile;
 mod messages;
 mod writer;
 
-use amontons::element::Table;
+use amontons::element::ShapeTable;
 use amontons::mesh::{CellMap, FacetMap, FacetSet, Mesh};
 use amontons::tensor::{Point, dot};
 
@@ -24,7 +24,7 @@ fn region(mesh: &Mesh, name: &str) -> (f64, f64) {
     let region = mesh.regions.iter().position(|r| r == name).expect("a region");
     let (mut measure, mut moment) = (0.0, 0.0);
     for block in mesh.blocks.iter().filter(|b| b.region == region) {
-        let table = Table::new(block.element, 8);
+        let table = ShapeTable::new(block.element, 8);
         let mut map = CellMap::new(mesh, &table);
         for cell in block.cells() {
             for q in 0..table.len() {
@@ -41,7 +41,7 @@ fn region(mesh: &Mesh, name: &str) -> (f64, f64) {
 fn side(mesh: &Mesh, set: &FacetSet) -> (f64, f64, f64) {
     let (mut measure, mut moment, mut flux) = (0.0, 0.0, 0.0);
     for block in &set.blocks {
-        let table = Table::new(block.element, 24);
+        let table = ShapeTable::new(block.element, 24);
         let mut map = FacetMap::new(mesh, &table);
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for q in 0..table.len() {

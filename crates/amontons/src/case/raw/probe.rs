@@ -3,7 +3,7 @@
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use crate::output::{Part, Quantity};
+use crate::output::{Quantity, Selection};
 
 /// A number, or the components of a vector or tensor, that is recorded after every step.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -50,7 +50,7 @@ fn quantities(schema: &mut Schema) {
 
 /// The names of quantities that are one number in every body.
 pub(super) fn numbers(schema: &mut Schema) {
-    name_quantities(schema, |quantity| quantity.part != Part::All || quantity.columns(3).len() == 1);
+    name_quantities(schema, |quantity| quantity.part != Selection::All || quantity.columns(3).len() == 1);
 }
 
 fn name_quantities(schema: &mut Schema, wanted: impl Fn(Quantity) -> bool) {

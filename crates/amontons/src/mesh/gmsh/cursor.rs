@@ -1,6 +1,6 @@
 //! Numbers of a Gmsh file, from text or from bytes of either order.
 
-use super::super::read::{MeshFileError, Place};
+use super::super::read::{FilePosition, MeshFileError};
 
 /// How the numbers of a file are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,10 +40,10 @@ impl<'a> Cursor<'a> {
     }
 
     /// What messages call a byte: its line in a text file.
-    pub(super) fn place(&self, at: usize) -> Place {
+    pub(super) fn place(&self, at: usize) -> FilePosition {
         match self.mode {
-            Mode::Ascii => Place::line(self.bytes, at),
-            Mode::Binary { .. } => Place::Byte(at),
+            Mode::Ascii => FilePosition::line(self.bytes, at),
+            Mode::Binary { .. } => FilePosition::Byte(at),
         }
     }
 

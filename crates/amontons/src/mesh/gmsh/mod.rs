@@ -12,7 +12,7 @@ mod sections;
 pub(in crate::mesh) use data::data;
 
 use super::Mesh;
-use super::read::{Kind, MeshFileError, Place};
+use super::read::{FilePosition, Kind, MeshFileError};
 use crate::element;
 
 /// Name, dimension and number of nodes of the types 1 to 19.
@@ -55,5 +55,5 @@ fn kind(code: i64) -> Option<Kind> {
 /// When the bytes are no mesh of one body; the error names the line (text) or byte (binary).
 pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
     let (loose, binary) = sections::parse(bytes)?;
-    loose.into_mesh(|at| if binary { Place::Byte(at) } else { Place::line(bytes, at) })
+    loose.into_mesh(|at| if binary { FilePosition::Byte(at) } else { FilePosition::line(bytes, at) })
 }

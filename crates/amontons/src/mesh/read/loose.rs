@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::{MeshFileError, Place};
+use super::{FilePosition, MeshFileError};
 use crate::element::{self, Element};
 use crate::mesh::topology::{Key, key};
 use crate::mesh::{Block, FacetSet, Mesh};
@@ -61,7 +61,7 @@ impl Loose {
     }
 
     /// The mesh of the elements of the highest dimension, with the groups of the next lower one as its sides.
-    pub(in crate::mesh) fn into_mesh(mut self, place: impl Fn(usize) -> Place) -> Result<Mesh, MeshFileError> {
+    pub(in crate::mesh) fn into_mesh(mut self, place: impl Fn(usize) -> FilePosition) -> Result<Mesh, MeshFileError> {
         self.blocks.retain(|block| !block.nodes.is_empty());
         let dim = self.blocks.iter().map(|block| block.kind.dim).max().unwrap_or(0);
         if dim == 0 {
@@ -120,7 +120,7 @@ impl Loose {
         &self,
         dim: usize,
         cells: &[LooseBlock],
-        place: &impl Fn(usize) -> Place,
+        place: &impl Fn(usize) -> FilePosition,
     ) -> Result<(Vec<String>, Vec<Block>), MeshFileError> {
         let mut regions: Vec<String> = Vec::new();
         for group in cells.iter().flat_map(|block| &block.groups).collect::<BTreeSet<_>>() {
@@ -165,7 +165,7 @@ impl Loose {
         &self,
         dim: usize,
         rest: &[LooseBlock],
-        place: &impl Fn(usize) -> Place,
+        place: &impl Fn(usize) -> FilePosition,
     ) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
         let mut sides: BTreeMap<String, (FacetSet, BTreeSet<Key>)> = BTreeMap::new();
         for loose in rest.iter().filter(|block| block.kind.dim + 1 == dim && !block.groups.is_empty()) {
@@ -184,7 +184,7 @@ impl Loose {
     }
 }
 
-fn supported(block: &LooseBlock, place: &impl Fn(usize) -> Place) -> Result<&'static Element, MeshFileError> {
+fn supported(block: &LooseBlock, place: &impl Fn(usize) -> FilePosition) -> Result<&'static Element, MeshFileError> {
     block.kind.element.ok_or_else(|| {
         let known: Vec<&str> = element::ALL.iter().filter(|e| e.dim() == block.kind.dim).map(|e| e.name).collect();
         MeshFileError::Element { at: place(block.at), found: block.kind.name.to_owned(), known: known.join(", ") }

@@ -22,7 +22,7 @@ const LONGEST: u64 = 4 << 30;
 
 /// Where in a mesh file something was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum FilePosition {
     /// Line of a text file, from 1.
     Line(usize),
     /// Byte of a binary file, from 0.
@@ -31,19 +31,19 @@ pub enum Place {
     Cell(usize),
 }
 
-impl Place {
+impl FilePosition {
     /// The line of a byte of a text.
-    pub(super) fn line(text: &[u8], at: usize) -> Place {
-        Place::Line(1 + text.iter().take(at).filter(|&&b| b == b'\n').count())
+    pub(super) fn line(text: &[u8], at: usize) -> FilePosition {
+        FilePosition::Line(1 + text.iter().take(at).filter(|&&b| b == b'\n').count())
     }
 }
 
-impl std::fmt::Display for Place {
+impl std::fmt::Display for FilePosition {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Place::Line(line) => write!(f, "line {line}"),
-            Place::Byte(byte) => write!(f, "byte {byte}"),
-            Place::Cell(cell) => write!(f, "cell {cell}"),
+            FilePosition::Line(line) => write!(f, "line {line}"),
+            FilePosition::Byte(byte) => write!(f, "byte {byte}"),
+            FilePosition::Cell(cell) => write!(f, "cell {cell}"),
         }
     }
 }
@@ -72,7 +72,7 @@ pub enum MeshFileError {
     /// Something else stands where a number, a section or a name belongs.
     Syntax {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// What stands there.
         found: String,
         /// What belongs there.
@@ -81,14 +81,14 @@ pub enum MeshFileError {
     /// A version of the format that is not read.
     Version {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// The version.
         found: String,
     },
     /// A count larger than the rest of the file can hold.
     Count {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// What is counted.
         what: &'static str,
         /// The count.
@@ -99,14 +99,14 @@ pub enum MeshFileError {
     /// A type of element outside Gmsh's first and second order.
     ElementType {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// The number of the type.
         found: i64,
     },
     /// A cell or facet of an element type that the library does not have.
     Element {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// What the format calls it.
         found: String,
         /// The elements of the library.
@@ -115,7 +115,7 @@ pub enum MeshFileError {
     /// An element refers to a node that is not in the file.
     UnknownNode {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// The tag.
         tag: i64,
         /// Number of nodes.
@@ -129,7 +129,7 @@ pub enum MeshFileError {
     /// A coordinate that is no finite number.
     Coordinate {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// Tag of the node, its number in a grid.
         tag: u64,
         /// The coordinate.
@@ -138,7 +138,7 @@ pub enum MeshFileError {
     /// Elements on an entity that `$Entities` does not list.
     UnknownEntity {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// Dimension of the entity.
         dim: i64,
         /// Its tag.
@@ -147,7 +147,7 @@ pub enum MeshFileError {
     /// Cells in more than one physical group: their material would be ambiguous.
     TwoRegions {
         /// Where.
-        at: Place,
+        at: FilePosition,
         /// A region.
         first: String,
         /// Another one.
@@ -156,7 +156,7 @@ pub enum MeshFileError {
     /// Cells without a physical group although others have one.
     NoRegion {
         /// Where the first of them is.
-        at: Place,
+        at: FilePosition,
         /// How many.
         found: usize,
         /// Number of cells.
@@ -185,7 +185,7 @@ pub enum MeshFileError {
     /// A mesh in parts.
     Partitioned {
         /// Where.
-        at: Place,
+        at: FilePosition,
     },
     /// A grid whose arrays are inconsistent.
     Grid {
@@ -197,7 +197,7 @@ pub enum MeshFileError {
 impl MeshFileError {
     /// Where it is in the file.
     #[must_use]
-    pub fn at(&self) -> Option<Place> {
+    pub fn at(&self) -> Option<FilePosition> {
         match self {
             MeshFileError::Syntax { at, .. }
             | MeshFileError::Version { at, .. }
