@@ -174,7 +174,7 @@ fn what_a_step_satisfies_with_everything_at_once() {
             }
             let mut received = [0.0; 2];
             for (i, (point, state)) in discrete.boundary.points.iter().zip(&contact.states).enumerate() {
-                let side = point.side;
+                let side = point.contact;
                 let law = &problem.contacts[side];
                 let at = |values: &[f64]| -> Point {
                     std::array::from_fn(|c| {

@@ -124,7 +124,7 @@ pub struct PointOnBoundary {
     /// Weight ω in m^(d−1).
     pub weight: f64,
     /// Which of the contacts of the problem this is a point of.
-    pub side: usize,
+    pub contact: usize,
     /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here.
     pub nodes: Vec<(usize, f64)>,
 }
@@ -160,7 +160,7 @@ impl ContactBoundary {
                 Quadrature::Gauss => gauss_points(mesh, set, local),
             };
             for point in &mut on_side {
-                point.side = side;
+                point.contact = side;
             }
             points.append(&mut on_side);
         }
@@ -222,7 +222,7 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
             x: mesh.points[n as usize],
             normal: [0.0; 3],
             weight: 0.0,
-            side: 0,
+            contact: 0,
             nodes: vec![(local(n), 1.0)],
         })
         .collect();
@@ -324,7 +324,7 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
                     x: map.position,
                     normal: map.normal,
                     weight: table.weights[q] * map.area,
-                    side: 0,
+                    contact: 0,
                     nodes,
                 });
             }

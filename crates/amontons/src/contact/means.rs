@@ -82,7 +82,7 @@ impl ContactBoundary {
                 .points
                 .iter()
                 .enumerate()
-                .filter(|(_, point)| point.side == side)
+                .filter(|(_, point)| point.contact == side)
                 .map(|(i, _)| vec![(i, 1.0)])
                 .collect(),
         }
@@ -93,7 +93,7 @@ impl ContactBoundary {
     /// points it is the value itself.
     #[must_use]
     pub fn readable(&self, mesh: &Mesh, side: usize, set: &FacetSet) -> Vec<(usize, Shares)> {
-        let on_side = self.points.iter().enumerate().filter(|(_, point)| point.side == side);
+        let on_side = self.points.iter().enumerate().filter(|(_, point)| point.contact == side);
         let alone = || on_side.clone().map(|(i, _)| (i, vec![(i, 1.0)])).collect();
         let Some(own) = self.points_of_nodes(side) else { return alone() };
         let means = means(mesh, set, &own);
@@ -123,7 +123,7 @@ impl ContactBoundary {
 
     /// The contact point of each node of a side; none with Gauss points, which see several nodes.
     fn points_of_nodes(&self, side: usize) -> Option<BTreeMap<u32, usize>> {
-        let on_side = self.points.iter().enumerate().filter(|(_, point)| point.side == side);
+        let on_side = self.points.iter().enumerate().filter(|(_, point)| point.contact == side);
         on_side
             .map(|(i, point)| match point.nodes[..] {
                 [(node, _)] => Some((*self.nodes.get(node)?, i)),

@@ -93,7 +93,7 @@ fn finite(problem: &Problem) -> Clause {
 fn gap(problem: &Problem) -> Option<Clause> {
     let boundary = problem.contact_boundary();
     let least = problem.contacts.iter().enumerate().filter_map(|(side, contact)| {
-        let points: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
+        let points: Vec<Point> = boundary.points.iter().filter(|p| p.contact == side).map(|p| p.x).collect();
         let levels = if contact.gap_depends_on_time() { times(problem, LEVELS) } else { vec![0.0] };
         let values = levels
             .iter()

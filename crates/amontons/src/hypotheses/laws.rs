@@ -289,7 +289,7 @@ pub(super) fn contact(problem: &Problem, constants: &Constants) -> Vec<Finding> 
 pub(super) fn tests(problem: &Problem) -> impl Iterator<Item = Test<'_>> {
     let (boundary, length) = (problem.contact_boundary(), diameter(problem));
     problem.contacts.iter().enumerate().map(move |(side, contact)| {
-        let places: Vec<Point> = boundary.points.iter().filter(|p| p.side == side).map(|p| p.x).collect();
+        let places: Vec<Point> = boundary.points.iter().filter(|p| p.contact == side).map(|p| p.x).collect();
         let tau = friction_lipschitz(contact, &places);
         Test { contact, places: some(&places, PLACES).copied().collect(), length, tau }
     })

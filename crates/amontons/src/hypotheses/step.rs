@@ -113,7 +113,7 @@ impl<'a> Step<'a> {
         let mut weights = BlockMatrix::zero(discrete.mass.graph(), 1, 1);
         for point in &discrete.boundary.points {
             let nodes: Vec<u32> = point.nodes.iter().map(|&(i, _)| discrete.boundary.nodes[i]).collect();
-            let weight = shares.get(point.side).copied().unwrap_or(1.0) * point.weight;
+            let weight = shares.get(point.contact).copied().unwrap_or(1.0) * point.weight;
             let form: Vec<f64> = point
                 .nodes
                 .iter()

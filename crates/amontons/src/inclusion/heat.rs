@@ -164,7 +164,7 @@ impl HeatStep<'_> {
             let slope = lumped.slope(interface, side, slopes);
             let (mut by_foundation, mut by_body): (Vec<(u32, f64)>, Vec<(u32, f64)>) = Default::default();
             for (i, [of_body, of_foundation]) in
-                slopes.iter().enumerate().filter(|(i, _)| interface.rows[*i].side == side)
+                slopes.iter().enumerate().filter(|(i, _)| interface.rows[*i].contact == side)
             {
                 if *of_body != 0.0 || *of_foundation != 0.0 {
                     by_foundation.extend(interface.scaled_row(i, *of_foundation));
@@ -181,7 +181,7 @@ impl HeatStep<'_> {
 impl Lumped {
     /// The slope of the balance of heat in θ_F: C/k + H − Σ ω ∂(q·ν)/∂θ_F.
     fn slope(&self, interface: &Interface, side: usize, slopes: &[[f64; 2]]) -> f64 {
-        let rows = interface.rows.iter().zip(slopes).filter(|(row, _)| row.side == side);
+        let rows = interface.rows.iter().zip(slopes).filter(|(row, _)| row.contact == side);
         rows.fold(self.storage + self.exchange, |sum, (row, [_, by_foundation])| sum - row.weight * by_foundation)
     }
 }
@@ -191,7 +191,7 @@ impl Thermal<'_> {
     fn foundations(&self, flux: &[f64]) -> Vec<Option<f64>> {
         let of = |(side, lumped): (usize, &Option<Lumped>)| {
             let Lumped { storage, before, exchange, surroundings } = (*lumped)?;
-            let rows = self.interface.rows.iter().enumerate().filter(|(_, row)| row.side == side);
+            let rows = self.interface.rows.iter().enumerate().filter(|(_, row)| row.contact == side);
             let received: f64 = rows
                 .map(|(i, row)| row.weight * (flux[i] + dot(&self.step.states[i].q, &self.step.states[i].slip)))
                 .sum();
@@ -203,7 +203,7 @@ impl Thermal<'_> {
 
     /// The law of a point at a temperature with the flux Q as multiplier.
     fn law(&self, i: usize, temperature: f64, foundation: f64, flux: f64) -> Law {
-        let contact = &self.step.contacts[self.interface.rows[i].side];
+        let contact = &self.step.contacts[self.interface.rows[i].contact];
         let heat = |temperature: f64| contact.heat.flux(&self.step.at(i, temperature, foundation));
         let lambda = self.lambda[i];
         let z = temperature + lambda * flux;
@@ -235,7 +235,7 @@ impl Thermal<'_> {
     fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<Law> {
         let foundations = self.foundations(flux);
         let of = |(i, flux): (usize, &f64)| {
-            let side = self.interface.rows[i].side;
+            let side = self.interface.rows[i].contact;
             let foundation = foundations.get(side).copied().flatten().unwrap_or(self.step.foundation[i]);
             self.law(i, self.interface.jump(i, theta)[0], foundation, *flux)
         };
@@ -262,7 +262,7 @@ impl Thermal<'_> {
     fn warming(&self, slopes: &[[f64; 2]], beyond: &[f64]) -> Vec<f64> {
         let of = |(side, lumped): (usize, &Option<Lumped>)| {
             let Some(lumped) = lumped else { return 0.0 };
-            let rows = self.interface.rows.iter().zip(beyond).filter(|(row, _)| row.side == side);
+            let rows = self.interface.rows.iter().zip(beyond).filter(|(row, _)| row.contact == side);
             rows.map(|(row, beyond)| row.weight * beyond).sum::<f64>() / lumped.slope(&self.interface, side, slopes)
         };
         self.step.lumped.iter().enumerate().map(of).collect()
@@ -290,7 +290,7 @@ impl Term for Thermal<'_> {
     fn round_off(&self, _x: &[f64], laws: &Vec<Law>) -> f64 {
         // The flux into a body of prescribed temperature is given, but for a foundation that it warms.
         let matters = |i: usize| {
-            let lumped = self.step.lumped.get(self.interface.rows[i].side);
+            let lumped = self.step.lumped.get(self.interface.rows[i].contact);
             self.lambda[i] > 0.0 || lumped.is_some_and(Option::is_some)
         };
         let of = |(i, law): (usize, &Law)| {
@@ -306,7 +306,7 @@ impl Term for Thermal<'_> {
         let beyond: Vec<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);
         for (i, [value, _, by_foundation]) in linear.iter().enumerate() {
-            let flux = value + by_foundation * warmer.get(self.interface.rows[i].side).copied().unwrap_or(0.0);
+            let flux = value + by_foundation * warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
             self.interface.scatter(i, &[-flux, 0.0, 0.0], right);
         }
         self.step.add_entries(&self.interface, &slopes, entries);
@@ -322,7 +322,7 @@ impl Term for Thermal<'_> {
             .collect();
         let beyond: Vec<f64> = after.iter().zip(laws).map(|(after, law)| after - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);
-        let warming = |i: usize| warmer.get(self.interface.rows[i].side).copied().unwrap_or(0.0);
+        let warming = |i: usize| warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
         after
             .iter()
             .zip(&linear)

@@ -24,7 +24,7 @@ pub struct Row {
     /// Weight ω in m^(d−1).
     pub weight: f64,
     /// Which of the contacts of the problem this is a point of.
-    pub side: usize,
+    pub contact: usize,
     /// ν, t₁ and t₂; those beyond the dimension are zero.
     pub basis: [Point; 3],
     /// Unknowns on Γ_C with what each adds to the components of the jump.
@@ -107,7 +107,13 @@ impl Interface {
                     None => fixed += value * prescribed[node],
                 }
             }
-            Row { weight: point.weight, side: point.side, basis: [[0.0; 3]; 3], entries, prescribed: [fixed, 0.0, 0.0] }
+            Row {
+                weight: point.weight,
+                contact: point.contact,
+                basis: [[0.0; 3]; 3],
+                entries,
+                prescribed: [fixed, 0.0, 0.0],
+            }
         };
         Interface { rows: boundary.points.iter().map(row).collect(), turns: Vec::new(), components: 1 }
     }
@@ -278,7 +284,7 @@ fn vector_row(
             }
         }
     }
-    Row { weight: point.weight, side: point.side, basis, entries, prescribed: fixed }
+    Row { weight: point.weight, contact: point.contact, basis, entries, prescribed: fixed }
 }
 
 /// ν with d − 1 unit tangents across it and each other. Which tangents is of no account.

@@ -118,7 +118,7 @@ impl<'a> Mechanical<'a> {
     }
 
     pub fn contact(&self, i: usize) -> &Contact {
-        &self.step.contacts[self.interface.rows[i].side]
+        &self.step.contacts[self.interface.rows[i].contact]
     }
 
     fn kinematics(&self, i: usize, w: &[f64]) -> Kinematics {
@@ -212,7 +212,7 @@ impl MechanicalStep<'_> {
     /// Whether the pressure of a point is a multiplier: all but for laws that fall, which have no resolvent.
     fn has_multiplier(&self, i: usize) -> bool {
         let point = &self.boundary.points[i];
-        let law = &self.contacts[point.side].normal;
+        let law = &self.contacts[point.contact].normal;
         law.graph() != GraphKind::Function || law.least_slope(&point.x, f64::NEG_INFINITY, f64::INFINITY) >= 0.0
     }
 

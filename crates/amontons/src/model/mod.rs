@@ -62,7 +62,7 @@ impl Model {
             })
         };
         let boundary = problem.contact_boundary();
-        let points = |side: usize| boundary.points.iter().filter(|p| p.side == side).count();
+        let points = |side: usize| boundary.points.iter().filter(|p| p.contact == side).count();
         Model {
             bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
             volume: volumes.iter().sum(),

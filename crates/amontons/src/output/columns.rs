@@ -293,7 +293,8 @@ pub struct PointRow<'a> {
 impl PointRow<'_> {
     /// The node with nodal quadrature; otherwise the contact points are counted from 0.
     fn node(&self) -> usize {
-        let nodal = self.now.problem.contacts.get(self.point.side).is_some_and(|c| c.quadrature == Quadrature::Nodal);
+        let nodal =
+            self.now.problem.contacts.get(self.point.contact).is_some_and(|c| c.quadrature == Quadrature::Nodal);
         let on_node = self.point.nodes.first().filter(|_| nodal);
         on_node
             .and_then(|(node, _)| self.now.discretization.boundary.nodes.get(*node))
@@ -323,7 +324,7 @@ columns! { OnContact:
     WEIGHT = number("weight", Measure::Area, |row| row.point.weight);
     WEAR = number("wear", Measure::Length, |row| row.kept(&row.now.state.surface.wear));
     FRICTION_WORK = number("friction_work", Measure::SurfaceWork, |row| row.kept(&row.now.state.surface.friction_work));
-    SIDE = text("side", |row| quoted(row.now.problem.contacts.get(row.point.side).map_or("", |contact| &contact.on)));
+    SIDE = text("side", |row| quoted(row.now.problem.contacts.get(row.point.contact).map_or("", |contact| &contact.on)));
     BOUND = number("bound", Measure::Stress, |row| row.state.bound);
 }
 

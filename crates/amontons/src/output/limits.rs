@@ -17,7 +17,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
             cell_heights(mesh, mesh.facets.get(&contact.on)?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
         let states = last.discretization.boundary.points.iter().zip(&report?.contact.states);
         let depth =
-            states.filter(|(point, _)| point.side == side).fold(0.0, |max, (_, state)| state.penetration.max(max));
+            states.filter(|(point, _)| point.contact == side).fold(0.0, |max, (_, state)| state.penetration.max(max));
         Some(Penetration { side, depth, cell })
     };
     let sides = problem.contacts.iter().enumerate().filter_map(of_side);

@@ -372,7 +372,7 @@ impl<'a> Builder<'a> {
                         let points = self.boundary().points.iter().enumerate();
                         Ok(Found::Contact(
                             points
-                                .filter(|(_, point)| point.side == side)
+                                .filter(|(_, point)| point.contact == side)
                                 .map(|(i, point)| (i, point.weight))
                                 .collect(),
                         ))

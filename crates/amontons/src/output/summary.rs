@@ -178,7 +178,7 @@ impl ContactSummary {
                 .points
                 .iter()
                 .enumerate()
-                .filter(|(_, point)| side.is_none_or(|side| point.side == side))
+                .filter(|(_, point)| side.is_none_or(|side| point.contact == side))
         };
         let states = || points().filter_map(|(i, point)| Some((point, contact.states.get(i)?)));
         let count = |status| states().filter(|(_, s)| s.status == status).count();

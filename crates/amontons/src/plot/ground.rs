@@ -29,7 +29,7 @@ pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
     problem.contacts.iter().enumerate().all(|(side, contact)| {
         contact.obstacle.is_none() && !contact.gap.depends_on_space() && {
             let boundary = problem.contact_boundary();
-            let mut normals = boundary.points.iter().filter(|point| point.side == side).map(|point| point.normal);
+            let mut normals = boundary.points.iter().filter(|point| point.contact == side).map(|point| point.normal);
             normals.next().is_none_or(|first| normals.all(|n| dot(&n, &first) > 1.0 - 1e-9))
         }
     })

@@ -129,7 +129,7 @@ fn contact(step: &Step, m: &Mechanics) -> OnContact {
     let load_work = k * dot(&m.w, &m.load) + m.support_work;
     let mut sum = OnContact { energy: 0.0, friction: 0.0, pressing: 0.0, damping: 0.0, worn: 0.0, load_work };
     for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
-        let (normal, weight) = (&problem.contacts[point.side].normal, k * point.weight);
+        let (normal, weight) = (&problem.contacts[point.contact].normal, k * point.weight);
         let w_nu = tensor::dot(&discrete.boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
         sum.energy += point.weight * normal.potential(&point.x, state.penetration);
@@ -231,7 +231,7 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
             .iter()
             .zip(&m.states)
             .zip(&heat.exchange.flux)
-            .filter(|((point, _), _)| point.side == side);
+            .filter(|((point, _), _)| point.contact == side);
         let received: f64 = points
             .map(|((point, state), flux)| step.k * point.weight * (flux.value + tensor::dot(&state.q, &state.slip)))
             .sum();

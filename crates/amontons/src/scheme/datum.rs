@@ -66,12 +66,12 @@ fn quadrature(mesh: &Mesh, side: Option<&str>) -> Vec<Point> {
 fn obstacle(problem: &Problem, old: &State, t: f64) -> Option<(String, f64, Point)> {
     let (boundary, dim) = (problem.contact_boundary(), problem.mesh.dim);
     boundary.points.iter().find_map(|point| {
-        let obstacle = problem.contacts.get(point.side)?.obstacle.as_ref()?;
+        let obstacle = problem.contacts.get(point.contact)?.obstacle.as_ref()?;
         let u = boundary.vector_at(point, dim, &old.u);
         let found = [point.x, std::array::from_fn(|c| point.x[c] + u[c])]
             .into_iter()
             .map(|x| (obstacle.nearest(&x, t).distance, x))
             .find(|(distance, _)| !distance.is_finite())?;
-        Some((format!("{}.obstacle", problem.contact_path(point.side)), found.0, found.1))
+        Some((format!("{}.obstacle", problem.contact_path(point.contact)), found.0, found.1))
     })
 }

@@ -375,7 +375,7 @@ impl Scheme for BackwardEuler {
         for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
             let r = tensor::dot(&self.discrete.boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight
-                * self.problem.contacts.get(point.side).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
+                * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
         let heat_content = c * storage.apply(&theta).iter().sum::<f64>();

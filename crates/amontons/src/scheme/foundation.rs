@@ -25,7 +25,7 @@ impl Accumulated {
     pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
         let n = discrete.boundary.points.len();
         let first = |side: usize| {
-            discrete.boundary.points.iter().find(|point| point.side == side).map_or([0.0; 3], |point| point.x)
+            discrete.boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x)
         };
         let start = |(side, contact): (usize, &Contact)| {
             let foundation = contact.foundation_heat.as_ref()?;
@@ -65,7 +65,7 @@ pub(super) fn frames(
     for (side, contact) in problem.contacts.iter().enumerate() {
         let first = frames.len();
         let points: &[PointOnBoundary] = all.get(first..).unwrap_or_default();
-        let points = &points[..points.iter().take_while(|point| point.side == side).count()];
+        let points = &points[..points.iter().take_while(|point| point.contact == side).count()];
         let x: Vec<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
         let velocity = velocities(contact, &x, to);
@@ -113,7 +113,7 @@ pub(super) fn temperatures(step: &Step) -> Vec<f64> {
     let mut all = Vec::with_capacity(step.discrete.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let x: Vec<Point> =
-            step.discrete.boundary.points.iter().filter(|point| point.side == side).map(|point| point.x).collect();
+            step.discrete.boundary.points.iter().filter(|point| point.contact == side).map(|point| point.x).collect();
         all.extend(contact.foundation_temperature.values(&x, step.t));
     }
     all
@@ -135,7 +135,7 @@ pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w
         .map(|(point, frame)| {
             let [obstacle, mean] = problem
                 .contacts
-                .get(point.side)
+                .get(point.contact)
                 .and_then(|contact| contact.obstacle.as_ref())
                 .map_or([[0.0; 3]; 2], start);
             let v = discrete.boundary.vector_at(point, discrete.mesh.dim, w);

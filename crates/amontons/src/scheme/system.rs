@@ -153,7 +153,7 @@ impl Step<'_> {
         let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
         let one = |(i, states): &(usize, Vec<Status>)| {
             let point = self.discrete.boundary.points.get(*i)?;
-            let contact = self.problem.contacts.get(point.side)?;
+            let contact = self.problem.contacts.get(point.contact)?;
             let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
             let states: Vec<&str> = states.iter().map(|status| status.name()).collect();
             let [x, y, z] = point.x;

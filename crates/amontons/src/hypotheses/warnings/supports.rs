@@ -24,7 +24,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
         |node: u32, normal: &Point| (0..dim).all(|c| normal[c].abs() < ACROSS || !space.free[node as usize * dim + c]);
     let mut findings = Vec::new();
     for (side, contact) in problem.contacts.iter().enumerate() {
-        let on_side = || boundary.points.iter().filter(|p| p.side == side);
+        let on_side = || boundary.points.iter().filter(|p| p.contact == side);
         let candidates: Vec<_> =
             on_side().filter(|p| p.nodes.iter().all(|&(i, _)| held(boundary.nodes[i], &p.normal))).collect();
         if candidates.is_empty() {
