@@ -43,6 +43,7 @@ pub(super) fn problem(
         is_sound: notes.doubtful.is_empty(),
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
+        solver: raw.solver.solver,
         end: raw.time.end,
         steps: raw.time.steps,
         has_other_end,
@@ -83,17 +84,8 @@ pub(super) fn problem(
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
     let findings = build.certain();
     let (inputs, references) = build.loader.copies();
-    (
-        checked.ok().filter(|_| findings.is_empty()).map(|problem| Built {
-            problem,
-            probes,
-            exact,
-            verify,
-            inputs,
-            references,
-        }),
-        findings,
-    )
+    let built = |problem| Built { problem, probes, exact, verify, inputs, references };
+    (checked.ok().filter(|_| findings.is_empty()).map(built), findings)
 }
 
 fn system(raw: raw::Units) -> System {
@@ -199,6 +191,8 @@ pub(super) struct Build<'d> {
     pub is_sound: bool,
     /// d.
     pub dim: usize,
+    /// How linear systems are solved.
+    pub solver: raw::Backend,
     /// T in s, the number of steps, and whether an override gives T.
     pub end: f64,
     pub steps: usize,

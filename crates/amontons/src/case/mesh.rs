@@ -88,7 +88,8 @@ impl Build<'_> {
             let mesh = mesh.filter(|mesh| {
                 let contact_nodes: usize =
                     contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
-                let demand = Demand::of(mesh.dim, mesh.points.len() as f64, contact_nodes as f64);
+                let demand =
+                    Demand::of(mesh.dim, mesh.points.len() as f64, contact_nodes as f64).solved_by(self.solver);
                 self.affordable(
                     FILE,
                     &format!("{} cells", mesh.cell_count()),
@@ -109,7 +110,7 @@ impl Build<'_> {
                 Some("remove one of them"),
             );
         }
-        let demand = demand(raw, &cells, contact_on);
+        let demand = demand(raw, &cells, contact_on).solved_by(self.solver);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
         let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
         // A case with faults is not run: a few cells tell which sides there are.

@@ -20,6 +20,12 @@ pub struct Automatic {
 }
 
 impl Automatic {
+    /// Whether a body in space with so many unknowns of its displacement is solved by an iteration.
+    #[must_use]
+    pub fn takes_an_iteration(unknowns: f64) -> bool {
+        unknowns > LARGE as f64
+    }
+
     fn is_large(layout: &Layout) -> bool {
         let in_space = layout.points.iter().any(|p| p[2] != 0.0);
         in_space && layout.free.iter().filter(|free| **free).count() > LARGE * layout.components / 3
