@@ -38,8 +38,8 @@ impl Demand {
         Demand { nodes, unknowns: (components + 1.0) * nodes, bytes }
     }
 
-    /// The same where systems are solved by an iteration, if they are: 12.8 kB per node, measured on cubes of tetrahedra
-    /// of 36 thousand nodes, and a fourth more to be on the safe side.
+    /// The same where systems are solved by an iteration, if they are: 12.8 kB per node, measured on cubes of
+    /// tetrahedra of 36 thousand nodes, and a fourth more to be on the safe side.
     pub fn solved_by(self, solver: raw::Backend) -> Demand {
         let displacement = self.unknowns - self.nodes;
         let is_iterative = match solver {
