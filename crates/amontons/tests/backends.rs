@@ -6,7 +6,7 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
 use amontons::inclusion::Rule;
-use amontons::linalg::{Backend, EXACT, Entry, Layout, Multigrid, Supernodal, System};
+use amontons::linalg::{Backend, BlockMatrix, EXACT, Entry, Layout, Multigrid, Supernodal, System};
 use amontons::material::{Isotropic, Material, StressState};
 use amontons::mesh::Block;
 use amontons::problem::Problem;
@@ -71,6 +71,39 @@ fn an_iteration_has_the_results_of_a_factor() {
     }
     println!("{in_space} in space, {in_the_plane} in the plane");
     assert!(in_space >= 4 && in_the_plane == IN_THE_PLANE.len(), "{in_space} in space, {in_the_plane} in the plane");
+}
+
+/// A matrix that joins nodes too weakly for a coarser level, as of very short steps of a body with lumped inertia, is
+/// solved by the smoother; and a solution has the same bits on one thread and on three.
+#[test]
+fn weakly_joined_nodes_and_threads() {
+    let problem = case::parse(&Source::new("body.toml", BODY), &[]).unwrap_or_else(|f| panic!("{f}")).problem;
+    let discrete = Discretization::new(&problem);
+    let stiffness = discrete.mechanical_matrix(Rule::backward_euler(problem.k()));
+    let mut inertia = BlockMatrix::zero(stiffness.graph(), 3, 3);
+    for node in 0..problem.mesh.points.len() as u32 {
+        inertia.add(&[node], &[1e3, 0.0, 0.0, 0.0, 1e3, 0.0, 0.0, 0.0, 1e3]);
+    }
+    for (matrix, most) in [(stiffness.clone(), 80), {
+        inertia.add_scaled(1.0, &stiffness);
+        (inertia, 20)
+    }] {
+        let matrix = Arc::new(matrix);
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+            pool.install(|| {
+                let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
+                let backend: Arc<dyn Backend> = Arc::new(Multigrid::default());
+                let mut system = System::new(&backend, &matrix, &layout).expect("a system");
+                let mut x: Vec<f64> = (0..system.condensed().len()).map(|i| (i as f64 * 0.7).sin()).collect();
+                system.solve(&mut x).expect("a solution");
+                assert!(system.iterations() <= most, "{} iterations", system.iterations());
+                x
+            })
+        };
+        let (one, three) = (on(1), on(3));
+        assert!(one.iter().zip(&three).all(|(a, b)| a.to_bits() == b.to_bits()));
+    }
 }
 
 /// Bodies that are hard for an iteration, as words of a case: quadratic and hexahedral cells, thin cells, materials 10⁴

@@ -112,12 +112,12 @@ impl Mechanical<'_> {
         let mut entries = self.curvature(now);
         let mut step: Vec<f64> = now.f.iter().map(|f| -f).collect();
         let held = condensed.solve(&entries, &mut step, ACCURACY);
-        if let Err(SolveError::Singular { .. }) = held {
+        if let Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) = held {
             entries.extend((0..step.len()).map(|i| (i as u32, i as u32, HOLD * condensed.scale()[i])));
             step = now.f.iter().map(|f| -f).collect();
             match condensed.solve(&entries, &mut step, ACCURACY) {
                 // What it leaves is no obstacle: whether the direction leads down is asked for.
-                Ok(()) | Err(SolveError::Singular { .. }) => {}
+                Ok(()) | Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => {}
                 Err(error) => return Err(error),
             }
         } else {

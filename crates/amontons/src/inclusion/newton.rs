@@ -261,7 +261,7 @@ fn newton_step<T: Term>(
     let enough = (SHARE * now.tolerance / now.residual).max(ENOUGH);
     match condensed.solve(&entries, &mut step, enough) {
         Ok(()) => Ok(Some(step)),
-        Err(SolveError::Singular { .. }) => Ok(None),
+        Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => Ok(None),
         Err(error) => Err(error),
     }
 }

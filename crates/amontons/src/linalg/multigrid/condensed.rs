@@ -14,7 +14,7 @@ use crate::linalg::unknowns::Unknowns;
 /// Products between two looks at the true residual, and how often it is looked at.
 const PRODUCTS: usize = 60;
 const LOOKS: usize = 10;
-/// Share of b that a solution may leave.
+/// Share of b above which what is left is that of a singular matrix.
 const LEFT: f64 = 1e-2;
 /// Residual at which a matrix has been found positive definite: all of its extreme eigenvalues have been seen.
 const SEEN: f64 = 1e-10;
@@ -70,7 +70,7 @@ impl Iterative {
         full
     }
 
-    /// Entries, turns and the vector of a basis by degree of freedom.
+    /// Entries and turns by degree of freedom.
     fn by_degree(&self, entries: &[Entry]) -> (Vec<Entry>, Vec<Turn>) {
         let dof = |u: u32| self.unknowns.dofs[u as usize];
         let entries = entries.iter().map(|&(i, j, value)| (dof(i), dof(j), value)).collect();
@@ -185,7 +185,14 @@ impl Condensed for Iterative {
         self.prepare(entries)?;
         let (x, left) = self.iterate(entries, b, enough)?;
         b.copy_from_slice(&x);
-        if left <= LEFT.max(enough) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
+        // Half of the digits that were asked for are as good as a stalled iteration has to be.
+        if left <= enough.sqrt() {
+            Ok(())
+        } else if left > LEFT || left.is_nan() {
+            Err(SolveError::Singular { size: b.len() })
+        } else {
+            Err(SolveError::NotConverged { size: b.len(), iterations: self.iterations, residual: left })
+        }
     }
 
     fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError> {

@@ -41,9 +41,9 @@ struct Level {
 #[derive(Debug)]
 pub(super) struct Hierarchy {
     levels: Vec<Level>,
-    coarsest: Lu,
-    /// The coarsest matrix without contact, over the scale.
-    dense: Mat<f64>,
+    /// The factor of the coarsest matrix, and that matrix without contact over the scale. None where nodes are joined
+    /// so weakly that there is no coarser level: then the smoother alone solves.
+    coarsest: Option<(Lu, Mat<f64>)>,
     /// What contact has changed: level, position of a block, and the block and inverse block of before.
     changed: Vec<Changed>,
     /// What the matrix is divided by, so that it is in the range of single precision.
@@ -91,7 +91,12 @@ impl Hierarchy {
             let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
             let single = |transfer| Level {
                 matrix: matrix.single(scale),
-                diagonal: diagonal.iter().map(|d| (d * scale) as f32).collect(),
+                // What has no place in single precision is left to the iteration.
+                diagonal: diagonal
+                    .iter()
+                    .map(|d| (d * scale) as f32)
+                    .map(|d| if d.is_finite() { d } else { 0.0 })
+                    .collect(),
                 largest: largest as f32,
                 transfer,
             };
@@ -112,8 +117,9 @@ impl Hierarchy {
             (matrix, modes) = (std::borrow::Cow::Owned(coarse), coarse_modes);
             takes_part = vec![true; count];
         }
-        let dense = dense(&matrix, scale);
-        Ok(Hierarchy { coarsest: Lu::new(dense.clone()), dense, levels, changed: Vec::new(), scale })
+        let is_small = matrix.len() * matrix.shape[0] <= COARSEST;
+        let coarsest = is_small.then(|| dense(&matrix, scale)).map(|dense| (Lu::new(dense.clone()), dense));
+        Ok(Hierarchy { coarsest, levels, changed: Vec::new(), scale })
     }
 
     /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the
@@ -164,7 +170,8 @@ impl Hierarchy {
 
     /// The factor of the coarsest matrix with what is added.
     fn solve_with(&mut self, added: &Blocks<f32>) {
-        let (mut matrix, n) = (self.dense.clone(), added.shape[0]);
+        let Some((factor, dense)) = &mut self.coarsest else { return };
+        let (mut matrix, n) = (dense.clone(), added.shape[0]);
         for i in 0..added.len() {
             for (j, block) in added.row(i) {
                 for (k, value) in block.iter().enumerate() {
@@ -172,7 +179,7 @@ impl Hierarchy {
                 }
             }
         }
-        self.coarsest = Lu::new(matrix);
+        *factor = Lu::new(matrix);
     }
 
     /// One V-cycle for A x = b from x = 0: a symmetric operator.
@@ -189,23 +196,28 @@ impl Hierarchy {
 
     fn level(&self, l: usize, b: &[f32]) -> Vec<f32> {
         let level = &self.levels[l];
-        let Some([prolongation, restriction]) = &level.transfer else { return self.solved(b) };
         let mut x = vec![0.0; b.len()];
+        let Some([prolongation, restriction]) = &level.transfer else { return self.solved(level, b, x) };
         level.smooth(b, &mut x, true);
-        let mut rest = level.rest(b, &x);
+        let rest = level.rest(b, &x);
         let mut coarse = vec![0.0; restriction.len() * restriction.shape[0]];
         restriction.apply(&rest, &mut coarse, false);
         let correction = self.level(l + 1, &coarse);
         prolongation.apply(&correction, &mut x, true);
-        rest.clear();
         level.smooth(b, &mut x, false);
         x
     }
 
-    fn solved(&self, b: &[f32]) -> Vec<f32> {
-        let mut x: Vec<f64> = b.iter().map(|b| f64::from(*b)).collect();
-        self.coarsest.solve(&mut x);
-        x.into_iter().map(|x| x as f32).collect()
+    /// The coarsest level: by its factor, or by the smoother, twice so that the operator is symmetric.
+    fn solved(&self, level: &Level, b: &[f32], mut x: Vec<f32>) -> Vec<f32> {
+        let Some((factor, _)) = &self.coarsest else {
+            level.smooth(b, &mut x, true);
+            level.smooth(b, &mut x, false);
+            return x;
+        };
+        let mut solved: Vec<f64> = b.iter().map(|b| f64::from(*b)).collect();
+        factor.solve(&mut solved);
+        solved.into_iter().map(|x| x as f32).collect()
     }
 }
 

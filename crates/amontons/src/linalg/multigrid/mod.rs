@@ -1,7 +1,7 @@
 //! Systems of large bodies by a Krylov iteration with algebraic multigrid: no factor, all unknowns are kept, S is K.
 //!
-//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`]). Stiff entries of contact leave
-//! degrees of freedom hardly any motion; these are left out of the hierarchy and solved after it, node by node.
+//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`]). What contact holds more firmly
+//! than the cycle can is solved after it, degree by degree ([`precondition`]).
 
 mod aggregate;
 mod blocks;

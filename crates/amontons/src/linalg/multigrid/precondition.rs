@@ -3,6 +3,8 @@
 //!
 //! The cycle is that of the axes of space, so that it need not be made anew when normals turn.
 
+use std::collections::BTreeMap;
+
 use super::Stop;
 use super::blocks::{Blocks, Rows};
 use super::hierarchy::{Hierarchy, Plan};
@@ -14,6 +16,8 @@ use crate::tensor::Point;
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
 const FIRM: f64 = 100.0;
+/// The basis of a node that is not turned.
+const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A matrix on all degrees of freedom, and which of them are unknown.
 pub(super) struct Body<'a> {
@@ -66,8 +70,10 @@ impl Preconditioner {
             }
         }
         (self.held, self.onto) = (Vec::new(), Vec::new());
+        let bases: BTreeMap<usize, [Point; 3]> =
+            turns.iter().map(|turn| (turn.unknowns[0] as usize / n, turn.basis)).collect();
         for (&node, block) in nodes.iter().zip(blocks.chunks_exact_mut(n * n)) {
-            let basis = self.basis(node, n);
+            let basis = bases.get(&node).copied().unwrap_or(AXES);
             let own = in_basis(&block_of(body.matrix, node, n), &basis, n, true);
             let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
             for c in (0..n).filter(|c| block[c * n + c] > firm) {
@@ -97,12 +103,6 @@ impl Preconditioner {
             }
             made
         }));
-    }
-
-    /// The basis of a node.
-    fn basis(&self, node: usize, n: usize) -> [Point; 3] {
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        self.turns.iter().find(|turn| turn.unknowns[0] as usize / n == node).map_or(axes, |turn| turn.basis)
     }
 
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
