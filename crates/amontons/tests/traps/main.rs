@@ -7,22 +7,19 @@
 )]
 
 #[macro_use]
-#[path = "common/body.rs"]
+#[path = "../common/body.rs"]
 mod body;
+mod model;
 
-use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use amontons::case::{self, Source};
 use amontons::hypotheses::{Finding, FindingId, FindingStatus, Kind, findings};
-use amontons::linalg::{Graph, Layout, Unknowns, fill};
 use amontons::material::{Constants, TensorLaw};
-use amontons::mesh::{Elements, Mesh};
-use amontons::model::Model;
 use amontons::output::{Memory, Outcome, Summary};
 use amontons::problem::Problem;
 use amontons::run::{RunError, Settings, run};
-use amontons::scheme::{BackwardEuler, StepError};
+use amontons::scheme::StepError;
 use amontons::tensor::{Point, Sym, SymMap};
 
 /// A plane block on a foundation, held at its top; bodies of other cases are set by overrides.
@@ -500,79 +497,6 @@ fn a_content_that_cancels_is_no_failure() {
     ];
     let summary = solved(BLOCK, &waves);
     assert!(summary.energy.heat_closing_error.abs() < 1e-10, "{:e}", summary.energy.heat_closing_error);
-}
-
-/// P1 elements of length h of a bar give ω² = (E/ρ)(6/h²)(1 − cos κh)/(2 + cos κh), κ = π/2L fixed and free, κ = π/L
-/// held at both ends.
-#[test]
-fn time_scales_of_a_bar() {
-    let lambda = |kappa: f64, h: f64| 6.0 / (h * h) * (1.0 - (kappa * h).cos()) / (2.0 + (kappa * h).cos());
-    let bar = [
-        "mesh={ kind = \"interval\", size = 2.0, n = 20 }",
-        "material.density=2.0",
-        "material.elasticity.young=8.0",
-        "material.heat_capacity=3.0",
-    ];
-    let ends = "boundary=[{ on = \"left\", displacement = [0], temperature = 0 }, { on = \"right\", temperature = 0 }]";
-    let times = |more: &[&str]| Model::new(&problem(BAR, &[&bar[..], &[ends], more].concat())).times;
-    let found = times(&[]);
-    near(found.first_period.expect("a period"), TAU / (4.0 * lambda(PI / 4.0, 0.1)).sqrt(), 1e-10);
-    near(found.heat.expect("a time"), 3.0 / lambda(PI / 2.0, 0.1), 1e-10);
-    assert!(
-        (found.first_period.unwrap_or(0.0) / 4.0 - 1.0).abs() < 1e-3
-            && found.retardation.is_none()
-            && found.relaxation.is_empty()
-    );
-    let damped = times(&[
-        "material.viscosity={ law = \"lame\", first = 0.0, second = 4.0 }",
-        "material.prony=[{ ratio = 0.5, time = 0.25 }]",
-    ]);
-    assert_eq!((damped.retardation, damped.relaxation), (Some([0.5, 0.5]), vec![0.25]));
-    // Nothing holds these.
-    assert_eq!(times(&["boundary=[{ on = \"right\", traction = [0] }]"]).first_period, None);
-    assert_eq!(times(&["boundary=[{ on = \"left\", displacement = [0] }]"]).heat, None);
-    let inert = times(&["material.density=0", "material.heat_capacity=0"]);
-    assert_eq!((inert.first_period, inert.heat), (None, None));
-}
-
-#[test]
-fn sizes_of_a_body() {
-    let model = Model::new(&problem(BLOCK, &["material.density=3.0", "mesh.origin=[1.0, -2.0]"]));
-    assert_eq!(model.bounds, [vec![1.0, -2.0], vec![3.0, -1.0]]);
-    near(model.mass, 6.0, 1e-13);
-    near(model.sides["bottom"], 2.0, 1e-14);
-    near(model.sides["left"], 1.0, 1e-14);
-    assert_eq!((model.contact_points["bottom"], model.parts), (9, 1));
-    // A solid cylinder of revolution, radius 2 and height 1.
-    let round = ["mesh.axisymmetric=true", "material.elasticity={ law = \"isotropic\", young = 2.0, poisson = 0.2 }"];
-    let model = Model::new(&problem(BLOCK, &round));
-    near(model.volume, 4.0 * PI, 1e-13);
-    near(model.sides["right"], 4.0 * PI, 1e-13);
-    near(model.sides["bottom"], 4.0 * PI, 1e-13);
-    assert_eq!(Model::new(&doubled(&problem(BLOCK, &[]), 2.0)).parts, 2);
-}
-
-/// The count agrees with the factors that a run makes. One cell of 27 nodes has a dense matrix of 81 unknowns: n³/3
-/// operations.
-#[test]
-fn the_cost_is_that_of_the_factors() {
-    for overrides in [
-        &[][..],
-        &["mesh.n=[40, 20]", "mesh.elements=\"P2\""],
-        &["boundary=[{ on = \"left\", displacement = [0, \"free\"] }]"],
-    ] {
-        let problem = problem(BLOCK, overrides);
-        let cost = Model::new(&problem).cost.expect("a cost");
-        let scheme = BackwardEuler::new(&problem).expect("factors");
-        assert_eq!((cost.unknowns, cost.factors.iter().sum::<usize>()), (scheme.unknowns(), scheme.stored()));
-    }
-    let mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2).expect("a mesh");
-    let matrix = amontons::linalg::BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), 3, 3);
-    let layout = Layout { points: &mesh.points, components: 3, free: &[true; 81], contact: &[] };
-    let unknowns = Unknowns::new(&matrix, &layout);
-    let counted = fill(&matrix, &unknowns).expect("a pattern");
-    assert_eq!((counted.size, counted.stored), (81, 81 * 81));
-    near(counted.flops, 81f64.powi(3) / 3.0, 1e-14);
 }
 
 /// A rigid foundation is none of the theory and nothing to act on.
