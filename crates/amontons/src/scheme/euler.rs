@@ -99,43 +99,32 @@ impl BackwardEuler {
     /// # Errors
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem) -> Result<BackwardEuler, SetupError> {
-        BackwardEuler::with_backend(problem, Arc::clone(&problem.backend))
+        BackwardEuler::with_backend(problem, &problem.backend)
     }
 
-    /// The same with another backend than that of the problem.
+    /// The scheme as the setting of a run or a study.
     ///
     /// # Errors
     /// Those of [`BackwardEuler::new`].
-    pub fn with_backend(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
+    pub fn make(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError> {
+        Ok(Box::new(BackwardEuler::with_backend(problem, backend)?))
+    }
+
+    /// The same with another backend than that of the problem.
+    fn with_backend(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
         let k = problem.k();
-        let systems = Systems::factorize(problem, &discrete, k, &backend)
+        let systems = Systems::factorize(problem, &discrete, k, backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
             problem: problem.clone(),
             discrete,
-            backend,
+            backend: Arc::clone(backend),
             systems,
             halved: Vec::new(),
             given_up: (0, 0),
             products: None,
         })
-    }
-
-    /// Unknowns of displacement, temperature and on Γ_C.
-    #[must_use]
-    pub fn unknowns(&self) -> [usize; 3] {
-        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
-            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
-        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
-        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
-    }
-
-    /// How systems are solved: `iterative` if one of them is, else `direct`.
-    #[must_use]
-    pub fn backend(&self) -> &'static str {
-        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
-        if is_iterative { "iterative" } else { "direct" }
     }
 
     /// Numbers that both factors store.
@@ -432,5 +421,17 @@ impl Scheme for BackwardEuler {
     fn factorizations(&self) -> (usize, usize) {
         let all = std::iter::once(&self.systems).chain(&self.halved).map(Systems::factorizations);
         all.fold(self.given_up, |sum, (matrices, contacts)| (sum.0 + matrices, sum.1 + contacts))
+    }
+
+    fn unknowns(&self) -> [usize; 3] {
+        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
+            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
+        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
+        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
+    }
+
+    fn backend(&self) -> &'static str {
+        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
+        if is_iterative { "iterative" } else { "direct" }
     }
 }

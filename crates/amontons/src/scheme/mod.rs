@@ -17,10 +17,12 @@ pub use foundation::Accumulated;
 pub use ledger::Ledger;
 pub use system::{ACCEPTED, REFINE};
 
+use std::sync::Arc;
+
 use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
-use crate::linalg::SolveError;
-use crate::problem::Coupling;
+use crate::linalg::{Backend, SolveError};
+use crate::problem::{Coupling, Faults, Problem};
 use crate::tensor::Point;
 
 /// The state at a time t_n: what the next step starts from.
@@ -291,10 +293,17 @@ pub enum SetupError {
     /// Initial data are not finite.
     #[error("the initial {0} is not finite at every node")]
     Initial(&'static str),
+    /// The problem that a scheme makes of its own has faults.
+    #[error(transparent)]
+    Data(#[from] Faults),
 }
 
+/// Makes the scheme that steps a problem through time, with the backend that solves its linear systems: the setting
+/// of runs and studies, [`BackwardEuler::make`] by default.
+pub type MakeScheme = fn(&Problem, &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError>;
+
 /// A time-stepping scheme for a problem.
-pub trait Scheme {
+pub trait Scheme: Send {
     /// The discrete problem.
     fn discretization(&self) -> &Discretization;
     /// The state at t = 0, (4.3).
@@ -309,4 +318,8 @@ pub trait Scheme {
     fn step(&mut self, state: &State) -> Result<(State, StepReport), StepError>;
     /// Factorizations of the matrices so far, and of contact systems.
     fn factorizations(&self) -> (usize, usize);
+    /// Unknowns of displacement, temperature and on Γ_C.
+    fn unknowns(&self) -> [usize; 3];
+    /// How systems are solved: `iterative` if one of them is, else `direct`.
+    fn backend(&self) -> &'static str;
 }
