@@ -19,6 +19,7 @@ use amontons::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, State, Ste
 const PARTS: usize = 4;
 
 /// Backward Euler with shorter steps than those of the problem.
+#[derive(Debug)]
 pub struct Substeps(BackwardEuler);
 
 impl Substeps {

@@ -16,7 +16,7 @@ use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
 };
 use crate::problem::Problem;
-use crate::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, StepError};
+use crate::scheme::{BackwardEuler, Kept, MakeScheme, Scheme, SetupError, State, StepError, StepReport};
 
 /// How a run is made. Only the scheme changes results.
 #[derive(Clone, Debug)]
@@ -151,8 +151,9 @@ fn drive(
     let mut scheme = within(pool.as_ref(), || (settings.scheme)(problem, &solver))?;
     let unknowns = counted(&*scheme);
     let resumed = from.is_some();
-    let Checkpoint { mut state, mut report, work: before, .. } = beginning(from, problem, &*scheme)?;
+    let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
     // What a run that goes on factorizes again has been counted.
+    within(pool.as_ref(), || scheme.recall(&kept))?;
     let again = if resumed { scheme.factorizations() } else { (0, 0) };
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
     let factor = backend.seconds();
@@ -161,13 +162,7 @@ fn drive(
     clock.seconds.setup += begin.elapsed().as_secs_f64() - factor - certificate;
 
     let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
-    let from = Snapshot {
-        problem,
-        discretization: scheme.discretization(),
-        state: &state,
-        report: report.as_ref(),
-        work: clock.work(before, &*scheme),
-    };
+    let from = seen(problem, &*scheme, &state, report.as_ref(), clock.work(before, &*scheme));
     let start = RunStart { from, threads, resumed, certificate: settings.certificate.then_some(&findings[..]) };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.start(&start)))?;
 
@@ -185,15 +180,13 @@ fn drive(
             Err(error) => break Some(error),
         }
         let work = clock.work(before, &*scheme);
-        let now =
-            Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+        let now = seen(problem, &*scheme, &state, report.as_ref(), work);
         clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.step(&now)))?;
     };
 
     begins(Phase::Results);
     let work = clock.work(before, &*scheme);
-    let last =
-        Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+    let last = seen(problem, &*scheme, &state, report.as_ref(), work);
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
     let outcome = outcome(failed.as_ref(), state.step, problem.steps);
     let last = Snapshot { work: clock.work(before, &*scheme), ..last };
@@ -201,6 +194,17 @@ fn drive(
     let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &*scheme);
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     ended(failed, summary)
+}
+
+/// What sinks see of a run.
+fn seen<'a>(
+    problem: &'a Problem,
+    scheme: &'a dyn Scheme,
+    state: &'a State,
+    report: Option<&'a StepReport>,
+    work: Work,
+) -> Snapshot<'a> {
+    Snapshot { problem, discretization: scheme.discretization(), state, report, work, scheme: Some(scheme) }
 }
 
 fn counted(scheme: &dyn Scheme) -> UnknownCounts {
@@ -221,7 +225,14 @@ fn judged(problem: &Problem, settings: &Settings) -> Vec<Finding> {
 fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -> Result<Checkpoint, RunError> {
     let Some(checkpoint) = from else {
         let state = scheme.initial()?;
-        return Ok(Checkpoint { state, report: None, work: Work::default(), k: problem.k(), fallback: None });
+        return Ok(Checkpoint {
+            state,
+            report: None,
+            work: Work::default(),
+            kept: Kept::default(),
+            k: problem.k(),
+            fallback: None,
+        });
     };
     checkpoint.check(scheme.discretization(), problem)?;
     Ok(checkpoint)

@@ -472,6 +472,7 @@ fn a_step_that_fails_in_halves_too_names_its_first_failure() {
     let StepError::NotConverged { step: 5, t, part: "mechanics", .. } = error else { panic!("{error}") };
     near(t, 0.4 + 10.0 * 0.1 / 32.0, 1e-12, "the time of the first failure");
     assert!(error.to_string().contains("step 5 (t = 4.3125"), "{error}");
+    assert!(error.to_string().contains("not even in a part of 1/32 of the step"), "{error}");
     // The point at the end of the rod is the only one.
     let told = error.to_string();
     let named = "; 1 contact point does not settle: (1, 0, 0) on \"right\" (Broken, Frictionless): ";

@@ -11,7 +11,7 @@ use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step};
 use super::{
-    Accumulated, ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport,
+    Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Scheme, SetupError, State, StepError, StepReport,
 };
 use crate::contact::Contact;
 use crate::inclusion::{Multipliers, Rule};
@@ -82,6 +82,10 @@ impl Systems {
 
     fn all(&self) -> impl Iterator<Item = &System> {
         self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
+    }
+
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
+        self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
     }
 
     fn factorizations(&self) -> (usize, usize) {
@@ -177,18 +181,20 @@ impl BackwardEuler {
     }
 
     /// Factorizes for parts of 2^−halvings of a step.
-    fn halve(&mut self, n: usize, t: f64, halvings: usize) -> Result<(), StepError> {
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    fn halve(&mut self, halvings: usize) -> Result<(), (&'static str, SolveError)> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
-            let systems = Systems::factorize(&self.problem, &self.discrete, k, &self.backend);
-            self.halved.push(systems.map_err(|(_, source)| StepError::Singular { step: n, t, source })?);
+            self.halved.push(Systems::factorize(&self.problem, &self.discrete, k, &self.backend)?);
         }
         Ok(())
     }
 
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
-        self.halve(n, end.t, HALVINGS)?;
+        self.halve(HALVINGS).map_err(|(_, source)| StepError::Singular { step: n, t: end.t, source })?;
         let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
@@ -209,7 +215,7 @@ impl BackwardEuler {
 
     /// Makes a step, or a part of it, as a whole.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
-        self.halve(n, t, halvings)?;
+        self.halve(halvings).map_err(|(_, source)| StepError::Singular { step: n, t, source })?;
         let products = self
             .products
             .take()
@@ -421,6 +427,18 @@ impl Scheme for BackwardEuler {
     fn factorizations(&self) -> (usize, usize) {
         let all = std::iter::once(&self.systems).chain(&self.halved).map(Systems::factorizations);
         all.fold(self.given_up, |sum, (matrices, contacts)| (sum.0 + matrices, sum.1 + contacts))
+    }
+
+    fn kept(&self) -> Kept {
+        let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
+        Kept { halvings: self.halved.len(), tangents: all.map(|system| system.condensed().kept()).collect() }
+    }
+
+    fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
+        self.halve(kept.halvings.min(HALVINGS)).map_err(|(part, source)| SetupError::Factor { part, source })?;
+        let all = std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut);
+        all.zip(&kept.tangents).for_each(|(system, kept)| system.condensed_mut().recall(kept));
+        Ok(())
     }
 
     fn unknowns(&self) -> [usize; 3] {
