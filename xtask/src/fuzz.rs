@@ -172,7 +172,8 @@ fn feed(name: &str, arguments: &Arguments) -> ExitCode {
     let (mut outcomes, mut longest, mut count) = (BTreeSet::new(), Duration::ZERO, 0u64);
     watch();
     let begin = processor_time();
-    while processor_time().saturating_sub(begin) < Duration::from_secs(arguments.seconds) || count < corpus.len() as u64 {
+    while processor_time().saturating_sub(begin) < Duration::from_secs(arguments.seconds) || count < corpus.len() as u64
+    {
         // The sound ones come first, as they are.
         let input = match corpus.get(count as usize) {
             Some(sound) if count < target.sound() as u64 => sound.clone(),
