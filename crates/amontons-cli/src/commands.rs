@@ -19,12 +19,17 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, reproduce, verify};
+use crate::{constants, converge, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, no_certificate, common } => start(&case, plot, no_certificate, &common),
+        Command::Run { case, plot, no_certificate, each, jobs, common } if !each.is_empty() => {
+            let request =
+                sweep::Request { each: &each, jobs: jobs.get(), pictures: plot, certificate: !no_certificate };
+            sweep::execute(&case, &request, &common)
+        }
+        Command::Run { case, plot, no_certificate, common, .. } => start(&case, plot, no_certificate, &common),
         Command::Resume { dir, plot, no_certificate, common } => resume(&dir, plot, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
