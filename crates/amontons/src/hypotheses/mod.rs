@@ -27,6 +27,7 @@ mod quality;
 mod reach;
 mod sample;
 mod step;
+mod tensors;
 mod theorem;
 pub mod warnings;
 

@@ -51,22 +51,22 @@ struct Systems {
 }
 
 impl Systems {
-    /// Factorizes K_u and K_θ for step length `k`. For nonlinear laws K_u is the tangent at rest; each step replaces
-    /// it.
+    /// Factorizes K_u and K_θ for step length `k`, at the temperature `theta`. For nonlinear laws K_u is the tangent at
+    /// rest; each step replaces it.
     ///
     /// # Errors
     /// The name of the system that cannot be factorized, and why.
     fn factorize(
         problem: &Problem,
         discrete: &Discretization,
-        k: f64,
+        (k, theta): (f64, &[f64]),
         backend: &Arc<dyn Backend>,
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
         let mechanics =
-            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest), discrete, &discrete.v, backend);
-        let heat = || HalfStep::new(discrete.thermal_matrix(rule), discrete, &discrete.q, backend);
+            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest, theta), discrete, &discrete.v, backend);
+        let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
             || physics.has_mechanics().then(mechanics).transpose(),
@@ -108,8 +108,9 @@ impl BackwardEuler {
     /// Those of [`BackwardEuler::new`].
     pub fn with_backend(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
-        let k = problem.k();
-        let systems = Systems::factorize(problem, &discrete, k, &backend)
+        let (k, initial) = (problem.k(), std::slice::from_ref(&problem.initial.temperature));
+        let theta = discrete.q.interpolate(&discrete.mesh, initial, 0.0);
+        let systems = Systems::factorize(problem, &discrete, (k, &theta), &backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
             problem: problem.clone(),
@@ -187,11 +188,11 @@ impl BackwardEuler {
         halves.or_else(|first| made.map_err(|_| first))
     }
 
-    /// Factorizes for parts of 2^−halvings of a step.
-    fn halve(&mut self, n: usize, t: f64, halvings: usize) -> Result<(), StepError> {
+    /// Factorizes for parts of 2^−halvings of a step from a state.
+    fn halve(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(), StepError> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
-            let systems = Systems::factorize(&self.problem, &self.discrete, k, &self.backend);
+            let systems = Systems::factorize(&self.problem, &self.discrete, (k, &old.theta), &self.backend);
             self.halved.push(systems.map_err(|(_, source)| StepError::Singular { step: n, t, source })?);
         }
         Ok(())
@@ -199,7 +200,7 @@ impl BackwardEuler {
 
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
-        self.halve(n, end.t, HALVINGS)?;
+        self.halve(old, n, end.t, HALVINGS)?;
         let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
@@ -220,7 +221,7 @@ impl BackwardEuler {
 
     /// Makes a step, or a part of it, as a whole.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
-        self.halve(n, t, halvings)?;
+        self.halve(old, n, t, halvings)?;
         let products = self
             .products
             .take()
@@ -252,6 +253,9 @@ impl BackwardEuler {
         };
         let krylov = krylov_iterations(mechanics.as_ref(), heat.as_ref()) - before;
         let made = made?;
+        if let Some(found) = problem.uncovered(&made.heat.theta) {
+            return Err(StepError::Uncovered { step: n, t, found: Box::new(found) });
+        }
         let ledger = audit(&now, &made.mechanics, &made.heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
@@ -364,10 +368,10 @@ impl Scheme for BackwardEuler {
                 return Err(SetupError::Initial(name));
             }
         }
-        let ((rho, inertia), (c, storage)) = (self.discrete.inertia(), self.discrete.storage());
+        let ((rho, inertia), (c, _)) = (self.discrete.inertia(), self.discrete.storage());
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
         // Without a potential the energy is counted from the initial state.
-        let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
+        let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
         let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
@@ -378,7 +382,7 @@ impl Scheme for BackwardEuler {
                 * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
-        let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
+        let heat_content = c * self.discrete.stored_heat(&theta).iter().sum::<f64>();
         let heat_foundation: f64 = self
             .problem
             .contacts
