@@ -33,8 +33,8 @@ pub struct Discretization {
     pub a: BlockMatrix,
     /// b likewise.
     pub b: BlockMatrix,
-    /// Laws of elasticity and viscosity that are not linear or depend on the temperature, by region, zero in regions whose
-    /// law is in a or b; empty if all are.
+    /// Laws of elasticity and viscosity that are not linear or depend on the temperature, by region, zero in regions
+    /// whose law is in a or b; empty if all are.
     elasticity: Vec<Arc<dyn TensorLaw>>,
     viscosity: Vec<Arc<dyn TensorLaw>>,
     /// What depends on the temperature.
@@ -159,11 +159,7 @@ impl Discretization {
                 materials
                     .iter()
                     .map(|m| {
-                        if is_fixed(law(m)) {
-                            Arc::new(ZERO.clone()) as Arc<dyn TensorLaw>
-                        } else {
-                            Arc::clone(law(m))
-                        }
+                        if is_fixed(law(m)) { Arc::new(ZERO.clone()) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) }
                     })
                     .collect()
             };
@@ -253,8 +249,8 @@ impl Discretization {
         matrix
     }
 
-    /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear, and with the laws
-    /// of the temperature at θ.
+    /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear, and with the
+    /// laws of the temperature at θ.
     #[must_use]
     pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64], theta: &[f64]) -> BlockMatrix {
         let mut matrix = self.mechanical_matrix(rule);
@@ -308,8 +304,8 @@ impl Discretization {
         (!conductivity.is_empty()).then(slope)
     }
 
-    /// The stored heat by basis functions, less the factor of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy H,
-    /// which is cθ for a constant capacity.
+    /// The stored heat by basis functions, less the factor of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy
+    /// H, which is cθ for a constant capacity.
     #[must_use]
     pub fn stored_heat(&self, theta: &[f64]) -> Vec<f64> {
         if self.warm.capacity.is_empty() {
@@ -379,8 +375,8 @@ impl Discretization {
         with(conducted, self.convection.as_ref(), theta)
     }
 
-    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·) is
-    /// empty where K_u may change.
+    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
+    /// is empty where K_u may change.
     #[must_use]
     pub fn mechanical_products(&self, u: &[f64], w: &[f64], theta: &[f64]) -> [Vec<f64>; 4] {
         let (_, inertia) = self.inertia();
@@ -428,8 +424,8 @@ impl Discretization {
         d + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
     }
 
-    /// The stored energy at u and the temperature θ: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others;
-    /// none if one of these has no potential.
+    /// The stored energy at u and the temperature θ: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the
+    /// others; none if one of these has no potential.
     #[must_use]
     pub fn stored_energy(&self, u: &[f64], theta: &[f64]) -> Option<f64> {
         let linear = 0.5 * dot(u, &self.apply_linear_a(u));

@@ -57,9 +57,9 @@ spoiled! {
     no_rows: "material.heat_capacity" "{ temperature = [], value = [] }"
         "KEY: found a table without rows, expected at least one";
     a_value_that_is_not_finite: "material.elasticity.young" "{ temperature = [0, 20], value = [1, inf] }"
-        "KEY.value[1]: found inf, expected a finite number (values of the coefficient, one per temperature)";
+        "KEY.value[1]: found inf, expected a number (values of the coefficient, one per temperature)";
     a_temperature_that_is_not_finite: "material.elasticity.young" "{ temperature = [0, nan], value = [1, 2] }"
-        "KEY.temperature[1]: found nan, expected a finite number";
+        "KEY.temperature[1]: found nan, expected a number (temperatures in K in increasing order, with `value`)";
     a_modulus_that_is_negative_at_one_temperature: "material.elasticity.young" "{ temperature = [0, 20, 40], value = [10, 5, -1] }"
         "KEY: found the value -1.0 at θ = 40.0, expected a number > 0 (Young's modulus E in Pa)";
     a_factor_that_makes_it_negative: "material.heat_capacity" "{ temperature = [0, 20], value = [1, 2], factor = \"x - 0.5\" }"
@@ -69,7 +69,7 @@ spoiled! {
     heat_from_cold_to_warm_at_one_temperature: "material.conductivity" "{ temperature = [0, 20], value = [1, -1] }"
         "KEY: found the eigenvalue -1.0 at x = 0.0, y = 0.0, θ = 20.0, expected no negative eigenvalue: heat flows from warm to cold";
     an_initial_temperature_beyond_the_table: "material.conductivity" "{ temperature = [20, 200], value = [1, 2] }"
-        "initial.temperature: found the temperature 0.0 at x = 0.0, y = 0.0, expected temperatures from 20.0 to 200.0, which material.conductivity covers; extend the table, or give another initial temperature";
+        "thermal.toml: initial.temperature: found the temperature 0.0 at x = 0.0, y = 0.0, expected temperatures from 20.0 to 200.0, which material.conductivity covers; extend the table, or give another initial temperature";
     tables_without_a_common_range: "material.elasticity" "{ law = 'isotropic', young = { temperature = [0, 10], value = [1, 2] }, poisson = { temperature = [20, 30], value = [0.1, 0.2] } }"
         "KEY: found tables over temperatures without a common range, expected tables of one law that have temperatures in common";
     a_density: "material.density" "{ temperature = [0, 20], value = [1, 2] }"

@@ -67,7 +67,7 @@ impl<T> Plan<T> {
         self.at_temperature(x, t, reference(&self.temperatures))
     }
 
-    /// What it is at a point, a time and a temperature.
+    /// What it is at a position, time and temperature.
     pub fn at_temperature(&self, x: &Point, t: f64, theta: f64) -> Result<T, Refusal> {
         let mut values = [0.0; MOST];
         for (value, field) in values.iter_mut().zip(self.fields.iter()) {
@@ -145,8 +145,8 @@ impl Build<'_> {
         self.stand_in(path)
     }
 
-    /// A coefficient that is the same at all times and may depend on the temperature, within the limits of its key at all
-    /// sites and temperatures.
+    /// A coefficient that is the same at all times and may depend on the temperature, within the limits of its key at
+    /// all sites and temperatures.
     pub fn thermal_coefficient(&mut self, path: &str, raw: &Coefficient, sites: &Sites) -> Field {
         let Coefficient::Table(data) = raw else { return self.steady_coefficient(path, raw, sites) };
         if data.temperature.is_none() && data.value.is_none() {

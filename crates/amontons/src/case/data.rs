@@ -20,7 +20,8 @@ impl Build<'_> {
             Datum::Number(value) => return Field::Constant(*value),
             Datum::Expression(text) => self.expression(path, text).map(Field::Expression),
             Datum::Table(table) if table.temperature.is_some() || table.value.is_some() => {
-                let expected = "a number, an expression or a table in time: this datum does not depend on the temperature";
+                let expected =
+                    "a number, an expression or a table in time: this datum does not depend on the temperature";
                 self.note(path, At::Value, "a table over the temperature", expected, None);
                 None
             }
@@ -252,8 +253,7 @@ impl Build<'_> {
                 self.note(&format!("{path}.{key}"), At::Value, found, format!("one value per {over}"), None);
             }
             TableError::NotFinite { over, row, at, .. } => {
-                let (of_at, of_value) =
-                    if *over == "time" { ("times", "values") } else { ("temperature", "value") };
+                let (of_at, of_value) = if *over == "time" { ("times", "values") } else { ("temperature", "value") };
                 let key = if at.is_finite() { of_value } else { of_at };
                 let place = format!("{path}.{key}[{}]", row - 1);
                 self.note(&place, At::Value, "a number that is not finite", "finite numbers", None);

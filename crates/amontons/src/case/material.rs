@@ -22,6 +22,9 @@ impl Build<'_> {
     }
 }
 
+/// Where a tensor does not exist.
+const NOWHERE: Sym = Sym([f64::NAN; 6]);
+
 /// Keys of data that do not depend on the temperature, with all below them.
 const STEADY: [&str; 3] = ["density", "coupling", "prony"];
 
@@ -110,6 +113,7 @@ impl Builder<'_, '_, '_> {
             let hint = "extend the table to θ = 0, at which nothing is expanded";
             let found = format!("tangent coefficients from θ = {first:?} to θ = {last:?}");
             self.note(key, found, "a table that covers θ = 0", Some(hint));
+            return Field::ZERO;
         }
         Field::Thermal(table.clone().mean())
     }
@@ -133,9 +137,8 @@ impl Builder<'_, '_, '_> {
         // Beside the sites a law may not exist.
         let nowhere: Law = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
         let temperatures = plan.temperatures().to_vec();
-        let at = move |x: &Point, theta: f64| {
-            plan.at_temperature(x, 0.0, theta).unwrap_or_else(|_| Arc::clone(&nowhere))
-        };
+        let at =
+            move |x: &Point, theta: f64| plan.at_temperature(x, 0.0, theta).unwrap_or_else(|_| Arc::clone(&nowhere));
         Arc::new(Graded::elastic_of_temperature(self.sites.points(), &temperatures, at))
     }
 
@@ -311,7 +314,6 @@ impl Builder<'_, '_, '_> {
             return plan.at(&[0.0; 3], 0.0).ok().map(Into::into);
         }
         let plan = plan.clone();
-        const NOWHERE: Sym = Sym([f64::NAN; 6]);
         if plan.warms() {
             let temperatures = plan.temperatures().to_vec();
             let at = move |x: &Point, theta: f64| plan.at_temperature(x, 0.0, theta).unwrap_or(NOWHERE);

@@ -7,7 +7,7 @@ use super::coefficient::held;
 use super::reference;
 use crate::tensor::Point;
 
-/// The law at a point, a time and a temperature.
+/// The law at a position, time and temperature.
 type At<T> = dyn Fn(&Point, f64, f64) -> Arc<T> + Send + Sync;
 
 /// A law with the place, the time and the temperature at which it stands.
@@ -22,8 +22,8 @@ pub struct Instance<T: ?Sized> {
     pub law: Arc<T>,
 }
 
-/// A law whose coefficients vary over the body or over a side, and in time or with the temperature where the law may: at
-/// every point the law of constant coefficients that a function gives there.
+/// A law whose coefficients vary over the body or over a side, and in time or with the temperature where the law may:
+/// at every point the law of constant coefficients that a function gives there.
 ///
 /// `T` is the trait of the law: `dyn TensorLaw`, `dyn NormalLaw`, `dyn FrictionLaw`, `dyn HeatLaw` or `dyn WearLaw`.
 /// The constants of (H1)–(H8) are those of the least and the largest of the laws at the points given, which should be

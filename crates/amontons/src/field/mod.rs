@@ -105,7 +105,7 @@ impl Field {
         }
     }
 
-    /// Value at a point, a time and a temperature.
+    /// Value at a position, time and temperature.
     #[must_use]
     pub fn value_at(&self, x: &Point, t: f64, theta: f64) -> f64 {
         match self {

@@ -19,8 +19,8 @@
 //! Element Method for Elliptic Problems*, section 4.1), and gives what regions give where coefficients jump between
 //! cells only.
 //!
-//! Laws that are not linear enter by [`residual`] and [`tangent`] at a given displacement, and so do laws that depend on
-//! the temperature, at the temperature of the nodes. Conduction, stored heat and thermal stress are vectors of the
+//! Laws that are not linear enter by [`residual`] and [`tangent`] at a given displacement, and so do laws that depend
+//! on the temperature, at the temperature of the nodes. Conduction, stored heat and thermal stress are vectors of the
 //! temperature where their coefficients depend on it.
 //!
 //! j and χ, the terms on Γ_C, are evaluated at contact points in [`crate::linalg`].
@@ -39,9 +39,7 @@ pub use boundary::{convection, dashpots, springs};
 pub(crate) use load::data_degree;
 pub use load::{Load, f, q};
 pub use state::{energy, residual, tangent};
-pub(crate) use thermal::{
-    conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat,
-};
+pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};
 
 use crate::element::Element;
 use crate::field::InSpace;

@@ -34,11 +34,16 @@ fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&
 /// `laws` is a list by region; `u` has d components a node, and `theta` the temperature of each node, empty for none.
 #[must_use]
 pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Vec<f64> {
-    vector(mesh, dilatation, |e| mesh.gradient_products(e), |cell| {
-        let law = of_region(laws, cell.region)?;
-        let strain = strain(cell, u);
-        Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
-    })
+    vector(
+        mesh,
+        dilatation,
+        |e| mesh.gradient_products(e),
+        |cell| {
+            let law = of_region(laws, cell.region)?;
+            let strain = strain(cell, u);
+            Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
+        },
+    )
 }
 
 /// The vector of ∫ 𝓣:ε(v) with a tensor at each point, none where there is none.
@@ -76,13 +81,7 @@ pub(super) fn vector(
 
 /// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
 #[must_use]
-pub fn energy(
-    mesh: &Mesh,
-    laws: &[&dyn TensorLaw],
-    dilatation: Dilatation,
-    u: &[f64],
-    theta: &[f64],
-) -> Option<f64> {
+pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
     let mut sum = Some(0.0);
     by_cells(
         mesh,

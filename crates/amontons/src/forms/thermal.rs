@@ -1,4 +1,5 @@
-//! Forms whose coefficients depend on the temperature, as vectors of the temperature of the nodes, and their derivatives.
+//! Forms whose coefficients depend on the temperature, as vectors of the temperature of the nodes, and their
+//! derivatives.
 
 use std::sync::Arc;
 
@@ -29,27 +30,42 @@ fn slope(coefficient: &Coefficient<Sym>, x: &Point, theta: f64) -> Sym {
 }
 
 /// Sums per node of `form(cell, sums of the cell)`.
-fn scalars(mesh: &Mesh, degree: impl Fn(&crate::element::Element) -> usize, form: impl Fn(&mut Cell, &mut [f64]) + Sync) -> Vec<f64> {
+fn scalars(
+    mesh: &Mesh,
+    degree: impl Fn(&crate::element::Element) -> usize,
+    form: impl Fn(&mut Cell, &mut [f64]) + Sync,
+) -> Vec<f64> {
     let mut out = vec![0.0; mesh.points.len()];
-    by_cells(mesh, degree, None, |e| e.nodes.len(), form, |nodes, _, sums| {
-        for (&node, sum) in nodes.iter().zip(sums) {
-            out[node as usize] += sum;
-        }
-    });
+    by_cells(
+        mesh,
+        degree,
+        None,
+        |e| e.nodes.len(),
+        form,
+        |nodes, _, sums| {
+            for (&node, sum) in nodes.iter().zip(sums) {
+                out[node as usize] += sum;
+            }
+        },
+    );
     out
 }
 
 /// ∫ H(θ) η with the enthalpy H(θ) = ∫₀^θ c.
 pub(crate) fn stored_heat(mesh: &Mesh, capacity: &[Coefficient<f64>], theta: &[f64]) -> Vec<f64> {
-    scalars(mesh, |e| mesh.value_products(e, false), |cell, out| {
-        let Some(capacity) = capacity.get(cell.region).or(capacity.last()) else { return };
-        cell.integrate(|cell, weight| {
-            let heat = weight * capacity.integral(&cell.map.position, cell.scalar(theta));
-            for (out, value) in out.iter_mut().zip(cell.map.values()) {
-                *out += heat * value;
-            }
-        });
-    })
+    scalars(
+        mesh,
+        |e| mesh.value_products(e, false),
+        |cell, out| {
+            let Some(capacity) = capacity.get(cell.region).or(capacity.last()) else { return };
+            cell.integrate(|cell, weight| {
+                let heat = weight * capacity.integral(&cell.map.position, cell.scalar(theta));
+                for (out, value) in out.iter_mut().zip(cell.map.values()) {
+                    *out += heat * value;
+                }
+            });
+        },
+    )
 }
 
 /// ∇θ at the point of a cell, by differences from its first node: a temperature that is the same everywhere has none.
@@ -65,15 +81,19 @@ fn gradient(cell: &Cell, theta: &[f64]) -> Point {
 
 /// d(θ, η) = ∫ 𝓚(θ)∇θ·∇η.
 pub(crate) fn conduction(mesh: &Mesh, conductivity: &[Coefficient<Sym>], theta: &[f64]) -> Vec<f64> {
-    scalars(mesh, |e| mesh.flux_products(e), |cell, out| {
-        let Some(conductivity) = conductivity.get(cell.region).or(conductivity.last()) else { return };
-        cell.integrate(|cell, weight| {
-            let flux = cell.local(conductivity, theta).apply(&gradient(cell, theta));
-            for (out, g) in out.iter_mut().zip(&cell.map.gradients) {
-                *out += weight * dot(&flux, g);
-            }
-        });
-    })
+    scalars(
+        mesh,
+        |e| mesh.flux_products(e),
+        |cell, out| {
+            let Some(conductivity) = conductivity.get(cell.region).or(conductivity.last()) else { return };
+            cell.integrate(|cell, weight| {
+                let flux = cell.local(conductivity, theta).apply(&gradient(cell, theta));
+                for (out, g) in out.iter_mut().zip(&cell.map.gradients) {
+                    *out += weight * dot(&flux, g);
+                }
+            });
+        },
+    )
 }
 
 /// What the derivative of [`conduction`] has beside ∫ 𝓚(θ)∇δ·∇η: ∫ δ 𝓚′(θ)∇θ·∇η, rows η, columns δ.
@@ -106,10 +126,15 @@ pub(crate) fn conduction_slope(
 
 /// m(θ, v) = ∫ θ 𝓜(θ):ε(v).
 pub(crate) fn expanded(mesh: &Mesh, expansion: &[Coefficient<Sym>], theta: &[f64]) -> Vec<f64> {
-    vector(mesh, Dilatation::Full, |e| mesh.value_products(e, true), |cell| {
-        let expansion = expansion.get(cell.region).or(expansion.last())?;
-        Some(cell.scalar(theta) * cell.local(expansion, theta))
-    })
+    vector(
+        mesh,
+        Dilatation::Full,
+        |e| mesh.value_products(e, true),
+        |cell| {
+            let expansion = expansion.get(cell.region).or(expansion.last())?;
+            Some(cell.scalar(theta) * cell.local(expansion, theta))
+        },
+    )
 }
 
 /// The derivative of [`expanded`]: ∫ δ (θ𝓜(θ))′:ε(v), rows v, columns δ.
@@ -119,11 +144,17 @@ pub(crate) fn expansion_slope(
     expansion: &[Coefficient<Sym>],
     theta: &[f64],
 ) -> BlockMatrix {
-    works(mesh, graph, Dilatation::Full, |e| mesh.value_products(e, true), |cell| {
-        let expansion = expansion.get(cell.region).or(expansion.last())?;
-        let here = cell.scalar(theta);
-        Some(cell.local(expansion, theta) + here * slope(expansion, &cell.map.position, here))
-    })
+    works(
+        mesh,
+        graph,
+        Dilatation::Full,
+        |e| mesh.value_products(e, true),
+        |cell| {
+            let expansion = expansion.get(cell.region).or(expansion.last())?;
+            let here = cell.scalar(theta);
+            Some(cell.local(expansion, theta) + here * slope(expansion, &cell.map.position, here))
+        },
+    )
 }
 
 /// The derivative of [`residual`](super::residual) in the temperature: ∫ δ ∂𝓔(θ, ε(u))/∂θ:ε(v), rows v, columns δ.
@@ -134,11 +165,17 @@ pub(crate) fn law_slope(
     dilatation: Dilatation,
     [u, theta]: [&[f64]; 2],
 ) -> BlockMatrix {
-    works(mesh, graph, dilatation, |e| mesh.gradient_products(e), |cell| {
-        let law = of_region(laws, cell.region)?.graded()?;
-        let (x, strain) = (&cell.map.position, strain(cell, u));
-        let [from, to] = around(law.temperatures(), cell.scalar(theta))?;
-        let at = |theta: f64| law.at_temperature(x, theta).value(x, &strain);
-        Some((1.0 / (to - from)) * (at(to) - at(from)))
-    })
+    works(
+        mesh,
+        graph,
+        dilatation,
+        |e| mesh.gradient_products(e),
+        |cell| {
+            let law = of_region(laws, cell.region)?.graded()?;
+            let (x, strain) = (&cell.map.position, strain(cell, u));
+            let [from, to] = around(law.temperatures(), cell.scalar(theta))?;
+            let at = |theta: f64| law.at_temperature(x, theta).value(x, &strain);
+            Some((1.0 / (to - from)) * (at(to) - at(from)))
+        },
+    )
 }

@@ -86,15 +86,15 @@ pub(super) fn largest_norm(problem: &Problem, of: fn(&Material) -> &Coefficient<
     problem.values_of(of).iter().map(|sample| norm(&sample.value, dim)).fold(0.0, f64::max)
 }
 
-/// The words behind a number that is attained at a place and a temperature: ` at (0.0, 1.0, 0.0), θ = 20.0`, and nothing
-/// without them.
+/// The words behind a number that is attained at a place and a temperature: ` at (0.0, 1.0, 0.0), θ = 20.0`, and
+/// nothing without them.
 pub(super) fn attained(x: Option<Point>, theta: Option<f64>) -> String {
     let place = x.map(|x| format!(" at {}", at(&x))).unwrap_or_default();
     place + &theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default()
 }
 
-/// The finding on a datum that depends on the temperature between two: the hypotheses know no such data, and its constants
-/// are bounds over these temperatures.
+/// The finding on a datum that depends on the temperature between two: the hypotheses know no such data, and its
+/// constants are bounds over these temperatures.
 fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
     let (Some(first), Some(last)) = (temperatures.first(), temperatures.last()) else { return finding };
     let status = finding.status.max(FindingStatus::NotCovered);
@@ -109,8 +109,9 @@ fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
 fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
-    let [at_least, at_most] =
-        law.graded().map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x), i.theta)));
+    let [at_least, at_most] = law
+        .graded()
+        .map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x), i.theta)));
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
     let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {

@@ -268,7 +268,8 @@ fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
         let message = "u_n and θ_n are solved together: the condition holds for a step with given θ";
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material.expansion")));
     }
-    let is_warm = |m: &Material| !m.conductivity.temperatures().is_empty() || !m.heat_capacity.temperatures().is_empty();
+    let is_warm =
+        |m: &Material| !m.conductivity.temperatures().is_empty() || !m.heat_capacity.temperatures().is_empty();
     if problem.materials.iter().any(is_warm) {
         let message = "conductivity or heat capacity depend on the temperature: the heat equation of a step is not linear, and how many solutions it has is not checked";
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material")));

@@ -55,7 +55,8 @@ impl ProblemData {
         for (key, values) in
             [("density", self.values_of(|m| &m.density)), ("heat_capacity", self.values_of(|m| &m.heat_capacity))]
         {
-            let Some(Sample { value, x, theta }) = values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0)) else {
+            let Some(Sample { value, x, theta }) = values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0))
+            else {
                 continue;
             };
             let warm = theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default();

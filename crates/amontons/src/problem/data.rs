@@ -53,8 +53,8 @@ impl ProblemData {
         (self.materials.len() > 1).then_some(material)
     }
 
-    /// The value of a coefficient in a region, or its values at the points where it is evaluated if it varies, and at the
-    /// temperatures of one that depends on the temperature.
+    /// The value of a coefficient in a region, or its values at the points where it is evaluated if it varies, and at
+    /// the temperatures of one that depends on the temperature.
     pub(crate) fn values_in<T: Copy + Sync>(
         &self,
         material: usize,

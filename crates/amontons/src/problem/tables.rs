@@ -60,7 +60,9 @@ impl ProblemData {
                 let (Some(x), Some(&theta)) = (self.mesh.points.get(node as usize), theta.get(node as usize)) else {
                     continue;
                 };
-                tables.iter().for_each(|table| look(*table, theta, *x));
+                for table in &tables {
+                    look(*table, theta, *x);
+                }
             }
             // Between its nodes a polynomial of degree 1 has no extremes.
             if block.element.degree > 1 {
@@ -70,7 +72,9 @@ impl ProblemData {
                     map.at(cell, q);
                     let at = |(&node, value): (&u32, &f64)| theta.get(node as usize).map_or(0.0, |theta| value * theta);
                     let here = cell.iter().zip(map.values()).map(at).sum();
-                    tables.iter().for_each(|table| look(*table, here, map.position));
+                    for table in &tables {
+                        look(*table, here, map.position);
+                    }
                 }
             }
         }

@@ -221,9 +221,9 @@ fn before(step: &Step) -> f64 {
 
 /// The same of laws that depend on the temperature; none where none does, or where one has no potential.
 ///
-/// With W(u, θ) the energy and θ̂ the temperature that (4.1) was made with, the stress works W(u_n, θ̂) − W(u_{n−1}, θ̂) and
-/// what the scheme dissipates. The energy at t is W(u_n, θ_n): its change beyond that work is made by the moduli, which
-/// change at a fixed strain.
+/// With W(u, θ) the energy and θ̂ the temperature that (4.1) was made with, the stress works W(u_n, θ̂) − W(u_{n−1},
+/// θ̂) and what the scheme dissipates. The energy at t is W(u_n, θ_n): its change beyond that work is made by the
+/// moduli, which change at a fixed strain.
 fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
     let Step { discrete, old, .. } = *step;
     if !discrete.softens() {

@@ -293,8 +293,8 @@ struct Tangent {
     fluxes: Vec<[f64; 4]>,
     friction: Vec<[Point; 2]>,
     normals: Vec<Point>,
-    /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative of
-    /// conduction has beside its symmetric part.
+    /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative
+    /// of conduction has beside its symmetric part.
     force_slope: Option<BlockMatrix>,
     heat_slope: Option<BlockMatrix>,
 }

@@ -146,8 +146,8 @@ impl Begun {
         (self.mass_theta, self.d_theta) = (stored, conducted);
     }
 
-    /// Solves (4.2) where 𝓚 or the heat capacity depend on the temperature: passes with the symmetric part of the tangent
-    /// at an earlier temperature, mixed, with the contact solved in each.
+    /// Solves (4.2) where 𝓚 or the heat capacity depend on the temperature: passes with the symmetric part of the
+    /// tangent at an earlier temperature, mixed, with the contact solved in each.
     fn solve_nonlinear(
         mut self,
         step: &Step,
@@ -172,7 +172,7 @@ impl Begun {
                 half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
                 mixing = Mixing::default();
             } else {
-                self.theta = mixing.next(start, &self.theta);
+                self.theta = mixing.next(&start, &self.theta);
                 self.set_products(step);
             }
             previous = balance.residual;

@@ -11,9 +11,10 @@ use serde::{Deserialize, Serialize};
 ///     + k Σ ω p w_ν + k Σ ω q·w_τ = k (fₙ, wₙ) + k m(θₙ₋₁, wₙ) + [½a]
 /// ```
 ///
-/// where \[½a\] is what the energy changes by at a fixed strain where 𝓔 depends on the temperature: ½a(u, u) is taken at
-/// θ_n at the end of each step, ½a(uₙ − uₙ₋₁, uₙ − uₙ₋₁) and b at the temperature that the step sees. Further, with k w_ν = \[r\] + \[g\] + \[h\] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance
-/// energy Ψ, the dissipation Σ ω (p − p_ν)\[r\] of a layer with damping, Σ ω p \[h\] of wear, the work Σ ω p \[g\] on a
+/// where \[½a\] is what the energy changes by at a fixed strain where 𝓔 depends on the temperature: ½a(u, u) is taken
+/// at θ_n at the end of each step, ½a(uₙ − uₙ₋₁, uₙ − uₙ₋₁) and b at the temperature that the step sees. Further, with
+/// k w_ν = \[r\] + \[g\] + \[h\] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance energy Ψ,
+/// the dissipation Σ ω (p − p_ν)\[r\] of a layer with damping, Σ ω p \[h\] of wear, the work Σ ω p \[g\] on a
 /// foundation that moves, and what is left, ψ = Σ ω p_ν \[r\] − \[Ψ\]. ψ ≥ 0 if p_ν is nondecreasing; with `softening`
 /// and `adhesion` it may be negative, and with an obstacle that is followed \[r\] is a difference in two frames. The
 /// identity tests only the sum of these terms.

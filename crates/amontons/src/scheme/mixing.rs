@@ -8,8 +8,8 @@ const MEMORY: usize = 6;
 const INDEPENDENT: f64 = 1e-8;
 
 /// Speeds up an iteration x ← g(x): the next argument is the combination of the last values g at which the combined
-/// residual g − x is least (Anderson, J. ACM 12 (1965) 547; in the form of Walker and Ni, SIAM J. Numer. Anal. 49 (2011)
-/// 1715). On a linear problem it is equivalent to GMRES.
+/// residual g − x is least (Anderson, J. ACM 12 (1965) 547; in the form of Walker and Ni, SIAM J. Numer. Anal. 49
+/// (2011) 1715). On a linear problem it is equivalent to GMRES.
 #[derive(Default)]
 pub(super) struct Mixing {
     last: Option<[Vec<f64>; 2]>,
@@ -20,8 +20,8 @@ pub(super) struct Mixing {
 
 impl Mixing {
     /// The next argument after g(`from`) = `value`.
-    pub fn next(&mut self, from: Vec<f64>, value: &[f64]) -> Vec<f64> {
-        let residual: Vec<f64> = value.iter().zip(&from).map(|(value, from)| value - from).collect();
+    pub fn next(&mut self, from: &[f64], value: &[f64]) -> Vec<f64> {
+        let residual: Vec<f64> = value.iter().zip(from).map(|(value, from)| value - from).collect();
         if let Some([old_value, old_residual]) = &self.last {
             let minus = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>();
             self.values.push(minus(value, old_value));
@@ -44,7 +44,7 @@ impl Mixing {
                 step.iter_mut().zip(other_step).for_each(|(d, o)| *d -= share * o);
             }
             let length = dot(&direction, &direction).sqrt();
-            if !(length > INDEPENDENT * size) {
+            if length <= INDEPENDENT * size || length.is_nan() {
                 break;
             }
             direction.iter_mut().chain(&mut step).for_each(|entry| *entry /= length);
@@ -62,8 +62,8 @@ impl Mixing {
 mod tests {
     use super::*;
 
-    /// x ← Mx + b in four dimensions, with M not symmetric: after as many changes as there are dimensions the residual is
-    /// round-off, as that of GMRES.
+    /// x ← Mx + b in four dimensions, with M not symmetric: after as many changes as there are dimensions the residual
+    /// is round-off, as that of GMRES.
     #[test]
     fn a_linear_iteration_ends_after_as_many_passes_as_unknowns() {
         let m = [[0.5, -0.4, 0.1, 0.0], [0.3, 0.6, 0.0, -0.2], [0.0, 0.2, -0.7, 0.3], [0.1, 0.0, 0.5, 0.4]];
@@ -72,7 +72,7 @@ mod tests {
         let (mut mixing, mut x) = (Mixing::default(), vec![0.0; 4]);
         for _ in 0..5 {
             let value = g(&x);
-            x = mixing.next(x, &value);
+            x = mixing.next(&x, &value);
         }
         let residual = g(&x).iter().zip(&x).map(|(g, x)| (g - x).abs()).fold(0.0, f64::max);
         assert!(residual < 1e-13, "{residual}");

@@ -171,8 +171,8 @@ impl Step<'_> {
 
 /// When a matrix that changes from pass to pass is factorized anew.
 ///
-/// A factor costs as much as many passes with it, and the matrix changes little from step to step: it is kept as long as
-/// the residual falls fast. A new one may not help, as where a law bends: the passes between two of them double.
+/// A factor costs as much as many passes with it, and the matrix changes little from step to step: it is kept as long
+/// as the residual falls fast. A new one may not help, as where a law bends: the passes between two of them double.
 #[derive(Default)]
 pub(super) struct Renewal {
     passes: usize,
@@ -183,8 +183,8 @@ pub(super) struct Renewal {
 const SLOW: f64 = 0.1;
 
 impl Renewal {
-    /// Whether an iteration whose matrix is not that of the iterate is at the round-off of the residual: the sums of the
-    /// audit take every entry of it, and an iterate is not accepted because it happens to be near.
+    /// Whether an iteration whose matrix is not that of the iterate is at the round-off of the residual: the sums of
+    /// the audit take every entry of it, and an iterate is not accepted because it happens to be near.
     pub fn has_ended(residual: f64, ratio: f64) -> bool {
         residual <= f64::EPSILON || (residual <= REFINE && ratio > 0.25) || (residual <= ACCEPTED && ratio > 0.5)
     }

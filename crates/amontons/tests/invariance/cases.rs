@@ -123,7 +123,9 @@ fn thermal(name: &'static str, case: Case) -> Case {
         assert_eq!(template.matches(old).count(), 1, "{name}: {old}");
         template = template.replace(old, &new);
     }
-    for (key, new) in [("expansion", table("Pa/K", "0.5, 1.5", space)), ("conductivity", table("W/mK", "0.4, 2", space))] {
+    for (key, new) in
+        [("expansion", table("Pa/K", "0.5, 1.5", space)), ("conductivity", table("W/mK", "0.4, 2", space))]
+    {
         let (before, rest) = template.split_once(&format!("{key} = <")).expect("the key");
         let (_, after) = rest.split_once('>').expect("the end of a token");
         template = format!("{before}{key} = {new}{after}");

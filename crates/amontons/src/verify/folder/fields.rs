@@ -149,7 +149,8 @@ impl Fields {
             let (rho, inertia) = discretization.inertia();
             let kinetic = 0.5 * rho * dot(&state.w, &inertia.apply(&state.w));
             note(columns::KINETIC.name, kinetic, kinetic.abs());
-            let elastic = discretization.stored_energy(&state.u, &state.theta).filter(|_| discretization.branches.is_empty());
+            let elastic =
+                discretization.stored_energy(&state.u, &state.theta).filter(|_| discretization.branches.is_empty());
             if let Some(elastic) = elastic {
                 // A body that is moved as a whole has terms that cancel.
                 let sizes = discretization.elastic_sizes(&state.u, &state.theta);
