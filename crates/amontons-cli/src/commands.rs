@@ -100,6 +100,7 @@ fn settings(case: &Case, dir: &Path, certificate: bool, progress: &Progress) -> 
         certificate,
         known: output::known_certificate(dir, &case.fingerprint()),
         watch: Some(progress.watch()),
+        ..Settings::default()
     }
 }
 

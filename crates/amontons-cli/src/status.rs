@@ -128,7 +128,7 @@ impl Failure {
             Failure::Plot(_) => FILE,
             Failure::Study { error, .. } => match error {
                 StudyError::Interrupted => INTERRUPTED,
-                StudyError::Setup { source: SetupError::Initial(_), .. } => CASE,
+                StudyError::Setup { source: SetupError::Initial(_) | SetupError::Data(_), .. } => CASE,
                 StudyError::Times { .. } | StudyError::Transfer { .. } => USAGE,
                 StudyError::Setup { .. } | StudyError::Step { .. } => SOLVER,
             },
@@ -137,7 +137,7 @@ impl Failure {
             Failure::Checkpoint(error) => of_checkpoint(error),
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
-                RunError::Setup(SetupError::Initial(_)) => CASE,
+                RunError::Setup(SetupError::Initial(_) | SetupError::Data(_)) => CASE,
                 RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
                 RunError::Interrupted(_) => INTERRUPTED,
                 RunError::Output(error) => of_output(error),

@@ -7,6 +7,7 @@ mod facets;
 mod generate;
 mod geometry;
 pub mod gmsh;
+pub mod inp;
 mod locator;
 mod read;
 mod round;
@@ -23,7 +24,7 @@ pub(crate) use geometry::invert;
 pub use geometry::{CellMap, FacetMap};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
-pub use read::{FilePosition, MeshFileError, read};
+pub use read::{EXTENSIONS, FilePosition, MeshFileError, parse, read};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};

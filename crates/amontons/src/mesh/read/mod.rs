@@ -3,6 +3,7 @@
 //! | extension | format | regions | sides |
 //! |---|---|---|---|
 //! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d | physical groups of dimension d − 1 |
+//! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces and node sets |
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
 //! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
@@ -10,12 +11,14 @@
 //! the whole boundary is the side `boundary`.
 
 mod loose;
+mod serendipity;
 
 use std::path::{Path, PathBuf};
 
 use super::Mesh;
 use crate::machine;
 pub(super) use loose::{Kind, Loose, LooseBlock};
+pub(super) use serendipity::completed;
 
 /// Longest mesh file in bytes.
 const LONGEST: u64 = 4 << 30;
@@ -247,7 +250,9 @@ impl MeshFileError {
         let expected = match self {
             MeshFileError::In { fault, .. } => return fault.expected(),
             MeshFileError::Unreadable { .. } | MeshFileError::Grid { .. } => return None,
-            MeshFileError::Extension { .. } => ".msh (Gmsh) or .vtu (VTK unstructured grid)",
+            MeshFileError::Extension { .. } => {
+                ".msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+            }
             MeshFileError::Syntax { expected, .. } => expected,
             MeshFileError::Version { .. } => "2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
             MeshFileError::Count { room, .. } => {
@@ -301,7 +306,7 @@ impl std::fmt::Display for MeshFileError {
 
 impl std::error::Error for MeshFileError {}
 
-/// Reads a mesh from a file, Gmsh or VTK by its extension.
+/// Reads a mesh from a file, its format by the extension.
 ///
 /// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of
 /// the whole mesh (inverted cells, facets inside the body), listed by [`defects`](crate::mesh::defects::defects).
@@ -312,14 +317,28 @@ impl std::error::Error for MeshFileError {}
 pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
     let inside = |fault| MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let parse = match extension.as_str() {
-        "msh" => super::gmsh::parse,
-        "vtu" => super::vtu::parse,
-        _ => return Err(inside(MeshFileError::Extension { found: extension })),
-    };
+    if !EXTENSIONS.contains(&extension.as_str()) {
+        return Err(inside(MeshFileError::Extension { found: extension }));
+    }
     let bytes =
         machine::read(path, LONGEST).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }))?;
-    parse(&bytes).map_err(inside)
+    parse(&extension, &bytes).map_err(inside)
+}
+
+/// Extensions of the formats that are read, in small letters.
+pub const EXTENSIONS: [&str; 3] = ["msh", "inp", "vtu"];
+
+/// Reads a mesh from the bytes of a file with this extension, in small letters.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn parse(extension: &str, bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    match extension {
+        "msh" => super::gmsh::parse(bytes),
+        "inp" => super::inp::parse(bytes).map(|read| read.mesh),
+        "vtu" => super::vtu::parse(bytes),
+        _ => Err(MeshFileError::Extension { found: extension.to_owned() }),
+    }
 }
 
 impl Mesh {

@@ -1,0 +1,53 @@
+//! Meshes of Abaqus and CalculiX: input files (`.inp`), as documented in the manuals of Abaqus ("Input syntax rules",
+//! "Element-based surface definition") and CalculiX CrunchiX ("Input deck format").
+//!
+//! Read are `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` with `GENERATE`, `*SURFACE` of faces of elements and of nodes,
+//! `*SOLID SECTION`, and parts with their instances. Everything else is skipped and named in [`Read::skipped`]: materials,
+//! loads and steps are those of the case file.
+//!
+//! - Regions are the element sets of the solid sections; without sections, the sets that the `*ELEMENT` lines name.
+//! - Sides are the surfaces, and the node sets that hold all nodes of a facet of the boundary.
+//! - With several instances, the sets of a part have the name of the instance and a point in front of theirs.
+//! - Names are compared without regard to case, as Abaqus does, and keep the spelling of their first definition.
+
+mod lines;
+mod model;
+mod sets;
+mod solid;
+
+use super::Mesh;
+use super::read::{FilePosition, MeshFileError};
+
+/// A mesh from an input file.
+#[derive(Clone, Debug)]
+pub struct Read {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What the file has besides, in its order.
+    pub skipped: Vec<Skipped>,
+}
+
+/// Something in an input file that is no part of the mesh.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Skipped {
+    /// A keyword with its star, or elements of a type.
+    pub what: String,
+    /// Line of the first of them.
+    pub line: usize,
+    /// How many there are: keywords, or elements.
+    pub count: usize,
+}
+
+/// Reads a mesh from the bytes of an input file.
+///
+/// # Errors
+/// When the bytes are no mesh of one body; the error names the line.
+pub fn parse(bytes: &[u8]) -> Result<Read, MeshFileError> {
+    let text = String::from_utf8_lossy(bytes);
+    let model = model::Model::of(&lines::keywords(&text)?)?;
+    let skipped = model.skipped.clone();
+    let (loose, axisymmetric) = sets::loose(model)?;
+    let mut mesh = loose.into_mesh(FilePosition::Line)?;
+    mesh.axisymmetric = axisymmetric && mesh.dim == 2;
+    Ok(Read { mesh, skipped })
+}
