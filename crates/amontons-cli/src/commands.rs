@@ -198,6 +198,9 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
             "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
         ),
         RunError::Step { source: StepError::Data { key, .. }, .. } => format!("{kept}; correct {key}"),
+        RunError::Step { source: StepError::Uncovered { found, .. }, .. } => {
+            format!("{kept}; extend the table of {} to the temperatures that occur, or change the heat load", found.key)
+        }
         RunError::Unsound(_) => format!("{kept}; `amontons check` may name the cause in the data"),
         RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
         _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),

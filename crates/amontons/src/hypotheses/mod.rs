@@ -27,6 +27,7 @@ mod reach;
 mod sample;
 mod softening;
 mod step;
+mod tensors;
 mod theorem;
 pub mod warnings;
 
