@@ -138,6 +138,13 @@ impl BackwardEuler {
         if is_iterative { "iterative" } else { "direct" }
     }
 
+    /// Why systems are solved in this way: of the mechanical half-step, or else of heat.
+    #[must_use]
+    pub fn why(&self) -> String {
+        let choice = self.systems.all().find_map(System::choice);
+        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
+    }
+
     /// Numbers that both factors store.
     #[must_use]
     pub fn stored(&self) -> usize {
