@@ -187,7 +187,10 @@ impl<'a> Body<'a> {
             return Some(("the body has several materials", "region".to_owned()));
         }
         if is_graded(m) {
-            return Some(("the coefficients of the material vary in space", "material".to_owned()));
+            return Some((
+                "the coefficients of the material vary in space or with the temperature",
+                "material".to_owned(),
+            ));
         }
         if heat_acts_at_once(problem) {
             return Some(("θ_n acts on u_n in the same step", "material.expansion".to_owned()));

@@ -165,6 +165,7 @@ columns! { History:
     PARTS = number("parts", Measure::Number, |row| row.report.parts as f64);
     CONTACT_CENTER = vector("contact_center", Measure::Length, |row| vector(&row.contact.center));
     FOUNDATION_TEMPERATURE = optional("foundation_temperature", Measure::Temperature, |row| row.foundation);
+    MODULUS_WORK = number("modulus_work", Measure::Energy, |row| row.ledger.modulus_work);
     HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
     PRESSURE_MAX = number("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
 }
@@ -206,6 +207,7 @@ const OF_STEP: &[&Column<History>] = &[
     &HEAT_SURROUNDINGS,
     &PARTS,
     &CONTACT_CENTER,
+    &MODULUS_WORK,
 ];
 
 /// Those of each contact where there are several, after its [`FOUNDATION_TEMPERATURE`].

@@ -8,6 +8,7 @@ mod check;
 mod data;
 mod physics;
 mod range;
+mod tables;
 
 use std::fmt;
 use std::ops::Deref;
@@ -17,6 +18,8 @@ use std::sync::atomic::AtomicBool;
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub(crate) use data::{Datum, Role, Sample};
 pub use physics::Physics;
+pub use tables::Uncovered;
+pub(crate) use tables::first_warm;
 
 use crate::contact::{Contact, ContactBoundary};
 use crate::field::Field;

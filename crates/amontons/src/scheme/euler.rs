@@ -11,7 +11,7 @@ use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step};
 use super::{
-    Accumulated, ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport,
+    Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Scheme, SetupError, State, StepError, StepReport,
 };
 use crate::contact::Contact;
 use crate::inclusion::{Multipliers, Rule};
@@ -32,6 +32,8 @@ pub struct BackwardEuler {
     problem: Problem,
     discrete: Discretization,
     backend: Arc<dyn Backend>,
+    /// The temperature at which matrices are factorized at first.
+    start: Vec<f64>,
     systems: Systems,
     /// Those of halved steps: k/2, k/4 and so on, kept while steps are halved.
     halved: Vec<Systems>,
@@ -51,22 +53,22 @@ struct Systems {
 }
 
 impl Systems {
-    /// Factorizes K_u and K_θ for step length `k`. For nonlinear laws K_u is the tangent at rest; each step replaces
-    /// it.
+    /// Factorizes K_u and K_θ for step length `k`, at the temperature `theta`. For nonlinear laws K_u is the tangent at
+    /// rest; each step replaces it.
     ///
     /// # Errors
     /// The name of the system that cannot be factorized, and why.
     fn factorize(
         problem: &Problem,
         discrete: &Discretization,
-        k: f64,
+        (k, theta): (f64, &[f64]),
         backend: &Arc<dyn Backend>,
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
         let mechanics =
-            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest), discrete, &discrete.v, backend);
-        let heat = || HalfStep::new(discrete.thermal_matrix(rule), discrete, &discrete.q, backend);
+            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest, theta), discrete, &discrete.v, backend);
+        let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
             || physics.has_mechanics().then(mechanics).transpose(),
@@ -84,6 +86,10 @@ impl Systems {
         self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
     }
 
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
+        self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
+    }
+
     fn factorizations(&self) -> (usize, usize) {
         self.all().fold((0, 0), |(matrices, contacts), system| {
             let (matrix, contact) = system.factorizations();
@@ -99,50 +105,34 @@ impl BackwardEuler {
     /// # Errors
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem) -> Result<BackwardEuler, SetupError> {
-        BackwardEuler::with_backend(problem, Arc::clone(&problem.backend))
+        BackwardEuler::with_backend(problem, &problem.backend)
     }
 
-    /// The same with another backend than that of the problem.
+    /// The scheme as the setting of a run or a study.
     ///
     /// # Errors
     /// Those of [`BackwardEuler::new`].
-    pub fn with_backend(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
+    pub fn make(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError> {
+        Ok(Box::new(BackwardEuler::with_backend(problem, backend)?))
+    }
+
+    /// The same with another backend than that of the problem.
+    fn with_backend(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
-        let k = problem.k();
-        let systems = Systems::factorize(problem, &discrete, k, &backend)
+        let (k, initial) = (problem.k(), std::slice::from_ref(&problem.initial.temperature));
+        let start = discrete.q.interpolate(&discrete.mesh, initial, 0.0);
+        let systems = Systems::factorize(problem, &discrete, (k, &start), backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
             problem: problem.clone(),
             discrete,
-            backend,
+            backend: Arc::clone(backend),
+            start,
             systems,
             halved: Vec::new(),
             given_up: (0, 0),
             products: None,
         })
-    }
-
-    /// Unknowns of displacement, temperature and on Γ_C.
-    #[must_use]
-    pub fn unknowns(&self) -> [usize; 3] {
-        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
-            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
-        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
-        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
-    }
-
-    /// How systems are solved: `iterative` if one of them is, else `direct`.
-    #[must_use]
-    pub fn backend(&self) -> &'static str {
-        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
-        if is_iterative { "iterative" } else { "direct" }
-    }
-
-    /// Why systems are solved in this way: of the mechanical half-step, or else of heat.
-    #[must_use]
-    pub fn why(&self) -> String {
-        let choice = self.systems.all().find_map(System::choice);
-        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
     }
 
     /// Numbers that both factors store.
@@ -195,18 +185,20 @@ impl BackwardEuler {
     }
 
     /// Factorizes for parts of 2^−halvings of a step.
-    fn halve(&mut self, n: usize, t: f64, halvings: usize) -> Result<(), StepError> {
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    fn halve(&mut self, halvings: usize) -> Result<(), (&'static str, SolveError)> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
-            let systems = Systems::factorize(&self.problem, &self.discrete, k, &self.backend);
-            self.halved.push(systems.map_err(|(_, source)| StepError::Singular { step: n, t, source })?);
+            self.halved.push(Systems::factorize(&self.problem, &self.discrete, (k, &self.start), &self.backend)?);
         }
         Ok(())
     }
 
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
-        self.halve(n, end.t, HALVINGS)?;
+        self.halve(HALVINGS).map_err(|(_, source)| StepError::Singular { step: n, t: end.t, source })?;
         let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
@@ -227,7 +219,7 @@ impl BackwardEuler {
 
     /// Makes a step, or a part of it, as a whole.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
-        self.halve(n, t, halvings)?;
+        self.halve(halvings).map_err(|(_, source)| StepError::Singular { step: n, t, source })?;
         let products = self
             .products
             .take()
@@ -259,6 +251,9 @@ impl BackwardEuler {
         };
         let krylov = krylov_iterations(mechanics.as_ref(), heat.as_ref()) - before;
         let made = made?;
+        if let Some(found) = problem.uncovered(&made.heat.theta) {
+            return Err(StepError::Uncovered { step: n, t, found: Box::new(found) });
+        }
         let ledger = audit(&now, &made.mechanics, &made.heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
@@ -371,10 +366,10 @@ impl Scheme for BackwardEuler {
                 return Err(SetupError::Initial(name));
             }
         }
-        let ((rho, inertia), (c, storage)) = (self.discrete.inertia(), self.discrete.storage());
+        let ((rho, inertia), (c, _)) = (self.discrete.inertia(), self.discrete.storage());
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
         // Without a potential the energy is counted from the initial state.
-        let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
+        let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
         let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
@@ -385,7 +380,7 @@ impl Scheme for BackwardEuler {
                 * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
-        let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
+        let heat_content = c * self.discrete.stored_heat(&theta).iter().sum::<f64>();
         let heat_foundation: f64 = self
             .problem
             .contacts
@@ -439,5 +434,34 @@ impl Scheme for BackwardEuler {
     fn factorizations(&self) -> (usize, usize) {
         let all = std::iter::once(&self.systems).chain(&self.halved).map(Systems::factorizations);
         all.fold(self.given_up, |sum, (matrices, contacts)| (sum.0 + matrices, sum.1 + contacts))
+    }
+
+    fn kept(&self) -> Kept {
+        let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
+        Kept { halvings: self.halved.len(), tangents: all.map(|system| system.condensed().kept()).collect() }
+    }
+
+    fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
+        self.halve(kept.halvings.min(HALVINGS)).map_err(|(part, source)| SetupError::Factor { part, source })?;
+        let all = std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut);
+        all.zip(&kept.tangents).for_each(|(system, kept)| system.condensed_mut().recall(kept));
+        Ok(())
+    }
+
+    fn unknowns(&self) -> [usize; 3] {
+        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
+            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
+        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
+        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
+    }
+
+    fn backend(&self) -> &'static str {
+        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
+        if is_iterative { "iterative" } else { "direct" }
+    }
+
+    fn backend_reason(&self) -> String {
+        let choice = self.systems.all().find_map(System::choice);
+        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
     }
 }

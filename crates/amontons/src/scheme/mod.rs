@@ -9,6 +9,7 @@ mod foundation;
 mod heat;
 mod ledger;
 mod mechanics;
+mod mixing;
 mod system;
 
 pub use crate::discretization::Discretization;
@@ -17,10 +18,13 @@ pub use foundation::Accumulated;
 pub use ledger::Ledger;
 pub use system::{ACCEPTED, REFINE};
 
+use std::fmt;
+use std::sync::Arc;
+
 use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
-use crate::linalg::SolveError;
-use crate::problem::Coupling;
+use crate::linalg::{Backend, SolveError, TangentKey};
+use crate::problem::{Coupling, Faults, Problem, Uncovered};
 use crate::tensor::Point;
 
 /// The state at a time t_n: what the next step starts from.
@@ -166,8 +170,10 @@ pub struct ContactReport {
 pub enum StepError {
     /// The iteration on Γ_C did not end.
     #[error(
-        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
-        .why.iterations, .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
+        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations{}; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
+        .why.iterations,
+        if *.parts > 1 { format!(", not even in a part of 1/{} of the step: the step and its longer parts were tried before", .parts) } else { String::new() },
+        .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
     )]
     NotConverged {
         /// The step n that failed.
@@ -176,6 +182,8 @@ pub enum StepError {
         t: f64,
         /// `mechanics` or `heat`.
         part: &'static str,
+        /// Parts of the step, of which one was tried: more than one where the step was halved.
+        parts: usize,
         /// Iterations, residual and contact pattern.
         why: Box<NotConverged>,
         /// The contact points whose states did not settle, in words; empty if all did.
@@ -253,6 +261,19 @@ pub enum StepError {
         /// Where, m.
         at: Point,
     },
+    /// A table of a material does not cover a temperature of the step.
+    #[error(
+        "step {step} (t = {t:.6e}): the temperature is {:?} at ({}, {}, {}), but the table of {} covers the temperatures from {:?} to {:?} only",
+        .found.theta, .found.at[0], .found.at[1], .found.at[2], .found.key, .found.range[0], .found.range[1]
+    )]
+    Uncovered {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The table and the temperature.
+        found: Box<Uncovered>,
+    },
     /// A number is infinite or not a number.
     #[error("step {step} (t = {t:.6e}): {part} has values that are not finite: data overflow or are not defined there")]
     NotFinite {
@@ -291,10 +312,27 @@ pub enum SetupError {
     /// Initial data are not finite.
     #[error("the initial {0} is not finite at every node")]
     Initial(&'static str),
+    /// The problem that a scheme makes of its own has faults.
+    #[error(transparent)]
+    Data(#[from] Faults),
 }
 
+/// Factorizations that a scheme keeps between steps, so that the counts of a run that goes on are those of one without
+/// a break.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Kept {
+    /// How many of the step lengths k/2, k/4, … have matrices.
+    pub halvings: usize,
+    /// The tangents on Γ_C of each system.
+    pub tangents: Vec<Vec<TangentKey>>,
+}
+
+/// Makes the scheme that steps a problem through time, with the backend that solves its linear systems: the setting
+/// of runs and studies, [`BackwardEuler::make`] by default.
+pub type MakeScheme = fn(&Problem, &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError>;
+
 /// A time-stepping scheme for a problem.
-pub trait Scheme {
+pub trait Scheme: fmt::Debug + Send + Sync {
     /// The discrete problem.
     fn discretization(&self) -> &Discretization;
     /// The state at t = 0, (4.3).
@@ -309,4 +347,21 @@ pub trait Scheme {
     fn step(&mut self, state: &State) -> Result<(State, StepReport), StepError>;
     /// Factorizations of the matrices so far, and of contact systems.
     fn factorizations(&self) -> (usize, usize);
+    /// What a run that goes on from here has to factorize again.
+    fn kept(&self) -> Kept {
+        Kept::default()
+    }
+    /// Makes the factorizations of the matrices that the run before had kept, and takes its tangents as factorized.
+    ///
+    /// # Errors
+    /// When a matrix cannot be factorized.
+    fn recall(&mut self, _kept: &Kept) -> Result<(), SetupError> {
+        Ok(())
+    }
+    /// Unknowns of displacement, temperature and on Γ_C.
+    fn unknowns(&self) -> [usize; 3];
+    /// How systems are solved: `iterative` if one of them is, else `direct`.
+    fn backend(&self) -> &'static str;
+    /// Why: what either way was predicted to take, of the mechanical half-step where there is one.
+    fn backend_reason(&self) -> String;
 }

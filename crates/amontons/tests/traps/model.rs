@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use amontons::linalg::{Estimate, Graph, Layout};
 use amontons::mesh::{Elements, Mesh};
 use amontons::model::Model;
-use amontons::scheme::BackwardEuler;
+use amontons::scheme::{BackwardEuler, Scheme};
 
 use super::{BAR, BLOCK, doubled, near, problem};
 

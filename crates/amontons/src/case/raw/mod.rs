@@ -22,7 +22,8 @@ pub(in crate::case) use boundary::{Boundary, Support};
 pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
 pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Scalar, TableData};
 pub(in crate::case) use material::{
-    Branch, Dilatation, Elasticity, Expansion, Material, Orientation, Region, StressState, Tensor, Viscosity,
+    Branch, Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor,
+    Viscosity,
 };
 pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
