@@ -459,4 +459,9 @@ impl Scheme for BackwardEuler {
         let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
         if is_iterative { "iterative" } else { "direct" }
     }
+
+    fn backend_reason(&self) -> String {
+        let choice = self.systems.all().find_map(System::choice);
+        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
+    }
 }

@@ -362,4 +362,6 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     fn unknowns(&self) -> [usize; 3];
     /// How systems are solved: `iterative` if one of them is, else `direct`.
     fn backend(&self) -> &'static str;
+    /// Why: what either way was predicted to take, of the mechanical half-step where there is one.
+    fn backend_reason(&self) -> String;
 }

@@ -153,7 +153,7 @@ pub(in crate::case) struct Solver {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Backend {
-    /// The program chooses from the size of the body, and says so.
+    /// The program predicts time and memory of both, takes the faster one that fits, and says why.
     #[default]
     Auto,
     /// One factor of each matrix: the fastest in the plane, and in space up to some ten thousand unknowns.
