@@ -7,7 +7,6 @@ use super::{State, StepError};
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
 use crate::tensor::Point;
-use std::sync::Arc;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
@@ -92,7 +91,7 @@ impl Given {
         multipliers: &Multipliers,
     ) -> Result<bool, SolveError> {
         let [from, to] = [&step.old.w, w].map(|w| half.system.kept_of(w));
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
             on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
         })
@@ -139,7 +138,8 @@ impl Mechanics {
         loop {
             if is_stale {
                 let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w, theta);
-                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
+                let at = if softens { theta } else { &[] };
+                half.replace(tangent, at).map_err(|source| step.singular(source))?;
             }
             let (w, multipliers, iterations) = equation.pass(half, &now)?;
             newton += iterations;
@@ -164,7 +164,7 @@ impl Mechanics {
     /// Factorizes K_u as it is at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
         let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &self.theta);
-        half.system.replace(&Arc::new(tangent))
+        half.replace(tangent, &self.theta)
     }
 
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
@@ -193,7 +193,7 @@ impl Mechanics {
     /// sees.
     pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Vec<Entry>, Vec<PointDerivative>) {
         let w = half.system.kept_of(&self.w);
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         self.given
             .on_boundary(step, on_contact)
             .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
@@ -245,7 +245,7 @@ impl<'a> Equation<'a> {
         let step = self.step;
         let right = self.right(now);
         step.finite(&right, "the data")?;
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&now.w);
         let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
         let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
