@@ -219,8 +219,8 @@ fn a_damaged_checkpoint_is_told() {
         spoil(&bytes, "damaged");
     }
     let mut other = good.clone();
-    other[16] = 9;
-    spoil(&other, "format 9");
+    other[16] = 10;
+    spoil(&other, "format 10");
     fs::write(&file, &good).expect("a file");
     assert_code(&resume(&broken, &[]), 0);
 }

@@ -243,7 +243,8 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
         return None;
     }
     let energy = |u: &[f64], theta: &[f64]| discrete.stored_energy(u, theta);
-    let [from, to, elastic] = [energy(&old.u, &m.theta)?, energy(&m.u, &m.theta)?, energy(&m.u, theta)?];
+    let [to, elastic] = [energy(&m.u, &m.theta)?, energy(&m.u, theta)?];
+    let from = if m.theta == old.theta { before(step) } else { energy(&old.u, &m.theta)? };
     let change = difference(&m.u, &old.u);
     let scheme = if discrete.is_linearly_elastic() {
         0.5 * dot(&change, &discrete.apply_a(&change, &m.theta))

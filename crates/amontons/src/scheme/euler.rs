@@ -66,8 +66,14 @@ impl Systems {
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
-        let mechanics =
-            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest, theta), discrete, &discrete.v, backend);
+        let mechanics = || {
+            HalfStep::new(
+                discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
+                discrete,
+                &discrete.v,
+                backend,
+            )
+        };
         let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
@@ -104,7 +110,7 @@ impl Systems {
         if let Some(half) = &mut self.mechanics
             && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
         {
-            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, theta);
+            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, &discrete.warmed(theta));
             half.replace(tangent, theta).map_err(|source| ("mechanical", source))?;
         }
         if let Some(half) = &mut self.heat

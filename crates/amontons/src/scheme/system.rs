@@ -230,7 +230,7 @@ pub(super) struct Products {
 impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
-        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &state.theta);
+        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &discrete.warmed(&state.theta));
         let (mass_theta, d_theta) = (discrete.stored_heat(&state.theta), discrete.apply_d(&state.theta));
         Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
