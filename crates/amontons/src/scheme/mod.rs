@@ -323,6 +323,9 @@ pub enum SetupError {
 pub struct Kept {
     /// How many of the step lengths k/2, k/4, … have matrices.
     pub halvings: usize,
+    /// The temperature of each system whose matrix was factorized anew for it; empty for others.
+    #[serde(default)]
+    pub temperatures: Vec<Vec<f64>>,
     /// The tangents on Γ_C of each system.
     pub tangents: Vec<Vec<TangentKey>>,
 }
