@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::coefficient::Refusal;
 use super::raw::{Coefficient, Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
-    Adhesion, Archard, Bilateral, Capped, Compliance, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless,
+    Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless,
     GapConduction, HeatLaw, HuntCrossley, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance,
     PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop,
     TableFault, Tabulated, Tresca, Variable, WearLaw,
@@ -217,6 +217,12 @@ fn heat_law<'a, L: HeatLaw + 'static>(
 /// One law of heat exchange.
 pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
     match raw {
+        HeatTerm::Constant { conductance, truncation } => {
+            heat_law(&[("conductance", conductance)], truncation.as_ref(), |v, truncation| ConstantConductance {
+                conductance: v[0],
+                truncation,
+            })
+        }
         HeatTerm::Ramp { conductance, width, truncation } => {
             heat_law(&[("conductance", conductance), ("width", width)], truncation.as_ref(), |v, truncation| Ramp {
                 conductance: v[0],
@@ -250,9 +256,11 @@ pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
     }
 }
 
-/// The share of friction heat that enters the body.
-pub(super) fn frictional_heat(partition: &Datum) -> HeatPlan<'_> {
-    heat_law(&[("frictional_heat", partition)], None, |v, _| FrictionalHeat { partition: v[0] })
+/// The share of friction heat that enters the side of the contact points: the share given, or what that leaves.
+pub(super) fn frictional_heat(partition: &Datum, is_other: bool) -> HeatPlan<'_> {
+    heat_law(&[("frictional_heat", partition)], None, move |v, _| FrictionalHeat {
+        partition: if is_other { 1.0 - v[0] } else { v[0] },
+    })
 }
 
 /// What a law of wear takes and makes.

@@ -32,6 +32,7 @@ mod mesh;
 mod nearest;
 mod obstacle;
 mod overrides;
+mod pair;
 mod parse;
 mod path;
 mod physics;

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
+use super::mortar::{Mortar, MortarRow};
+use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
@@ -20,13 +21,16 @@ pub enum Quadrature {
     Gauss,
 }
 
-/// Contact of one part of the boundary with the foundation: made by [`Contact::new`], its fields then set.
+/// Contact of one part of the boundary with the foundation, or with a side of a deformable body: made by
+/// [`Contact::new`], its fields then set.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Contact {
     /// Name of the facet set that is Γ_C.
     pub on: String,
-    /// g in m.
+    /// The other side of a pair; none where the foundation is rigid.
+    pub pair: Option<Pair>,
+    /// g in m; of a pair what is added to the gap of its geometry, or given instead.
     pub gap: Field,
     /// Where the laws are evaluated.
     pub quadrature: Quadrature,
@@ -56,6 +60,7 @@ impl Contact {
     pub fn new(on: impl Into<String>, normal: impl NormalLaw + 'static) -> Contact {
         Contact {
             on: on.into(),
+            pair: None,
             gap: Field::ZERO,
             quadrature: Quadrature::Nodal,
             normal: Arc::new(normal),
@@ -67,6 +72,41 @@ impl Contact {
             wear: None,
             foundation_velocity: Vec::new(),
         }
+    }
+
+    /// The same contact against a side of a deformable body.
+    #[must_use]
+    pub fn with(self, pair: Pair) -> Contact {
+        Contact { pair: Some(pair), ..self }
+    }
+
+    /// The side that bears the contact points: of a pair the nonmortar side.
+    #[must_use]
+    pub fn bearing(&self) -> &str {
+        self.pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&self.on, |pair| &pair.with)
+    }
+
+    /// The side that the bearing one faces; none where the foundation is rigid.
+    #[must_use]
+    pub fn facing(&self) -> Option<&str> {
+        self.pair.as_ref().map(|pair| if pair.on_is_mortar { self.on.as_str() } else { pair.with.as_str() })
+    }
+
+    /// Both sides.
+    pub fn sides(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(self.on.as_str()).chain(self.pair.as_ref().map(|pair| pair.with.as_str()))
+    }
+
+    /// Factor of a force on the bearing side that makes it one on the side `on`.
+    #[must_use]
+    pub fn sign(&self) -> f64 {
+        if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
+    }
+
+    /// Whether the power of friction heats both bodies of a pair.
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        self.pair.as_ref().is_some_and(|pair| pair.friction_heats)
     }
 
     /// The same contact with this law p_τ.
@@ -125,12 +165,27 @@ pub struct PointOnBoundary {
     pub weight: f64,
     /// Which of the contacts of the problem this is a point of.
     pub contact: usize,
-    /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here.
+    /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here; of a pair
+    /// those of the other side as well, with the opposite sign, so that their sum is the jump.
     pub nodes: Vec<(usize, f64)>,
+    /// How many of these are on the side of the point; they come first.
+    pub own: usize,
+    /// The gap of the geometry of a pair in m; zero at a foundation.
+    pub gap: f64,
+    /// Whether the point bears no friction: in a pair at nodes with a displacement that is prescribed.
+    pub is_smooth: bool,
+}
+
+/// The side of one contact.
+pub enum Side<'a> {
+    /// A side that faces a rigid foundation.
+    Foundation(&'a FacetSet, Quadrature),
+    /// A pair of sides, and nodes that are contact nodes besides those of its rows.
+    Pair(Mortar, Vec<u32>),
 }
 
 /// Γ_C on a mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ContactBoundary {
     /// Mesh nodes of Γ_C, ascending.
     pub nodes: Vec<u32>,
@@ -149,15 +204,30 @@ impl ContactBoundary {
     /// point on each.
     #[must_use]
     pub fn on(mesh: &Mesh, sides: &[(&FacetSet, Quadrature)]) -> ContactBoundary {
-        let mut nodes: Vec<u32> = sides.iter().flat_map(|(set, _)| set.node_list()).collect();
+        let sides: Vec<Side> = sides.iter().map(|&(set, quadrature)| Side::Foundation(set, quadrature)).collect();
+        ContactBoundary::of(mesh, &sides)
+    }
+
+    /// The same for sides that face foundations or each other.
+    #[must_use]
+    pub fn of(mesh: &Mesh, sides: &[Side]) -> ContactBoundary {
+        let of_side = |side: &Side| match side {
+            Side::Foundation(set, _) => set.node_list(),
+            Side::Pair(mortar, kept) => {
+                let of_row = |row: &MortarRow| row.own.iter().chain(&row.other).map(|(node, _)| *node).collect();
+                mortar.rows.iter().flat_map(|row| -> Vec<u32> { of_row(row) }).chain(kept.iter().copied()).collect()
+            }
+        };
+        let mut nodes: Vec<u32> = sides.iter().flat_map(of_side).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let local = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
         let mut points = Vec::new();
-        for (side, (set, quadrature)) in sides.iter().enumerate() {
-            let mut on_side = match quadrature {
-                Quadrature::Nodal => nodal_points(mesh, set, local),
-                Quadrature::Gauss => gauss_points(mesh, set, local),
+        for (side, of) in sides.iter().enumerate() {
+            let mut on_side = match of {
+                Side::Foundation(set, Quadrature::Nodal) => nodal_points(mesh, set, local),
+                Side::Foundation(set, Quadrature::Gauss) => gauss_points(mesh, set, local),
+                Side::Pair(mortar, _) => mortar.rows.iter().map(|row| pair_point(mesh, row, local)).collect(),
             };
             for point in &mut on_side {
                 point.contact = side;
@@ -165,6 +235,20 @@ impl ContactBoundary {
             points.append(&mut on_side);
         }
         ContactBoundary { nodes, points }
+    }
+
+    /// The same contact nodes with the points of some pairs, by their contacts, made anew: as many as there were.
+    #[must_use]
+    pub fn with(&self, mesh: &Mesh, pairs: &[(usize, Mortar)]) -> ContactBoundary {
+        let local = |node: u32| self.nodes.binary_search(&node).unwrap_or_else(|slot| slot);
+        let mut points = self.points.clone();
+        for (contact, mortar) in pairs {
+            let of_pair = points.iter_mut().filter(|point| point.contact == *contact);
+            for (point, row) in of_pair.zip(&mortar.rows) {
+                *point = PointOnBoundary { contact: *contact, ..pair_point(mesh, row, local) };
+            }
+        }
+        ContactBoundary { nodes: self.nodes.clone(), points }
     }
 
     /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
@@ -189,13 +273,24 @@ impl ContactBoundary {
         v
     }
 
-    /// The values of a scalar field over all nodes at the contact points.
+    /// The values of a scalar field over all nodes at the contact points, on the side that bears them.
     #[must_use]
     pub fn scalars_at(&self, values: &[f64]) -> Vec<f64> {
         let at = |point: &PointOnBoundary| {
-            point.nodes.iter().map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
+            point.nodes.iter().take(point.own).map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
         };
         self.points.iter().map(at).collect()
+    }
+
+    /// Adds Σ ω Nᵀ f of scalars at the contact points that leave one side, the first of each pair, and enter the other,
+    /// the second.
+    pub fn scatter_heat(&self, fluxes: impl Iterator<Item = [f64; 2]>, sum: &mut [f64]) {
+        for (point, [out, into]) in self.points.iter().zip(fluxes) {
+            for (i, &(node, value)) in point.nodes.iter().enumerate() {
+                let flux = if i < point.own { out } else { into };
+                sum[self.nodes[node] as usize] += point.weight * value * flux;
+            }
+        }
     }
 
     /// Adds Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, to a field with so many
@@ -208,6 +303,24 @@ impl ContactBoundary {
                 }
             }
         }
+    }
+}
+
+/// The point of a pair, its own vertex first.
+fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> PointOnBoundary {
+    let vertex = row.own.iter().filter(|(node, _)| *node == row.node);
+    let others = row.own.iter().filter(|(node, _)| *node != row.node);
+    let own = vertex.chain(others).map(|&(node, share)| (local(node), share));
+    let other = row.other.iter().map(|&(node, share)| (local(node), -share));
+    PointOnBoundary {
+        x: mesh.points[row.node as usize],
+        normal: row.normal,
+        weight: row.weight,
+        contact: 0,
+        nodes: own.chain(other).collect(),
+        own: row.own.len(),
+        gap: row.gap,
+        is_smooth: row.is_held,
     }
 }
 
@@ -224,6 +337,9 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
             weight: 0.0,
             contact: 0,
             nodes: vec![(local(n), 1.0)],
+            own: 1,
+            gap: 0.0,
+            is_smooth: false,
         })
         .collect();
     for block in &set.blocks {
@@ -319,13 +435,16 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for q in 0..table.len() {
                 map.at(facet, q);
-                let nodes = facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
+                let nodes: Vec<_> = facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
                 points.push(PointOnBoundary {
                     x: map.position,
                     normal: map.normal,
                     weight: table.weights[q] * map.area,
                     contact: 0,
+                    own: nodes.len(),
                     nodes,
+                    gap: 0.0,
+                    is_smooth: false,
                 });
             }
         }

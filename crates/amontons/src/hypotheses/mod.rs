@@ -22,6 +22,7 @@ mod data;
 mod domain;
 mod finding;
 mod laws;
+mod pairs;
 mod probe;
 mod quality;
 mod reach;
@@ -183,6 +184,9 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
 pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
+    if pairs::first(problem).is_some() {
+        return Ok(pairs::certificate(problem));
+    }
     let (domain, unique) = rayon::join(|| domain_constants(problem), || step::unique(problem));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
     let mut findings = judged(problem, &constants);
@@ -204,6 +208,10 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
 pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     if !problem.physics.has_mechanics() {
         return Vec::new();
+    }
+    if pairs::first(problem).is_some() {
+        let message = "the number of steps that ensures one solution is proved for one body on a rigid foundation";
+        return vec![pairs::not_covered(problem, FindingId::TimeStep, message)];
     }
     let mut findings = vec![step::time_step(problem)];
     if reach::loads_vary(problem) {

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
-pub(crate) use geometry::invert;
+pub(crate) use geometry::{cross, invert};
 pub use geometry::{CellMap, FacetMap};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};

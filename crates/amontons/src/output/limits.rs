@@ -14,7 +14,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
     let (strain, strain_at) = largest_strain(mesh, &state.u);
     let of_side = |(side, contact): (usize, &Contact)| {
         let cell =
-            cell_heights(mesh, mesh.facets.get(&contact.on)?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
+            cell_heights(mesh, mesh.facets.get(contact.bearing())?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
         let states = last.discretization.boundary.points.iter().zip(&report?.contact.states);
         let depth =
             states.filter(|(point, _)| point.contact == side).fold(0.0, |max, (_, state)| state.penetration.max(max));

@@ -76,8 +76,11 @@ impl ProblemData {
         // What every part has: a displacement that is held, a temperature that is held; and what it lacks: ρ, c.
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
-        let exchange =
-            self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
+        let exchange = self
+            .contacts
+            .iter()
+            .filter(|c| c.pair.is_none() && c.heat.conductance_bound() > 0.0)
+            .map(|c| (c.on.as_str(), [false, true]));
         let sides =
             self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
         for (on, holds) in sides {
@@ -91,6 +94,7 @@ impl ProblemData {
                 }
             }
         }
+        self.join_parts(&part_of, &mut held);
         for block in &self.mesh.blocks {
             let Some(m) = self.material_of(block.region) else { continue };
             for cell in block.cells() {

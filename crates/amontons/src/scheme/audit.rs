@@ -25,11 +25,12 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     }
 
     let heat_content = step.discrete.storage().0 * heat.mass_theta.iter().sum::<f64>();
-    let Amounts { supplied, coupling, contact, prescribed } = heat.amounts;
+    let Amounts { supplied, coupling, contact, rubbed, prescribed } = heat.amounts;
     let foundations = foundations(step, m, heat);
-    let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling;
+    let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling - rubbed;
     let heat_error = body + foundations.error;
-    let mut heat_moved = contact.abs() + prescribed.abs() + supplied.abs() + coupling.abs() + foundations.moved;
+    let mut heat_moved =
+        contact.abs() + prescribed.abs() + supplied.abs() + coupling.abs() + rubbed.abs() + foundations.moved;
     if (before.heat_closing_error + heat_error).abs() > TELLING * (before.heat_turned_over + heat_moved) {
         heat_moved += explained(heat_error, heat_sizes(step, heat));
     }
@@ -51,6 +52,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_supplied: before.heat_supplied + supplied,
         heat_coupling: before.heat_coupling + coupling,
         heat_friction: before.heat_friction + if step.problem.physics.has_heat() { energy.friction } else { 0.0 },
+        heat_pairs: before.heat_pairs + rubbed,
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
@@ -125,12 +127,12 @@ struct OnContact {
 }
 
 fn contact(step: &Step, m: &Mechanics) -> OnContact {
-    let Step { problem, discrete, k, .. } = *step;
+    let Step { problem, discrete, boundary, k, .. } = *step;
     let load_work = k * dot(&m.w, &m.load) + m.support_work;
     let mut sum = OnContact { energy: 0.0, friction: 0.0, pressing: 0.0, damping: 0.0, worn: 0.0, load_work };
-    for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
+    for ((point, frame), state) in boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
         let (normal, weight) = (&problem.contacts[point.contact].normal, k * point.weight);
-        let w_nu = tensor::dot(&discrete.boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
+        let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
         sum.energy += point.weight * normal.potential(&point.x, state.penetration);
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
@@ -225,7 +227,6 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
             continue;
         };
         let points = step
-            .discrete
             .boundary
             .points
             .iter()

@@ -289,6 +289,8 @@ struct Tangent {
     fluxes: Vec<[f64; 4]>,
     friction: Vec<[Point; 2]>,
     normals: Vec<Point>,
+    /// Whether the power of friction enters the bodies whole, as at a pair.
+    rubs: Vec<bool>,
 }
 
 impl Tangent {
@@ -304,15 +306,17 @@ impl Tangent {
             .collect();
         let friction = pass.mechanics.states.iter().map(|state| [state.q, state.slip]).collect();
         let normals = pass.mechanics.states.iter().map(|state| state.normal).collect();
-        Tangent { mechanics, points, heat, fluxes, friction, normals }
+        let contacts = coupled.step.contacts;
+        let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
+        Tangent { mechanics, points, heat, fluxes, friction, normals, rubs }
     }
 
     /// δθ − Φ′ δθ.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let Step { discrete, rule: Rule { gamma, .. }, .. } = coupled.step;
-        let warmer = discrete.boundary.scalars_at(change);
+        let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
+        let warmer = boundary.scalars_at(change);
         let contact = on_degrees(
-            discrete,
+            boundary,
             &discrete.v,
             self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
         );
@@ -320,10 +324,10 @@ impl Tangent {
             discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
         let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
-        let points = discrete.boundary.points.iter().enumerate();
-        let chi: Vec<f64> = points
+        let points = boundary.points.iter().enumerate();
+        let chi: Vec<[f64; 2]> = points
             .map(|(i, point)| {
-                let v = discrete.boundary.vector_at(point, discrete.mesh.dim, &w);
+                let v = boundary.vector_at(point, discrete.mesh.dim, &w);
                 let derivative = &self.points[i];
                 let force: [f64; 3] = std::array::from_fn(|c| {
                     tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]
@@ -335,13 +339,16 @@ impl Tangent {
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                by_penetration * (gamma * w_nu - wear)
+                let out = by_penetration * (gamma * w_nu - wear)
                     + by_pressure * pressure
                     + by_slip_speed * in_speed
-                    + by_friction_power * power
+                    + by_friction_power * power;
+                [out, out + if self.rubs[i] { power } else { 0.0 }]
             })
             .collect();
-        let chi = on_degrees(discrete, &discrete.q, chi.iter().map(|&chi| [chi, 0.0, 0.0]));
+        let mut sum = vec![0.0; discrete.q.free.len()];
+        boundary.scatter_heat(chi.into_iter(), &mut sum);
+        let chi = sum;
         let right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
         let theta = coupled.heat.system.linearised(&self.heat, &right)?;
         coupled.sweeps += 4;
