@@ -8,8 +8,8 @@ use super::laws::{self, Keyed};
 use super::place::At;
 use super::raw::{self, Datum};
 use crate::contact::{
-    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Pair, Quadrature,
-    Signorini, Sum, WearLaw,
+    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Pair,
+    Quadrature, Signorini, Sum, WearLaw,
 };
 use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
@@ -33,7 +33,7 @@ impl Build<'_> {
             points.iter().copied().chain(at_points.into_iter().map(|point| point.x)).collect()
         });
         let (heat, foundation_temperature) =
-            self.exchange(path, raw.heat, (raw.frictional_heat.as_ref(), pair.as_ref()), &sites);
+            self.exchange(path, raw.heat, (&raw.frictional_heat, pair.as_ref()), &sites);
         let foundation_temperature = foundation_temperature
             .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
@@ -57,7 +57,7 @@ impl Build<'_> {
         &mut self,
         path: &str,
         raw: raw::Heat,
-        (frictional, pair): (Option<&Datum>, Option<&Pair>),
+        (frictional, pair): (&Datum, Option<&Pair>),
         sites: &Sites,
     ) -> (Arc<dyn HeatLaw>, Option<Datum>) {
         let is_sum = matches!(raw, raw::Heat::Sum { .. });
@@ -69,8 +69,7 @@ impl Build<'_> {
             all.push(self.heat(&at, coefficients, make, sites));
         }
         let is_other = pair.is_some_and(|pair| pair.on_is_mortar);
-        let none = |share: &&Datum| !is_other && matches!(share, Datum::Number(value) if *value <= 0.0);
-        if let Some(frictional) = frictional.filter(|share| !none(share)) {
+        if is_other || !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
             let (coefficients, make) = laws::frictional_heat(frictional, is_other);
             all.push(self.heat(path, coefficients, make, sites));
         }

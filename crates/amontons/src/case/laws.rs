@@ -5,10 +5,10 @@ use std::sync::Arc;
 use super::coefficient::Refusal;
 use super::raw::{Coefficient, Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
-    Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless,
-    GapConduction, HeatLaw, HuntCrossley, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance,
-    PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop,
-    TableFault, Tabulated, Tresca, Variable, WearLaw,
+    Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw,
+    FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NormalLaw, Orthotropic, PiecewiseLinear, Power,
+    PowerConductance, PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening,
+    StaticKinetic, Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
 };
 
 /// Coefficients with their keys below the law, in the order in which the law takes their values.

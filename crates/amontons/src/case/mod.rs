@@ -16,6 +16,7 @@
 //! ```
 
 mod benchmark;
+mod blocks;
 mod build;
 mod check;
 mod coefficient;

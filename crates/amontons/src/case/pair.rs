@@ -40,7 +40,6 @@ impl Build<'_> {
             },
             gap_is_given: raw.gap.is_some(),
             closes: raw.close,
-            friction_heats: raw.frictional_heat.is_some(),
         })
     }
 

@@ -117,10 +117,7 @@ fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
             ("heat", !matches!(contact.heat, Heat::None), "heat exchange"),
             (
                 "frictional_heat",
-                contact
-                    .frictional_heat
-                    .as_ref()
-                    .is_some_and(|share| !matches!(share, Datum::Number(value) if *value == 0.0)),
+                !matches!(contact.frictional_heat, Datum::Number(value) if value == 0.0),
                 "heat of friction",
             ),
             ("foundation", contact.foundation.is_some(), "a foundation with a heat capacity"),

@@ -97,16 +97,23 @@ impl Contact {
         std::iter::once(self.on.as_str()).chain(self.pair.as_ref().map(|pair| pair.with.as_str()))
     }
 
+    /// Whether heat passes between the side and a rigid foundation.
+    #[must_use]
+    pub fn warms_from_foundation(&self) -> bool {
+        self.pair.is_none() && self.heat.conductance_bound() > 0.0
+    }
+
     /// Factor of a force on the bearing side that makes it one on the side `on`.
     #[must_use]
     pub fn sign(&self) -> f64 {
         if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
     }
 
-    /// Whether the power of friction heats both bodies of a pair.
+    /// Whether the power of friction enters the bodies whole, as at a pair: what does not enter the bearing side enters
+    /// the other.
     #[must_use]
     pub fn rubs(&self) -> bool {
-        self.pair.as_ref().is_some_and(|pair| pair.friction_heats)
+        self.pair.is_some()
     }
 
     /// The same contact with this law p_τ.
@@ -435,7 +442,8 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for q in 0..table.len() {
                 map.at(facet, q);
-                let nodes: Vec<_> = facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
+                let nodes: Vec<_> =
+                    facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
                 points.push(PointOnBoundary {
                     x: map.position,
                     normal: map.normal,

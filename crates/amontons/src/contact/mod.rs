@@ -23,8 +23,8 @@ pub use friction::{
     Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable,
 };
 pub use heat::{
-    ConstantConductance, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp,
-    STEFAN_BOLTZMANN, Sum,
+    ConstantConductance, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance,
+    PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum,
 };
 pub use means::{Shares, read, read_vector};
 pub use normal::{

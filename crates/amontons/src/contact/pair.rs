@@ -30,9 +30,6 @@ pub struct Pair {
     pub gap_is_given: bool,
     /// Whether bodies that overlap at rest are taken to touch there.
     pub closes: bool,
-    /// Whether the power of friction heats the bodies: what of it does not enter the side that bears the points enters
-    /// the other.
-    pub friction_heats: bool,
 }
 
 impl Pair {
@@ -46,7 +43,6 @@ impl Pair {
             geometry: Geometry::Reference,
             gap_is_given: false,
             closes: false,
-            friction_heats: false,
         }
     }
 
@@ -63,8 +59,7 @@ impl Contact {
     #[must_use]
     pub fn mortar(&self, mesh: &Mesh, x: &[Point], held: &dyn Fn(u32) -> [bool; 3]) -> Option<Mortar> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
-        let [nonmortar, mortar] =
-            [self.bearing(), self.facing()?].map(|side| mesh.facets.get(side).unwrap_or(&NONE));
+        let [nonmortar, mortar] = [self.bearing(), self.facing()?].map(|side| mesh.facets.get(side).unwrap_or(&NONE));
         let is_updated = self.pair.as_ref().is_some_and(Pair::is_updated);
         Some(Mortar::new(&Sides { mesh, x, nonmortar, mortar, held }, is_updated))
     }
@@ -123,8 +118,7 @@ fn boundary_gap(nodes: &[u32], mesh: &Mesh, point: &PointOnBoundary) -> f64 {
     if point.own == point.nodes.len() {
         return point.gap;
     }
-    let along = |(node, value): &(usize, f64)| {
-        value * crate::tensor::dot(&mesh.points[nodes[*node] as usize], &point.normal)
-    };
+    let along =
+        |(node, value): &(usize, f64)| value * crate::tensor::dot(&mesh.points[nodes[*node] as usize], &point.normal);
     0.0 - point.nodes.iter().map(along).sum::<f64>()
 }

@@ -11,6 +11,7 @@
 //! | `branches` | a contact law softens, so that a step may have several solutions; absent otherwise | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
+//! | `pairs` | which part of the nonmortar side of each pair is faced, and how deep sides overlap; absent without pairs | the rows of the pair |
 //! | `energy`, `heat` | the audit of a run | the run |
 //! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!
@@ -171,6 +172,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings.push(theorem::needed(problem, constants, &findings));
     findings.extend(branches::branches(problem));
     findings.extend(laws::rigid_conductance(problem));
+    findings.extend(pairs::faced(problem));
     findings.push(quality::cells(&problem.mesh));
     findings.extend(warnings::of_data(problem));
     findings.retain(|finding| finding.id.concerns(problem.physics));

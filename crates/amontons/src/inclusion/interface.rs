@@ -12,6 +12,9 @@ use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Entry, Turn};
 use crate::tensor::{Point, dot, length};
 
+/// Stiffness of one side of a pair relative to that of the other that is round-off.
+const NONE: f64 = 1e-13;
+
 /// A vector or a force at a contact point by its components along (ν, t₁, t₂); a scalar by the first.
 pub type Local = [f64; 3];
 
@@ -109,13 +112,7 @@ impl Interface {
                     None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node]),
                 }
             }
-            Row {
-                weight: point.weight,
-                contact: point.contact,
-                basis: [[0.0; 3]; 3],
-                entries,
-                prescribed: fixed,
-            }
+            Row { weight: point.weight, contact: point.contact, basis: [[0.0; 3]; 3], entries, prescribed: fixed }
         };
         let has_pairs = boundary.points.iter().any(|point| point.own < point.nodes.len());
         let components = if has_pairs { 2 } else { 1 };
@@ -222,10 +219,10 @@ impl Interface {
         !self.rows[i].entries.is_empty()
     }
 
-    /// ρ of each point, the scale of S per area; of a pair that of both sides in series. On a side it is the mean of `diagonal` (of S, by unknown) over the nodes that the
-    /// point sees, over their weights. Absolute values of the shape functions weigh and average: those of quadratic
-    /// facets take either sign, and at the vertices of a triangle they integrate to zero, so that ∫ N would leave the
-    /// sign of ρ to round-off.
+    /// ρ of each point, the scale of S per area; of a pair that of both sides in series. On a side it is the mean of
+    /// `diagonal` (of S, by unknown) over the nodes that the point sees, over their weights. Absolute values of the
+    /// shape functions weigh and average: those of quadratic facets take either sign, and at the vertices of a triangle
+    /// they integrate to zero, so that ∫ N would leave the sign of ρ to round-off.
     #[must_use]
     pub fn stiffness(&self, boundary: &ContactBoundary, unknown: &[Option<u32>], diagonal: &[f64]) -> Vec<f64> {
         let mut weight = vec![0.0; boundary.nodes.len()];
@@ -253,7 +250,9 @@ impl Interface {
             let (own, other) = point.nodes.split_at(point.own);
             match [of_side(own), of_side(other)] {
                 _ if point.weight == 0.0 => 0.0,
-                [0.0, only] | [only, 0.0] => only,
+                [own, _] if other.is_empty() => own,
+                // A body that nothing but the pair holds may have no stiffness of its own.
+                [own, other] if own.min(other) <= NONE * own.max(other) => own.max(other),
                 [own, other] => 1.0 / (1.0 / own + 1.0 / other),
             }
         };

@@ -209,8 +209,8 @@ const OF_STEP: &[&Column<History>] = &[
     &CONTACT_CENTER,
 ];
 
-/// That of pairs of bodies, after them.
-const OF_PAIRS: &[&Column<History>] = &[&HEAT_PAIRS];
+/// Those of pairs of bodies, after them: the first of all pairs, the others of an only contact.
+const OF_PAIRS: &[&Column<History>] = &[&HEAT_PAIRS, &HEAT_FLOW, &PRESSURE_MAX];
 
 /// Those of each contact where there are several, after its [`FOUNDATION_TEMPERATURE`].
 const OF_SIDE: &[&Column<History>] = &[
@@ -230,7 +230,8 @@ const OF_SIDE: &[&Column<History>] = &[
 /// The columns of a step.
 fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<History>> + use<> {
     let has_pairs = problem.contacts.iter().any(|contact| contact.pair.is_some());
-    OF_STEP.iter().chain(if has_pairs { OF_PAIRS } else { &[] }).copied()
+    let more = usize::from(has_pairs) * if problem.contacts.len() > 1 { 1 } else { OF_PAIRS.len() };
+    OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied()
 }
 
 /// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
@@ -393,6 +394,11 @@ fn quoted(name: &str) -> String {
 #[must_use]
 pub fn all_measures() -> Vec<(String, Option<Measure>)> {
     let of_sides = std::iter::once(&FOUNDATION_TEMPERATURE as &Column<History>).chain(OF_SIDE.iter().copied());
-    let history = OF_STEP.iter().chain(OF_PAIRS).copied().chain(of_sides).flat_map(|column| column.named(3));
+    let history = OF_STEP
+        .iter()
+        .copied()
+        .chain([&HEAT_PAIRS as &Column<History>])
+        .chain(of_sides)
+        .flat_map(|column| column.named(3));
     history.chain(contact_measures(3)).collect()
 }

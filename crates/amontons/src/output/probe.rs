@@ -428,8 +428,9 @@ impl<'a> Builder<'a> {
             return None;
         }
         // A point of a node alone stands for it.
-        let point_of =
-            |node: usize| boundary.points.iter().position(|point| matches!(point.nodes[..point.own], [(own, _)] if own == node));
+        let point_of = |node: usize| {
+            boundary.points.iter().position(|point| matches!(point.nodes[..point.own], [(own, _)] if own == node))
+        };
         let weights: Option<Vec<(usize, f64)>> = nodes
             .iter()
             .zip(&values)

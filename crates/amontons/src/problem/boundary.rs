@@ -280,10 +280,8 @@ impl ProblemData {
                     );
                 }
             }
-            let heat = self
-                .contacts
-                .iter()
-                .find(|c| c.on == b.on && c.pair.is_none() && c.heat.conductance_bound() > 0.0);
+            let heat =
+                self.contacts.iter().find(|c| c.on == b.on && c.pair.is_none() && c.heat.conductance_bound() > 0.0);
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
                     Fault::new(
@@ -303,9 +301,11 @@ impl ProblemData {
         let conditions = self.boundary.iter().enumerate().map(|(i, b)| (format!("boundary[{i}].on"), &b.on));
         let contacts =
             self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.on", self.contact_path(side)), &c.on));
-        let pairs = self.contacts.iter().enumerate().filter_map(|(side, c)| {
-            Some((format!("{}.with", self.contact_path(side)), &c.pair.as_ref()?.with))
-        });
+        let pairs = self
+            .contacts
+            .iter()
+            .enumerate()
+            .filter_map(|(side, c)| Some((format!("{}.with", self.contact_path(side)), &c.pair.as_ref()?.with)));
         for (path, name) in conditions.chain(contacts).chain(pairs) {
             if !self.mesh.facets.contains_key(name) {
                 faults.push(unknown(path, name, "facet sets", &known));

@@ -6,8 +6,8 @@
 mod boundary;
 mod check;
 mod data;
-mod physics;
 mod pairs;
+mod physics;
 mod range;
 
 use std::fmt;

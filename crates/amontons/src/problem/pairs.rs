@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::{Fault, ProblemData};
 use crate::contact::{Contact, Quadrature};
+use crate::mesh::FacetSet;
 
 impl ProblemData {
     /// A pair has two sides that are not the same, do not overlap, face each other and are named once.
@@ -57,15 +58,15 @@ impl ProblemData {
     /// parts that it is joined with.
     pub(super) fn join_parts(&self, part_of: &[usize], held: &mut [[bool; 2]]) {
         for what in [0, 1] {
-            let joins = |contact: &&Contact| {
-                contact.pair.is_some() && (what == 0 || contact.heat.conductance_bound() > 0.0)
-            };
+            let joins =
+                |contact: &&Contact| contact.pair.is_some() && (what == 0 || contact.heat.conductance_bound() > 0.0);
             let groups: Vec<BTreeSet<usize>> = self
                 .contacts
                 .iter()
                 .filter(joins)
                 .map(|contact| {
-                    let nodes = contact.sides().filter_map(|side| self.mesh.facets.get(side)).flat_map(|s| s.node_list());
+                    let nodes =
+                        contact.sides().filter_map(|side| self.mesh.facets.get(side)).flat_map(FacetSet::node_list);
                     nodes.filter_map(|node| part_of.get(node as usize).copied()).collect()
                 })
                 .collect();

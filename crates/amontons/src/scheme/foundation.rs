@@ -23,9 +23,8 @@ impl Accumulated {
     /// At t = 0.
     pub(super) fn new(problem: &Problem, boundary: &ContactBoundary) -> Accumulated {
         let n = boundary.points.len();
-        let first = |side: usize| {
-            boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x)
-        };
+        let first =
+            |side: usize| boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x);
         let start = |(side, contact): (usize, &Contact)| {
             let foundation = contact.foundation_heat.as_ref()?;
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
@@ -83,8 +82,7 @@ pub(super) fn frames(
                 frame.gap += point.gap;
             }
             if let Some(obstacle) = &contact.obstacle {
-                let u =
-                    if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
+                let u = if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
                 let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
                 frame.normal = now.normal.map(|c| -c);

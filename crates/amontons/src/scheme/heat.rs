@@ -157,7 +157,7 @@ impl Begun {
         let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
         let scale = driven.max(max_abs(d_theta));
         let residual = step.relative(max_abs(&rest), scale, "heat")?;
-        Ok(Balance { residual, scale, driven, through_contact, rubbed, through_prescribed })
+        Ok(Balance { residual, scale, driven, through_contact, through_prescribed, rubbed })
     }
 
     /// The solution, if its residual is accepted.
@@ -170,7 +170,7 @@ impl Begun {
     ) -> Result<Heat, StepError> {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, k, .. } = *step;
-        let Balance { residual, scale, driven, through_contact, rubbed, through_prescribed } = *balance;
+        let Balance { residual, scale, driven, through_contact, through_prescribed, rubbed } = *balance;
         let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(&theta))?;
         let sum = |v: &[f64]| v.iter().sum::<f64>();
         let amounts = Amounts {

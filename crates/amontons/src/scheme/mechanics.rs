@@ -156,8 +156,7 @@ impl Mechanics {
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given =
-            Given { temperature: step.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
+        let given = Given { temperature: step.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 

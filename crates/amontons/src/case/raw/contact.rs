@@ -64,14 +64,15 @@ pub(in crate::case) struct Contact {
     pub close: bool,
     /// Gap g to the foundation along the outward normal, in m; default: 0, in a pair that of the geometry.
     ///
-    /// With an obstacle: an offset added to the distance. In a pair it replaces the gap of the geometry; negative values
-    /// are an interference.
+    /// With an obstacle: an offset added to the distance. In a pair it replaces the gap of the geometry; negative
+    /// values are an interference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gap: Option<Datum>,
     /// Shape of the rigid foundation. Omit it if the gap describes the foundation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<Obstacle>,
-    /// Velocity v_F of the foundation, or of the mortar side besides its own, in m/s, one entry per component; empty for a foundation at rest.
+    /// Velocity v_F of the foundation, or of the mortar side besides its own, in m/s, one entry per component; empty
+    /// for a foundation at rest.
     ///
     /// Only its tangential part is used. The slip velocity is w_τ − v_F.
     #[serde(default)]
@@ -89,11 +90,10 @@ pub(in crate::case) struct Contact {
     pub heat: Heat,
     /// Fraction η of the friction power that enters the body as heat, from 0 to 1.
     ///
-    /// In a pair the fraction that enters the side `on`; the rest enters the other side. Without it friction makes no
-    /// heat.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    /// In a pair the fraction that enters the side `on`; the rest enters the other side.
+    #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
-    pub frictional_heat: Option<Datum>,
+    pub frictional_heat: Datum,
     /// Heat balance of the foundation. Without it `foundation_temperature` prescribes the temperature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation: Option<Foundation>,

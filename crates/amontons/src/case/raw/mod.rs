@@ -24,7 +24,7 @@ pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Sc
 pub(in crate::case) use material::{
     Branch, Dilatation, Elasticity, Expansion, Material, Orientation, Region, StressState, Tensor, Viscosity,
 };
-pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
+pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};

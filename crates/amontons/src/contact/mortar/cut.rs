@@ -136,18 +136,18 @@ impl Plane<'_> {
         Plane { origin: part.centre, axes: [first, cross(&part.normal, &first)], normal: &part.normal }
     }
 
-    fn from_origin(&self, x: &Point) -> Point {
+    fn relative(&self, x: &Point) -> Point {
         std::array::from_fn(|c| x[c] - self.origin[c])
     }
 
     fn flat(&self, x: &Point) -> Flat {
-        let from = self.from_origin(x);
+        let from = self.relative(x);
         self.axes.map(|axis| dot(&from, &axis))
     }
 
     /// Mean distance of points from the plane.
     fn distance(&self, points: &[Point]) -> f64 {
-        points.iter().map(|x| dot(&self.from_origin(x), self.normal)).sum::<f64>().abs() / points.len() as f64
+        points.iter().map(|x| dot(&self.relative(x), self.normal)).sum::<f64>().abs() / points.len() as f64
     }
 }
 
@@ -247,10 +247,8 @@ fn reference(part: &Part, corners: &[Flat], at: &Flat) -> Point {
         let by_s = [0, 1].map(|c| if quad { (1.0 - t) * along(c, 0, 1) + t * along(c, 3, 2) } else { along(c, 0, 1) });
         let by_t = [0, 1].map(|c| if quad { (1.0 - s) * along(c, 0, 3) + s * along(c, 1, 2) } else { along(c, 0, 2) });
         let determinant = by_s[0] * by_t[1] - by_s[1] * by_t[0];
-        let change = [
-            (off[0] * by_t[1] - off[1] * by_t[0]) / determinant,
-            (by_s[0] * off[1] - by_s[1] * off[0]) / determinant,
-        ];
+        let change =
+            [(off[0] * by_t[1] - off[1] * by_t[0]) / determinant, (by_s[0] * off[1] - by_s[1] * off[0]) / determinant];
         (s, t) = (s - change[0], t - change[1]);
         let small = change[0].abs().max(change[1].abs()) <= 4.0 * f64::EPSILON;
         if small || !(s.is_finite() && t.is_finite()) {

@@ -1,30 +1,29 @@
 //! Pairs of sides that face each other, by dual mortar functions.
 //!
-//! Of a pair the *nonmortar* side bears the laws, the *mortar* side is the other one. With the dual functions ψ_i of the
-//! nonmortar vertices,
+//! Of a pair the *nonmortar* side bears the laws, the *mortar* side is the other one. With the dual functions ψ_i of
+//! the nonmortar vertices,
 //!
 //! ```text
-//!     D_ij = ∫ ψ_i N¹_j,   M_il = ∫ ψ_i (N²_l ∘ P),   ω_i = ∫ ψ_i,   (B x)_i = Σ_j D_ij/ω_i x¹_j − Σ_l P_il x²_l,   P_il = M_il/ω_i
+//!     D_ij = ∫ ψ_i N¹_j,    M_il = ∫ ψ_i (N²_l ∘ P),    ω_i = ∫ ψ_i,    P_il = M_il/ω_i
+//!     (B x)_i = Σ_j D_ij/ω_i x¹_j − Σ_l P_il x²_l
 //! ```
 //!
 //! P projects along the normal of the nonmortar facet. (B x)_i is the jump at a contact point with the weight ω_i: what
 //! acts on one side at a point acts on the other with the opposite sign, since Σ_j D_ij = ω_i = Σ_l M_il.
 //!
 //! On each facet ψ = A L, A = diag(∫L) (∫L Lᵀ)⁻¹, with L the linear functions of its vertices and integrals over its
-//! covered part. Quadratic sides have their contact points at the vertices as well: ∫ N_i of a quadratic facet is zero or
-//! negative at vertices, ∫ L_i is not.
+//! covered part. Quadratic sides have their contact points at the vertices as well: ∫ N_i of a quadratic facet is zero
+//! or negative at vertices, ∫ L_i is not.
 //!
 //! Sources: dual functions, B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989; on covered parts, T. Cichosz and M.
 //! Bischoff, CMAME 200 (2011) 1317; nodes without a multiplier, B. Wohlmuth, *Discretization Methods and Iterative
-//! Solvers Based on Domain Decomposition*, Springer 2001, chapter 1; averaged normals and the gap along them, A. Popp, M.
-//! Gee and W. Wall, IJNME 79 (2009) 1354; the facet as plane of projection, M. Puso and T. Laursen, CMAME 193 (2004) 601.
+//! Solvers Based on Domain Decomposition*, Springer 2001, chapter 1; averaged normals and the gap along them, A. Popp,
+//! M. Gee and W. Wall, IJNME 79 (2009) 1354; the facet as plane of projection, M. Puso and T. Laursen, CMAME 193
+//! (2004) 601.
 
 mod cut;
 mod dual;
 mod part;
-
-#[cfg(test)]
-mod tests;
 
 use std::collections::{BTreeMap, BTreeSet};
 

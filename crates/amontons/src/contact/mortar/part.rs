@@ -38,7 +38,7 @@ pub(super) struct Part {
 
 /// The facets of a side at given positions of the nodes.
 pub(super) struct Facets<'a> {
-    facets: Vec<(&'static Element, &'a [u32])>,
+    all: Vec<(&'static Element, &'a [u32])>,
     parts: Vec<Part>,
     /// Where the parts of each facet begin.
     first: Vec<usize>,
@@ -48,23 +48,23 @@ pub(super) struct Facets<'a> {
 
 impl<'a> Facets<'a> {
     pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet) -> Facets<'a> {
-        let facets: Vec<_> = set.facets().collect();
-        let (mut parts, mut first) = (Vec::new(), Vec::with_capacity(facets.len() + 1));
-        for (number, (element, nodes)) in facets.iter().enumerate() {
+        let all: Vec<_> = set.facets().collect();
+        let (mut parts, mut first) = (Vec::new(), Vec::with_capacity(all.len() + 1));
+        for (number, (element, nodes)) in all.iter().enumerate() {
             first.push(parts.len());
             parts.extend(parts_of(number, element, nodes, x));
         }
         first.push(parts.len());
-        Facets { facets, parts, first, x, is_axisymmetric: mesh.axisymmetric }
+        Facets { all, parts, first, x, is_axisymmetric: mesh.axisymmetric }
     }
 
     pub fn len(&self) -> usize {
-        self.facets.len()
+        self.all.len()
     }
 
     /// Element and nodes of a facet, vertices first.
     pub fn facet(&self, facet: usize) -> (&'static Element, &'a [u32]) {
-        self.facets[facet]
+        self.all[facet]
     }
 
     pub fn parts(&self) -> &[Part] {
@@ -77,7 +77,7 @@ impl<'a> Facets<'a> {
 
     /// The nodes of a facet with the values of their shape functions at a reference point.
     pub fn values(&self, facet: usize, at: &Point) -> impl Iterator<Item = (u32, f64)> + use<'a> {
-        let (element, nodes) = self.facets[facet];
+        let (element, nodes) = self.all[facet];
         let mut values = [0.0; MAX_NODES];
         (element.shape_functions)(at, &mut values[..nodes.len()]);
         nodes.iter().copied().zip(values)
@@ -85,13 +85,13 @@ impl<'a> Facets<'a> {
 
     /// Unit outward normals of a facet at its vertices.
     pub fn normals(&self, facet: usize) -> Vec<(u32, Point)> {
-        let (element, nodes) = self.facets[facet];
+        let (element, nodes) = self.all[facet];
         let vertices = element.shape.vertices();
         nodes.iter().zip(element.nodes).take(vertices).map(|(&node, at)| (node, self.normal(facet, at))).collect()
     }
 
     fn normal(&self, facet: usize, at: &Point) -> Point {
-        let (element, nodes) = self.facets[facet];
+        let (element, nodes) = self.all[facet];
         let mut gradients = [[0.0; 3]; MAX_NODES];
         (element.gradients)(at, &mut gradients[..nodes.len()]);
         let mut tangents = [[0.0; 3]; 2];
@@ -136,7 +136,7 @@ fn parts_of(facet: usize, element: &'static Element, nodes: &[u32], x: &[Point])
         Part::new(facet, corners, reference)
     };
     let at = |corner: &[f64; 2]| {
-        element.nodes.iter().position(|node| node[0] == corner[0] && node[1] == corner[1]).unwrap_or(0)
+        element.nodes.iter().position(|node| (0..2).all(|c| node[c].to_bits() == corner[c].to_bits())).unwrap_or(0)
     };
     let split = |all: &[&[[f64; 2]]]| all.iter().map(|part| of(part.iter().map(at).collect())).collect();
     match (element.shape, element.degree) {
