@@ -19,8 +19,10 @@ use crate::random::Random;
 use mutate::Mutator;
 use targets::{Target, names};
 
-/// Longest time that one input may take.
+/// Longest processor time that one input may take: what others do on the machine does not count.
 const PATIENCE: Duration = Duration::from_secs(1);
+/// Longest time by the clock, for an input that waits.
+const WAITING: Duration = Duration::from_secs(20);
 /// How often the watchdog looks.
 const GLANCE: Duration = Duration::from_millis(100);
 /// Longest input: longer ones say nothing that shorter ones do not.
@@ -35,7 +37,7 @@ const TOO_LONG: i32 = 3;
 pub struct Arguments {
     /// The reader; all of them without one
     target: Option<String>,
-    /// Seconds per reader
+    /// Seconds of processor time per reader
     #[arg(long, default_value_t = 10)]
     seconds: u64,
     /// Seed of the first mutation
@@ -123,20 +125,33 @@ fn limit(megabytes: u64) {
 /// Number of inputs read, for the watchdog.
 static READ: AtomicU64 = AtomicU64::new(0);
 
+/// Processor time of this process.
+#[cfg(unix)]
+fn processor_time() -> Duration {
+    let spent = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::new(spent.tv_sec.unsigned_abs(), spent.tv_nsec as u32)
+}
+
+/// Where processor time cannot be asked for: time by the clock.
+#[cfg(not(unix))]
+fn processor_time() -> Duration {
+    static BEGIN: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    BEGIN.get_or_init(Instant::now).elapsed()
+}
+
 /// Ends the process when one input takes too long.
 fn watch() {
-    let patience = (PATIENCE.as_millis() / GLANCE.as_millis()) as u32;
     let watching = std::thread::Builder::new().spawn(move || {
-        let (mut last, mut glances) = (0, 0);
+        let (mut last, mut since) = (0, (Instant::now(), processor_time()));
         loop {
             std::thread::sleep(GLANCE);
             let now = READ.load(Ordering::Relaxed);
-            glances = if now == last { glances + 1 } else { 0 };
-            if glances > patience {
+            if now != last {
+                (last, since) = (now, (Instant::now(), processor_time()));
+            } else if processor_time().saturating_sub(since.1) > PATIENCE || since.0.elapsed() > WAITING {
                 eprintln!("an input takes longer than {PATIENCE:?}");
                 std::process::exit(TOO_LONG);
             }
-            last = now;
         }
     });
     if let Err(error) = watching {
@@ -156,8 +171,9 @@ fn feed(name: &str, arguments: &Arguments) -> ExitCode {
     let mut corpus = target.corpus();
     let (mut outcomes, mut longest, mut count) = (BTreeSet::new(), Duration::ZERO, 0u64);
     watch();
-    let begin = Instant::now();
-    while begin.elapsed() < Duration::from_secs(arguments.seconds) || count < corpus.len() as u64 {
+    let begin = processor_time();
+    while processor_time().saturating_sub(begin) < Duration::from_secs(arguments.seconds) || count < corpus.len() as u64
+    {
         // The sound ones come first, as they are.
         let input = match corpus.get(count as usize) {
             Some(sound) if count < target.sound() as u64 => sound.clone(),
@@ -167,11 +183,11 @@ fn feed(name: &str, arguments: &Arguments) -> ExitCode {
             eprintln!("{}: {error}", current(name).display());
             return ExitCode::FAILURE;
         }
-        let started = Instant::now();
+        let started = processor_time();
         let Ok(outcome) = panic::catch_unwind(AssertUnwindSafe(|| target.read(&input))) else {
             return ExitCode::FAILURE;
         };
-        longest = longest.max(started.elapsed());
+        longest = longest.max(processor_time().saturating_sub(started));
         count += 1;
         READ.store(count, Ordering::Relaxed);
         if outcomes.insert(signature(&outcome)) && corpus.len() < KEPT {

@@ -105,6 +105,17 @@ pub enum Command {
         #[command(flatten)]
         common: Common,
     },
+    /// Show what a mesh file has: regions, sides, sizes, the quality of its cells
+    Mesh {
+        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK)
+        file: PathBuf,
+        /// Factor of the coordinates: 0.001 if the file is in mm
+        #[arg(long, value_name = "F", default_value_t = 1.0)]
+        scale: f64,
+        /// Form of what is printed on standard output
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
+    },
     /// Print the JSON Schema of the case file
     Schema,
     /// Write a commented starter case
@@ -210,7 +221,10 @@ impl Common {
 impl Command {
     /// In what form messages are printed.
     pub fn format(&self) -> Format {
-        self.common().map_or(Format::Text, |common| common.format)
+        match self {
+            Command::Mesh { format, .. } => *format,
+            _ => self.common().map_or(Format::Text, |common| common.format),
+        }
     }
 
     /// Number of threads that is asked for.
@@ -227,7 +241,11 @@ impl Command {
             | Command::Converge { common, .. }
             | Command::Verify { common, .. }
             | Command::Reproduce { common, .. } => Some(common),
-            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => None,
+            Command::Plot { .. }
+            | Command::Mesh { .. }
+            | Command::Schema
+            | Command::New { .. }
+            | Command::Completions { .. } => None,
         }
     }
 }

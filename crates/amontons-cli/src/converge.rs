@@ -122,6 +122,7 @@ pub fn study(study: &Study, folder: &StudyFolder, running: &Running) -> Result<S
         keep: Some(&keep),
         load_reference: Some(&load_reference),
         keep_reference: Some(&keep_reference),
+        ..StudySettings::default()
     };
     let table = study.run(&settings).map_err(|error| Failure::Study { error, folder: folder.path().to_owned() })?;
     match failed.into_inner() {

@@ -1,6 +1,7 @@
 //! The size of a model for reading.
 
-use amontons::model::Model;
+use amontons::mesh::Skipped;
+use amontons::model::{MeshModel, Model, Size};
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
@@ -60,6 +61,41 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
         rows.push(row("per step", &format!("{step}; {} memory for factors and forms", bytes(cost.memory_bytes))));
     }
     rows
+}
+
+/// What a mesh file has, for reading.
+pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
+    let kind = match (model.dimension, model.axisymmetric) {
+        (1, _) => "a body on a line",
+        (2, true) => "the half section of a body of revolution",
+        (2, false) => "a plane body",
+        _ => "a body in space",
+    };
+    let parts = if model.parts == 1 { String::new() } else { format!(" in {} parts", model.parts) };
+    let mut rows = vec![format!("{name}: {kind}{parts}, {} nodes", model.nodes)];
+    rows.extend(model.cells.iter().map(|(element, count)| row("cells", &format!("{count} {element}"))));
+    let [low, high] = &model.bounds;
+    let extents: Vec<String> = low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect();
+    rows.push(row("bounding box", &extents.join(" × ")));
+    let sizes = |what: &str, parts: &str, measure: &str, of: &Size| {
+        row(&format!("{what} \"{}\"", of.name), &format!("{} {parts}, {measure} {:.5e}", of.count, of.measure))
+    };
+    rows.extend(model.regions.iter().map(|region| sizes("region", "cells", "volume", region)));
+    rows.extend(model.sides.iter().map(|side| sizes("side", "facets", "area", side)));
+    if model.unnamed_facets > 0 {
+        rows.push(row("in no side", &format!("{} facets of the boundary", model.unnamed_facets)));
+    }
+    let (quality, at) = model.quality;
+    let at: Vec<String> = at[..model.dimension.min(3)].iter().map(|x| format!("{x:.5e}")).collect();
+    rows.push(row(
+        "quality",
+        &format!("the worst cell, about ({}), has {quality:.4} (1: regular, 0: flat)", at.join(", ")),
+    ));
+    rows.extend(skipped.iter().map(|skipped| {
+        let times = if skipped.count == 1 { String::new() } else { format!(", {} of them", skipped.count) };
+        row("skipped", &format!("{} (line {}{times})", skipped.what, skipped.line))
+    }));
+    rows.join("\n") + "\n"
 }
 
 /// Time scales beside the step.

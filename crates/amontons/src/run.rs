@@ -16,9 +16,9 @@ use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
 };
 use crate::problem::Problem;
-use crate::scheme::{BackwardEuler, Scheme, SetupError, StepError};
+use crate::scheme::{BackwardEuler, Kept, MakeScheme, Scheme, SetupError, State, StepError, StepReport};
 
-/// How a run is made. None of it changes results.
+/// How a run is made. Only the scheme changes results.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Number of threads; without it, those of the thread pool that the run is started in, else one per core.
@@ -32,6 +32,8 @@ pub struct Settings {
     pub known: Option<Vec<Finding>>,
     /// Called when a phase of the run begins.
     pub watch: Option<Watch>,
+    /// The time-stepping scheme. A run is resumed with the scheme that it began with.
+    pub scheme: MakeScheme,
 }
 
 /// What a run is doing.
@@ -61,7 +63,14 @@ impl fmt::Debug for Watch {
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { threads: None, interrupt: None, certificate: true, known: None, watch: None }
+        Settings {
+            threads: None,
+            interrupt: None,
+            certificate: true,
+            known: None,
+            watch: None,
+            scheme: BackwardEuler::make,
+        }
     }
 }
 
@@ -138,11 +147,13 @@ fn drive(
     let certificate = begin.elapsed().as_secs_f64();
     begins(Phase::Assembly);
     let backend = Arc::new(Timed::new(&problem.backend, settings.watch.clone()));
-    let mut scheme = within(pool.as_ref(), || BackwardEuler::with_backend(problem, Arc::<Timed>::clone(&backend)))?;
-    let unknowns = counted(&scheme);
+    let solver: Arc<dyn Backend> = Arc::<Timed>::clone(&backend);
+    let mut scheme = within(pool.as_ref(), || (settings.scheme)(problem, &solver))?;
+    let unknowns = counted(&*scheme);
     let resumed = from.is_some();
-    let Checkpoint { mut state, mut report, work: before, .. } = beginning(from, problem, &scheme)?;
+    let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
     // What a run that goes on factorizes again has been counted.
+    within(pool.as_ref(), || scheme.recall(&kept))?;
     let again = if resumed { scheme.factorizations() } else { (0, 0) };
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
     let factor = backend.seconds();
@@ -151,13 +162,7 @@ fn drive(
     clock.seconds.setup += begin.elapsed().as_secs_f64() - factor - certificate;
 
     let threads = pool.as_ref().map_or_else(rayon::current_num_threads, ThreadPool::current_num_threads);
-    let from = Snapshot {
-        problem,
-        discretization: scheme.discretization(),
-        state: &state,
-        report: report.as_ref(),
-        work: clock.work(before, &scheme),
-    };
+    let from = seen(problem, &*scheme, &state, report.as_ref(), clock.work(before, &*scheme));
     let start = RunStart { from, threads, resumed, certificate: settings.certificate.then_some(&findings[..]) };
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.start(&start)))?;
 
@@ -174,26 +179,35 @@ fn drive(
             Err(error) if error.is_interruption() => break None,
             Err(error) => break Some(error),
         }
-        let work = clock.work(before, &scheme);
-        let now =
-            Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+        let work = clock.work(before, &*scheme);
+        let now = seen(problem, &*scheme, &state, report.as_ref(), work);
         clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.step(&now)))?;
     };
 
     begins(Phase::Results);
-    let work = clock.work(before, &scheme);
-    let last =
-        Snapshot { problem, discretization: scheme.discretization(), state: &state, report: report.as_ref(), work };
+    let work = clock.work(before, &*scheme);
+    let last = seen(problem, &*scheme, &state, report.as_ref(), work);
     clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
     let outcome = outcome(failed.as_ref(), state.step, problem.steps);
-    let last = Snapshot { work: clock.work(before, &scheme), ..last };
+    let last = Snapshot { work: clock.work(before, &*scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
-    let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &scheme);
+    let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &*scheme);
     sinks.iter_mut().try_for_each(|sink| sink.finish(&summary))?;
     ended(failed, summary)
 }
 
-fn counted(scheme: &BackwardEuler) -> UnknownCounts {
+/// What sinks see of a run.
+fn seen<'a>(
+    problem: &'a Problem,
+    scheme: &'a dyn Scheme,
+    state: &'a State,
+    report: Option<&'a StepReport>,
+    work: Work,
+) -> Snapshot<'a> {
+    Snapshot { problem, discretization: scheme.discretization(), state, report, work, scheme: Some(scheme) }
+}
+
+fn counted(scheme: &dyn Scheme) -> UnknownCounts {
     let [displacement, temperature, contact] = scheme.unknowns();
     UnknownCounts { displacement, temperature, contact }
 }
@@ -208,10 +222,17 @@ fn judged(problem: &Problem, settings: &Settings) -> Vec<Finding> {
 }
 
 /// The state that a run begins with.
-fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &BackwardEuler) -> Result<Checkpoint, RunError> {
+fn beginning(from: Option<Checkpoint>, problem: &Problem, scheme: &dyn Scheme) -> Result<Checkpoint, RunError> {
     let Some(checkpoint) = from else {
         let state = scheme.initial()?;
-        return Ok(Checkpoint { state, report: None, work: Work::default(), k: problem.k(), fallback: None });
+        return Ok(Checkpoint {
+            state,
+            report: None,
+            work: Work::default(),
+            kept: Kept::default(),
+            k: problem.k(),
+            fallback: None,
+        });
     };
     checkpoint.check(scheme.discretization(), problem)?;
     Ok(checkpoint)
@@ -227,7 +248,7 @@ fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
 }
 
 /// The summary of a run, which is unsound where its figures cannot be trusted.
-fn sound(mut summary: Summary, scheme: &BackwardEuler) -> Summary {
+fn sound(mut summary: Summary, scheme: &dyn Scheme) -> Summary {
     scheme.backend().clone_into(&mut summary.solver.backend);
     if summary.outcome == Outcome::Done
         && let Some(why) = summary.unsound()
@@ -296,7 +317,7 @@ struct Clock {
 
 impl Clock {
     /// Work up to now.
-    fn work(&self, before: Work, scheme: &BackwardEuler) -> Work {
+    fn work(&self, before: Work, scheme: &dyn Scheme) -> Work {
         let (factorizations, contact_factorizations) = scheme.factorizations();
         Work {
             factorizations: before.factorizations + factorizations - self.again.0,

@@ -6,6 +6,8 @@
 mod body;
 #[path = "../examples/contact_law.rs"]
 mod contact_law;
+#[path = "../examples/scheme.rs"]
+mod scheme;
 #[path = "../examples/sink.rs"]
 mod sink;
 
@@ -15,7 +17,13 @@ fn near(found: f64, expected: f64, tolerance: f64) {
 
 #[test]
 fn the_examples_run() {
-    for (name, main) in [("body", body::main as fn() -> _), ("contact_law", contact_law::main), ("sink", sink::main)] {
+    let examples = [
+        ("body", body::main as fn() -> _),
+        ("contact_law", contact_law::main),
+        ("scheme", scheme::main),
+        ("sink", sink::main),
+    ];
+    for (name, main) in examples {
         let done: Result<(), Box<dyn std::error::Error>> = main();
         done.unwrap_or_else(|error| panic!("{name}: {error}"));
     }
@@ -48,4 +56,18 @@ fn a_sink_of_one_s_own_sees_every_step() {
         near(t, f64::from(n) / 5.0, 1e-14);
         near(force, 1e-3 * t / (1e-6 + 0.25e-6), 1e-10);
     }
+}
+
+/// Four short steps per step: every fourth state of backward Euler with all of them, to the last bit. The rod meets the
+/// foundation at once and is thrown back.
+#[test]
+fn a_scheme_of_one_s_own_makes_the_steps_of_a_run() {
+    let coarse = scheme::states(10, scheme::Substeps::make).expect("a run");
+    let fine = scheme::states(40, amontons::scheme::BackwardEuler::make).expect("a run");
+    assert_eq!((coarse.len(), fine.len()), (11, 41));
+    for (coarse, fine) in coarse.iter().zip(fine.iter().step_by(4)) {
+        assert_eq!((&coarse.w, &coarse.u), (&fine.w, &fine.u), "t = {}", fine.t);
+    }
+    let thrown = |states: &[amontons::scheme::State]| states.last().and_then(|s| s.w.last().copied()).expect("a state");
+    assert!(thrown(&coarse) < 0.0, "{}", thrown(&coarse));
 }

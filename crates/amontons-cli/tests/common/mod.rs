@@ -71,11 +71,10 @@ pub fn summary(folder: &Path) -> Value {
     serde_json::from_str(&read(&folder.join("summary.json"))).expect("a summary")
 }
 
-/// A summary without what depends on the machine, and the factors on Γ_C that a further session makes again.
+/// A summary without what depends on the machine.
 pub fn lasting(mut summary: Value) -> Value {
     summary["seconds"] = Value::Null;
     summary["peak_memory_bytes"] = Value::Null;
-    summary["solver"]["contact_factorizations"] = Value::Null;
     summary
 }
 

@@ -9,7 +9,7 @@ use super::place::At;
 use super::raw;
 use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
-use crate::mesh::{Diagonal, Elements, Mesh, MeshError, gmsh, vtu};
+use crate::mesh::{self, Diagonal, Elements, Mesh, MeshError};
 
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
@@ -138,16 +138,14 @@ impl Build<'_> {
             }
         };
         let ending = name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
-        let read = match ending.as_str() {
-            "msh" => gmsh::parse(&bytes),
-            "vtu" => vtu::parse(&bytes),
-            _ => {
-                self.note(FILE, At::Value, format!("\"{name}\""), "the name of a .msh (Gmsh) or .vtu (VTK) file", None);
-                return None;
-            }
-        };
-        let mut mesh = match read {
-            Ok(mesh) => mesh.scaled(scale),
+        if !mesh::EXTENSIONS.contains(&ending.as_str()) {
+            let expected = "the name of a .msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK) file";
+            let hint = "meshio converts other formats: meshio convert FILE MESH.vtu";
+            self.note(FILE, At::Value, format!("\"{name}\""), expected, Some(hint));
+            return None;
+        }
+        let mut mesh = match mesh::parse(&ending, &bytes) {
+            Ok(read) => read.mesh.scaled(scale),
             Err(error) => {
                 let at = error.at().map_or_else(String::new, |at| format!("{at}: "));
                 let expected = error.expected().unwrap_or_else(|| "a mesh of one body".to_owned());
@@ -164,7 +162,7 @@ impl Build<'_> {
                 None,
             );
         }
-        mesh.axisymmetric = axisymmetric && mesh.dim == 2;
+        mesh.axisymmetric = (axisymmetric || mesh.axisymmetric) && mesh.dim == 2;
         let harmful = |defects: &&Defects| {
             defects.first.iter().all(|defect| defect.side().is_none_or(|side| sides.contains(&side)))
         };

@@ -11,7 +11,7 @@ use super::transfer::{Transfer, TransferError};
 use crate::forms;
 use crate::material::{Isotropic, StressState};
 use crate::problem::Problem;
-use crate::scheme::{BackwardEuler, Scheme, SetupError, State, StepError};
+use crate::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, State, StepError};
 
 /// What is refined from level to level.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -58,7 +58,6 @@ pub struct Study {
 }
 
 /// How a study is run.
-#[derive(Default)]
 pub struct StudySettings<'a> {
     /// Ends the study at the next step when set.
     pub interrupt: Option<&'a AtomicBool>,
@@ -72,6 +71,22 @@ pub struct StudySettings<'a> {
     pub load_reference: Option<&'a (dyn Fn() -> Option<ReferenceProgress> + Sync)>,
     /// Keeps how far the reference has come, when the study is interrupted and once per minute.
     pub keep_reference: Option<&'a (dyn Fn(&ReferenceProgress) + Sync)>,
+    /// The time-stepping scheme of all levels.
+    pub scheme: MakeScheme,
+}
+
+impl Default for StudySettings<'_> {
+    fn default() -> Self {
+        StudySettings {
+            interrupt: None,
+            progress: None,
+            load: None,
+            keep: None,
+            load_reference: None,
+            keep_reference: None,
+            scheme: BackwardEuler::make,
+        }
+    }
 }
 
 /// How far the reference of a study has come: its state, and the errors of the levels up to its time.
@@ -207,7 +222,7 @@ impl Study {
         let trajectories = self.levels.par_iter().map(|level| trajectory(level, settings));
         let trajectories = trajectories.collect::<Result<Vec<_>, StudyError>>()?;
 
-        let mut scheme = scheme_of(reference)?;
+        let mut scheme = scheme_of(reference, settings)?;
         let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: reference.level, source })?;
         let unit = Isotropic::lame(reference.problem.mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress);
         let strain = forms::a(&reference.problem.mesh, scheme.discretization().mass.graph(), &[&unit]);
@@ -365,8 +380,9 @@ fn check(settings: &StudySettings) -> Result<(), StudyError> {
     }
 }
 
-fn scheme_of(level: &Level) -> Result<BackwardEuler, StudyError> {
-    BackwardEuler::new(&level.problem).map_err(|source| StudyError::Setup { level: level.level, source })
+fn scheme_of(level: &Level, settings: &StudySettings) -> Result<Box<dyn Scheme>, StudyError> {
+    (settings.scheme)(&level.problem, &level.problem.backend)
+        .map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
 /// Makes all steps of a level and hands over each state.
@@ -375,7 +391,7 @@ fn walk(
     settings: &StudySettings,
     mut visit: impl FnMut(&State) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let mut scheme = scheme_of(level)?;
+    let mut scheme = scheme_of(level, settings)?;
     let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
     for n in 1..=level.problem.steps {
         check(settings)?;

@@ -72,7 +72,7 @@ findings! {
     /// A rigid foundation that conducts by the penetration.
     ContactHeat = "contact-heat", Warning, Both;
     /// Contact laws that fall.
-    Branches = "branches", Theory, Mechanics;
+    Softening = "softening", Theory, Mechanics;
     /// The shape of the cells.
     MeshQuality = "mesh-quality", Warning, Any;
     /// Whether contact can occur.

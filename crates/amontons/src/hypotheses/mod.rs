@@ -8,7 +8,7 @@
 //! | `2.23-needed` | whether Theorem 1 of the book, which needs no such inequality, applies | closed forms, samples of the laws |
 //! | `step-unique`, `time-step` | one solution of a step of (4.1), and the number of steps that ensures it | factors of K_u, an eigenvalue on Γ_C |
 //! | `contact-heat` | the conductance depends on the penetration although the foundation is rigid; absent otherwise | the laws |
-//! | `branches` | a contact law softens, so that a step may have several solutions; absent otherwise | the laws |
+//! | `softening` | a contact law softens, so that a step may have several solutions; absent otherwise | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
 //! | `pairs` | which part of the nonmortar side of each pair is faced, and how deep sides overlap; absent without pairs | the rows of the pair |
@@ -18,7 +18,6 @@
 //! The proofs are in `book/src/theory.md`. [`findings`] takes negligible time, [`certificate`] a few factorizations,
 //! and [`advice`] as many as its search needs.
 
-mod branches;
 mod data;
 mod domain;
 mod finding;
@@ -28,6 +27,7 @@ mod probe;
 mod quality;
 mod reach;
 mod sample;
+mod softening;
 mod step;
 mod theorem;
 pub mod warnings;
@@ -170,7 +170,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings.extend(laws::contact(problem, constants));
     findings.retain(|finding| finding.id.concerns(problem.physics));
     findings.push(theorem::needed(problem, constants, &findings));
-    findings.extend(branches::branches(problem));
+    findings.extend(softening::softening(problem));
     findings.extend(laws::rigid_conductance(problem));
     findings.extend(pairs::faced(problem));
     findings.push(quality::cells(&problem.mesh));

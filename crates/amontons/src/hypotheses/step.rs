@@ -21,9 +21,9 @@
 
 use std::sync::Arc;
 
-use super::branches::falls;
 use super::domain::TraceQuotient;
 use super::laws::{largest_norm, tests};
+use super::softening::falls;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::Discretization;

@@ -16,6 +16,9 @@ pub const EXACT: f64 = 1e-13;
 /// An entry that the boundary term adds to S: row, column, value.
 pub type Entry = (u32, u32, f64);
 
+/// What tells a tangent from others: a hash of its entries and of the bases of its nodes.
+pub type TangentKey = [u8; 32];
+
 /// The operator S on the unknowns that are kept, and systems with it.
 ///
 /// Sums are taken in an order that does not depend on the number of threads. Any call may fail, as an iteration or a
@@ -70,6 +73,15 @@ pub trait Condensed: Debug + Send + Sync {
     fn factorizations(&self) -> usize {
         0
     }
+
+    /// The tangents J whose factors are at hand, the last one first.
+    fn kept(&self) -> Vec<TangentKey> {
+        Vec::new()
+    }
+
+    /// Takes tangents as those whose factors were at hand in the run that this one goes on from: to factorize them
+    /// again is not counted again.
+    fn recall(&mut self, _kept: &[TangentKey]) {}
 
     /// Krylov iterations so far.
     fn iterations(&self) -> usize {

@@ -20,7 +20,7 @@ mod unknowns;
 use std::sync::Arc;
 
 pub use automatic::Automatic;
-pub use condensed::{Condensed, EXACT, Entry};
+pub use condensed::{Condensed, EXACT, Entry, TangentKey};
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, largest};
 pub use error::SolveError;

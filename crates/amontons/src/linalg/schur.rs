@@ -7,8 +7,9 @@ use std::sync::Arc;
 
 use faer::Mat;
 use rayon::prelude::*;
+use sha2::{Digest, Sha256};
 
-use super::condensed::{Condensed, Entry};
+use super::condensed::{Condensed, Entry, TangentKey};
 use super::error::SolveError;
 use super::krylov::gmres;
 use super::lu::{Lu, is_positive_definite};
@@ -54,8 +55,45 @@ pub(super) struct Schur {
     /// First unknown of each node, and their number.
     nodes: Vec<usize>,
     is_large: bool,
-    kept: VecDeque<(Vec<Entry>, Lu)>,
+    kept: VecDeque<Kept>,
     factorizations: usize,
+}
+
+/// One of the last few tangents J.
+#[derive(Debug)]
+enum Kept {
+    /// With the factor of S + J.
+    Factor(Vec<Entry>, Lu),
+    /// By its key alone: the run that this one goes on from had the factor.
+    Known(TangentKey),
+}
+
+impl Kept {
+    fn is(&self, entries: &[Entry], turns: &[Turn]) -> bool {
+        match self {
+            Kept::Factor(kept, _) => {
+                kept.len() == entries.len()
+                    && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits())
+            }
+            Kept::Known(key) => *key == tangent_key(entries, turns),
+        }
+    }
+}
+
+/// What tells J in the bases of its nodes from another one.
+fn tangent_key(entries: &[Entry], turns: &[Turn]) -> TangentKey {
+    let mut hash = Sha256::new();
+    for turn in turns {
+        turn.unknowns.iter().for_each(|unknown| hash.update(unknown.to_le_bytes()));
+        turn.basis.iter().flatten().for_each(|component| hash.update(component.to_bits().to_le_bytes()));
+    }
+    hash.update((turns.len() as u64).to_le_bytes());
+    for (row, column, value) in entries {
+        hash.update(row.to_le_bytes());
+        hash.update(column.to_le_bytes());
+        hash.update(value.to_bits().to_le_bytes());
+    }
+    hash.finalize().into()
 }
 
 impl Schur {
@@ -107,27 +145,19 @@ impl Schur {
             b.copy_from_slice(&self.iterate(entries, b));
             return;
         }
-        let same = |kept: &[Entry]| {
-            kept.len() == entries.len()
-                && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits())
-        };
-        let lu = match self.kept.iter().position(|(key, _)| same(key)) {
-            Some(0) => &self.kept[0].1,
-            Some(found) => {
-                if let Some(entry) = self.kept.remove(found) {
-                    self.kept.push_front(entry);
-                }
-                &self.kept[0].1
-            }
-            None => {
-                let matrix = self.with(entries);
-                self.factorizations += 1;
-                self.kept.truncate(KEPT - 1);
-                self.kept.push_front((entries.to_vec(), Lu::new(matrix)));
-                &self.kept[0].1
+        let found = self.kept.iter().position(|kept| kept.is(entries, &self.turns));
+        let kept = match found.and_then(|found| self.kept.remove(found)) {
+            Some(factor @ Kept::Factor(..)) => factor,
+            known => {
+                self.factorizations += usize::from(known.is_none());
+                Kept::Factor(entries.to_vec(), Lu::new(self.with(entries)))
             }
         };
-        lu.solve(b);
+        if let Kept::Factor(_, lu) = &kept {
+            lu.solve(b);
+        }
+        self.kept.truncate(KEPT - 1);
+        self.kept.push_front(kept);
     }
 
     /// The same by GMRES, preconditioned from the right.
@@ -221,7 +251,7 @@ impl Condensed for Schur {
             self.turns = turns.to_vec();
             self.s =
                 if turns.is_empty() { Arc::clone(&self.straight) } else { Arc::new(turned(&self.straight, turns)) };
-            self.kept.clear();
+            self.kept.retain(|kept| matches!(kept, Kept::Known(_)));
         }
     }
 
@@ -235,6 +265,18 @@ impl Condensed for Schur {
 
     fn factorizations(&self) -> usize {
         self.factorizations
+    }
+
+    fn kept(&self) -> Vec<TangentKey> {
+        let key = |kept: &Kept| match kept {
+            Kept::Factor(entries, _) => tangent_key(entries, &self.turns),
+            Kept::Known(key) => *key,
+        };
+        self.kept.iter().map(key).collect()
+    }
+
+    fn recall(&mut self, kept: &[TangentKey]) {
+        self.kept = kept.iter().take(KEPT).map(|key| Kept::Known(*key)).collect();
     }
 }
 

@@ -8,7 +8,9 @@ mod facets;
 mod generate;
 mod geometry;
 pub mod gmsh;
+pub mod inp;
 mod locator;
+mod quality;
 mod read;
 mod round;
 mod sites;
@@ -24,7 +26,7 @@ pub use geometry::{CellMap, FacetMap};
 pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
-pub use read::{FilePosition, MeshFileError, read};
+pub use read::{EXTENSIONS, FilePosition, MeshFileError, Read, Skipped, parse, read, read_all};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};

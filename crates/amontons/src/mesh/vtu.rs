@@ -7,9 +7,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::data::Values;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, completed};
 use super::{Block, Mesh};
 use crate::element;
+use crate::quadrature::Shape;
 use crate::tensor::Point;
 use crate::vtu::{self, Array, Grid};
 
@@ -112,6 +113,15 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
             nodes: 1,
             element: element::ALL.iter().copied().find(|e| e.vtk == 1),
         });
+    }
+    let incomplete = match code {
+        23 => completed(Shape::Quadrilateral, 8).map(|element| (element, 8)),
+        25 => completed(Shape::Hexahedron, 20).map(|element| (element, 20)),
+        26 => completed(Shape::Prism, 15).map(|element| (element, 15)),
+        _ => None,
+    };
+    if let Some((element, nodes)) = incomplete {
+        return Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) });
     }
     let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
         let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();

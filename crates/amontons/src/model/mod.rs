@@ -2,6 +2,7 @@
 
 mod cost;
 mod layers;
+mod mesh;
 mod supports;
 mod times;
 
@@ -11,6 +12,7 @@ use serde::Serialize;
 
 pub use cost::Cost;
 pub use layers::{ThermalLayer, cell_heights, thermal_layers};
+pub use mesh::{MeshModel, Size};
 pub use supports::rigid_motions;
 pub use times::Times;
 

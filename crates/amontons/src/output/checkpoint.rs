@@ -6,7 +6,7 @@
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 7 |
+//! | 4 | version of the format, little-endian, now 8 |
 //! | 32 | SHA-256 of what the state depends on, [`Identity`] |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
@@ -24,7 +24,9 @@ use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
 use crate::machine;
 use crate::problem::Problem;
-use crate::scheme::{Accumulated, ContactReport, Counts, CouplingReport, Discretization, Ledger, State, StepReport};
+use crate::scheme::{
+    Accumulated, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Scheme, State, StepReport,
+};
 use crate::tensor::Point;
 
 /// Where the newest checkpoint is in a results folder, and the one before.
@@ -46,6 +48,8 @@ pub struct Checkpoint {
     pub report: Option<StepReport>,
     /// Work done up to here.
     pub work: Work,
+    /// What the run has to factorize again.
+    pub kept: Kept,
     /// Step length k of the run, s.
     pub k: f64,
     /// Why the checkpoint is not the newest of its folder, if it is the one before.
@@ -139,6 +143,7 @@ struct Body {
     counts: Counts,
     temperatures: [f64; 2],
     work: Work,
+    kept: Kept,
     report: Option<Report>,
 }
 
@@ -207,7 +212,14 @@ impl Body {
                 points: points.collect(),
             }
         });
-        Body { case: case.clone(), k: now.problem.k(), work: now.work, report, ..Body::of_state(now.state) }
+        Body {
+            case: case.clone(),
+            k: now.problem.k(),
+            work: now.work,
+            kept: now.scheme.map(Scheme::kept).unwrap_or_default(),
+            report,
+            ..Body::of_state(now.state)
+        }
     }
 
     fn of_state(state: &State) -> Body {
@@ -229,6 +241,7 @@ impl Body {
             counts: state.counts,
             temperatures: state.temperatures,
             work: Work::default(),
+            kept: Kept::default(),
             report: None,
         }
     }
@@ -281,7 +294,7 @@ impl Body {
             counts: self.counts,
             temperatures: self.temperatures,
         };
-        Checkpoint { state, report, work: self.work, k: self.k, fallback: None }
+        Checkpoint { state, report, work: self.work, kept: self.kept, k: self.k, fallback: None }
     }
 }
 

@@ -64,7 +64,7 @@ pub use vtu::OutputField;
 use crate::convergence::StudyTable;
 use crate::hypotheses::Finding;
 use crate::problem::Problem;
-use crate::scheme::{Discretization, State, StepReport};
+use crate::scheme::{Discretization, Scheme, State, StepReport};
 
 /// Where the results of a run go. A run calls `start` once, `step` after every step, and, for whatever
 /// reason it ends, `last` and `finish` once, unless a sink itself has failed.
@@ -117,6 +117,8 @@ pub struct Snapshot<'a> {
     pub report: Option<&'a StepReport>,
     /// Work done so far.
     pub work: Work,
+    /// The scheme that makes the steps; none where results are read again.
+    pub scheme: Option<&'a dyn Scheme>,
 }
 
 /// Work done since the start of a run, sessions before a checkpoint included.

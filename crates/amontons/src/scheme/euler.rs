@@ -11,7 +11,7 @@ use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step};
 use super::{
-    Accumulated, ContactReport, Counts, Discretization, Ledger, Scheme, SetupError, State, StepError, StepReport,
+    Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Scheme, SetupError, State, StepError, StepReport,
 };
 use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
@@ -84,6 +84,10 @@ impl Systems {
         self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
     }
 
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
+        self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
+    }
+
     fn factorizations(&self) -> (usize, usize) {
         self.all().fold((0, 0), |(matrices, contacts), system| {
             let (matrix, contact) = system.factorizations();
@@ -99,43 +103,32 @@ impl BackwardEuler {
     /// # Errors
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem) -> Result<BackwardEuler, SetupError> {
-        BackwardEuler::with_backend(problem, Arc::clone(&problem.backend))
+        BackwardEuler::with_backend(problem, &problem.backend)
     }
 
-    /// The same with another backend than that of the problem.
+    /// The scheme as the setting of a run or a study.
     ///
     /// # Errors
     /// Those of [`BackwardEuler::new`].
-    pub fn with_backend(problem: &Problem, backend: Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
+    pub fn make(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError> {
+        Ok(Box::new(BackwardEuler::with_backend(problem, backend)?))
+    }
+
+    /// The same with another backend than that of the problem.
+    fn with_backend(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
         let k = problem.k();
-        let systems = Systems::factorize(problem, &discrete, k, &backend)
+        let systems = Systems::factorize(problem, &discrete, k, backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
             problem: problem.clone(),
             discrete,
-            backend,
+            backend: Arc::clone(backend),
             systems,
             halved: Vec::new(),
             given_up: (0, 0),
             products: None,
         })
-    }
-
-    /// Unknowns of displacement, temperature and on Γ_C.
-    #[must_use]
-    pub fn unknowns(&self) -> [usize; 3] {
-        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
-            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
-        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
-        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
-    }
-
-    /// How systems are solved: `iterative` if one of them is, else `direct`.
-    #[must_use]
-    pub fn backend(&self) -> &'static str {
-        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
-        if is_iterative { "iterative" } else { "direct" }
     }
 
     /// Numbers that both factors store.
@@ -188,18 +181,20 @@ impl BackwardEuler {
     }
 
     /// Factorizes for parts of 2^−halvings of a step.
-    fn halve(&mut self, n: usize, t: f64, halvings: usize) -> Result<(), StepError> {
+    ///
+    /// # Errors
+    /// Those of [`Systems::factorize`].
+    fn halve(&mut self, halvings: usize) -> Result<(), (&'static str, SolveError)> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
-            let systems = Systems::factorize(&self.problem, &self.discrete, k, &self.backend);
-            self.halved.push(systems.map_err(|(_, source)| StepError::Singular { step: n, t, source })?);
+            self.halved.push(Systems::factorize(&self.problem, &self.discrete, k, &self.backend)?);
         }
         Ok(())
     }
 
     /// Whether the shortest part of a step would have one solution between the velocities of two states.
     fn shortest_is_unique(&mut self, old: &State, n: usize, end: &State) -> Result<bool, StepError> {
-        self.halve(n, end.t, HALVINGS)?;
+        self.halve(HALVINGS).map_err(|(_, source)| StepError::Singular { step: n, t: end.t, source })?;
         let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
@@ -222,7 +217,7 @@ impl BackwardEuler {
 
     /// Makes a step, or a part of it, as a whole.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
-        self.halve(n, t, halvings)?;
+        self.halve(halvings).map_err(|(_, source)| StepError::Singular { step: n, t, source })?;
         let products = self
             .products
             .take()
@@ -446,5 +441,29 @@ impl Scheme for BackwardEuler {
     fn factorizations(&self) -> (usize, usize) {
         let all = std::iter::once(&self.systems).chain(&self.halved).map(Systems::factorizations);
         all.fold(self.given_up, |sum, (matrices, contacts)| (sum.0 + matrices, sum.1 + contacts))
+    }
+
+    fn kept(&self) -> Kept {
+        let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
+        Kept { halvings: self.halved.len(), tangents: all.map(|system| system.condensed().kept()).collect() }
+    }
+
+    fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
+        self.halve(kept.halvings.min(HALVINGS)).map_err(|(part, source)| SetupError::Factor { part, source })?;
+        let all = std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut);
+        all.zip(&kept.tangents).for_each(|(system, kept)| system.condensed_mut().recall(kept));
+        Ok(())
+    }
+
+    fn unknowns(&self) -> [usize; 3] {
+        let [mechanics, heat] = [&self.systems.mechanics, &self.systems.heat]
+            .map(|half| half.as_ref().map_or(0, |half| half.system.unknowns().len()));
+        let on_contact = |half: &HalfStep| half.on_contact.iter().flatten().count();
+        [mechanics, heat, self.systems.mechanics.as_ref().map_or(0, on_contact)]
+    }
+
+    fn backend(&self) -> &'static str {
+        let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
+        if is_iterative { "iterative" } else { "direct" }
     }
 }

@@ -17,10 +17,13 @@ pub use foundation::Accumulated;
 pub use ledger::Ledger;
 pub use system::{ACCEPTED, REFINE};
 
+use std::fmt;
+use std::sync::Arc;
+
 use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
-use crate::linalg::SolveError;
-use crate::problem::Coupling;
+use crate::linalg::{Backend, SolveError, TangentKey};
+use crate::problem::{Coupling, Faults, Problem};
 use crate::tensor::Point;
 
 /// The state at a time t_n: what the next step starts from.
@@ -170,8 +173,10 @@ pub struct ContactReport {
 pub enum StepError {
     /// The iteration on Γ_C did not end.
     #[error(
-        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
-        .why.iterations, .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
+        "step {step} (t = {t:.6e}): {part} did not converge in {} iterations{}; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
+        .why.iterations,
+        if *.parts > 1 { format!(", not even in a part of 1/{} of the step: the step and its longer parts were tried before", .parts) } else { String::new() },
+        .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
     )]
     NotConverged {
         /// The step n that failed.
@@ -180,6 +185,8 @@ pub enum StepError {
         t: f64,
         /// `mechanics` or `heat`.
         part: &'static str,
+        /// Parts of the step, of which one was tried: more than one where the step was halved.
+        parts: usize,
         /// Iterations, residual and contact pattern.
         why: Box<NotConverged>,
         /// The contact points whose states did not settle, in words; empty if all did.
@@ -295,10 +302,27 @@ pub enum SetupError {
     /// Initial data are not finite.
     #[error("the initial {0} is not finite at every node")]
     Initial(&'static str),
+    /// The problem that a scheme makes of its own has faults.
+    #[error(transparent)]
+    Data(#[from] Faults),
 }
 
+/// Factorizations that a scheme keeps between steps, so that the counts of a run that goes on are those of one without
+/// a break.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Kept {
+    /// How many of the step lengths k/2, k/4, … have matrices.
+    pub halvings: usize,
+    /// The tangents on Γ_C of each system.
+    pub tangents: Vec<Vec<TangentKey>>,
+}
+
+/// Makes the scheme that steps a problem through time, with the backend that solves its linear systems: the setting
+/// of runs and studies, [`BackwardEuler::make`] by default.
+pub type MakeScheme = fn(&Problem, &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError>;
+
 /// A time-stepping scheme for a problem.
-pub trait Scheme {
+pub trait Scheme: fmt::Debug + Send + Sync {
     /// The discrete problem.
     fn discretization(&self) -> &Discretization;
     /// The state at t = 0, (4.3).
@@ -313,4 +337,19 @@ pub trait Scheme {
     fn step(&mut self, state: &State) -> Result<(State, StepReport), StepError>;
     /// Factorizations of the matrices so far, and of contact systems.
     fn factorizations(&self) -> (usize, usize);
+    /// What a run that goes on from here has to factorize again.
+    fn kept(&self) -> Kept {
+        Kept::default()
+    }
+    /// Makes the factorizations of the matrices that the run before had kept, and takes its tangents as factorized.
+    ///
+    /// # Errors
+    /// When a matrix cannot be factorized.
+    fn recall(&mut self, _kept: &Kept) -> Result<(), SetupError> {
+        Ok(())
+    }
+    /// Unknowns of displacement, temperature and on Γ_C.
+    fn unknowns(&self) -> [usize; 3];
+    /// How systems are solved: `iterative` if one of them is, else `direct`.
+    fn backend(&self) -> &'static str;
 }

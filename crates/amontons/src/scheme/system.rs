@@ -138,12 +138,24 @@ impl Step<'_> {
         StepError::Linear { step: self.n, t: self.t, part, source }
     }
 
+    /// How many of what is made here a whole step has: 1, or 2, 4, … where the step was halved.
+    fn parts(&self) -> usize {
+        (self.problem.k() / self.k).round() as usize
+    }
+
     /// A problem on Γ_C that was not solved.
     pub fn failed(&self, part: &'static str, why: Failure) -> StepError {
         match why {
             Failure::NotConverged(why) => {
                 let unsettled = self.unsettled(&why);
-                StepError::NotConverged { step: self.n, t: self.t, part, why: Box::new(why), unsettled }
+                StepError::NotConverged {
+                    step: self.n,
+                    t: self.t,
+                    part,
+                    parts: self.parts(),
+                    why: Box::new(why),
+                    unsettled,
+                }
             }
             Failure::Linear(source) => self.unsolved(part, source),
         }

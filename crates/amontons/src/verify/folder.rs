@@ -224,6 +224,7 @@ impl Files<'_> {
             state: &state,
             report: checkpoint.report.as_ref(),
             work: Work::default(),
+            scheme: None,
         };
         if let Some(summary) = summary {
             let mut figures = Vec::new();
@@ -291,6 +292,7 @@ impl Files<'_> {
                         state: &end.state,
                         report: end.report.as_ref(),
                         work: Work::default(),
+                        scheme: None,
                     };
                     let set = ProbeSet::new(&self.case.problem, std::slice::from_ref(probe)).ok()?;
                     let at_end = (end.state.t - time).abs() <= ROUND_OFF * time.abs();

@@ -11,7 +11,7 @@ fn path(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes").join(name)
 }
 
-fn read(name: &str) -> Mesh {
+pub fn read(name: &str) -> Mesh {
     mesh::read(&path(name)).unwrap_or_else(|e| panic!("{e}"))
 }
 

@@ -8,6 +8,7 @@
     reason = "a test fails by panicking, and files keep every digit"
 )]
 
+mod abaqus;
 mod defects;
 mod files;
 mod formats;

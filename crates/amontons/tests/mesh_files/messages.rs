@@ -127,19 +127,23 @@ fn cells_without_a_region_beside_others_are_a_fault() {
 
 #[test]
 fn elements_that_the_library_has_not_are_named() {
-    let eight = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n8\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 .5 0 0\n6 1 .5 0\n7 .5 1 0\n8 0 .5 0\n$EndNodes\n\
-        $Elements\n1\n1 16 2 0 1 1 2 3 4 5 6 7 8\n$EndElements\n";
-    let error = gmsh::parse(eight.as_bytes()).expect_err("a fault").to_string();
+    let nodes: String = (1..=13).map(|i| format!("{i} {} {} {}\n", i % 3, i % 5, i % 2)).collect();
+    let list: Vec<String> = (1..=13).map(|i| i.to_string()).collect();
+    let thirteen = format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n13\n{nodes}$EndNodes\n$Elements\n1\n1 19 2 0 1 {}\n$EndElements\n",
+        list.join(" ")
+    );
+    let error = gmsh::parse(thirteen.as_bytes()).expect_err("a fault").to_string();
     assert!(
-        error.starts_with("line 17: found element type 8-node quadrilateral, expected one of P1 triangle"),
+        error.starts_with("line 22: found element type 13-node pyramid, expected one of P1 tetrahedron"),
         "{error}"
     );
-    let error = gmsh::parse(eight.replace("1 16 2", "1 15 2").replace("1 2 3 4 5 6 7 8", "1").as_bytes())
+    let error = gmsh::parse(thirteen.replace("1 19 2", "1 15 2").replace(&list.join(" "), "1").as_bytes())
         .expect_err("a fault")
         .to_string();
     assert_eq!(
         error,
-        "found 8 nodes and 1 points as elements, expected at least one cell; try to mesh before saving, and to give the body a physical group"
+        "found 13 nodes and 1 points as elements, expected at least one cell; try to mesh before saving, and to give the body a physical group"
     );
 }
 
@@ -170,7 +174,10 @@ fn files_are_named_in_their_faults() {
     let missing = mesh::read(std::path::Path::new("/nowhere/pad.msh")).expect_err("a fault").to_string();
     assert!(missing.starts_with("/nowhere/pad.msh: cannot be read: "), "{missing}");
     let other = mesh::read(std::path::Path::new("pad.stl")).expect_err("a fault").to_string();
-    assert_eq!(other, "pad.stl: the extension is \"stl\", expected .msh (Gmsh) or .vtu (VTK unstructured grid)");
+    assert_eq!(
+        other,
+        "pad.stl: the extension is \"stl\", expected .msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+    );
 }
 
 #[test]
@@ -188,7 +195,8 @@ fn faults_of_grids_name_the_array_or_cell() {
     for (old, new, expected) in [
         ("0 1 2 0 1<", "0 1 -2 0 1<", "the array connectivity has the value -2, not integers"),
         ("0 1 2 0 1<", "0 1 9 0 1<", "a cell has node 9, but there are 4 nodes"),
-        ("5 3<", "23 3<", "cell 0: found element type VTK 23, expected one of"),
+        ("5 3<", "27 3<", "cell 0: found element type VTK 27, expected one of"),
+        ("5 3<", "23 3<", "cell 0 has 3 nodes, not the 8 of a Q2 quadrilateral"),
         ("5 3<", "9 3<", "cell 0 has 3 nodes, not the 4 of a Q1 quadrilateral"),
         ("4 0<", "4.5 0<", "the array region has 1 components or fractions, not one integer per cell"),
         ("4 0<", "4<", "the array region has 1 values, not 1 for each of 2 cells"),

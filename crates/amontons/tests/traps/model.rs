@@ -6,7 +6,7 @@ use std::sync::Arc;
 use amontons::linalg::{Graph, Layout, Unknowns, fill};
 use amontons::mesh::{Elements, Mesh};
 use amontons::model::Model;
-use amontons::scheme::BackwardEuler;
+use amontons::scheme::{BackwardEuler, Scheme};
 
 use super::{BAR, BLOCK, doubled, near, problem};
 

@@ -12,8 +12,9 @@ mod sections;
 pub(in crate::mesh) use data::data;
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, MeshFileError};
+use super::read::{FilePosition, Kind, MeshFileError, completed};
 use crate::element;
+use crate::quadrature::Shape;
 
 /// Name, dimension and number of nodes of the types 1 to 19.
 const KINDS: [(&str, usize, usize); 19] = [
@@ -42,7 +43,14 @@ const KINDS: [(&str, usize, usize); 19] = [
 fn kind(code: i64) -> Option<Kind> {
     let index = usize::try_from(code).ok()?.checked_sub(1)?;
     let &(name, dim, nodes) = KINDS.get(index)?;
-    let element = element::ALL.iter().copied().find(|e| i64::from(e.gmsh) == code && e.nodes.len() == nodes);
+    let complete = element::ALL.iter().copied().find(|e| i64::from(e.gmsh) == code && e.nodes.len() == nodes);
+    let shape = match code {
+        16 => Shape::Quadrilateral,
+        17 => Shape::Hexahedron,
+        18 => Shape::Prism,
+        _ => Shape::Point,
+    };
+    let element = complete.or_else(|| completed(shape, nodes));
     Some(Kind { name, dim, nodes, element })
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::serendipity::complete;
 use super::{FilePosition, MeshFileError};
 use crate::element::{self, Element};
 use crate::mesh::topology::{Key, key};
@@ -20,9 +21,9 @@ const FLAT: f64 = 1e-9;
 pub(in crate::mesh) struct Kind {
     pub name: &'static str,
     pub dim: usize,
-    /// Number of nodes.
+    /// Number of nodes in the file.
     pub nodes: usize,
-    /// The element of the library, if there is one.
+    /// The element of the library, if there is one; it may have further nodes, in the middle of faces and cell.
     pub element: Option<&'static Element>,
 }
 
@@ -70,6 +71,7 @@ impl Loose {
                 found: format!("{} nodes and {points} points as elements", self.points.len()),
             });
         }
+        complete(&mut self.points, &mut self.blocks);
         let (cells, rest): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.blocks).into_iter().partition(|block| block.kind.dim == dim);
         self.flatten(dim, &cells)?;

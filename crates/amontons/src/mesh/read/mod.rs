@@ -3,6 +3,7 @@
 //! | extension | format | regions | sides |
 //! |---|---|---|---|
 //! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d | physical groups of dimension d − 1 |
+//! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces and node sets |
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
 //! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
@@ -10,12 +11,14 @@
 //! the whole boundary is the side `boundary`.
 
 mod loose;
+mod serendipity;
 
 use std::path::{Path, PathBuf};
 
 use super::Mesh;
 use crate::machine;
 pub(super) use loose::{Kind, Loose, LooseBlock};
+pub(super) use serendipity::completed;
 
 /// Longest mesh file in bytes.
 const LONGEST: u64 = 4 << 30;
@@ -215,6 +218,15 @@ impl MeshFileError {
         }
     }
 
+    /// Whether the file system gave no bytes.
+    #[must_use]
+    pub fn is_unreadable(&self) -> bool {
+        match self {
+            MeshFileError::In { fault, .. } => fault.is_unreadable(),
+            other => matches!(other, MeshFileError::Unreadable { .. }),
+        }
+    }
+
     /// What was found.
     #[must_use]
     pub fn found(&self) -> String {
@@ -247,7 +259,9 @@ impl MeshFileError {
         let expected = match self {
             MeshFileError::In { fault, .. } => return fault.expected(),
             MeshFileError::Unreadable { .. } | MeshFileError::Grid { .. } => return None,
-            MeshFileError::Extension { .. } => ".msh (Gmsh) or .vtu (VTK unstructured grid)",
+            MeshFileError::Extension { .. } => {
+                ".msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+            }
             MeshFileError::Syntax { expected, .. } => expected,
             MeshFileError::Version { .. } => "2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
             MeshFileError::Count { room, .. } => {
@@ -301,7 +315,30 @@ impl std::fmt::Display for MeshFileError {
 
 impl std::error::Error for MeshFileError {}
 
-/// Reads a mesh from a file, Gmsh or VTK by its extension.
+/// Extensions of the formats that are read, in small letters.
+pub const EXTENSIONS: [&str; 3] = ["msh", "inp", "vtu"];
+
+/// A mesh from a file, with what else the file has.
+#[derive(Clone, Debug)]
+pub struct Read {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What an input file of Abaqus or CalculiX has besides, in its order; empty for other formats.
+    pub skipped: Vec<Skipped>,
+}
+
+/// Something in a file that is no part of the mesh.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Skipped {
+    /// A keyword with its star, or elements of a type.
+    pub what: String,
+    /// Line of the first of them.
+    pub line: usize,
+    /// How many there are: keywords, or elements.
+    pub count: usize,
+}
+
+/// Reads a mesh from a file, its format by the extension.
 ///
 /// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of
 /// the whole mesh (inverted cells, facets inside the body), listed by [`defects`](crate::mesh::defects::defects).
@@ -310,16 +347,36 @@ impl std::error::Error for MeshFileError {}
 /// When the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was
 /// found and expected.
 pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
+    read_all(path).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_all(path: &Path) -> Result<Read, MeshFileError> {
     let inside = |fault| MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
-    let parse = match extension.as_str() {
-        "msh" => super::gmsh::parse,
-        "vtu" => super::vtu::parse,
-        _ => return Err(inside(MeshFileError::Extension { found: extension })),
-    };
+    if !EXTENSIONS.contains(&extension.as_str()) {
+        return Err(inside(MeshFileError::Extension { found: extension }));
+    }
     let bytes =
         machine::read(path, LONGEST).map_err(|e| inside(MeshFileError::Unreadable { message: e.to_string() }))?;
-    parse(&bytes).map_err(inside)
+    parse(&extension, &bytes).map_err(inside)
+}
+
+/// Reads a mesh from the bytes of a file with this extension, in small letters.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
+    let alone = |mesh: Mesh| Read { mesh, skipped: Vec::new() };
+    match extension {
+        "msh" => super::gmsh::parse(bytes).map(alone),
+        "inp" => super::inp::parse(bytes),
+        "vtu" => super::vtu::parse(bytes).map(alone),
+        _ => Err(MeshFileError::Extension { found: extension.to_owned() }),
+    }
 }
 
 impl Mesh {

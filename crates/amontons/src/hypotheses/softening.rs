@@ -59,8 +59,8 @@ pub(super) fn falls(problem: &Problem) -> Vec<Falls> {
     tests(problem).map(|test| Falls::of(test.contact, &test.places, stress)).collect()
 }
 
-/// `branches`: reports softening laws, their slopes, and how a run treats them; none if no law softens.
-pub(super) fn branches(problem: &Problem) -> Option<Finding> {
+/// `softening`: reports softening laws, their slopes, and how a run treats them; none if no law softens.
+pub(super) fn softening(problem: &Problem) -> Option<Finding> {
     let all = falls(problem);
     let side = all.iter().position(|falls| falls.any())?;
     let falls = all[side];
@@ -92,5 +92,5 @@ pub(super) fn branches(problem: &Problem) -> Option<Finding> {
         .find(|fall| *fall > 0.0)
         .filter(|fall| fall.is_finite());
     let place = format!("{}.{part}", problem.contact_path(side));
-    Some(Finding::new(FindingId::Branches, FindingStatus::NotCovered, message, &place).numbers(value, Some(0.0)))
+    Some(Finding::new(FindingId::Softening, FindingStatus::NotCovered, message, &place).numbers(value, Some(0.0)))
 }

@@ -230,7 +230,7 @@ fn a_bond_lets_go_at_its_strength() {
             }
         }
         assert_eq!(states.last().unwrap().counts.ambiguous_steps, 1);
-        assert!(!finding(&hypotheses::findings(&problem), "branches").unwrap().holds());
+        assert!(!finding(&hypotheses::findings(&problem), "softening").unwrap().holds());
     }
 }
 
@@ -472,6 +472,7 @@ fn a_step_that_fails_in_halves_too_names_its_first_failure() {
     let StepError::NotConverged { step: 5, t, part: "mechanics", .. } = error else { panic!("{error}") };
     near(t, 0.4 + 10.0 * 0.1 / 32.0, 1e-12, "the time of the first failure");
     assert!(error.to_string().contains("step 5 (t = 4.3125"), "{error}");
+    assert!(error.to_string().contains("not even in a part of 1/32 of the step"), "{error}");
     // The point at the end of the rod is the only one.
     let told = error.to_string();
     let named = "; 1 contact point does not settle: (1, 0, 0) on \"right\" (Broken, Frictionless): ";
@@ -515,10 +516,10 @@ fn halved_steps_have_the_same_bits_after_a_resume_and_on_two_threads() {
     }
 }
 
-/// `branches` is there where a law falls, and only there.
+/// `softening` is there where a law falls, and only there.
 #[test]
 fn laws_that_fall_are_told() {
-    let told = |law: &str| finding(&hypotheses::findings(&paper(&["mesh.n=4", law]).problem), "branches");
+    let told = |law: &str| finding(&hypotheses::findings(&paper(&["mesh.n=4", law]).problem), "softening");
     for law in [
         "contact.normal={law='softening', stiffness=1e4, peak=1, softening=5e3, residual=0.5}",
         "contact.normal={law='adhesion', stiffness=1e4, strength=1, release=1e-4}",

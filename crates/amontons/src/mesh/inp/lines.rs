@@ -1,0 +1,102 @@
+//! The lines of an input file: keywords with their parameters, and the data lines below them.
+
+use std::collections::BTreeMap;
+
+use super::super::read::{FilePosition, MeshFileError};
+
+/// A keyword with its data lines.
+#[derive(Clone, Debug)]
+pub(super) struct Keyword<'a> {
+    /// Line of the keyword, from 1.
+    pub line: usize,
+    /// In capitals without the star, words separated by one space: `SOLID SECTION`.
+    pub name: String,
+    /// Parameters by their names in capitals; those without a value have an empty one.
+    pub parameters: BTreeMap<String, String>,
+    /// Data lines with their numbers.
+    pub data: Vec<(usize, &'a str)>,
+}
+
+impl Keyword<'_> {
+    /// The value of a parameter, none where it is missing or empty.
+    pub fn parameter(&self, name: &str) -> Option<&str> {
+        self.parameters.get(name).map(String::as_str).filter(|value| !value.is_empty())
+    }
+
+    /// The value of a parameter without which the keyword says nothing.
+    pub fn required(&self, name: &str) -> Result<&str, MeshFileError> {
+        self.parameter(name).ok_or_else(|| MeshFileError::Syntax {
+            at: FilePosition::Line(self.line),
+            found: format!("*{} without {name}", self.name),
+            expected: format!("*{}, {name}=…", self.name),
+        })
+    }
+
+    /// Whether a parameter is given, with a value or without.
+    pub fn has(&self, name: &str) -> bool {
+        self.parameters.contains_key(name)
+    }
+
+    /// The entries of all data lines, with the numbers of their lines; empty ones are left out.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, &str)> {
+        self.data.iter().flat_map(|&(line, text)| entries(text).map(move |entry| (line, entry)))
+    }
+}
+
+/// The entries of a data line without the empty ones.
+pub(super) fn entries(text: &str) -> impl Iterator<Item = &str> {
+    text.split(',').map(|entry| entry.trim().trim_matches('"')).filter(|entry| !entry.is_empty())
+}
+
+/// A number of a data line.
+pub(super) fn number<T: std::str::FromStr>(line: usize, text: &str, expected: &str) -> Result<T, MeshFileError> {
+    text.parse().map_err(|_| MeshFileError::Syntax {
+        at: FilePosition::Line(line),
+        found: format!("{text:?}"),
+        expected: expected.to_owned(),
+    })
+}
+
+/// The keywords of a file in turn. Lines with two stars are comments; a keyword goes on in the next line where it ends
+/// with a comma.
+pub(super) fn keywords(text: &str) -> Result<Vec<Keyword<'_>>, MeshFileError> {
+    let mut keywords: Vec<Keyword> = Vec::new();
+    let mut continues = false;
+    for (line, text) in text.lines().enumerate().map(|(index, text)| (index + 1, text.trim())) {
+        if text.starts_with("**") || text.is_empty() {
+            continue;
+        }
+        if let Some(rest) = text.strip_prefix('*') {
+            let (name, rest) = rest.split_once(',').unwrap_or((rest, ""));
+            let words: Vec<String> = name.split_whitespace().map(str::to_uppercase).collect();
+            let mut keyword = Keyword { line, name: words.join(" "), parameters: BTreeMap::new(), data: Vec::new() };
+            parameters(rest, &mut keyword.parameters);
+            keywords.push(keyword);
+            continues = text.ends_with(',');
+            continue;
+        }
+        let Some(keyword) = keywords.last_mut() else {
+            return Err(MeshFileError::Syntax {
+                at: FilePosition::Line(line),
+                found: format!("{:?}", text.chars().take(40).collect::<String>()),
+                expected: "a keyword line, which begins with a star".to_owned(),
+            });
+        };
+        if continues {
+            parameters(text, &mut keyword.parameters);
+            continues = text.ends_with(',');
+        } else {
+            keyword.data.push((line, text));
+        }
+    }
+    Ok(keywords)
+}
+
+/// Takes the parameters of a keyword line.
+fn parameters(text: &str, into: &mut BTreeMap<String, String>) {
+    for parameter in text.split(',').map(str::trim).filter(|parameter| !parameter.is_empty()) {
+        let (name, value) = parameter.split_once('=').unwrap_or((parameter, ""));
+        let name: String = name.split_whitespace().collect();
+        into.insert(name.to_uppercase(), value.trim().trim_matches('"').to_owned());
+    }
+}

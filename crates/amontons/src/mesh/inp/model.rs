@@ -1,0 +1,359 @@
+//! Nodes, elements and sets of an input file: the parts, and where the instances of an assembly put them.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::super::read::{FilePosition, MeshFileError, Skipped};
+use super::lines::{Keyword, entries, number};
+use super::solid::{self, Solid, Type};
+use crate::tensor::Point;
+
+/// Keywords that make nodes or elements of others, or read other files: a mesh without them would not be the whole one.
+const MAKERS: [&str; 10] =
+    ["NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "INCLUDE", "SYSTEM", "SUBMODEL", "NODE PRINT INCLUDE"];
+
+/// An element of a body.
+#[derive(Clone, Debug)]
+pub(super) struct Cell {
+    pub solid: Solid,
+    pub number: i64,
+    /// Line of its keyword.
+    pub line: usize,
+    /// Its first node in the list of its part.
+    pub first: usize,
+    /// The set that its keyword names.
+    pub set: Option<String>,
+}
+
+/// Nodes and elements that are numbered together.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Part {
+    pub tags: Vec<i64>,
+    pub points: Vec<Point>,
+    pub cells: Vec<Cell>,
+    /// Numbers of the nodes of the cells.
+    pub nodes: Vec<i64>,
+    pub sets: Vec<Set>,
+}
+
+/// What a set has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) enum Has {
+    Nodes,
+    Elements,
+    /// Faces of elements, or nodes of which facets are made.
+    Faces,
+    NodesOfSurface,
+    /// Elements of one material.
+    Section,
+}
+
+/// A set as the file defines it, in parts.
+#[derive(Clone, Debug)]
+pub(super) struct Set {
+    pub has: Has,
+    pub name: String,
+    /// The instance that its numbers are those of.
+    pub instance: Option<String>,
+    pub items: Vec<Item>,
+}
+
+/// An entry of a set.
+#[derive(Clone, Debug)]
+pub(super) enum Item {
+    /// From a number to another one in steps.
+    Range(i64, i64, i64),
+    /// A number or the name of a set, and the label of a face, if it has one.
+    Named { line: usize, name: String, face: Option<String> },
+    /// The nodes of a set of elements.
+    NodesOf { line: usize, name: String },
+}
+
+/// A part at its place in the assembly.
+#[derive(Clone, Debug)]
+pub(super) struct Instance {
+    pub name: String,
+    pub part: Part,
+}
+
+/// What the keywords of a file say about a mesh.
+#[derive(Debug, Default)]
+pub(super) struct Model {
+    /// What is not in a part.
+    pub flat: Part,
+    parts: BTreeMap<String, Part>,
+    pub instances: Vec<Instance>,
+    pub skipped: Vec<Skipped>,
+    part: Option<String>,
+    instance: Option<Instance>,
+}
+
+impl Model {
+    /// Takes the keywords in their order.
+    pub fn of(keywords: &[Keyword]) -> Result<Model, MeshFileError> {
+        let mut model = Model::default();
+        for keyword in keywords {
+            model.take(keyword)?;
+        }
+        Ok(model)
+    }
+
+    /// Where nodes, elements and sets go at present.
+    fn current(&mut self) -> &mut Part {
+        if let Some(instance) = &mut self.instance {
+            return &mut instance.part;
+        }
+        match &self.part {
+            Some(name) => self.parts.entry(name.clone()).or_default(),
+            None => &mut self.flat,
+        }
+    }
+
+    fn take(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
+        match keyword.name.as_str() {
+            "PART" => {
+                let name = keyword.required("NAME")?.to_uppercase();
+                self.parts.entry(name.clone()).or_default();
+                self.part = Some(name);
+            }
+            "END PART" => self.part = None,
+            "INSTANCE" => self.begin(keyword)?,
+            "END INSTANCE" => self.instances.extend(self.instance.take()),
+            "ASSEMBLY" | "END ASSEMBLY" | "HEADING" => {}
+            "NODE" => {
+                nodes(keyword, self.current())?;
+                if let Some(name) = keyword.parameter("NSET") {
+                    let numbers = keyword.data.iter().filter_map(|&(line, text)| Some((line, entries(text).next()?)));
+                    let items =
+                        numbers.map(|(line, name)| Item::Named { line, name: name.to_owned(), face: None }).collect();
+                    self.current().sets.push(Set { has: Has::Nodes, name: name.to_owned(), instance: None, items });
+                }
+            }
+            "ELEMENT" => self.elements(keyword)?,
+            "NSET" => {
+                let items = match keyword.parameter("ELSET") {
+                    Some(name) => vec![Item::NodesOf { line: keyword.line, name: name.to_owned() }],
+                    None => members(keyword)?,
+                };
+                self.set(keyword, Has::Nodes, "NSET", items)?;
+            }
+            "ELSET" => self.set(keyword, Has::Elements, "ELSET", members(keyword)?)?,
+            "SURFACE" => self.surface(keyword)?,
+            "SOLID SECTION" => {
+                let name = keyword.required("ELSET")?.to_owned();
+                let items = vec![Item::Named { line: keyword.line, name: name.clone(), face: None }];
+                self.current().sets.push(Set { has: Has::Section, name, instance: None, items });
+            }
+            name if MAKERS.contains(&name) => {
+                return Err(MeshFileError::Syntax {
+                    at: FilePosition::Line(keyword.line),
+                    found: format!("*{name}"),
+                    expected: "nodes and elements written out in one file; try to let the preprocessor, or CalculiX's cgx, write them".to_owned(),
+                });
+            }
+            name => self.skip(format!("*{name}"), keyword.line, 1),
+        }
+        Ok(())
+    }
+
+    /// Notes what is left out; what has been noted before is counted.
+    fn skip(&mut self, what: String, line: usize, count: usize) {
+        match self.skipped.iter_mut().find(|skipped| skipped.what == what) {
+            Some(skipped) => skipped.count += count,
+            None => self.skipped.push(Skipped { what, line, count }),
+        }
+    }
+
+    /// Begins an instance of a part, moved by the first data line and turned by the second one.
+    fn begin(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
+        let (name, part) = (keyword.required("NAME")?.to_owned(), keyword.required("PART")?);
+        let Some(known) = self.parts.get(&part.to_uppercase()) else {
+            return Err(MeshFileError::Syntax {
+                at: FilePosition::Line(keyword.line),
+                found: format!("an instance of the part {part:?}"),
+                expected: "a part that the file has defined before".to_owned(),
+            });
+        };
+        let mut part = known.clone();
+        let mut numbers = Vec::new();
+        for &(line, text) in &keyword.data {
+            let values: Vec<f64> =
+                entries(text).map(|entry| number(line, entry, "a number")).collect::<Result<_, _>>()?;
+            numbers.push((line, values));
+        }
+        let wrong = |line: usize, found: usize, expected: &str| MeshFileError::Syntax {
+            at: FilePosition::Line(line),
+            found: format!("{found} numbers"),
+            expected: expected.to_owned(),
+        };
+        if let Some((line, values)) = numbers.first() {
+            let shift: Point = match values[..] {
+                [x, y, z] => [x, y, z],
+                [x, y] => [x, y, 0.0],
+                _ => return Err(wrong(*line, values.len(), "the three components of a translation")),
+            };
+            part.points.iter_mut().for_each(|point| *point = std::array::from_fn(|d| point[d] + shift[d]));
+        }
+        if let Some((line, values)) = numbers.get(1) {
+            let [ax, ay, az, bx, by, bz, angle] = values[..] else {
+                return Err(wrong(*line, values.len(), "two points of an axis and an angle in degrees, seven numbers"));
+            };
+            let turn = Rotation::new([ax, ay, az], [bx, by, bz], angle)
+                .ok_or_else(|| wrong(*line, values.len(), "two different points of the axis of a rotation"))?;
+            part.points.iter_mut().for_each(|point| *point = turn.apply(point));
+        }
+        self.instance = Some(Instance { name, part });
+        Ok(())
+    }
+
+    fn elements(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
+        let name = keyword.required("TYPE")?.to_uppercase();
+        let solid = match solid::of(&name) {
+            Type::Solid(solid) => solid,
+            Type::Missing => {
+                return Err(MeshFileError::Element {
+                    at: FilePosition::Line(keyword.line),
+                    found: name,
+                    known:
+                        "bodies of 2 or 3 nodes on a line, 3, 4, 6 or 8 in the plane, 4, 5, 6, 8, 10, 15 or 20 in space"
+                            .to_owned(),
+                });
+            }
+            Type::Other => {
+                self.skip(format!("elements of type {name}"), keyword.line, keyword.data.len());
+                return Ok(());
+            }
+        };
+        let set = keyword.parameter("ELSET").map(str::to_owned);
+        let mut items = Vec::new();
+        let part = self.current();
+        let mut numbers = keyword.entries();
+        while let Some((line, text)) = numbers.next() {
+            let element = number(line, text, "the number of an element")?;
+            let first = part.nodes.len();
+            for found in 0..solid.kind.nodes {
+                let Some((line, text)) = numbers.next() else {
+                    return Err(MeshFileError::Syntax {
+                        at: FilePosition::Line(line),
+                        found: format!("element {element} with {found} nodes"),
+                        expected: format!("the {} nodes of the type {name}", solid.kind.nodes),
+                    });
+                };
+                part.nodes.push(number(line, text, "the number of a node")?);
+            }
+            items.push(Item::Range(element, element, 1));
+            part.cells.push(Cell { solid, number: element, line, first, set: set.clone() });
+        }
+        if let Some(name) = set {
+            part.sets.push(Set { has: Has::Elements, name, instance: None, items });
+        }
+        Ok(())
+    }
+
+    fn set(&mut self, keyword: &Keyword, has: Has, key: &str, items: Vec<Item>) -> Result<(), MeshFileError> {
+        let name = keyword.required(key)?.to_owned();
+        let instance = keyword.parameter("INSTANCE").map(str::to_owned);
+        self.current().sets.push(Set { has, name, instance, items });
+        Ok(())
+    }
+
+    fn surface(&mut self, keyword: &Keyword) -> Result<(), MeshFileError> {
+        let name = keyword.required("NAME")?.to_owned();
+        let has = match keyword.parameter("TYPE").map(str::to_uppercase).as_deref() {
+            None | Some("ELEMENT") => Has::Faces,
+            Some("NODE") => Has::NodesOfSurface,
+            Some(other) => {
+                self.skip(format!("*SURFACE, TYPE={other}"), keyword.line, 1);
+                return Ok(());
+            }
+        };
+        let item = |&(line, text): &(usize, &str)| {
+            let mut entries = entries(text);
+            let name = entries.next()?.to_owned();
+            Some(Item::Named { line, name, face: entries.next().map(str::to_uppercase) })
+        };
+        let items = keyword.data.iter().filter_map(item).collect();
+        self.current().sets.push(Set { has, name, instance: None, items });
+        Ok(())
+    }
+}
+
+/// The members of a set: numbers, names of sets, or ranges.
+fn members(keyword: &Keyword) -> Result<Vec<Item>, MeshFileError> {
+    if !keyword.has("GENERATE") {
+        let named = |(line, name): (usize, &str)| Item::Named { line, name: name.to_owned(), face: None };
+        return Ok(keyword.entries().map(named).collect());
+    }
+    let range = |&(line, text): &(usize, &str)| {
+        let numbers: Vec<i64> =
+            entries(text).map(|entry| number(line, entry, "an integer")).collect::<Result<_, _>>()?;
+        match numbers[..] {
+            [first, last] if first <= last => Ok(Item::Range(first, last, 1)),
+            [first, last, step] if first <= last && step > 0 => Ok(Item::Range(first, last, step)),
+            _ => Err(MeshFileError::Syntax {
+                at: FilePosition::Line(line),
+                found: format!("{text:?}"),
+                expected: "a first number, a last one that is not smaller, and a positive step".to_owned(),
+            }),
+        }
+    };
+    keyword.data.iter().map(range).collect()
+}
+
+/// Takes nodes: their number and up to three coordinates.
+fn nodes(keyword: &Keyword, part: &mut Part) -> Result<(), MeshFileError> {
+    for &(line, text) in &keyword.data {
+        let mut entries = text.split(',').map(str::trim);
+        let tag: i64 = number(line, entries.next().unwrap_or_default(), "the number of a node")?;
+        let mut point = [0.0_f64; 3];
+        for (coordinate, entry) in point.iter_mut().zip(entries).filter(|(_, entry)| !entry.is_empty()) {
+            *coordinate = number::<f64>(line, entry, "a coordinate")?;
+            if !coordinate.is_finite() {
+                let (at, found) = (FilePosition::Line(line), *coordinate);
+                return Err(MeshFileError::Coordinate { at, tag: tag.unsigned_abs(), found });
+            }
+        }
+        part.tags.push(tag);
+        part.points.push(point);
+    }
+    Ok(())
+}
+
+/// Where the nodes of a part are by their numbers.
+pub(super) fn index<'a>(tags: impl Iterator<Item = &'a i64>) -> Result<HashMap<i64, u32>, MeshFileError> {
+    let mut index = HashMap::new();
+    for (place, &tag) in tags.enumerate() {
+        if index.insert(tag, place as u32).is_some() {
+            return Err(MeshFileError::RepeatedNode { tag: tag.unsigned_abs() });
+        }
+    }
+    Ok(index)
+}
+
+/// A rotation about an axis (Rodrigues' formula).
+struct Rotation {
+    at: Point,
+    axis: Point,
+    cos: f64,
+    sin: f64,
+}
+
+impl Rotation {
+    /// About the axis from `a` to `b` by an angle in degrees.
+    fn new(a: Point, b: Point, degrees: f64) -> Option<Rotation> {
+        let d: Point = std::array::from_fn(|i| b[i] - a[i]);
+        let length = crate::tensor::length(&d);
+        let axis = d.map(|x| x / length);
+        let (sin, cos) = degrees.to_radians().sin_cos();
+        (length > 0.0 && length.is_finite() && cos.is_finite()).then_some(Rotation { at: a, axis, cos, sin })
+    }
+
+    fn apply(&self, x: &Point) -> Point {
+        let v: Point = std::array::from_fn(|i| x[i] - self.at[i]);
+        let along = crate::tensor::dot(&self.axis, &v) * (1.0 - self.cos);
+        let cross = |i: usize| {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            self.axis[j] * v[k] - self.axis[k] * v[j]
+        };
+        std::array::from_fn(|i| self.at[i] + self.cos * v[i] + self.sin * cross(i) + along * self.axis[i])
+    }
+}

@@ -1,0 +1,99 @@
+//! The element types of Abaqus and CalculiX that are parts of a body, and their faces.
+
+use crate::element::{self, Element};
+
+use super::super::read::Kind;
+
+/// Families of types whose elements fill a body, with the dimension; what follows is the number of nodes and letters
+/// for integration, mixed forms and coupled fields, which say nothing about the mesh.
+const FAMILIES: [(&str, usize); 13] = [
+    ("CPEG", 2),
+    ("CPS", 2),
+    ("CPE", 2),
+    ("CGAX", 2),
+    ("CAX", 2),
+    ("DC1D", 1),
+    ("DC2D", 2),
+    ("DCAX", 2),
+    ("DCC2D", 2),
+    ("DC3D", 3),
+    ("DCC3D", 3),
+    ("AC3D", 3),
+    ("C3D", 3),
+];
+
+/// Families of half sections of bodies of revolution.
+const REVOLUTION: [&str; 3] = ["CGAX", "CAX", "DCAX"];
+
+/// A type of element.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Solid {
+    pub kind: Kind,
+    /// Whether it is part of the half section of a body of revolution.
+    pub axisymmetric: bool,
+}
+
+/// What a name of an element type means.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Type {
+    /// An element that fills a body.
+    Solid(Solid),
+    /// One that fills a body and that the library does not have.
+    Missing,
+    /// A beam, shell, spring, mass or another one that is no part of a body.
+    Other,
+}
+
+/// The type with a name, in capitals.
+pub(super) fn of(name: &str) -> Type {
+    let family = FAMILIES.iter().filter(|(family, _)| name.starts_with(family)).max_by_key(|(family, _)| family.len());
+    let Some(&(family, dim)) = family else { return Type::Other };
+    let digits: String = name[family.len()..].chars().take_while(char::is_ascii_digit).collect();
+    let Ok(nodes) = digits.parse::<usize>() else { return Type::Other };
+    let element: &'static Element = match (dim, nodes) {
+        (1, 2) => &element::P1_SEGMENT,
+        (1, 3) => &element::P2_SEGMENT,
+        (2, 3) => &element::P1_TRIANGLE,
+        (2, 4) => &element::Q1_QUADRILATERAL,
+        (2, 6) => &element::P2_TRIANGLE,
+        // Without the nodes in the middle of faces and cell, which are added.
+        (2, 8) => &element::Q2_QUADRILATERAL,
+        (3, 4) => &element::P1_TETRAHEDRON,
+        (3, 5) => &element::P1_PYRAMID,
+        (3, 6) => &element::P1_PRISM,
+        (3, 8) => &element::Q1_HEXAHEDRON,
+        (3, 10) => &element::P2_TETRAHEDRON,
+        (3, 15) => &element::P2_PRISM,
+        (3, 20) => &element::Q2_HEXAHEDRON,
+        _ => return Type::Missing,
+    };
+    let kind = Kind { name: element.name, dim, nodes, element: Some(element) };
+    Type::Solid(Solid { kind, axisymmetric: REVOLUTION.contains(&family) })
+}
+
+/// The vertices of the face S1, S2, … of an element, numbered from 0.
+pub(super) fn face(element: &Element, number: usize) -> Option<&'static [usize]> {
+    use crate::quadrature::Shape;
+    let faces: &[&[usize]] = match element.shape {
+        Shape::Segment => &[&[0], &[1]],
+        Shape::Triangle => &[&[0, 1], &[1, 2], &[2, 0]],
+        Shape::Quadrilateral => &[&[0, 1], &[1, 2], &[2, 3], &[3, 0]],
+        Shape::Tetrahedron => &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
+        Shape::Pyramid => &[&[0, 1, 2, 3], &[0, 4, 1], &[1, 4, 2], &[2, 4, 3], &[3, 4, 0]],
+        Shape::Prism => &[&[0, 1, 2], &[3, 5, 4], &[0, 3, 4, 1], &[1, 4, 5, 2], &[2, 5, 3, 0]],
+        Shape::Hexahedron => {
+            &[&[0, 1, 2, 3], &[4, 7, 6, 5], &[0, 4, 5, 1], &[1, 5, 6, 2], &[2, 6, 7, 3], &[3, 7, 4, 0]]
+        }
+        Shape::Point => &[],
+    };
+    faces.get(number.checked_sub(1)?).copied()
+}
+
+/// The facet of an element that has these vertices.
+pub(super) fn facet(element: &Element, vertices: &[usize]) -> Option<&'static element::Facet> {
+    let count = element.shape.vertices();
+    element.facets.iter().find(|facet| {
+        let mut own = facet.nodes.iter().filter(|&&node| node < count);
+        own.clone().count() == vertices.len() && own.all(|node| vertices.contains(node))
+    })
+}
