@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::build::{Build, side};
 use super::coefficient::{Plan, Sites};
 use super::laws::{self, Keyed};
+use super::pair::Effusivities;
 use super::place::At;
 use super::raw::{self, Datum};
 use crate::contact::{
@@ -16,7 +17,8 @@ use crate::mesh::Mesh;
 use crate::tensor::Point;
 
 impl Build<'_> {
-    pub fn contact(&mut self, path: &str, raw: raw::Contact, mesh: &Mesh) -> Contact {
+    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, effusivities: &Effusivities) -> Contact {
+        self.partition(path, &mut raw, effusivities);
         let pair = self.pair(path, &raw, mesh);
         let bearing = pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&raw.on, |pair| &pair.with).clone();
         let (points, is_pair) = (side(mesh, &bearing), pair.is_some());

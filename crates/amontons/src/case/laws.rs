@@ -6,9 +6,9 @@ use super::coefficient::Refusal;
 use super::raw::{Coefficient, Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
     Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw,
-    FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NormalLaw, Orthotropic, PiecewiseLinear, Power,
-    PowerConductance, PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening,
-    StaticKinetic, Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
+    FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip, NormalLaw, Orthotropic,
+    PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp,
+    Signorini, Softening, StaticKinetic, Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
 };
 
 /// Coefficients with their keys below the law, in the order in which the law takes their values.
@@ -120,6 +120,7 @@ fn capped<'a>(
 pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
     match raw {
         Friction::None => (Vec::new(), Box::new(|_| Ok(Arc::new(Frictionless)))),
+        Friction::Stick => (Vec::new(), Box::new(|_| Ok(Arc::new(NoSlip)))),
         Friction::Coulomb { coefficient, cap } => {
             capped(&[("coefficient", coefficient)], cap.as_ref(), |v| Ok(Arc::new(Coulomb { coefficient: v[0] })))
         }

@@ -20,7 +20,8 @@ mod wear;
 pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Side};
 pub use foundation::LumpedFoundation;
 pub use friction::{
-    Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable,
+    Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, NoSlip, Orthotropic, StaticKinetic, Tabulated, Tresca,
+    Variable,
 };
 pub use heat::{
     ConstantConductance, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance,

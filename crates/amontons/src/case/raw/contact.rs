@@ -90,7 +90,8 @@ pub(in crate::case) struct Contact {
     pub heat: Heat,
     /// Fraction η of the friction power that enters the body as heat, from 0 to 1.
     ///
-    /// In a pair the fraction that enters the side `on`; the rest enters the other side.
+    /// In a pair the fraction that enters the side `on`, or `"effusivity"` for √(Kc) of this side over the sum of both;
+    /// the rest enters the other side.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub frictional_heat: Datum,
@@ -270,6 +271,8 @@ pub(in crate::case) enum Friction {
         #[schemars(extend("minimum" = 0))]
         cap: Option<Datum>,
     },
+    /// No slip, whatever the pressure; with `bilateral` contact the sides are tied.
+    Stick,
     /// Tresca friction: a constant bound on all of Γ_C, whatever the pressure.
     Tresca {
         /// Friction bound in Pa.
