@@ -30,13 +30,14 @@ fn material(young: f64) -> String {
     )
 }
 
-/// Ten facets of the rail at μ = 0.3 under the pressure 2 on a length of 1: once it slips, the block feels 0.6 along and
-/// 2 across in every step, whichever facets face each other.
+/// Ten facets of the rail at μ = 0.3 under the pressure 2 on a length of 1: once it slips, the block feels 0.6 along
+/// and 2 across in every step, whichever facets face each other. The faces tilt by strains of the order p/E, here 2e-7,
+/// and with them the force; with E = 1e3 it is 0.60017 in place of 0.6.
 #[test]
 fn a_block_that_slides_over_facets_feels_a_constant_force() {
     let text = two("size = [4.0, 0.5]\nn = [27, 4]", "size = [1.0, 0.5]\nn = [6, 4]\norigin = [0.5, 0.5]")
         + "[time]\nend = 1.0\nsteps = 60\n[material]\n"
-        + &material(1e3)
+        + &material(1e7)
         + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [0, 0]\n\
            [[boundary]]\non = \"upper_top\"\ndisplacement = [\"1.5*t\", \"free\"]\ntraction = [0, -2]\n\
            [contact]\non = \"upper_bottom\"\nwith = \"lower_top\"\ngeometry = \"updated\"\n\
@@ -45,9 +46,9 @@ fn a_block_that_slides_over_facets_feels_a_constant_force() {
     let mut compared = 0;
     for report in &memory.reports {
         let [along, across, _] = report.contact.force;
-        assert!((across - 2.0).abs() < 1e-10, "{across}");
+        assert!((across - 2.0).abs() < 1e-9, "{across}");
         if report.contact.states.iter().all(|state| state.status != Status::Stick) {
-            assert!((along + 0.6).abs() < 1e-10, "{along}");
+            assert!((along + 0.6).abs() < 1e-6, "{along}");
             compared += 1;
         }
     }
@@ -57,27 +58,32 @@ fn a_block_that_slides_over_facets_feels_a_constant_force() {
     assert!(memory.states.last().expect("a state").ledger.relative_closing_error() < 1e-12);
 }
 
-/// The side that bears the points is of no account but for the size of the facets.
+/// Which side bears the points is of no account but for the size of the facets: where the solution is smooth, energies
+/// differ by the order 2 of the method.
 #[test]
 fn swapped_sides_differ_by_less_on_finer_meshes() {
-    let approach = |n: usize, nonmortar: &str| {
+    let energy = |n: usize, nonmortar: &str| {
         let text = two(
-            &format!("size = [1.0, 1.0]\nn = [{}, {}]", 4 * n, 3 * n),
-            &format!("size = [0.6, 0.4]\nn = [{}, {}]\norigin = [0.2, 1.0]", 3 * n, 2 * n),
-        ) + "[time]\nend = 1.0\nsteps = 2\n[material]\n"
+            &format!("size = [1.0, 1.0]\nn = [{}, {}]", 4 * n, 4 * n),
+            &format!("size = [1.0, 0.5]\nn = [{}, {}]\norigin = [0.0, 1.0]", 5 * n, 3 * n),
+        ) + "[time]\nend = 1.0\nsteps = 1\n[material]\n"
             + &material(10.0)
-            + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [0, 0]\n\
-               [[boundary]]\non = \"upper_top\"\ndisplacement = [\"0.02*t\", \"free\"]\ntraction = [0, \"-0.3*t\"]\n\
+            + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [\"free\", 0]\n\
+               [[boundary]]\non = \"lower_left\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"upper_left\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"lower_right\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"upper_right\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"upper_top\"\npressure = \"1 + 0.5*cos(pi*x)\"\n\
                [contact]\non = \"upper_bottom\"\nwith = \"lower_top\"\nnormal = { law = \"signorini\" }\n\
-               friction = { law = \"coulomb\", coefficient = 0.3 }\nnonmortar = \""
+               nonmortar = \""
             + nonmortar
             + "\"\n";
-        let memory = made(&text);
-        memory.states.last().expect("a state").ledger.elastic
+        made(&text).states.last().expect("a state").ledger.elastic
     };
-    let difference = |n: usize| (approach(n, "upper_bottom") / approach(n, "lower_top") - 1.0).abs();
-    let [coarse, fine] = [difference(2), difference(6)];
-    assert!(fine < 0.5 * coarse && coarse < 0.05, "{coarse:e}, {fine:e}");
+    let difference = |n: usize| (energy(n, "upper_bottom") / energy(n, "lower_top") - 1.0).abs();
+    let [coarse, fine] = [difference(1), difference(4)];
+    let order = (coarse / fine).log2() / 2.0;
+    assert!(order > 1.9, "order {order}: {coarse:e}, {fine:e}");
 }
 
 /// Twelve decades of the quotient of stiffnesses take about as many iterations.

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::effusivity::Effusivities;
 use super::files::{Files, Loader};
 use super::nearest::nearest;
-use super::pair;
 use super::path::{Doubtful, Path, Segment};
 use super::physics::physics;
 use super::place::{At, Finding};
@@ -64,7 +64,7 @@ pub(super) fn problem(
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
     let bodies = materials.clone();
-    let effusivities = pair::Effusivities::new(&mesh, &bodies);
+    let effusivities = Effusivities::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let data = ProblemData {
         name: raw.name,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::build::{Build, side};
 use super::coefficient::{Plan, Sites};
+use super::effusivity::Effusivities;
 use super::laws::{self, Keyed};
-use super::pair::Effusivities;
 use super::place::At;
 use super::raw::{self, Datum};
 use crate::contact::{

@@ -22,6 +22,7 @@ mod check;
 mod coefficient;
 mod contact;
 mod data;
+mod effusivity;
 mod elasticity;
 mod fault;
 mod files;

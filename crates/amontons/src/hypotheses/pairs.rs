@@ -41,10 +41,11 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
             continue;
         };
         let (bearing, share) = (contact.bearing(), mortar.covered / mortar.measure);
+        let lever = mortar.rows.iter().map(|row| row.lever).fold(0.0, f64::max);
         is_partly |= share < WHOLE;
         let points = mortar.rows.iter().filter(|row| row.weight > 0.0).count();
         told.push(format!(
-            "\"{bearing}\" bears {points} contact points, and \"{facing}\" faces {:.4} % of it",
+            "\"{bearing}\" bears {points} contact points, and \"{facing}\" faces {:.4} % of it; pressures miss the balance of moments by levers of up to {lever:.1e} m",
             100.0 * share
         ));
         let is_geometric = contact.pair.as_ref().is_some_and(|pair| !pair.gap_is_given && !pair.closes);

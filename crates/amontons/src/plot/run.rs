@@ -105,8 +105,8 @@ impl Run {
         self.history.get(column).is_some_and(|values| values.iter().any(|v| *v != 0.0))
     }
 
-    /// The body with the edges of its boundary that bear the points of a pair, whose two sides may be at one place; of a
-    /// foundation with all of them.
+    /// The body with the edges of its boundary that bear the points of a pair, whose two sides may be at one place; of
+    /// a foundation with all of them.
     pub(super) fn bearing<'a>(&self, body: &'a Body, side: usize) -> Cow<'a, Body> {
         let of_pair = || {
             let problem = self.problem.as_ref()?;

@@ -62,10 +62,10 @@ pub(in crate::case) struct Contact {
     /// Whether sides of a pair that overlap at rest are taken to touch there, without stress.
     #[serde(default)]
     pub close: bool,
-    /// Gap g to the foundation along the outward normal, in m; default: 0, in a pair that of the geometry.
+    /// Gap g to the foundation along the outward normal, in m.
     ///
-    /// With an obstacle: an offset added to the distance. In a pair it replaces the gap of the geometry; negative
-    /// values are an interference.
+    /// Default: 0, in a pair that of the geometry. With an obstacle: an offset added to the distance. In a pair it
+    /// replaces the gap of the geometry; negative values are an interference.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gap: Option<Datum>,
     /// Shape of the rigid foundation. Omit it if the gap describes the foundation.

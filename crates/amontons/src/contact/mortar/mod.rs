@@ -69,6 +69,8 @@ pub struct MortarRow {
     pub other: Vec<(u32, f64)>,
     /// The gap of the geometry, −ν·(B X), in m.
     pub gap: f64,
+    /// Length of the part of B X across ν in m: the lever by which a pressure misses the balance of moments.
+    pub lever: f64,
     /// Whether a component of the displacement is prescribed: the point then has no friction.
     pub is_held: bool,
 }
@@ -195,9 +197,12 @@ fn rows(
             std::array::from_fn(|c| shares.iter().map(|&(node, share)| share * sides.x[node as usize][c]).sum())
         };
         let (from, to) = (place(&own), place(&other));
-        let gap = if is_covered { dot(&gathered.normal, &std::array::from_fn(|c| to[c] - from[c])) } else { far };
+        let apart: Point = std::array::from_fn(|c| to[c] - from[c]);
+        let along = dot(&gathered.normal, &apart);
+        let lever = length(&std::array::from_fn(|c| apart[c] - along * gathered.normal[c]));
+        let (gap, lever) = if is_covered { (along, lever) } else { (far, 0.0) };
         let weight = if is_covered { weight } else { 0.0 };
-        rows.push(MortarRow { node, normal: gathered.normal, weight, own, other, gap, is_held });
+        rows.push(MortarRow { node, normal: gathered.normal, weight, own, other, gap, lever, is_held });
     }
     rows
 }
