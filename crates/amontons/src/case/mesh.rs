@@ -14,13 +14,14 @@ use crate::mesh::{self, Diagonal, Elements, Mesh, MeshError};
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
 
-/// Cells per direction of a generated mesh; of a mesh from a file the parts of each edge.
+/// Cells per direction of a generated mesh, none of several blocks; of a mesh from a file the parts of each edge.
 pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
     match *raw {
         raw::Mesh::Interval { n, .. } => vec![n],
         raw::Mesh::Rectangle { n, .. } | raw::Mesh::Disc { n, .. } | raw::Mesh::Ring { n, .. } => n.each().to_vec(),
         raw::Mesh::Box { n, .. } | raw::Mesh::Cylinder { n, .. } => n.each().to_vec(),
         raw::Mesh::File { refine, .. } => vec![1 << refine],
+        raw::Mesh::Blocks { .. } => Vec::new(),
     }
 }
 
@@ -54,7 +55,7 @@ fn empty() -> Mesh {
 }
 
 /// The generated mesh with these cells a direction.
-fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
+pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
     match (raw, cells) {
         (raw::Mesh::Interval { size, elements: e, .. }, &[n]) => Mesh::interval(*size, n, elements(*e)),
         (raw::Mesh::Rectangle { size, elements: e, diagonal: cut, origin, axisymmetric, .. }, &[nx, ny]) => {
@@ -97,6 +98,11 @@ impl Build<'_> {
                 self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
             });
             let mesh = mesh.and_then(|mesh| self.refined(mesh, *refine));
+            self.no_mesh = mesh.is_none();
+            return mesh.unwrap_or_else(empty);
+        }
+        if let raw::Mesh::Blocks { blocks, axisymmetric } = raw {
+            let mesh = self.blocks(blocks, *axisymmetric, contact_on, available);
             self.no_mesh = mesh.is_none();
             return mesh.unwrap_or_else(empty);
         }
@@ -182,7 +188,14 @@ impl Build<'_> {
     }
 
     /// Whether a run on the mesh fits into memory and its nodes can be numbered.
-    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<Memory>) -> bool {
+    pub(super) fn affordable(
+        &mut self,
+        path: &str,
+        what: &str,
+        hint: &str,
+        demand: &Demand,
+        available: Option<Memory>,
+    ) -> bool {
         let count =
             if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
@@ -209,10 +222,16 @@ fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
 
 /// What a run on a generated mesh needs.
 fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Demand {
+    let (dim, nodes, contact_nodes) = counts(raw, cells, contact_on);
+    Demand::of(dim, nodes, contact_nodes)
+}
+
+/// Dimension of a generated mesh, its nodes, and those on Γ_C.
+pub(super) fn counts(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> (usize, f64, f64) {
     let sum = |of: &dyn Fn(&str) -> f64| contact_on.iter().map(|side| of(side)).sum::<f64>();
     let degree = |e: raw::Elements| elements(e).degree() as f64;
     let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
-    let (dim, nodes, contact_nodes) = match (raw, cells) {
+    match (raw, cells) {
         (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), sum(&|_| 1.0)),
         (raw::Mesh::Rectangle { elements: e, diagonal: cut, .. }, &[nx, ny]) => {
             // Each crossed square has a node in the middle, and of degree 2 four more around it.
@@ -245,6 +264,5 @@ fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Demand {
             (3, section * axial, on_contact)
         }
         _ => (2, 0.0, 0.0),
-    };
-    Demand::of(dim, nodes, contact_nodes)
+    }
 }
