@@ -32,6 +32,12 @@ pub enum Command {
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
+        /// Make one run per value, each in its own folder, with one table and one picture; repeatable: all combinations
+        #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
+        each: Vec<String>,
+        /// Runs of `--each` at a time, which share the threads
+        #[arg(long, value_name = "N", default_value = "1", requires = "each")]
+        jobs: NonZeroUsize,
         #[command(flatten)]
         common: Common,
     },

@@ -19,12 +19,17 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, reproduce, verify};
+use crate::{constants, converge, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, no_certificate, common } => start(&case, plot, no_certificate, &common),
+        Command::Run { case, plot, no_certificate, each, jobs, common } if !each.is_empty() => {
+            let request =
+                sweep::Request { each: &each, jobs: jobs.get(), pictures: plot, certificate: !no_certificate };
+            sweep::execute(&case, &request, &common)
+        }
+        Command::Run { case, plot, no_certificate, common, .. } => start(&case, plot, no_certificate, &common),
         Command::Resume { dir, plot, no_certificate, common } => resume(&dir, plot, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
@@ -193,6 +198,9 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
             "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
         ),
         RunError::Step { source: StepError::Data { key, .. }, .. } => format!("{kept}; correct {key}"),
+        RunError::Step { source: StepError::Uncovered { found, .. }, .. } => {
+            format!("{kept}; extend the table of {} to the temperatures that occur, or change the heat load", found.key)
+        }
         RunError::Unsound(_) => format!("{kept}; `amontons check` may name the cause in the data"),
         RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
         _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),

@@ -1,7 +1,7 @@
 //! The size of a model for reading.
 
 use amontons::mesh::Skipped;
-use amontons::model::{MeshModel, Model, Size};
+use amontons::model::{Cost, MeshModel, Model, Size};
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
@@ -49,17 +49,25 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
             &format!("√(k K/c) = {step} in a step, {end} in the run, cell {cell} high on \"{}\"", layer.side),
         )
     }));
-    if let Some(cost) = &model.cost {
-        rows.push(row("unknowns", &unknowns(cost.unknowns, mechanics, heat)));
+    rows.extend(cost(&model.cost, mechanics, heat));
+    rows
+}
+
+/// Unknowns, how systems are solved, and the work and memory of that.
+fn cost(cost: &Cost, mechanics: bool, heat: bool) -> Vec<String> {
+    let mut rows = vec![row("unknowns", &unknowns(cost.unknowns, mechanics, heat))];
+    let way = if cost.solver.is_direct() { "by a factor" } else { "by an iteration without a factor" };
+    rows.push(row("linear systems", &format!("{way}: {}", cost.solver.why)));
+    if cost.solver.is_direct() {
         let [by_u, by_theta] = cost.factors;
         let numbers = if mechanics && heat { format!("{by_u} + {by_theta}") } else { (by_u + by_theta).to_string() };
         rows.push(row(
             "factors",
             &format!("{numbers} numbers, {} operations to compute them", short(cost.factorization_flops)),
         ));
-        let step = format!("{} operations, reads {}", short(cost.step_flops), bytes(cost.step_bytes));
-        rows.push(row("per step", &format!("{step}; {} memory for factors and forms", bytes(cost.memory_bytes))));
     }
+    let step = format!("{} operations, reads {}", short(cost.step_flops), bytes(cost.step_bytes));
+    rows.push(row("per step", &format!("{step}; {} memory for matrices and forms", bytes(cost.memory_bytes))));
     rows
 }
 

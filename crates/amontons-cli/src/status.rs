@@ -150,6 +150,7 @@ impl Failure {
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_) | SetupError::Data(_)) => CASE,
+                RunError::Setup(SetupError::Factor { source: SolveError::Interrupted, .. }) => INTERRUPTED,
                 RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
                 RunError::Interrupted(_) => INTERRUPTED,
                 RunError::Output(error) => of_output(error),

@@ -162,8 +162,8 @@ fn a_mesh_file_is_shown_with_its_sides_and_regions() {
     assert_code(&printed, 0);
     let length = json(&printed)["mesh"]["sides"][0]["measure"].as_f64().expect("a number");
     assert!((length - 20.0).abs() < 1e-13, "{length}");
-    // A cell that is turned over is a check that does not hold.
-    fs::write(folder.path().join("turned.inp"), deck.replace("1,1,2,5,4", "1,1,4,5,2")).expect("a file");
+    // A cell that crosses itself is a check that does not hold.
+    fs::write(folder.path().join("turned.inp"), deck.replace("1,1,2,5,4", "1,1,2,4,5")).expect("a file");
     let printed = output(amontons(&["mesh", "turned.inp"]).current_dir(&folder));
     assert_code(&printed, 1);
     assert!(stderr(&printed).contains("cell 0") && stderr(&printed).contains("inverted"), "{}", stderr(&printed));

@@ -7,7 +7,7 @@ use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
-use crate::material::{self, Material, TensorLaw};
+use crate::material::{self, Material, TensorLaw, depends_on_temperature};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -29,18 +29,21 @@ pub struct Discretization {
     /// ρ in kg/m³ where it is the same everywhere, and heat capacity likewise.
     density: Weight,
     capacity: Weight,
-    /// a of the laws that are linear.
+    /// a of the laws that are linear and do not depend on the temperature.
     pub a: BlockMatrix,
-    /// b of the laws that are linear.
+    /// b likewise.
     pub b: BlockMatrix,
-    /// Laws of elasticity and viscosity that are not linear, by region, zero in regions whose law is; empty if all are.
+    /// Laws of elasticity and viscosity that are not linear or depend on the temperature, by region, zero in regions
+    /// whose law is in a or b; empty if all are.
     elasticity: Vec<Arc<dyn TensorLaw>>,
     viscosity: Vec<Arc<dyn TensorLaw>>,
+    /// What depends on the temperature.
+    warm: Warm,
     /// Branches that relax, by their time.
     pub branches: Vec<Relaxation>,
-    /// d.
+    /// d; where 𝓚 depends on the temperature at that nearest to 0.
     pub d: BlockMatrix,
-    /// m, from temperatures to forces.
+    /// m, from temperatures to forces; where 𝓜 depends on the temperature at that nearest to 0.
     pub m: BlockMatrix,
     /// e, from displacements to heat.
     pub e: BlockMatrix,
@@ -110,6 +113,28 @@ impl Weight {
     }
 }
 
+/// The coefficients of heat and expansion by region, those of which one depends on the temperature; others are empty.
+#[derive(Debug, Default)]
+struct Warm {
+    capacity: Vec<Coefficient<f64>>,
+    conductivity: Vec<Coefficient<Sym>>,
+    expansion: Vec<Coefficient<Sym>>,
+}
+
+impl Warm {
+    fn new(materials: &[Material]) -> Warm {
+        fn of<T: Copy + Sync>(materials: &[Material], of: fn(&Material) -> &Coefficient<T>) -> Vec<Coefficient<T>> {
+            let warms = materials.iter().any(|m| !of(m).temperatures().is_empty());
+            if warms { materials.iter().map(of).cloned().collect() } else { Vec::new() }
+        }
+        Warm {
+            capacity: of(materials, |m| &m.heat_capacity),
+            conductivity: of(materials, |m| &m.conductivity),
+            expansion: of(materials, |m| &m.expansion),
+        }
+    }
+}
+
 impl Discretization {
     /// Assembles the forms of a problem.
     #[must_use]
@@ -120,24 +145,21 @@ impl Discretization {
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
         let tensors = |f: fn(&Material) -> &Coefficient<Sym>| materials.iter().map(f).collect::<Vec<_>>();
+        let is_fixed = |law: &Arc<dyn TensorLaw>| law.is_linear() && !depends_on_temperature(law.as_ref());
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
             let linear: Vec<&dyn TensorLaw> =
-                materials.iter().map(|m| if law(m).is_linear() { law(m).as_ref() } else { &ZERO }).collect();
+                materials.iter().map(|m| if is_fixed(law(m)) { law(m).as_ref() } else { &ZERO }).collect();
             forms::tensor_form(&mesh, &graph, &linear, problem.dilatation)
         };
         let others =
             |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
-                if materials.iter().all(|m| law(m).is_linear()) {
+                if materials.iter().all(|m| is_fixed(law(m))) {
                     return Vec::new();
                 }
                 materials
                     .iter()
                     .map(|m| {
-                        if law(m).is_linear() {
-                            Arc::new(ZERO.clone()) as Arc<dyn TensorLaw>
-                        } else {
-                            Arc::clone(law(m))
-                        }
+                        if is_fixed(law(m)) { Arc::new(ZERO.clone()) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) }
                     })
                     .collect()
             };
@@ -150,6 +172,7 @@ impl Discretization {
             b: form(|m| &m.viscosity),
             elasticity: others(|m| &m.elasticity),
             viscosity: others(|m| &m.viscosity),
+            warm: Warm::new(materials),
             branches: branches(problem, &graph),
             d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)),
             m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)),
@@ -167,10 +190,34 @@ impl Discretization {
         }
     }
 
-    /// Whether all laws of the body are linear, so that K_u does not change.
+    /// Whether all laws of the body are linear and do not depend on the temperature, so that K_u does not change.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.elasticity.is_empty() && self.viscosity.is_empty()
+    }
+
+    /// Whether (4.1) depends on the temperature otherwise than by m and the contact.
+    #[must_use]
+    pub fn softens(&self) -> bool {
+        self.elasticity.iter().chain(&self.viscosity).any(|law| depends_on_temperature(law.as_ref()))
+    }
+
+    /// Whether 𝓔 is a linear function of the strain everywhere, at each temperature.
+    #[must_use]
+    pub fn is_linearly_elastic(&self) -> bool {
+        self.elasticity.iter().all(|law| law.is_linear())
+    }
+
+    /// Whether 𝓔 and 𝓥 are, so that K_u is a matrix of the temperature.
+    #[must_use]
+    pub fn is_linear_at_each_temperature(&self) -> bool {
+        self.is_linearly_elastic() && self.viscosity.iter().all(|law| law.is_linear())
+    }
+
+    /// Whether conduction and stored heat are linear in the temperature, so that K_θ does not change.
+    #[must_use]
+    pub fn conducts_linearly(&self) -> bool {
+        self.warm.capacity.is_empty() && self.warm.conductivity.is_empty()
     }
 
     /// The number ρ and the form of which inertia is the product: (ρ·, ·) = ρ (·, ·) where the density is the same
@@ -202,31 +249,100 @@ impl Discretization {
         matrix
     }
 
-    /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear.
+    /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear, and with the
+    /// laws of the temperature at θ.
     #[must_use]
-    pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64]) -> BlockMatrix {
+    pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64], theta: &[f64]) -> BlockMatrix {
         let mut matrix = self.mechanical_matrix(rule);
         for (laws, factor, at) in [(&self.elasticity, rule.gamma, u), (&self.viscosity, 1.0, w)] {
             if !laws.is_empty() {
-                matrix.add_scaled(
-                    factor,
-                    &forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at),
-                );
+                matrix.add_scaled(factor, &self.tangent(laws, at, theta));
             }
         }
         matrix
     }
 
+    fn tangent(&self, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> BlockMatrix {
+        forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at, theta)
+    }
+
     /// K_θ = C/δ + D, C the mass matrix times the heat capacity and D with the convection.
     #[must_use]
     pub fn thermal_matrix(&self, rule: Rule) -> BlockMatrix {
-        let mut matrix = self.d.clone();
-        if let Some(convection) = &self.convection {
-            matrix.add_scaled(1.0, convection);
+        self.sum_of_heat(rule, self.d.clone(), self.storage())
+    }
+
+    /// [`Discretization::thermal_matrix`] with 𝓚 and the heat capacity at θ: the symmetric part of the tangent.
+    #[must_use]
+    pub fn thermal_tangent(&self, rule: Rule, theta: &[f64]) -> BlockMatrix {
+        let (graph, Warm { capacity, conductivity, .. }) = (self.mass.graph(), &self.warm);
+        let d = if conductivity.is_empty() {
+            self.d.clone()
+        } else {
+            forms::d_at(&self.mesh, graph, &conductivity.iter().collect::<Vec<_>>(), theta)
+        };
+        if capacity.is_empty() {
+            return self.sum_of_heat(rule, d, self.storage());
         }
-        let (c, storage) = self.storage();
-        matrix.add_scaled(c / rule.delta, storage);
-        matrix
+        self.sum_of_heat(rule, d, (1.0, &forms::weighted_at(&self.mesh, graph, capacity, theta)))
+    }
+
+    fn sum_of_heat(&self, rule: Rule, mut d: BlockMatrix, (c, storage): (f64, &BlockMatrix)) -> BlockMatrix {
+        if let Some(convection) = &self.convection {
+            d.add_scaled(1.0, convection);
+        }
+        d.add_scaled(c / rule.delta, storage);
+        d
+    }
+
+    /// What the tangent of (4.2) has beside [`Discretization::thermal_tangent`], from the slope of 𝓚; none where 𝓚 does
+    /// not depend on the temperature.
+    #[must_use]
+    pub fn thermal_slope(&self, theta: &[f64]) -> Option<BlockMatrix> {
+        let conductivity = &self.warm.conductivity;
+        let slope = || forms::conduction_slope(&self.mesh, self.mass.graph(), conductivity, theta);
+        (!conductivity.is_empty()).then(slope)
+    }
+
+    /// The stored heat by basis functions, less the factor of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy
+    /// H, which is cθ for a constant capacity.
+    #[must_use]
+    pub fn stored_heat(&self, theta: &[f64]) -> Vec<f64> {
+        if self.warm.capacity.is_empty() {
+            self.storage().1.apply(theta)
+        } else {
+            forms::stored_heat(&self.mesh, &self.warm.capacity, theta)
+        }
+    }
+
+    /// m(θ, ·).
+    #[must_use]
+    pub fn thermal_force(&self, theta: &[f64]) -> Vec<f64> {
+        if self.warm.expansion.is_empty() {
+            self.m.apply(theta)
+        } else {
+            forms::expanded(&self.mesh, &self.warm.expansion, theta)
+        }
+    }
+
+    /// The change of the right-hand side of (4.1) with the temperature at u, w and θ, as a product with the change of
+    /// the temperature: that of m, less those of a and b.
+    #[must_use]
+    pub fn mechanical_slope(&self, u: &[f64], w: &[f64], theta: &[f64]) -> Option<BlockMatrix> {
+        let warm = !self.warm.expansion.is_empty();
+        if !warm && !self.softens() {
+            return None;
+        }
+        let (mesh, graph) = (&self.mesh, self.mass.graph());
+        let mut matrix =
+            if warm { forms::expansion_slope(mesh, graph, &self.warm.expansion, theta) } else { self.m.clone() };
+        for (laws, at) in [(&self.elasticity, u), (&self.viscosity, w)] {
+            if laws.iter().any(|law| depends_on_temperature(law.as_ref())) {
+                let slope = forms::law_slope(mesh, graph, &borrowed(laws), self.dilatation, [at, theta]);
+                matrix.add_scaled(-1.0, &slope);
+            }
+        }
+        Some(matrix)
     }
 
     /// a(u, ·) of the linear laws with the springs.
@@ -235,28 +351,34 @@ impl Discretization {
         with(self.a.apply(u), self.springs.as_ref(), u)
     }
 
-    /// a(u, ·) with the springs.
+    /// a(u, ·) with the springs, at the temperature θ.
     #[must_use]
-    pub fn apply_a(&self, u: &[f64]) -> Vec<f64> {
-        self.with_laws(self.apply_linear_a(u), &self.elasticity, u)
+    pub fn apply_a(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
+        self.with_laws(self.apply_linear_a(u), &self.elasticity, u, theta)
     }
 
-    /// b(w, ·) with the dashpots.
+    /// b(w, ·) with the dashpots, at the temperature θ.
     #[must_use]
-    pub fn apply_b(&self, w: &[f64]) -> Vec<f64> {
-        self.with_laws(with(self.b.apply(w), self.dashpots.as_ref(), w), &self.viscosity, w)
+    pub fn apply_b(&self, w: &[f64], theta: &[f64]) -> Vec<f64> {
+        self.with_laws(with(self.b.apply(w), self.dashpots.as_ref(), w), &self.viscosity, w, theta)
     }
 
     /// d(θ, ·) with the convection.
     #[must_use]
     pub fn apply_d(&self, theta: &[f64]) -> Vec<f64> {
-        with(self.d.apply(theta), self.convection.as_ref(), theta)
+        let conductivity = &self.warm.conductivity;
+        let conducted = if conductivity.is_empty() {
+            self.d.apply(theta)
+        } else {
+            forms::conduction(&self.mesh, conductivity, theta)
+        };
+        with(conducted, self.convection.as_ref(), theta)
     }
 
-    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·), the latter three with springs and dashpots; a(w, ·) is empty where a law
-    /// is not linear.
+    /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
+    /// is empty where K_u may change.
     #[must_use]
-    pub fn mechanical_products(&self, u: &[f64], w: &[f64]) -> [Vec<f64>; 4] {
+    pub fn mechanical_products(&self, u: &[f64], w: &[f64], theta: &[f64]) -> [Vec<f64>; 4] {
         let (_, inertia) = self.inertia();
         let [mass_w, a_u, a_w, b_w] = mechanical_products(inertia, &self.a, &self.b, u, w);
         let springs = self.springs.as_ref();
@@ -264,46 +386,60 @@ impl Discretization {
         if self.is_linear() {
             return [mass_w, a_u, with(a_w, springs, w), b_w];
         }
-        [mass_w, self.with_laws(a_u, &self.elasticity, u), Vec::new(), self.with_laws(b_w, &self.viscosity, w)]
+        let a_u = self.with_laws(a_u, &self.elasticity, u, theta);
+        [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, theta)]
     }
 
     /// What the last bits of u and w make of a(u, ·) and b(w, ·).
     #[must_use]
-    pub fn mechanical_round_off(&self, u: &[f64], w: &[f64]) -> f64 {
+    pub fn mechanical_round_off(&self, u: &[f64], w: &[f64], theta: &[f64]) -> f64 {
         let of = |form: &BlockMatrix, boundary: Option<&BlockMatrix>, laws: &[Arc<dyn TensorLaw>], at: &[f64]| {
-            let tangent = if laws.is_empty() {
-                0.0
-            } else {
-                forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at).round_off(at)
-            };
+            let tangent = if laws.is_empty() { 0.0 } else { self.tangent(laws, at, theta).round_off(at) };
             form.round_off(at) + boundary.map_or(0.0, |boundary| boundary.round_off(at)) + tangent
         };
         of(&self.a, self.springs.as_ref(), &self.elasticity, u)
             + of(&self.b, self.dashpots.as_ref(), &self.viscosity, w)
     }
 
+    /// |a(|u|, ·)| by the sizes of its entries: what terms that cancel are measured by.
+    #[must_use]
+    pub fn elastic_sizes(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
+        let mut sizes = self.a.magnitude(u);
+        if self.softens() {
+            let of_laws = self.tangent(&self.elasticity, u, theta).magnitude(u);
+            sizes.iter_mut().zip(of_laws).for_each(|(sum, size)| *sum += size);
+        }
+        sizes
+    }
+
     /// What the last bits of θ make of d(θ, ·) with the convection.
     #[must_use]
     pub fn thermal_round_off(&self, theta: &[f64]) -> f64 {
-        self.d.round_off(theta) + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
+        let d = if self.warm.conductivity.is_empty() {
+            self.d.round_off(theta)
+        } else {
+            let all: Vec<_> = self.warm.conductivity.iter().collect();
+            forms::d_at(&self.mesh, self.mass.graph(), &all, theta).round_off(theta)
+        };
+        d + self.convection.as_ref().map_or(0.0, |convection| convection.round_off(theta))
     }
 
-    /// The stored energy at u: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the others; none if one of these
-    /// has no potential.
+    /// The stored energy at u and the temperature θ: ½ a(u, u) of linear laws with the springs, ∫ W(ε(u)) of the
+    /// others; none if one of these has no potential.
     #[must_use]
-    pub fn stored_energy(&self, u: &[f64]) -> Option<f64> {
+    pub fn stored_energy(&self, u: &[f64], theta: &[f64]) -> Option<f64> {
         let linear = 0.5 * dot(u, &self.apply_linear_a(u));
         if self.elasticity.is_empty() {
             Some(linear)
         } else {
-            Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), self.dilatation, u)?)
+            Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), self.dilatation, u, theta)?)
         }
     }
 
-    fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64]) -> Vec<f64> {
+    fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> Vec<f64> {
         if !laws.is_empty() {
-            for (sum, term) in product.iter_mut().zip(forms::residual(&self.mesh, &borrowed(laws), self.dilatation, at))
-            {
+            let terms = forms::residual(&self.mesh, &borrowed(laws), self.dilatation, at, theta);
+            for (sum, term) in product.iter_mut().zip(terms) {
                 *sum += term;
             }
         }

@@ -462,7 +462,7 @@ fn minimum(
     let matrix = discrete.mechanical_matrix(Rule::backward_euler(k));
     let unknowns: Vec<usize> = (0..state.w.len()).filter(|&i| discrete.v.free[i]).collect();
     let of = |dof: usize| unknowns.binary_search(&dof).ok();
-    let (mass_w, a_u) = (discrete.mass.apply(&state.w), discrete.apply_a(&state.u));
+    let (mass_w, a_u) = (discrete.mass.apply(&state.w), discrete.apply_a(&state.u, &state.theta));
     let (load, thermal) = (discrete.f.at(k), discrete.m.apply(&state.theta));
     let right: Vec<f64> = unknowns.iter().map(|&i| load[i] + thermal[i] + rho / k * mass_w[i] - a_u[i]).collect();
     let points = &discrete.boundary.points;

@@ -160,9 +160,9 @@ fn the_tangent_of_a_linear_law_is_its_form() {
     let u = wavy(&mesh, 0.1, 0.3);
     for dilatation in [Dilatation::Full, Dilatation::Mean] {
         let form = forms::tensor_form(&mesh, &graph, &[&law], dilatation);
-        let residual = forms::residual(&mesh, &[&law], dilatation, &u);
+        let residual = forms::residual(&mesh, &[&law], dilatation, &u, &[]);
         assert!(largest(form.apply(&u).iter().zip(&residual).map(|(a, b)| a - b)) < 1e-14);
-        assert!(forms::tangent(&mesh, &graph, &[&law], dilatation, &u).asymmetry(&form) < 1e-14);
+        assert!(forms::tangent(&mesh, &graph, &[&law], dilatation, &u, &[]).asymmetry(&form) < 1e-14);
     }
 }
 
@@ -176,7 +176,7 @@ fn the_tangent_is_the_derivative_of_the_residual() {
         let graph = Arc::new(Graph::of_mesh(&mesh));
         let (u, w) = (wavy(&mesh, 0.2, 0.3), wavy(&mesh, 0.2, 1.9));
         for dilatation in [Dilatation::Full, Dilatation::Mean] {
-            let exact = forms::tangent(&mesh, &graph, &[&law], dilatation, &u).apply(&w);
+            let exact = forms::tangent(&mesh, &graph, &[&law], dilatation, &u, &[]).apply(&w);
             let error = |h: f64| {
                 let at = |s: f64| {
                     forms::residual(
@@ -184,6 +184,7 @@ fn the_tangent_is_the_derivative_of_the_residual() {
                         &[&law],
                         dilatation,
                         &u.iter().zip(&w).map(|(u, w)| u + s * w).collect::<Vec<_>>(),
+                        &[],
                     )
                 };
                 let (plus, minus) = (at(h), at(-h));

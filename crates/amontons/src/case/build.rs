@@ -14,7 +14,7 @@ use super::schema::Limits;
 use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
-use crate::linalg::{Automatic, Backend, Multigrid, Supernodal};
+use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
@@ -66,7 +66,7 @@ pub(super) fn problem(
     let bodies = materials.clone();
     let effusivities = Effusivities::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
-    let data = ProblemData {
+    let mut data = ProblemData {
         name: raw.name,
         system: system(raw.units),
         end: raw.time.end,
@@ -86,8 +86,9 @@ pub(super) fn problem(
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
-        backend: backend(solver),
+        backend: Arc::new(Supernodal),
     };
+    data.backend = backend(solver, &data);
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
@@ -111,12 +112,20 @@ fn dilatation(raw: raw::Dilatation) -> Dilatation {
     }
 }
 
-fn backend(raw: raw::Backend) -> Arc<dyn Backend> {
+fn backend(raw: raw::Backend, problem: &ProblemData) -> Arc<dyn Backend> {
     match raw {
-        raw::Backend::Auto => Arc::new(Automatic::default()),
+        raw::Backend::Auto => Arc::new(Automatic::for_work(workload(problem))),
         raw::Backend::Direct => Arc::new(Supernodal),
         raw::Backend::Iterative => Arc::new(Multigrid::default()),
     }
+}
+
+/// Linear laws have one matrix; others have a tangent in each step, and a few where Newton's method over the body is
+/// slow.
+fn workload(problem: &ProblemData) -> Workload {
+    let steps = problem.steps as f64;
+    let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
+    Workload { factorizations: if is_linear { 1.0 } else { 3.0 * steps }, steps }
 }
 
 fn coupling(raw: raw::Coupling) -> Coupling {

@@ -7,7 +7,7 @@ use super::build::Build;
 use super::path::Path;
 use super::place::At;
 use super::raw::{Coefficient, Datum};
-use crate::field::Field;
+use crate::field::{Field, common, reference};
 use crate::tensor::Point;
 
 /// Most coefficients that a law has: the entries of a stiffness, three angles, three coefficients of expansion.
@@ -42,26 +42,36 @@ pub(super) type Make<T> = dyn Fn(&[f64]) -> Result<T, Refusal> + Send + Sync;
 /// Something made of coefficients: a law, or a tensor.
 pub(super) struct Plan<T> {
     fields: Arc<[Field]>,
+    /// The temperatures that all of its tables cover; empty if it does not depend on the temperature.
+    temperatures: Arc<[f64]>,
     make: Arc<Make<T>>,
 }
 
 impl<T> Clone for Plan<T> {
     fn clone(&self) -> Plan<T> {
-        Plan { fields: Arc::clone(&self.fields), make: Arc::clone(&self.make) }
+        let (fields, temperatures) = (Arc::clone(&self.fields), Arc::clone(&self.temperatures));
+        Plan { fields, temperatures, make: Arc::clone(&self.make) }
     }
 }
 
 impl<T> Plan<T> {
     /// What `make` makes of the values of these coefficients.
     pub fn new(fields: Vec<Field>, make: impl Fn(&[f64]) -> Result<T, Refusal> + Send + Sync + 'static) -> Plan<T> {
-        Plan { fields: fields.into(), make: Arc::new(make) }
+        let tables = fields.iter().map(Field::temperatures).filter(|table| !table.is_empty());
+        let temperatures = common(tables).into();
+        Plan { fields: fields.into(), temperatures, make: Arc::new(make) }
     }
 
-    /// What it is at a point and a time.
+    /// What it is at a point and a time, at the temperature nearest to 0.
     pub fn at(&self, x: &Point, t: f64) -> Result<T, Refusal> {
+        self.at_temperature(x, t, reference(&self.temperatures))
+    }
+
+    /// What it is at a position, time and temperature.
+    pub fn at_temperature(&self, x: &Point, t: f64, theta: f64) -> Result<T, Refusal> {
         let mut values = [0.0; MOST];
         for (value, field) in values.iter_mut().zip(self.fields.iter()) {
-            *value = field.value(x, t);
+            *value = field.value_at(x, t, theta);
         }
         (self.make)(&values[..self.fields.len().min(MOST)])
     }
@@ -69,6 +79,16 @@ impl<T> Plan<T> {
     /// What these values of its coefficients make.
     pub fn of(&self, values: &[f64]) -> Result<T, Refusal> {
         (self.make)(values)
+    }
+
+    /// The temperatures that all of its tables cover, K.
+    pub fn temperatures(&self) -> &[f64] {
+        &self.temperatures
+    }
+
+    /// Whether one of its coefficients depends on the temperature.
+    pub fn warms(&self) -> bool {
+        self.fields.iter().any(|field| !field.temperatures().is_empty())
     }
 
     /// Its coefficients.
@@ -125,6 +145,17 @@ impl Build<'_> {
         self.stand_in(path)
     }
 
+    /// A coefficient that is the same at all times and may depend on the temperature, within the limits of its key at
+    /// all sites and temperatures.
+    pub fn thermal_coefficient(&mut self, path: &str, raw: &Coefficient, sites: &Sites) -> Field {
+        let Coefficient::Table(data) = raw else { return self.steady_coefficient(path, raw, sites) };
+        if data.temperature.is_none() && data.value.is_none() {
+            return self.steady_coefficient(path, raw, sites);
+        }
+        let Some(field) = self.thermal_table(path, data) else { return self.stand_in(path) };
+        if self.is_beyond(path, &field, sites) { self.stand_in(path) } else { field }
+    }
+
     /// A coefficient that may change with time, within the limits of its key at all sites and times.
     pub fn coefficient_in_time(&mut self, path: &str, raw: &Datum, sites: &Sites) -> Field {
         let field = match raw {
@@ -168,9 +199,22 @@ impl Build<'_> {
         }
         let key = Path::parse(path).unwrap_or_default();
         let limits = self.limits.iter().find(|(other, _)| *other == key).map(|(_, limits)| limits.clone());
+        let wrong = |value: f64| !(value.is_finite() && limits.as_ref().is_none_or(|limits| limits.admit(value)));
+        let here = [[0.0; 3]];
+        let points = if field.depends_on_space() { sites.points() } else { &here };
+        for &theta in field.temperatures() {
+            let values = points.iter().map(|x| (x, field.value_at(x, 0.0, theta)));
+            let Some((x, value)) = values.into_iter().find(|(_, value)| wrong(*value)) else { continue };
+            let place = if field.depends_on_space() { format!(" at {}", self.place(x)) } else { String::new() };
+            let expected = limits.map_or_else(|| "finite values".to_owned(), |limits| limits.expected);
+            self.note(path, At::Value, format!("the value {value:?} at θ = {theta:?}{place}"), expected, None);
+            return true;
+        }
+        if !field.temperatures().is_empty() {
+            return false;
+        }
         for t in self.times(field.depends_on_time()) {
             let values = field.values(sites.points(), t);
-            let wrong = |value: f64| !(value.is_finite() && limits.as_ref().is_none_or(|limits| limits.admit(value)));
             let Some((x, value)) = sites.points().iter().zip(values).find(|(_, value)| wrong(*value)) else { continue };
             let when = if field.depends_on_time() { format!(", t = {t:?}") } else { String::new() };
             let found = format!("the value {value:?} at {}{when}", self.place(x));
@@ -183,17 +227,25 @@ impl Build<'_> {
 
     /// Whether a plan makes something at all sites and times; why not is noted, once, at the law with this path.
     pub fn holds<T>(&mut self, path: &str, plan: &Plan<T>, sites: &Sites) -> bool {
+        if plan.warms() && plan.temperatures().is_empty() {
+            let expected = "tables of one law that have temperatures in common";
+            self.note(path, At::Value, "tables over temperatures without a common range", expected, None);
+            return false;
+        }
         let refused = if !plan.varies() {
             plan.at(&[0.0; 3], 0.0).err().map(|refusal| (refusal, String::new()))
         } else if self.doubtful.has_in_mesh {
             None
         } else {
             let times = self.times(plan.changes());
-            let mut all = times.iter().flat_map(|&t| sites.points().iter().map(move |x| (x, t)));
-            all.find_map(|(x, t)| {
-                let refusal = plan.at(x, t).err()?;
+            let levels = if plan.warms() { plan.temperatures() } else { &[0.0] };
+            let when = times.iter().flat_map(|&t| levels.iter().map(move |&theta| (t, theta)));
+            let mut all = when.flat_map(|when| sites.points().iter().map(move |x| (x, when)));
+            all.find_map(|(x, (t, theta))| {
+                let refusal = plan.at_temperature(x, t, theta).err()?;
                 let when = if plan.changes() { format!(", t = {t:?}") } else { String::new() };
-                Some((refusal, format!(" at {}{when}", self.place(x))))
+                let warm = if plan.warms() { format!(", θ = {theta:?}") } else { String::new() };
+                Some((refusal, format!(" at {}{when}{warm}", self.place(x))))
             })
         };
         let Some((refusal, place)) = refused else { return true };

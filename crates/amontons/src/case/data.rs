@@ -6,7 +6,7 @@ use super::place::At;
 use super::raw::{Component, Datum, Extend, Scalar, TableData};
 use super::table;
 use crate::expression::{Expression, Variable};
-use crate::field::{Field, TableError, TimeTable};
+use crate::field::{Field, TableError, TemperatureTable, TimeTable};
 use crate::mesh::MeshData;
 use crate::tensor::Point;
 
@@ -19,6 +19,12 @@ impl Build<'_> {
         let field = match datum {
             Datum::Number(value) => return Field::Constant(*value),
             Datum::Expression(text) => self.expression(path, text).map(Field::Expression),
+            Datum::Table(table) if table.temperature.is_some() || table.value.is_some() => {
+                let expected =
+                    "a number, an expression or a table in time: this datum does not depend on the temperature";
+                self.note(path, At::Value, "a table over the temperature", expected, None);
+                None
+            }
             Datum::Table(table) if table.data.is_some() || table.file.is_some() => self.mesh_data(path, table),
             Datum::Table(data) => self.table(path, data).map(Field::Table),
         };
@@ -136,6 +142,40 @@ impl Build<'_> {
         })
     }
 
+    /// A table over the temperature.
+    pub fn thermal_table(&mut self, path: &str, data: &TableData) -> Option<Field> {
+        let others = [data.table.is_some(), data.times.is_some(), data.values.is_some(), data.data.is_some()];
+        let more = [data.file.is_some(), data.column.is_some(), data.time.is_some(), data.extend != Extend::None];
+        let (Some(temperatures), Some(values), false) =
+            (&data.temperature, &data.value, others.into_iter().chain(more).any(|given| given))
+        else {
+            let expected = "`temperature` and `value`, with `factor` alone";
+            self.note(path, At::Value, "a table without clear data", expected, None);
+            return None;
+        };
+        let (number, factor) = match &data.factor {
+            None => (1.0, None),
+            Some(Scalar::Number(factor)) => (*factor, None),
+            Some(Scalar::Expression(text)) => (1.0, Some(self.expression(&format!("{path}.factor"), text)?)),
+        };
+        if factor.as_ref().is_some_and(Expression::depends_on_time) {
+            let expected = format!("an expression in {}", self.axes());
+            self.note(&format!("{path}.factor"), At::Value, "`t` in an expression", expected, None);
+            return None;
+        }
+        let values = values.iter().map(|value| number * value).collect();
+        match TemperatureTable::new(temperatures.clone(), values) {
+            Ok(table) => Some(Field::Thermal(match factor {
+                Some(factor) => table.scaled(factor),
+                None => table,
+            })),
+            Err(error) => {
+                self.refuse_table(path, &error);
+                None
+            }
+        }
+    }
+
     /// Data of a mesh file.
     fn mesh_data(&mut self, path: &str, raw: &TableData) -> Option<Field> {
         let given = [raw.table.is_some(), raw.times.is_some(), raw.values.is_some()].contains(&true)
@@ -206,31 +246,25 @@ impl Build<'_> {
 
     fn refuse_table(&mut self, path: &str, error: &TableError) {
         match error {
-            TableError::Empty => self.note(&format!("{path}.times"), At::Value, "no times", "at least one", None),
-            TableError::Lengths { times, values } => {
-                self.note(
-                    &format!("{path}.values"),
-                    At::Value,
-                    format!("{values} values for {times} times"),
-                    "one value per time",
-                    None,
-                );
+            TableError::Empty => self.note(path, At::Value, "a table without rows", "at least one", None),
+            TableError::Lengths { over, count, values } => {
+                let key = if *over == "time" { "values" } else { "value" };
+                let found = format!("{values} values for {count} {over}s");
+                self.note(&format!("{path}.{key}"), At::Value, found, format!("one value per {over}"), None);
             }
-            TableError::NotFinite { row, .. } => {
-                self.note(
-                    &format!("{path}.values[{}]", row - 1),
-                    At::Value,
-                    "a number that is not finite",
-                    "finite numbers",
-                    None,
-                );
+            TableError::NotFinite { over, row, at, .. } => {
+                let (of_at, of_value) = if *over == "time" { ("times", "values") } else { ("temperature", "value") };
+                let key = if at.is_finite() { of_value } else { of_at };
+                let place = format!("{path}.{key}[{}]", row - 1);
+                self.note(&place, At::Value, "a number that is not finite", "finite numbers", None);
             }
-            TableError::NotIncreasing { row, found, before } => {
+            TableError::NotIncreasing { over, row, found, before } => {
+                let key = if *over == "time" { "times" } else { "temperature" };
                 self.note(
-                    &format!("{path}.times[{}]", row - 1),
+                    &format!("{path}.{key}[{}]", row - 1),
                     At::Value,
-                    format!("the time {found:?} after {before:?}"),
-                    "times that increase",
+                    format!("the {over} {found:?} after {before:?}"),
+                    format!("{over}s that increase"),
                     None,
                 );
             }

@@ -6,7 +6,7 @@ use super::build::Build;
 use super::coefficient::{Plan, Refusal, Sites};
 use super::elasticity::{self, Law, Shape};
 use super::place::At;
-use super::raw::{self, Coefficient, Elasticity, Expansion, Orientation, Tensor};
+use super::raw::{self, Coefficient, Elasticity, Expansion, ExpansionKind, Orientation, Tensor};
 use crate::field::{self, Field, Graded};
 use crate::material::{Isotropic, Material, Prony, StressState, TensorLaw};
 use crate::mesh::Mesh;
@@ -17,14 +17,23 @@ impl Build<'_> {
     /// findings.
     pub fn material(&mut self, raw: &raw::Material, prefix: &str, mesh: &Mesh, regions: &[usize]) -> Material {
         let sites = Sites::new(|| regions.iter().flat_map(|&region| mesh.sites(Some(region))).collect());
-        Builder { prefix, mesh, sites, build: self }.material(raw)
+        let is_tangent = raw.expansion_kind == Some(ExpansionKind::Tangent);
+        Builder { prefix, mesh, sites, is_tangent, build: self }.material(raw)
     }
 }
+
+/// Where a tensor does not exist.
+const NOWHERE: Sym = Sym([f64::NAN; 6]);
+
+/// Keys of data that do not depend on the temperature, with all below them.
+const STEADY: [&str; 3] = ["density", "coupling", "prony"];
 
 struct Builder<'a, 'b, 'd> {
     prefix: &'a str,
     mesh: &'a Mesh,
     sites: Sites<'a>,
+    /// Whether tables of thermal expansion hold tangent coefficients.
+    is_tangent: bool,
     build: &'b mut Build<'d>,
 }
 
@@ -85,7 +94,28 @@ impl Builder<'_, '_, '_> {
 
     fn field(&mut self, key: &str, raw: &Coefficient) -> Field {
         let path = self.path(key);
-        self.build.steady_coefficient(&path, raw, &self.sites)
+        if STEADY.iter().any(|steady| key.starts_with(steady)) {
+            return self.build.steady_coefficient(&path, raw, &self.sites);
+        }
+        let field = self.build.thermal_coefficient(&path, raw, &self.sites);
+        if key.starts_with("expansion") { self.secant(key, field) } else { field }
+    }
+
+    /// A coefficient of thermal expansion as a secant one, which is the mean of tangent ones from 0.
+    fn secant(&mut self, key: &str, field: Field) -> Field {
+        let Field::Thermal(table) = &field else { return field };
+        if !self.is_tangent {
+            return field;
+        }
+        if let (Some(&first), Some(&last)) = (table.temperatures().first(), table.temperatures().last())
+            && !(first..=last).contains(&0.0)
+        {
+            let hint = "extend the table to θ = 0, at which nothing is expanded";
+            let found = format!("tangent coefficients from θ = {first:?} to θ = {last:?}");
+            self.note(key, found, "a table that covers θ = 0", Some(hint));
+            return Field::ZERO;
+        }
+        Field::Thermal(table.clone().mean())
     }
 
     fn fields<'c>(&mut self, keys: impl IntoIterator<Item = (String, &'c Coefficient)>) -> Vec<Field> {
@@ -106,8 +136,10 @@ impl Builder<'_, '_, '_> {
         let plan = plan.clone();
         // Beside the sites a law may not exist.
         let nowhere: Law = Arc::new(Isotropic::lame(dim, f64::NAN, f64::NAN, StressState::PlaneStress));
-        let at = move |x: &Point| plan.at(x, 0.0).unwrap_or_else(|_| Arc::clone(&nowhere));
-        Arc::new(Graded::elastic(self.sites.points(), at))
+        let temperatures = plan.temperatures().to_vec();
+        let at =
+            move |x: &Point, theta: f64| plan.at_temperature(x, 0.0, theta).unwrap_or_else(|_| Arc::clone(&nowhere));
+        Arc::new(Graded::elastic_of_temperature(self.sites.points(), &temperatures, at))
     }
 
     /// How the directions are held that the body lacks; one that lacks none is not told how.
@@ -160,6 +192,11 @@ impl Builder<'_, '_, '_> {
 
     fn prony(&mut self, raw: &[raw::Branch], elasticity: &Law) -> Option<Prony> {
         if raw.is_empty() {
+            return None;
+        }
+        if elasticity.graded().is_some_and(|law| !law.temperatures().is_empty()) {
+            let expected = "an elasticity that does not depend on the temperature: branches are multiples of it";
+            self.note("prony", "branches besides an elasticity over the temperature".to_owned(), expected, None);
             return None;
         }
         let ratios: Vec<field::Coefficient<f64>> = raw
@@ -277,7 +314,12 @@ impl Builder<'_, '_, '_> {
             return plan.at(&[0.0; 3], 0.0).ok().map(Into::into);
         }
         let plan = plan.clone();
-        Some(field::Coefficient::varying(move |x| plan.at(x, 0.0).unwrap_or(Sym([f64::NAN; 6]))))
+        if plan.warms() {
+            let temperatures = plan.temperatures().to_vec();
+            let at = move |x: &Point, theta: f64| plan.at_temperature(x, 0.0, theta).unwrap_or(NOWHERE);
+            return Some(field::Coefficient::of_temperature(&temperatures, at));
+        }
+        Some(field::Coefficient::varying(move |x| plan.at(x, 0.0).unwrap_or(NOWHERE)))
     }
 
     /// The symmetric tensor that is meant, of a body of revolution by r, z, θ; with a stress state it is 𝓜, and in

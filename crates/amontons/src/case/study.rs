@@ -74,13 +74,8 @@ fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {
 /// The overrides that make a level of a case.
 fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<String>, StudyRequestError> {
     let steps = case.problem.steps;
-    let Some((&first, across)) = case.cells.split_first() else {
-        return if vary == Vary::Time {
-            Ok(vec![format!("time.steps={level}")])
-        } else {
-            refuse("a mesh from a file", "a mesh by its kind, which can be refined")
-        };
-    };
+    // Every mesh has a number of cells.
+    let (first, across) = case.cells.split_first().map_or((1, &[][..]), |(first, across)| (*first, across));
     let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
         let (times, over) = (level.pow(power), first.pow(power));
         if (value * times).is_multiple_of(over) {
@@ -93,6 +88,13 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
         }
     };
     let mesh = || -> Result<String, StudyRequestError> {
+        if case.has_mesh_file {
+            return if level.is_power_of_two() {
+                Ok(format!("mesh.refine={}", level.ilog2()))
+            } else {
+                refuse(format!("level {level} of a mesh from a file"), "levels 1, 2, 4, …: the parts of each edge")
+            };
+        }
         let mut cells = vec![level.to_string()];
         for &n in across {
             cells.push(scaled("cells across", n, 1)?.to_string());

@@ -1,15 +1,19 @@
-//! Coefficients of a material: a value for the whole region, or one that varies in space.
+//! Coefficients of a material: a value for the whole region, or one that varies in space and with the temperature.
 
 use std::fmt;
 use std::sync::Arc;
 
-use super::Field;
+use super::{Field, reference};
 use crate::tensor::{Point, Sym};
 
-/// A datum of the body: the same value everywhere, or a function of the position.
+/// A datum of the body: the same value everywhere, or a function of the position and the temperature.
 pub trait InSpace<T>: Sync {
-    /// The value at a point.
+    /// The value at a point; of a function of the temperature at the temperature nearest to 0.
     fn at(&self, x: &Point) -> T;
+    /// The value at a point and a temperature.
+    fn at_temperature(&self, x: &Point, _theta: f64) -> T {
+        self.at(x)
+    }
     /// The value, if it is the same everywhere.
     fn constant(&self) -> Option<T>;
 }
@@ -45,13 +49,34 @@ type Function<T> = dyn Fn(&Point) -> T + Send + Sync;
 /// let graded = Coefficient::varying(|x| 1.0 + x[0]);
 /// assert_eq!((graded.at(&[0.5, 0.0, 0.0]), graded.constant()), (1.5, None));
 /// ```
+///
+/// A function of the temperature has the temperatures between which it holds, K; beyond them it keeps its value, and a
+/// step that ends there is refused:
+///
+/// ```
+/// # use amontons::field::{Coefficient, InSpace};
+/// let conductivity = Coefficient::of_temperature(&[0.0, 500.0], |_, theta| 50.0 - 0.02 * theta);
+/// assert_eq!(conductivity.at_temperature(&[0.0; 3], 100.0), 48.0);
+/// ```
 #[derive(Clone)]
 pub enum Coefficient<T> {
     /// The same value everywhere.
     Constant(T),
     /// A function of the position.
     Varying(Arc<Function<T>>),
+    /// A function of the position and the temperature.
+    Thermal(Arc<Thermal<T>>),
 }
+
+/// A function of the position and the temperature.
+pub struct Thermal<T> {
+    temperatures: Vec<f64>,
+    at: Box<AtTemperature<T>>,
+    /// The integral over the temperature from 0, if it is known.
+    integral: Option<Box<AtTemperature<T>>>,
+}
+
+type AtTemperature<T> = dyn Fn(&Point, f64) -> T + Send + Sync;
 
 impl<T> Coefficient<T> {
     /// A coefficient that is a function of the position.
@@ -59,20 +84,78 @@ impl<T> Coefficient<T> {
         Coefficient::Varying(Arc::new(value))
     }
 
-    /// Whether it is a function of the position.
+    /// A coefficient that is a function of the position and the temperature.
+    ///
+    /// It holds from the first to the last of the temperatures, which ascend. Its bounds are those at the temperatures
+    /// given: give those at which it bends or is extreme too.
+    pub fn of_temperature(
+        temperatures: &[f64],
+        value: impl Fn(&Point, f64) -> T + Send + Sync + 'static,
+    ) -> Coefficient<T> {
+        let temperatures = temperatures.to_vec();
+        Coefficient::Thermal(Arc::new(Thermal { temperatures, at: Box::new(value), integral: None }))
+    }
+
+    /// Whether it is a function of the position or the temperature.
     #[must_use]
     pub fn varies(&self) -> bool {
-        matches!(self, Coefficient::Varying(_))
+        !matches!(self, Coefficient::Constant(_))
+    }
+
+    /// The temperatures of a function of the temperature, K; none of others.
+    #[must_use]
+    pub fn temperatures(&self) -> &[f64] {
+        match self {
+            Coefficient::Thermal(thermal) => &thermal.temperatures,
+            _ => &[],
+        }
+    }
+}
+
+/// Points of Gauss's rule of degree 5 on [−1, 1] beside 0.
+const GAUSS: f64 = 0.774_596_669_241_483_4;
+
+impl Coefficient<f64> {
+    /// The integral over the temperature from 0: of a heat capacity c the enthalpy, cθ where c is constant.
+    ///
+    /// That of a function is found by Gauss's rule of degree 5 between its temperatures; beyond them the function keeps
+    /// its value.
+    #[must_use]
+    pub fn integral(&self, x: &Point, theta: f64) -> f64 {
+        let Coefficient::Thermal(thermal) = self else { return self.at(x) * theta };
+        if let Some(integral) = &thermal.integral {
+            return integral(x, theta);
+        }
+        let (from, to) = if theta < 0.0 { (theta, 0.0) } else { (0.0, theta) };
+        let inside = thermal.temperatures.iter().copied().filter(|knot| (from..to).contains(knot) && *knot > from);
+        let mut ends: Vec<f64> = std::iter::once(from).chain(inside).collect();
+        ends.push(to);
+        let part = |pair: &[f64]| {
+            let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
+            let at = |place: f64| self.at_temperature(x, middle + half * place);
+            half * (5.0 * (at(-GAUSS) + at(GAUSS)) + 8.0 * at(0.0)) / 9.0
+        };
+        theta.signum() * ends.windows(2).map(part).sum::<f64>()
     }
 }
 
 impl<T: Copy + Sync> Coefficient<T> {
-    /// The value at a point.
+    /// The value at a point; of a function of the temperature at the temperature nearest to 0.
     #[must_use]
     pub fn at(&self, x: &Point) -> T {
         match self {
             Coefficient::Constant(value) => *value,
             Coefficient::Varying(value) => value(x),
+            Coefficient::Thermal(thermal) => (thermal.at)(x, reference(&thermal.temperatures)),
+        }
+    }
+
+    /// The value at a point and a temperature; beyond its temperatures that at the first or the last of them.
+    #[must_use]
+    pub fn at_temperature(&self, x: &Point, theta: f64) -> T {
+        match self {
+            Coefficient::Thermal(thermal) => (thermal.at)(x, held(&thermal.temperatures, theta)),
+            coefficient => coefficient.at(x),
         }
     }
 
@@ -81,14 +164,26 @@ impl<T: Copy + Sync> Coefficient<T> {
     pub fn constant(&self) -> Option<T> {
         match self {
             Coefficient::Constant(value) => Some(*value),
-            Coefficient::Varying(_) => None,
+            Coefficient::Varying(_) | Coefficient::Thermal(_) => None,
         }
+    }
+}
+
+/// The temperature, or the nearest that a list reaches.
+pub(super) fn held(temperatures: &[f64], theta: f64) -> f64 {
+    match temperatures {
+        [first, .., last] if first <= last => theta.clamp(*first, *last),
+        [only] => *only,
+        _ => theta,
     }
 }
 
 impl<T: Copy + Sync> InSpace<T> for Coefficient<T> {
     fn at(&self, x: &Point) -> T {
         self.at(x)
+    }
+    fn at_temperature(&self, x: &Point, theta: f64) -> T {
+        self.at_temperature(x, theta)
     }
     fn constant(&self) -> Option<T> {
         self.constant()
@@ -106,6 +201,14 @@ impl From<Field> for Coefficient<f64> {
     fn from(field: Field) -> Coefficient<f64> {
         match field {
             Field::Constant(value) => Coefficient::Constant(value),
+            Field::Thermal(table) => {
+                let whole = table.clone();
+                Coefficient::Thermal(Arc::new(Thermal {
+                    temperatures: table.temperatures().to_vec(),
+                    at: Box::new(move |x, theta| table.value(x, theta)),
+                    integral: Some(Box::new(move |x, theta| whole.integral(x, theta))),
+                }))
+            }
             field => Coefficient::varying(move |x| field.value(x, 0.0)),
         }
     }
@@ -124,6 +227,7 @@ impl<T: PartialEq> PartialEq for Coefficient<T> {
         match (self, other) {
             (Coefficient::Constant(value), Coefficient::Constant(other)) => value == other,
             (Coefficient::Varying(value), Coefficient::Varying(other)) => Arc::ptr_eq(value, other),
+            (Coefficient::Thermal(value), Coefficient::Thermal(other)) => Arc::ptr_eq(value, other),
             _ => false,
         }
     }
@@ -134,6 +238,7 @@ impl<T: fmt::Debug> fmt::Debug for Coefficient<T> {
         match self {
             Coefficient::Constant(value) => value.fmt(f),
             Coefficient::Varying(_) => f.write_str("Varying"),
+            Coefficient::Thermal(_) => f.write_str("Thermal"),
         }
     }
 }

@@ -1,25 +1,29 @@
-//! Laws whose coefficients vary: at every point the law that a function gives there.
+//! Laws whose coefficients vary: at every point, time and temperature the law that a function gives there.
 
 use std::fmt;
 use std::sync::Arc;
 
+use super::coefficient::held;
+use super::reference;
 use crate::tensor::Point;
 
-/// The law at a point and a time.
-type At<T> = dyn Fn(&Point, f64) -> Arc<T> + Send + Sync;
+/// The law at a position, time and temperature.
+type At<T> = dyn Fn(&Point, f64, f64) -> Arc<T> + Send + Sync;
 
-/// A law with the place and the time at which it stands.
+/// A law with the place, the time and the temperature at which it stands.
 pub struct Instance<T: ?Sized> {
     /// The place, m.
     pub x: Point,
     /// The time, s; 0 for laws that do not change with time.
     pub t: f64,
+    /// The temperature, K; none for laws that do not depend on it.
+    pub theta: Option<f64>,
     /// The law there.
     pub law: Arc<T>,
 }
 
-/// A law whose coefficients vary over the body or over a side, and in time where the law may: at every point the law of
-/// constant coefficients that a function gives there.
+/// A law whose coefficients vary over the body or over a side, and in time or with the temperature where the law may:
+/// at every point the law of constant coefficients that a function gives there.
 ///
 /// `T` is the trait of the law: `dyn TensorLaw`, `dyn NormalLaw`, `dyn FrictionLaw`, `dyn HeatLaw` or `dyn WearLaw`.
 /// The constants of (H1)–(H8) are those of the least and the largest of the laws at the points given, which should be
@@ -38,6 +42,8 @@ pub struct Graded<T: ?Sized> {
     at: Arc<At<T>>,
     t: f64,
     changes: bool,
+    /// The temperatures between which the law is known, K; empty if it does not depend on the temperature.
+    temperatures: Arc<[f64]>,
     /// Whether one of the laws is special: not linear (elasticity), or with a bound that drops when slip starts
     /// (friction).
     special: bool,
@@ -55,31 +61,63 @@ impl<T: ?Sized> Graded<T> {
         at: impl Fn(&Point, f64) -> Arc<T> + Send + Sync + 'static,
         size: impl Fn(&T) -> ([f64; 2], bool),
     ) -> Graded<T> {
-        let instance = |x: &Point, t: f64| Instance { x: *x, t, law: at(x, t) };
+        Graded::over_all(points, times, &[], move |x, t, _| at(x, t), size)
+    }
+
+    /// The same of a law that depends on the temperature, with its extremes over the temperatures, too.
+    pub(crate) fn over_all(
+        points: &[Point],
+        times: &[f64],
+        temperatures: &[f64],
+        at: impl Fn(&Point, f64, f64) -> Arc<T> + Send + Sync + 'static,
+        size: impl Fn(&T) -> ([f64; 2], bool),
+    ) -> Graded<T> {
+        let instance = |x: &Point, t: f64, theta: f64| Instance {
+            x: *x,
+            t,
+            theta: (!temperatures.is_empty()).then_some(theta),
+            law: at(x, t, theta),
+        };
         let start = times.first().copied().unwrap_or(0.0);
         let origin = points.first().copied().unwrap_or_default();
-        let (mut least, mut most) = (instance(&origin, start), instance(&origin, start));
+        let rest = reference(temperatures);
+        let (mut least, mut most) = (instance(&origin, start, rest), instance(&origin, start, rest));
         let ([mut low, mut high], mut special) = size(&least.law);
-        for (t, x) in times.iter().flat_map(|&t| points.iter().map(move |x| (t, x))) {
-            let here = instance(x, t);
+        let levels = if temperatures.is_empty() { &[0.0] } else { temperatures };
+        let when = times.iter().flat_map(|&t| levels.iter().map(move |&theta| (t, theta)));
+        for ((t, theta), x) in when.flat_map(|when| points.iter().map(move |x| (when, x))) {
+            let here = instance(x, t, theta);
             let ([lower, upper], is_special) = size(&here.law);
             special |= is_special;
             if upper > high || upper.is_nan() {
                 high = upper;
-                most = Instance { x: *x, t, law: Arc::clone(&here.law) };
+                most = here.clone();
             }
             if lower < low || lower.is_nan() {
                 low = lower;
                 least = here;
             }
         }
-        Graded { at: Arc::new(at), t: start, changes: times.len() > 1, special, least, most }
+        let (at, changes) = (Arc::new(at), times.len() > 1);
+        Graded { at, t: start, changes, temperatures: temperatures.into(), special, least, most }
     }
 
-    /// The law at a point, at the present time.
+    /// The law at a point, at the present time; of one that depends on the temperature at that which is nearest to 0.
     #[must_use]
     pub fn at(&self, x: &Point) -> Arc<T> {
-        (self.at)(x, self.t)
+        (self.at)(x, self.t, reference(&self.temperatures))
+    }
+
+    /// The law at a point and a temperature; beyond its temperatures that at the first or the last of them.
+    #[must_use]
+    pub fn at_temperature(&self, x: &Point, theta: f64) -> Arc<T> {
+        (self.at)(x, self.t, held(&self.temperatures, theta))
+    }
+
+    /// The temperatures between which the law is known, K; empty if it does not depend on the temperature.
+    #[must_use]
+    pub fn temperatures(&self) -> &[f64] {
+        &self.temperatures
     }
 
     /// The laws at which the least and the largest constant are attained.
@@ -101,13 +139,19 @@ impl<T: ?Sized> Graded<T> {
 
 impl<T: ?Sized> Clone for Instance<T> {
     fn clone(&self) -> Instance<T> {
-        Instance { x: self.x, t: self.t, law: Arc::clone(&self.law) }
+        Instance { x: self.x, t: self.t, theta: self.theta, law: Arc::clone(&self.law) }
     }
 }
 
 impl<T: ?Sized> Clone for Graded<T> {
     fn clone(&self) -> Graded<T> {
-        Graded { at: Arc::clone(&self.at), least: self.least.clone(), most: self.most.clone(), ..*self }
+        Graded {
+            at: Arc::clone(&self.at),
+            temperatures: Arc::clone(&self.temperatures),
+            least: self.least.clone(),
+            most: self.most.clone(),
+            ..*self
+        }
     }
 }
 
@@ -122,7 +166,7 @@ impl<T: ?Sized + 'static> Graded<T> {
     pub(crate) fn map(&self, other: impl Fn(&T, &Point) -> Arc<T> + Send + Sync + 'static) -> Graded<T> {
         let [least, most] = self.extremes().map(|i| Instance { law: other(i.law.as_ref(), &i.x), ..i.clone() });
         let at = Arc::clone(&self.at);
-        let at = move |x: &Point, t: f64| other(at(x, t).as_ref(), x);
-        Graded { at: Arc::new(at), least, most, ..*self }
+        let at = move |x: &Point, t: f64, theta: f64| other(at(x, t, theta).as_ref(), x);
+        Graded { at: Arc::new(at), temperatures: Arc::clone(&self.temperatures), least, most, ..*self }
     }
 }

@@ -1,12 +1,16 @@
-//! Data that may vary in space and time: a number, an expression in x, y, z, t, a table in time, or a function.
+//! Data that may vary in space, time and with the temperature: a number, an expression in x, y, z, t, a table, or a
+//! function.
 
 mod coefficient;
 mod graded;
 mod table;
+mod thermal;
 
-pub use coefficient::{Coefficient, InSpace};
+pub use coefficient::{Coefficient, InSpace, Thermal};
 pub use graded::{Graded, Instance};
 pub use table::{TableError, TimeTable};
+pub use thermal::TemperatureTable;
+pub(crate) use thermal::{common, reference};
 
 use std::fmt;
 use std::sync::Arc;
@@ -25,6 +29,8 @@ pub enum Field {
     Table(TimeTable),
     /// A function of the position, such as values on a mesh.
     Function(SpaceFunction),
+    /// Values at temperatures, linear between them, times a factor.
+    Thermal(TemperatureTable),
 }
 
 /// A function of the position.
@@ -87,7 +93,7 @@ impl Field {
         Field::Function(SpaceFunction(Arc::new(value)))
     }
 
-    /// Value at a point and a time.
+    /// Value at a point and a time; of a coefficient of the temperature at that which is nearest to 0.
     #[must_use]
     pub fn value(&self, x: &Point, t: f64) -> f64 {
         match self {
@@ -95,6 +101,25 @@ impl Field {
             Field::Expression(e) => e.value(x, t),
             Field::Table(table) => table.value(x, t),
             Field::Function(function) => (function.0)(x),
+            Field::Thermal(table) => table.value(x, reference(table.temperatures())),
+        }
+    }
+
+    /// Value at a position, time and temperature.
+    #[must_use]
+    pub fn value_at(&self, x: &Point, t: f64, theta: f64) -> f64 {
+        match self {
+            Field::Thermal(table) => table.value(x, theta),
+            field => field.value(x, t),
+        }
+    }
+
+    /// The temperatures at which a coefficient of the temperature has its values, K; none for other data.
+    #[must_use]
+    pub fn temperatures(&self) -> &[f64] {
+        match self {
+            Field::Thermal(table) => table.temperatures(),
+            _ => &[],
         }
     }
 
@@ -106,6 +131,10 @@ impl Field {
             Field::Expression(e) => e.derivatives(x, t),
             Field::Table(table) => table.derivatives(x, t),
             Field::Function(function) => function.derivatives(x),
+            Field::Thermal(_) => {
+                let field = self.clone();
+                SpaceFunction(Arc::new(move |x| field.value(x, t))).derivatives(x)
+            }
         }
     }
 
@@ -117,7 +146,9 @@ impl Field {
             Field::Constant(value) => out.fill(*value),
             Field::Expression(e) => e.values(points, t, &mut out),
             Field::Table(table) => table.values(points, t, &mut out),
-            Field::Function(function) => out.iter_mut().zip(points).for_each(|(out, x)| *out = (function.0)(x)),
+            Field::Function(_) | Field::Thermal(_) => {
+                out.iter_mut().zip(points).for_each(|(out, x)| *out = self.value(x, t));
+            }
         }
         out
     }
@@ -126,7 +157,7 @@ impl Field {
     #[must_use]
     pub fn depends_on_time(&self) -> bool {
         match self {
-            Field::Constant(_) | Field::Function(_) => false,
+            Field::Constant(_) | Field::Function(_) | Field::Thermal(_) => false,
             Field::Expression(e) => e.depends_on_time(),
             Field::Table(_) => true,
         }
@@ -140,6 +171,7 @@ impl Field {
             Field::Expression(e) => e.depends_on_space(),
             Field::Table(table) => table.depends_on_space(),
             Field::Function(_) => true,
+            Field::Thermal(table) => table.depends_on_space(),
         }
     }
 

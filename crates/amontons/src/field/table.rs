@@ -5,40 +5,68 @@ use std::sync::Arc;
 use crate::expression::{Derivatives, Expression};
 use crate::tensor::Point;
 
-/// What is wrong with the numbers of a table.
+/// What is wrong with the numbers of a table over the time or the temperature.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// There are no rows.
     #[error("the table has no rows, expected at least one")]
     Empty,
-    /// Times and values are not paired.
-    #[error("the table has {times} times and {values} values, expected one value per time")]
+    /// Arguments and values are not paired.
+    #[error("the table has {count} {over}s and {values} values, expected one value per {over}")]
     Lengths {
-        /// Number of times.
-        times: usize,
+        /// `time` or `temperature`.
+        over: &'static str,
+        /// Number of arguments.
+        count: usize,
         /// Number of values.
         values: usize,
     },
-    /// A time or a value is infinite or not a number.
-    #[error("row {row} of the table has the time {time} and the value {value}, expected finite numbers")]
+    /// An argument or a value is infinite or not a number.
+    #[error("row {row} of the table has the {over} {at} and the value {value}, expected finite numbers")]
     NotFinite {
+        /// `time` or `temperature`.
+        over: &'static str,
         /// The row, from 1.
         row: usize,
-        /// Its time.
-        time: f64,
+        /// Its argument.
+        at: f64,
         /// Its value.
         value: f64,
     },
-    /// A time is not later than the one before.
-    #[error("row {row} of the table has the time {found} after {before}, expected a later one")]
+    /// An argument is not larger than the one before.
+    #[error(
+        "row {row} of the table has the {over} {found} after {before}, expected a {} one",
+        if *.over == "time" { "later" } else { "higher" }
+    )]
     NotIncreasing {
+        /// `time` or `temperature`.
+        over: &'static str,
         /// The row, from 1.
         row: usize,
-        /// Its time.
+        /// Its argument.
         found: f64,
-        /// The time of the row before.
+        /// The argument of the row before.
         before: f64,
     },
+}
+
+impl TableError {
+    /// Whether these are the arguments and values of a table.
+    pub(super) fn check(over: &'static str, at: &[f64], values: &[f64]) -> Result<(), TableError> {
+        if at.len() != values.len() {
+            return Err(TableError::Lengths { over, count: at.len(), values: values.len() });
+        }
+        if at.is_empty() {
+            return Err(TableError::Empty);
+        }
+        if let Some(i) = (0..at.len()).find(|&i| !(at[i].is_finite() && values[i].is_finite())) {
+            return Err(TableError::NotFinite { over, row: i + 1, at: at[i], value: values[i] });
+        }
+        if let Some(i) = at.windows(2).position(|pair| pair[1] <= pair[0]) {
+            return Err(TableError::NotIncreasing { over, row: i + 2, found: at[i + 1], before: at[i] });
+        }
+        Ok(())
+    }
 }
 
 /// A function of time given by its values at times t₀ < t₁ < …, linear between them, times a factor that may vary in
@@ -57,18 +85,7 @@ impl TimeTable {
     /// # Errors
     /// When there are no times, not as many values, numbers that are not finite, or times that do not increase.
     pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<TimeTable, TableError> {
-        if times.len() != values.len() {
-            return Err(TableError::Lengths { times: times.len(), values: values.len() });
-        }
-        if times.is_empty() {
-            return Err(TableError::Empty);
-        }
-        if let Some(i) = (0..times.len()).find(|&i| !(times[i].is_finite() && values[i].is_finite())) {
-            return Err(TableError::NotFinite { row: i + 1, time: times[i], value: values[i] });
-        }
-        if let Some(i) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
-            return Err(TableError::NotIncreasing { row: i + 2, found: times[i + 1], before: times[i] });
-        }
+        TableError::check("time", &times, &values)?;
         Ok(TimeTable { times: times.into(), values: values.into(), hold: false, factor: None })
     }
 

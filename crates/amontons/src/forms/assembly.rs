@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::element::{Element, ShapeTable};
+use crate::field::InSpace;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::Dilatation;
 use crate::mesh::{Block, CellMap, Mesh};
@@ -69,6 +70,20 @@ impl<'a> Cell<'a> {
             }
             let weight = weight * self.map.measure;
             form(self, weight);
+        }
+    }
+
+    /// The value of a scalar field at the point.
+    pub fn scalar(&self, field: &[f64]) -> f64 {
+        self.nodes.iter().zip(self.map.values()).map(|(&node, value)| value * field[node as usize]).sum()
+    }
+
+    /// A datum at the point, with the temperature `theta` of the nodes where there is one.
+    pub fn local<T, D: InSpace<T> + ?Sized>(&self, datum: &D, theta: &[f64]) -> T {
+        if theta.is_empty() {
+            datum.at(&self.map.position)
+        } else {
+            datum.at_temperature(&self.map.position, self.scalar(theta))
         }
     }
 

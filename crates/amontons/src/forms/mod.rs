@@ -19,7 +19,9 @@
 //! Element Method for Elliptic Problems*, section 4.1), and gives what regions give where coefficients jump between
 //! cells only.
 //!
-//! Laws that are not linear enter by [`residual`] and [`tangent`] at a given displacement.
+//! Laws that are not linear enter by [`residual`] and [`tangent`] at a given displacement, and so do laws that depend
+//! on the temperature, at the temperature of the nodes. Conduction, stored heat and thermal stress are vectors of the
+//! temperature where their coefficients depend on it.
 //!
 //! j and χ, the terms on Γ_C, are evaluated at contact points in [`crate::linalg`].
 
@@ -28,6 +30,7 @@ mod boundary;
 mod load;
 mod state;
 mod stiffness;
+mod thermal;
 
 use std::sync::Arc;
 
@@ -36,7 +39,9 @@ pub use boundary::{convection, dashpots, springs};
 pub(crate) use load::data_degree;
 pub use load::{Load, f, q};
 pub use state::{energy, residual, tangent};
+pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};
 
+use crate::element::Element;
 use crate::field::InSpace;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::TensorLaw;
@@ -53,8 +58,18 @@ pub fn inner_h(mesh: &Mesh, graph: &Arc<Graph>) -> BlockMatrix {
 /// ∫ c θ η with a factor c by region, such as the density or the heat capacity; [`inner_h`] where the list is empty.
 #[must_use]
 pub fn weighted_inner_h(mesh: &Mesh, graph: &Arc<Graph>, factors: &[impl InSpace<f64>]) -> BlockMatrix {
+    weighted_at(mesh, graph, factors, &[])
+}
+
+/// [`weighted_inner_h`] with factors at the temperature `theta` of the nodes; empty for none.
+pub(crate) fn weighted_at(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    factors: &[impl InSpace<f64>],
+    theta: &[f64],
+) -> BlockMatrix {
     let factor =
-        |cell: &Cell| factors.get(cell.region).or(factors.last()).map_or(1.0, |factor| factor.at(&cell.map.position));
+        |cell: &Cell| factors.get(cell.region).or(factors.last()).map_or(1.0, |factor| cell.local(factor, theta));
     assemble(
         mesh,
         graph,
@@ -94,7 +109,17 @@ pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dil
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.
 #[must_use]
-pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&impl InSpace<Sym>]) -> BlockMatrix {
+pub fn d<K: InSpace<Sym>>(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&K]) -> BlockMatrix {
+    d_at(mesh, graph, conductivity, &[])
+}
+
+/// [`d`] with 𝓚 at the temperature `theta` of the nodes; empty for none.
+pub(crate) fn d_at<K: InSpace<Sym>>(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    conductivity: &[&K],
+    theta: &[f64],
+) -> BlockMatrix {
     assemble(
         mesh,
         graph,
@@ -106,7 +131,7 @@ pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&impl InSpace<Sym>]) -
             let entries = |k: Sym| -> [[f64; 3]; 3] { std::array::from_fn(|i| std::array::from_fn(|j| k.get(i, j))) };
             let known = conductivity.constant().map(entries);
             cell.integrate(|cell, weight| {
-                let k = known.unwrap_or_else(|| entries(conductivity.at(&cell.map.position)));
+                let k = known.unwrap_or_else(|| entries(cell.local(conductivity, theta)));
                 for (j, g) in cell.map.gradients.iter().enumerate() {
                     let flux = k.map(|row| dot(&row, g));
                     for (i, g) in cell.map.gradients.iter().enumerate() {
@@ -122,29 +147,33 @@ pub fn d(mesh: &Mesh, graph: &Arc<Graph>, conductivity: &[&impl InSpace<Sym>]) -
 /// m(θ, v) = ∫ θ 𝓜:ε(v), rows v, columns θ.
 #[must_use]
 pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>]) -> BlockMatrix {
-    assemble(
-        mesh,
-        graph,
-        (mesh.dim, 1),
-        |e| mesh.value_products(e, true),
-        Some(Dilatation::Full),
-        |cell, out| {
-            let Some(expansion) = of_region(expansion, cell.region) else { return };
-            cell.integrate(|cell, weight| {
-                let values = cell.map.values();
-                let expansion = expansion.at(&cell.map.position);
-                for (row, work) in
-                    out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(&expansion).chunks_exact(mesh.dim))
-                {
-                    for (block, value) in row.chunks_exact_mut(mesh.dim).zip(values) {
-                        for (out, work) in block.iter_mut().zip(work) {
-                            *out += weight * work * value;
-                        }
+    let tensor = |cell: &Cell| of_region(expansion, cell.region).map(|m| m.at(&cell.map.position));
+    works(mesh, graph, Dilatation::Full, |e| mesh.value_products(e, true), tensor)
+}
+
+/// ∫ θ 𝓣:ε(v) with a tensor at each point, none where there is none; rows v, columns θ.
+fn works(
+    mesh: &Mesh,
+    graph: &Arc<Graph>,
+    dilatation: Dilatation,
+    degree: impl Fn(&Element) -> usize,
+    tensor: impl Fn(&Cell) -> Option<Sym> + Sync,
+) -> BlockMatrix {
+    assemble(mesh, graph, (mesh.dim, 1), degree, Some(dilatation), |cell, out| {
+        cell.integrate(|cell, weight| {
+            let Some(tensor) = tensor(cell) else { return };
+            let values = cell.map.values();
+            for (row, work) in
+                out.chunks_exact_mut(values.len() * mesh.dim).zip(cell.work(&tensor).chunks_exact(mesh.dim))
+            {
+                for (block, value) in row.chunks_exact_mut(mesh.dim).zip(values) {
+                    for (out, work) in block.iter_mut().zip(work) {
+                        *out += weight * work * value;
                     }
                 }
-            });
-        },
-    )
+            }
+        });
+    })
 }
 
 /// e(u, η) = ∫ 𝓡:ε(u) η, rows η, columns u.
@@ -195,7 +224,7 @@ mod tests {
                         .collect::<Vec<f64>>()
                 };
                 let u: Vec<f64> = (0..3 * graph.len()).map(|i| (i as f64).sin()).collect();
-                Ok([blocks(&a), blocks(&h), residual(&mesh, &[&law], Dilatation::Full, &u)].concat())
+                Ok([blocks(&a), blocks(&h), residual(&mesh, &[&law], Dilatation::Full, &u, &[])].concat())
             })
             .map_err(Into::into)
         };

@@ -1,16 +1,17 @@
-//! Forms of laws that are not linear, at a given displacement.
+//! Forms of laws that are not linear or depend on the temperature, at a given displacement and temperature.
 
 use std::sync::Arc;
 
 use super::assembly::{Cell, by_cells, of_region, strain_components};
 use super::stiffness;
+use crate::element::Element;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw};
 use crate::mesh::Mesh;
 use crate::tensor::Sym;
 
 /// The strain of the field `u`, node-major, at the point of a cell.
-fn strain(cell: &Cell, u: &[f64]) -> Sym {
+pub(super) fn strain(cell: &Cell, u: &[f64]) -> Sym {
     let (dim, mut strain) = (cell.mesh.dim, Sym::ZERO);
     for m in 0..strain_components(cell.mesh) {
         for (entries, &node) in cell.strain_row(m).chunks_exact(dim).zip(cell.nodes) {
@@ -22,22 +23,46 @@ fn strain(cell: &Cell, u: &[f64]) -> Sym {
     strain
 }
 
+/// What `with` makes of a law at the point of a cell, with the temperature `theta` of the nodes where there is one.
+fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
+    let warm = if theta.is_empty() { None } else { law.at_temperature(&cell.map.position, cell.scalar(theta)) };
+    with(warm.as_deref().unwrap_or(law))
+}
+
 /// The vector of ∫ 𝓔(ε(u)):ε(v), one entry a degree of freedom.
 ///
-/// `laws` is a list by region; `u` has d components a node.
+/// `laws` is a list by region; `u` has d components a node, and `theta` the temperature of each node, empty for none.
 #[must_use]
-pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64]) -> Vec<f64> {
+pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Vec<f64> {
+    vector(
+        mesh,
+        dilatation,
+        |e| mesh.gradient_products(e),
+        |cell| {
+            let law = of_region(laws, cell.region)?;
+            let strain = strain(cell, u);
+            Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
+        },
+    )
+}
+
+/// The vector of ∫ 𝓣:ε(v) with a tensor at each point, none where there is none.
+pub(super) fn vector(
+    mesh: &Mesh,
+    dilatation: Dilatation,
+    degree: impl Fn(&Element) -> usize,
+    tensor: impl Fn(&Cell) -> Option<Sym> + Sync,
+) -> Vec<f64> {
     let dim = mesh.dim;
     let mut out = vec![0.0; mesh.points.len() * dim];
     by_cells(
         mesh,
-        |e| mesh.gradient_products(e),
+        degree,
         Some(dilatation),
         |e| e.nodes.len() * dim,
         |cell, force| {
-            let Some(law) = of_region(laws, cell.region) else { return };
             cell.integrate(|cell, weight| {
-                let stress = law.value(&cell.map.position, &strain(cell, u));
+                let Some(stress) = tensor(cell) else { return };
                 for (force, work) in force.iter_mut().zip(cell.work(&stress)) {
                     *force += weight * work;
                 }
@@ -56,7 +81,7 @@ pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u:
 
 /// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
 #[must_use]
-pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64]) -> Option<f64> {
+pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
     let mut sum = Some(0.0);
     by_cells(
         mesh,
@@ -66,7 +91,9 @@ pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &
         |cell, energy| {
             let Some(law) = of_region(laws, cell.region) else { return };
             cell.integrate(|cell, weight| {
-                energy[0] += weight * law.potential(&cell.map.position, &strain(cell, u)).unwrap_or(f64::NAN);
+                let strain = strain(cell, u);
+                let potential = local(law, cell, theta, |law| law.potential(&cell.map.position, &strain));
+                energy[0] += weight * potential.unwrap_or(f64::NAN);
             });
         },
         |_, _, energies| {
@@ -85,10 +112,11 @@ pub fn tangent(
     laws: &[&dyn TensorLaw],
     dilatation: Dilatation,
     u: &[f64],
+    theta: &[f64],
 ) -> BlockMatrix {
     stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| {
         // Where all laws are linear, strains are not needed, and not there.
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
-        law.tangent(&cell.map.position, &at)
+        local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))
     })
 }

@@ -1,14 +1,15 @@
-//! (H1)–(H5), (H7), (H8): the operators of the material and the laws of contact.
+//! (H1), (H2), (H7), (H8): the operators of the material and the laws of contact.
 //!
 //! Constants of linear operators are eigenvalues. What a nonlinear law declares cannot be proved by evaluating it, but
 //! it can be refuted: two arguments that contradict a declared constant make the hypothesis fail.
 
 use super::sample::{Samples, diameter, some};
+use super::tensors::{bounded, conductivity};
 use super::{Constants, Finding, FindingId, FindingStatus};
 use crate::contact::{Contact, ContactPoint, GraphKind};
 use crate::field::Coefficient;
 use crate::material::{Material, TensorLaw};
-use crate::problem::{Problem, Sample};
+use crate::problem::Problem;
 use crate::tensor::{Point, Sym, mandel_len};
 
 /// Pairs of arguments that a declaration is tested on at each point.
@@ -18,7 +19,7 @@ const PAIRS: usize = 128;
 const PLACES: usize = 8;
 
 /// Share of the largest eigenvalue that counts as zero.
-const ROUND_OFF: f64 = 1e-14;
+pub(super) const ROUND_OFF: f64 = 1e-14;
 
 /// Share by which a sample may exceed a declared constant: round-off of a quotient of differences.
 const SLACK: f64 = 1e-9;
@@ -59,11 +60,17 @@ fn of_material(problem: &Problem, region: usize, constants: &Constants) -> Vec<F
     let (m, e) = (constants.bound_m, constants.bound_e);
     let expansion = problem.values_in(region, |m| &m.expansion);
     let coupling = problem.values_in(region, |m| &m.coupling);
+    let of_law = |law: &dyn TensorLaw, id: FindingId, names: [&str; 4]| {
+        let temperatures = law.graded().map_or(&[][..], |law| law.temperatures());
+        warm(operator(problem, law, id, names), temperatures)
+    };
+    let conductivity = conductivity(problem, &problem.values_in(region, |m| &m.conductivity));
+    let expansion = bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]);
     vec![
-        operator(problem, material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
-        operator(problem, material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
-        conductivity(problem, &problem.values_in(region, |m| &m.conductivity)),
-        bounded(problem, &expansion, m, FindingId::H4, ["𝓜", "M_m", "material.expansion"]),
+        of_law(material.viscosity.as_ref(), FindingId::H1, ["𝓥", "m_b", "M_b", "material.viscosity"]),
+        of_law(material.elasticity.as_ref(), FindingId::H2, ["𝓔", "m_a", "M_a", "material.elasticity"]),
+        warm(conductivity, material.conductivity.temperatures()),
+        warm(expansion, material.expansion.temperatures()),
         bounded(problem, &coupling, e, FindingId::H5, ["𝓡", "M_e", "material.coupling"]),
     ]
 }
@@ -79,17 +86,32 @@ pub(super) fn largest_norm(problem: &Problem, of: fn(&Material) -> &Coefficient<
     problem.values_of(of).iter().map(|sample| norm(&sample.value, dim)).fold(0.0, f64::max)
 }
 
-/// The words behind a number that is attained at a place: ` at (0.0, 1.0, 0.0)`, and nothing without one.
-fn attained(x: Option<Point>) -> String {
-    x.map(|x| format!(" at {}", at(&x))).unwrap_or_default()
+/// The words behind a number that is attained at a place and a temperature: ` at (0.0, 1.0, 0.0), θ = 20.0`, and
+/// nothing without them.
+pub(super) fn attained(x: Option<Point>, theta: Option<f64>) -> String {
+    let place = x.map(|x| format!(" at {}", at(&x))).unwrap_or_default();
+    place + &theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default()
+}
+
+/// The finding on a datum that depends on the temperature between two: the hypotheses know no such data, and its
+/// constants are bounds over these temperatures.
+fn warm(finding: Finding, temperatures: &[f64]) -> Finding {
+    let (Some(first), Some(last)) = (temperatures.first(), temperatures.last()) else { return finding };
+    let status = finding.status.max(FindingStatus::NotCovered);
+    let message = format!(
+        "{}; it depends on the temperature, which ({}) does not admit: these are bounds for θ from {first:?} to {last:?}",
+        finding.message, finding.id
+    );
+    Finding { status, message, ..finding }
 }
 
 /// (H1), (H2): strongly monotone, Lipschitz and zero at zero.
 fn operator(problem: &Problem, law: &dyn TensorLaw, id: FindingId, [name, m, upper, place]: [&str; 4]) -> Finding {
     let c = law.constants();
     let (least, lipschitz) = (c.monotonicity, c.lipschitz);
-    let [at_least, at_most] =
-        law.graded().map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x))));
+    let [at_least, at_most] = law
+        .graded()
+        .map_or_else(|| [String::new(), String::new()], |law| law.extremes().map(|i| attained(Some(i.x), i.theta)));
     // Round-off of an eigenvalue is relative to the largest.
     let positive = least > ROUND_OFF * lipschitz;
     let (status, message) = if id == FindingId::H1 && lipschitz == 0.0 {
@@ -185,55 +207,6 @@ fn refuted(
         }
     }
     None
-}
-
-/// (H3): 𝓚 is positive definite.
-fn conductivity(problem: &Problem, values: &[Sample<Sym>]) -> Finding {
-    let eigenvalues = |sample: &Sample<Sym>| sample.value.eigenvalues(problem.mesh.dim);
-    let least_of = |sample: &Sample<Sym>| eigenvalues(sample).first().copied().unwrap_or(0.0);
-    let worst = values.iter().min_by(|a, b| least_of(a).total_cmp(&least_of(b)));
-    let all = worst.map_or_else(Vec::new, eigenvalues);
-    let (least, largest) = (all.first().copied().unwrap_or(0.0), all.last().copied().unwrap_or(0.0));
-    let positive = least > ROUND_OFF * largest.abs();
-    let list = all.iter().map(|e| format!("{:.6}", if positive { *e } else { e + 0.0 })).collect::<Vec<_>>().join(", ");
-    let place = worst.and_then(|sample| sample.x);
-    let place = place.map(|x| format!(", the least over the body, at {}", at(&x))).unwrap_or_default();
-    let message = if positive {
-        format!("𝓚 has the eigenvalues {list}{place}")
-    } else {
-        format!(
-            "𝓚 has the eigenvalues {list}{place}: it is not positive definite, heat flows in some directions only and the result depends on the mesh"
-        )
-    };
-    let value = if positive { least } else { least.max(0.0) };
-    Finding::new(FindingId::H3, FindingStatus::of(positive), message, "material.conductivity")
-        .numbers(Some(value), Some(0.0))
-        .repair("a positive definite matrix, such as a multiple of the identity")
-}
-
-/// (H4), (H5): symmetric and bounded. |∫ θ 𝓜:ε(v)| ≤ ‖𝓜‖ ‖θ‖ ‖ε(v)‖, and ‖θ‖ ≤ √(1 − c_f²)/c_f ‖∇θ‖.
-fn bounded(
-    problem: &Problem,
-    values: &[Sample<Sym>],
-    bound: Option<f64>,
-    id: FindingId,
-    [name, upper, place]: [&str; 3],
-) -> Finding {
-    let norms = values.iter().map(|sample| (norm(&sample.value, problem.mesh.tensor_dim()), sample.x));
-    let (norm, x) = norms.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, None));
-    let at_most = attained(x);
-    let message = match bound {
-        _ if !norm.is_finite() => format!("{name} is not bounded: ‖{name}‖ = {norm:.6e}{at_most}"),
-        Some(bound) => {
-            format!(
-                "{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}{at_most}, so {upper} = {bound:.6e} by (2.13)"
-            )
-        }
-        None => format!(
-            "{name} is symmetric and bounded: ‖{name}‖ = {norm:.6e}{at_most}, so its form is bounded by ‖{name}‖ ‖θ‖ ‖ε(v)‖"
-        ),
-    };
-    Finding::new(id, FindingStatus::of(norm.is_finite()), message, place).numbers(bound.or(Some(norm)), None)
 }
 
 /// L_τ of (H8), and where it is attained if laws vary over the side: pressure and friction together.
@@ -440,7 +413,7 @@ fn exchange(test: &Test, constants: &Constants) -> Finding {
         None => finding(FindingStatus::Holds, {
             let [at_lipschitz, at_bound] = heat
                 .graded()
-                .map_or_else(Default::default, |law| law.extremes().map(|instance| attained(Some(instance.x))));
+                .map_or_else(Default::default, |law| law.extremes().map(|instance| attained(Some(instance.x), None)));
             format!(
                 "k_c is bounded by M_kc = {bound:.6e}{at_bound}, Lipschitz with L_kc = {lipschitz:.6e}{at_lipschitz}, and zero without penetration"
             )
@@ -498,8 +471,8 @@ fn pressure(test: &Test, constants: &Constants) -> Finding {
         return finding(FindingStatus::NotCovered, what.to_owned(), place)
             .repair("use a pressure and a friction bound that depend on the penetration alone");
     }
-    let at_nu = attained(contact.normal.graded().map(|law| law.extremes()[1].x));
-    let at_tau = attained(test.tau.1);
+    let at_nu = attained(contact.normal.graded().map(|law| law.extremes()[1].x), None);
+    let at_tau = attained(test.tau.1, None);
     let message = format!(
         "p_ν and p_τ are Lipschitz with L_ν = {nu:.6e}{at_nu} and L_τ = {tau:.6e}{at_tau}, not negative, and zero without penetration"
     );

@@ -29,6 +29,7 @@ mod reach;
 mod sample;
 mod softening;
 mod step;
+mod tensors;
 mod theorem;
 pub mod warnings;
 

@@ -29,7 +29,7 @@ use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Entry, Layout, SolveError, System, Unknowns, dot, largest};
-use crate::material::{Isotropic, Material, StressState, TensorLaw};
+use crate::material::{Isotropic, Material, StressState, TensorLaw, depends_on_temperature};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
 use crate::units::{Measure, Units};
@@ -63,9 +63,9 @@ fn loss(contact: &Contact, fall: f64) -> Option<f64> {
 }
 
 /// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m
-/// ‖ξ₁ − ξ₂‖².
+/// ‖ξ₁ − ξ₂‖²; with the least m over its temperatures.
 fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
-    if law.is_linear() {
+    if law.is_linear() && !depends_on_temperature(law.as_ref()) {
         return Arc::clone(law);
     }
     Arc::new(Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress))
@@ -200,9 +200,10 @@ pub(super) fn holds_the_body(
     is_positive_definite(problem, &discrete.v, form, form.clone())
 }
 
-/// Whether θ_n acts on w_n in the same step by expansion, as in couplings other than the paper's.
+/// Whether θ_n acts on w_n in the same step by expansion or by moduli, as in couplings other than the paper's.
 pub(super) fn heat_acts_at_once(problem: &Problem) -> bool {
-    problem.coupling != Coupling::Staggered && largest_norm(problem, |m| &m.expansion) > 0.0
+    let softens = || problem.materials.iter().any(Material::laws_depend_on_temperature);
+    problem.coupling != Coupling::Staggered && (largest_norm(problem, |m| &m.expansion) > 0.0 || softens())
 }
 
 /// A part of the laws that the condition does not cover, and its place.
@@ -266,6 +267,12 @@ fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
     if heat_acts_at_once(problem) {
         let message = "u_n and θ_n are solved together: the condition holds for a step with given θ";
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material.expansion")));
+    }
+    let is_warm =
+        |m: &Material| !m.conductivity.temperatures().is_empty() || !m.heat_capacity.temperatures().is_empty();
+    if problem.materials.iter().any(is_warm) {
+        let message = "conductivity or heat capacity depend on the temperature: the heat equation of a step is not linear, and how many solutions it has is not checked";
+        return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material")));
     }
     let step = Step::new(problem, &losses);
     match step.heat_is_definite(problem.k()) {

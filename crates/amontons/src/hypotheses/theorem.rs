@@ -7,7 +7,7 @@ use crate::contact::GraphKind;
 use crate::field::Coefficient;
 use crate::material::Material;
 use crate::mesh::defects::components;
-use crate::problem::Problem;
+use crate::problem::{Problem, first_warm};
 use crate::space::Space;
 
 /// `2.23-printed`: m_a < (L_ν + L_τ) s₁², the second L_ν of the print read as L_τ, and m_d > M_kc s₂².
@@ -128,6 +128,9 @@ fn outside(problem: &Problem) -> Option<(&'static str, String)> {
     }
     if problem.materials.iter().any(|m| m.viscosity.constants().lipschitz == 0.0) {
         return Some(("a material without viscosity, while (H1) asks for m_b > 0", "material.viscosity".to_owned()));
+    }
+    if let Some((key, _)) = problem.materials.iter().find_map(first_warm) {
+        return Some(("a coefficient that depends on the temperature", format!("material.{key}")));
     }
     let zeros = |of: fn(&Material) -> &Coefficient<f64>| {
         let all: Vec<bool> = problem.values_of(of).iter().map(|sample| sample.value == 0.0).collect();

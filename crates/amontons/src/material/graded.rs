@@ -1,4 +1,4 @@
-//! Elasticity and viscosity whose coefficients vary over the body.
+//! Elasticity and viscosity whose coefficients vary over the body or with the temperature.
 
 use std::sync::Arc;
 
@@ -14,10 +14,22 @@ impl Graded<dyn TensorLaw> {
         points: &[Point],
         at: impl Fn(&Point) -> Arc<dyn TensorLaw> + Send + Sync + 'static,
     ) -> Graded<dyn TensorLaw> {
-        Graded::over(
+        Graded::elastic_of_temperature(points, &[], move |x, _| at(x))
+    }
+
+    /// The same of a law that depends on the temperature, too, from the first to the last of `temperatures` in K, which
+    /// ascend; m and M are those of these temperatures.
+    #[must_use]
+    pub fn elastic_of_temperature(
+        points: &[Point],
+        temperatures: &[f64],
+        at: impl Fn(&Point, f64) -> Arc<dyn TensorLaw> + Send + Sync + 'static,
+    ) -> Graded<dyn TensorLaw> {
+        Graded::over_all(
             points,
             &[0.0],
-            move |x, _| at(x),
+            temperatures,
+            move |x, _, theta| at(x, theta),
             |law| {
                 let Constants { monotonicity, lipschitz } = law.constants();
                 ([monotonicity, lipschitz], !law.is_linear())

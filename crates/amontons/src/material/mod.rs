@@ -108,6 +108,11 @@ pub trait TensorLaw: Debug + Send + Sync {
     fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
         None
     }
+    /// The law at a point and a temperature in K; none for one that does not depend on the temperature.
+    fn at_temperature(&self, x: &Point, theta: f64) -> Option<Arc<dyn TensorLaw>> {
+        let graded = self.graded().filter(|graded| !graded.temperatures().is_empty())?;
+        Some(graded.at_temperature(x, theta))
+    }
     /// m and M of (H1), (H2) on 𝕊^d.
     fn constants(&self) -> Constants;
     /// W with dW/dξ the value on 𝕊^d and W(0) = 0, if there is one: for 𝓔 the stored energy in J/m³.
@@ -193,8 +198,23 @@ impl Material {
     /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜, without the stress of `prony`, which depends on the past.
     #[must_use]
     pub fn stress(&self, x: &Point, strain: &Sym, strain_rate: &Sym, theta: f64) -> Sym {
-        self.elasticity.value(x, strain) + self.viscosity.value(x, strain_rate) - theta * self.expansion.at(x)
+        let value = |law: &Arc<dyn TensorLaw>, xi: &Sym| {
+            law.at_temperature(x, theta).map_or_else(|| law.value(x, xi), |law| law.value(x, xi))
+        };
+        value(&self.elasticity, strain) + value(&self.viscosity, strain_rate)
+            - theta * self.expansion.at_temperature(x, theta)
     }
+
+    /// Whether 𝓔 or 𝓥 depend on the temperature.
+    #[must_use]
+    pub fn laws_depend_on_temperature(&self) -> bool {
+        [&self.elasticity, &self.viscosity].into_iter().any(|law| depends_on_temperature(law.as_ref()))
+    }
+}
+
+/// Whether a law depends on the temperature.
+pub(crate) fn depends_on_temperature(law: &dyn TensorLaw) -> bool {
+    law.graded().is_some_and(|graded| !graded.temperatures().is_empty())
 }
 
 /// Names of the stress components in the order of VTK: xx yy zz xy yz zx, as pairs of indices.

@@ -12,6 +12,7 @@ pub mod inp;
 mod locator;
 mod quality;
 mod read;
+mod refine;
 mod round;
 mod sites;
 mod topology;

@@ -43,8 +43,8 @@ pub struct Model {
     pub times: Times,
     /// How deep heat gets from the sides of contact.
     pub thermal_layers: Vec<ThermalLayer>,
-    /// Work and memory of a step; none if the matrices do not fit into memory.
-    pub cost: Option<Cost>,
+    /// Work and memory of a step.
+    pub cost: Cost,
 }
 
 impl Model {

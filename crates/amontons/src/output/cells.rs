@@ -117,7 +117,11 @@ impl<'a> Evaluator<'a> {
         PointValues {
             strain,
             stress,
-            heat_flux: material.conductivity.at(&self.map.position).apply(&gradient).map(|q| 0.0 - q),
+            heat_flux: material
+                .conductivity
+                .at_temperature(&self.map.position, theta)
+                .apply(&gradient)
+                .map(|q| 0.0 - q),
         }
     }
 

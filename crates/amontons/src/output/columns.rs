@@ -166,6 +166,7 @@ columns! { History:
     CONTACT_CENTER = vector("contact_center", Measure::Length, |row| vector(&row.contact.center));
     FOUNDATION_TEMPERATURE = optional("foundation_temperature", Measure::Temperature, |row| row.foundation);
     HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
+    MODULUS_WORK = number("modulus_work", Measure::Energy, |row| row.ledger.modulus_work);
     HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
     PRESSURE_MAX = number("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
 }
@@ -207,6 +208,7 @@ const OF_STEP: &[&Column<History>] = &[
     &HEAT_SURROUNDINGS,
     &PARTS,
     &CONTACT_CENTER,
+    &MODULUS_WORK,
 ];
 
 /// Those of pairs of bodies, after them: the first of all pairs, the others of an only contact.

@@ -252,6 +252,9 @@ pub struct Solver {
     /// How linear systems were solved: `direct` or `iterative`.
     #[serde(default)]
     pub backend: String,
+    /// Why: what either way was predicted to take.
+    #[serde(default)]
+    pub backend_reason: String,
     /// Krylov iterations; 0 where systems are solved by a factor.
     #[serde(default)]
     pub krylov_iterations: usize,
@@ -365,6 +368,7 @@ impl Summary {
                 contact_factorizations: work.contact_factorizations,
                 sweeps: counts.sweeps,
                 backend: String::new(),
+                backend_reason: String::new(),
                 krylov_iterations: counts.krylov_iterations,
                 residual_max: counts.residual_max,
                 passes_total: counts.passes_total,

@@ -28,6 +28,7 @@ impl ProblemData {
         if faults.is_empty() {
             // Both evaluate the data, which must be in order.
             self.check_temperatures(&mut faults);
+            self.check_tables(&mut faults);
             self.check_range(&mut faults);
         }
         if faults.is_empty() { Ok(Problem(self)) } else { Err(Faults(faults)) }
@@ -54,10 +55,12 @@ impl ProblemData {
         for (key, values) in
             [("density", self.values_of(|m| &m.density)), ("heat_capacity", self.values_of(|m| &m.heat_capacity))]
         {
-            let Some(Sample { value, x }) = values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0)) else {
+            let Some(Sample { value, x, theta }) = values.iter().find(|s| !(s.value.is_finite() && s.value >= 0.0))
+            else {
                 continue;
             };
-            let found = x.map_or(value.to_string(), |x| format!("{value:?} at {}", self.mesh.place(&x)));
+            let warm = theta.map(|theta| format!(", θ = {theta:?}")).unwrap_or_default();
+            let found = x.map_or(value.to_string(), |x| format!("{value:?} at {}{warm}", self.mesh.place(&x)));
             faults.push(Fault::new(format!("material.{key}"), found, "a number that is not negative"));
         }
     }

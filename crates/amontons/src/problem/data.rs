@@ -43,6 +43,8 @@ pub(crate) struct Sample<T> {
     pub value: T,
     /// Where it is; none if the coefficient is the same in the whole region.
     pub x: Option<Point>,
+    /// The temperature, K; none if the coefficient does not depend on it.
+    pub theta: Option<f64>,
 }
 
 impl ProblemData {
@@ -51,7 +53,8 @@ impl ProblemData {
         (self.materials.len() > 1).then_some(material)
     }
 
-    /// The value of a coefficient in a region, or its values at the points where it is evaluated if it varies.
+    /// The value of a coefficient in a region, or its values at the points where it is evaluated if it varies, and at
+    /// the temperatures of one that depends on the temperature.
     pub(crate) fn values_in<T: Copy + Sync>(
         &self,
         material: usize,
@@ -59,10 +62,19 @@ impl ProblemData {
     ) -> Vec<Sample<T>> {
         let Some(coefficient) = self.materials.get(material).map(of) else { return Vec::new() };
         if let Some(value) = coefficient.constant() {
-            return vec![Sample { value, x: None }];
+            return vec![Sample { value, x: None, theta: None }];
         }
         let sites = self.mesh.sites(self.region_of(material));
-        sites.into_iter().map(|x| Sample { value: coefficient.at(&x), x: Some(x) }).collect()
+        if coefficient.temperatures().is_empty() {
+            return sites.into_iter().map(|x| Sample { value: coefficient.at(&x), x: Some(x), theta: None }).collect();
+        }
+        let at = |theta: f64, x: Point| Sample {
+            value: coefficient.at_temperature(&x, theta),
+            x: Some(x),
+            theta: Some(theta),
+        };
+        let (levels, at) = (coefficient.temperatures().iter(), &at);
+        levels.flat_map(|&theta| sites.iter().map(move |&x| at(theta, x))).collect()
     }
 
     /// The same of all regions.

@@ -9,6 +9,7 @@ mod data;
 mod pairs;
 mod physics;
 mod range;
+mod tables;
 
 use std::fmt;
 use std::ops::Deref;
@@ -18,6 +19,8 @@ use std::sync::atomic::AtomicBool;
 pub use boundary::{BoundaryCondition, Convection, Support};
 pub(crate) use data::{Datum, Role, Sample};
 pub use physics::Physics;
+pub use tables::Uncovered;
+pub(crate) use tables::first_warm;
 
 use crate::contact::{Contact, ContactBoundary, Side};
 use crate::field::Field;

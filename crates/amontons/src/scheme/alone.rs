@@ -64,6 +64,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         residual: 0.0,
         scale: 0.0,
         load: zero(),
+        theta: step.old.theta.clone(),
         thermal: zero(),
         mass_w: zero(),
         a_u: zero(),

@@ -14,13 +14,13 @@ const TELLING: f64 = 1e-11;
 /// The ledger after a step.
 pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     let before = &step.old.ledger;
-    let energy = Energy::of(step, m);
+    let energy = Energy::of(step, m, &heat.theta);
     let error = energy.error(before);
     // Where a body only moves, stresses are round-off and nothing is turned over: what closes to the round-off of its
     // terms closes.
-    let mut turned_over = energy.load_work.abs() + energy.thermal_work.abs();
+    let mut turned_over = energy.load_work.abs() + energy.thermal_work.abs() + energy.modulus_work.abs();
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
-        let sizes = absolute(&m.w, &step.discrete.a.magnitude(&step.sizes(&m.w)));
+        let sizes = absolute(&m.w, &step.discrete.elastic_sizes(&step.sizes(&m.w), &m.theta));
         turned_over += explained(error, step.k * sizes);
     }
 
@@ -42,6 +42,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         contact_energy: energy.contact,
         load_work: before.load_work + energy.load_work,
         thermal_work: before.thermal_work + energy.thermal_work,
+        modulus_work: before.modulus_work + energy.modulus_work,
         scheme_dissipation: before.scheme_dissipation + energy.scheme,
         wear_dissipation: before.wear_dissipation + energy.worn,
         closing_error: before.closing_error + error,
@@ -71,16 +72,17 @@ struct Energy {
     friction: f64,
     worn: f64,
     scheme: f64,
-    /// Work of the loads, the supports and the foundation; and of heat.
+    /// Work of the loads, the supports and the foundation; of heat; and of moduli that change with the temperature.
     load_work: f64,
     thermal_work: f64,
+    modulus_work: f64,
 }
 
 impl Energy {
-    fn of(step: &Step, m: &Mechanics) -> Energy {
+    fn of(step: &Step, m: &Mechanics, theta: &[f64]) -> Energy {
         let Step { discrete, old, products, k, .. } = *step;
         let rho = discrete.inertia().0;
-        let stored = stored(step, m);
+        let stored = stored(step, m, theta);
         let contact = contact(step, m);
         let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
         let compliance =
@@ -95,6 +97,7 @@ impl Energy {
             scheme: inertial + stored.scheme + compliance,
             load_work: contact.load_work,
             thermal_work: k * dot(&m.w, &m.thermal),
+            modulus_work: stored.modulus,
         }
     }
 
@@ -109,6 +112,7 @@ impl Energy {
             + self.scheme
             - self.load_work
             - self.thermal_work
+            - self.modulus_work
     }
 }
 
@@ -174,9 +178,12 @@ struct Stored {
     relaxed: f64,
     /// Dissipated by the scheme, J.
     scheme: f64,
+    /// By what the change of moduli with the temperature raises the energy, J.
+    modulus: f64,
 }
 
-fn stored(step: &Step, m: &Mechanics) -> Stored {
+/// With the temperature `theta` at the end of the step.
+fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let Step { discrete, old, products, k, .. } = *step;
     let change = difference(&m.u, &old.u);
     let mut branches = 0.0;
@@ -185,15 +192,17 @@ fn stored(step: &Step, m: &Mechanics) -> Stored {
             elastic: 0.5 * dot(&m.u, &m.a_u),
             relaxed: 0.0,
             scheme: 0.5 * dot(&change, &difference(&m.a_u, &products.a_u)),
+            modulus: 0.0,
         }
+    } else if let Some(sum) = softening(step, m, theta) {
+        sum
     } else {
         // What the stress works beyond the change of the potential is the scheme's; without a potential the work is
         // taken for stored.
         let work = dot(&change, &m.a_u);
-        let before = old.ledger.elastic
-            - old.branches.iter().zip(&discrete.branches).map(|(z, b)| 0.5 * dot(z, &b.form.apply(z))).sum::<f64>();
-        let elastic = discrete.stored_energy(&m.u).unwrap_or(before + work);
-        Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before) }
+        let before = before(step);
+        let elastic = discrete.stored_energy(&m.u, &m.theta).unwrap_or(before + work);
+        Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }
     };
     // q_n:(ε_n − ε_{n−1}) = [½ z:𝓖z] + (k/τ) z_n:𝓖z_n + ½ Δz:𝓖Δz in every branch.
     for ((branch, new), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
@@ -204,6 +213,33 @@ fn stored(step: &Step, m: &Mechanics) -> Stored {
     }
     sum.elastic += branches;
     sum
+}
+
+/// The energy of the body at the start of a step without that of the branches.
+fn before(step: &Step) -> f64 {
+    let branches = step.old.branches.iter().zip(&step.discrete.branches);
+    step.old.ledger.elastic - branches.map(|(z, b)| 0.5 * dot(z, &b.form.apply(z))).sum::<f64>()
+}
+
+/// The same of laws that depend on the temperature; none where none does, or where one has no potential.
+///
+/// With W(u, θ) the energy and θ̂ the temperature that (4.1) was made with, the stress works W(u_n, θ̂) − W(u_{n−1},
+/// θ̂) and what the scheme dissipates. The energy at t is W(u_n, θ_n): its change beyond that work is made by the
+/// moduli, which change at a fixed strain.
+fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
+    let Step { discrete, old, .. } = *step;
+    if !discrete.softens() {
+        return None;
+    }
+    let energy = |u: &[f64], theta: &[f64]| discrete.stored_energy(u, theta);
+    let [from, to, elastic] = [energy(&old.u, &m.theta)?, energy(&m.u, &m.theta)?, energy(&m.u, theta)?];
+    let change = difference(&m.u, &old.u);
+    let scheme = if discrete.is_linearly_elastic() {
+        0.5 * dot(&change, &discrete.apply_a(&change, &m.theta))
+    } else {
+        dot(&change, &m.a_u) - (to - from)
+    };
+    Some(Stored { elastic, relaxed: 0.0, scheme, modulus: (from - before(step)) + (elastic - to) })
 }
 
 /// The foundations with a heat capacity after a step, J.

@@ -11,7 +11,7 @@ use super::mechanics::Mechanics;
 use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
 use super::{Contraction, CouplingReport, StepError};
 use crate::inclusion::{PointDerivative, Rule};
-use crate::linalg::{Entry, SolveError, dot, gmres, max_abs};
+use crate::linalg::{BlockMatrix, Entry, SolveError, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
@@ -120,14 +120,17 @@ impl<'a> Coupled<'a> {
             space.mask(&mut change);
             max_abs(&change)
         };
-        let contact = pass.mechanics.contact_change(&self.step, self.mechanics, &pass.heat.exchange.temperature);
-        let force: Vec<f64> = discrete
-            .m
-            .apply(&pass.heat.theta)
-            .iter()
-            .zip(&contact)
-            .map(|(thermal, contact)| thermal - contact)
-            .collect();
+        let Pass { mechanics, heat } = pass;
+        let contact = mechanics.contact_change(&self.step, self.mechanics, &heat.exchange.temperature);
+        let mut force = difference(&discrete.thermal_force(&heat.theta), &contact);
+        if discrete.softens() {
+            let a_u = discrete.apply_a(&mechanics.u, &heat.theta);
+            let b_w = discrete.apply_b(&mechanics.w, &heat.theta);
+            let terms = [(a_u, &mechanics.a_u), (b_w, &mechanics.b_w)];
+            for (then, now) in terms {
+                force.iter_mut().zip(difference(&then, now)).for_each(|(force, change)| *force -= change);
+            }
+        }
         let force = change(force, &pass.mechanics.thermal, &discrete.v);
         let supply = change(discrete.e.apply(&pass.mechanics.u), &pass.heat.coupling, &discrete.q);
         let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
@@ -190,10 +193,11 @@ impl<'a> Coupled<'a> {
     /// The first of these that makes the residual smaller: a Newton step in full, a pass of the fixed point, ever
     /// shorter parts of the Newton step.
     fn newton(&mut self, now: &Iterate) -> Option<Iterate> {
-        let tangent = Tangent::new(self, &now.pass);
-        let most = now.residual.len().min(PRODUCTS);
         // A direction that cannot be found is none: passes of the fixed point go on.
-        let change = gmres(|change| tangent.apply(self, change), &now.residual, LINEAR, most).ok()?.x;
+        let tangent = Tangent::new(self, &now.pass).ok()?;
+        let most = now.residual.len().min(PRODUCTS);
+        let right = tangent.right(self, &now.residual).ok()?;
+        let change = gmres(|change| tangent.apply(self, change), &right, LINEAR, most).ok()?.x;
         let part = |alpha: f64| {
             now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>()
         };
@@ -291,10 +295,22 @@ struct Tangent {
     normals: Vec<Point>,
     /// Whether the power of friction enters the bodies whole, as at a pair.
     rubs: Vec<bool>,
+    /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative
+    /// of conduction has beside its symmetric part.
+    force_slope: Option<BlockMatrix>,
+    heat_slope: Option<BlockMatrix>,
 }
 
 impl Tangent {
-    fn new(coupled: &mut Coupled, pass: &Pass) -> Tangent {
+    /// Where matrices depend on the temperature they are factorized at the solution.
+    fn new(coupled: &mut Coupled, pass: &Pass) -> Result<Tangent, SolveError> {
+        let Step { discrete, .. } = coupled.step;
+        if discrete.softens() {
+            pass.mechanics.renew(&coupled.step, coupled.mechanics)?;
+        }
+        if !discrete.conducts_linearly() {
+            pass.heat.renew(&coupled.step, coupled.heat)?;
+        }
         let (mechanics, points) = pass.mechanics.contact_tangent(&coupled.step, coupled.mechanics);
         let heat = pass.heat.contact_tangent(&coupled.step, coupled.heat, &pass.mechanics.states);
         let fluxes = pass
@@ -308,10 +324,21 @@ impl Tangent {
         let normals = pass.mechanics.states.iter().map(|state| state.normal).collect();
         let contacts = coupled.step.contacts;
         let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
-        Tangent { mechanics, points, heat, fluxes, friction, normals, rubs }
+        let Mechanics { u, w, theta, .. } = &pass.mechanics;
+        let force_slope = discrete.mechanical_slope(u, w, theta);
+        let heat_slope = discrete.thermal_slope(&pass.heat.theta);
+        Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, rubs, force_slope, heat_slope })
     }
 
-    /// δθ − Φ′ δθ.
+    /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the
+    /// equations of both sides are multiplied so, and J is not inverted.
+    fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let Some(slope) = &self.heat_slope else { return Ok(residual.to_vec()) };
+        let more = coupled.heat.system.linearised(&self.heat, &slope.apply(residual))?;
+        Ok(residual.iter().zip(&more).map(|(residual, more)| residual + more).collect())
+    }
+
+    /// δθ − Φ′ δθ, times P⁻¹J.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
         let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
         let warmer = boundary.scalars_at(change);
@@ -320,8 +347,9 @@ impl Tangent {
             &discrete.v,
             self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
         );
+        let slope = self.force_slope.as_ref().unwrap_or(&discrete.m);
         let right: Vec<f64> =
-            discrete.m.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
+            slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
         let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
         let points = boundary.points.iter().enumerate();
@@ -349,7 +377,10 @@ impl Tangent {
         let mut sum = vec![0.0; discrete.q.free.len()];
         boundary.scatter_heat(chi.into_iter(), &mut sum);
         let chi = sum;
-        let right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
+        let mut right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
+        if let Some(slope) = &self.heat_slope {
+            right.iter_mut().zip(slope.apply(change)).for_each(|(right, slope)| *right -= slope);
+        }
         let theta = coupled.heat.system.linearised(&self.heat, &right)?;
         coupled.sweeps += 4;
         Ok(change.iter().zip(&theta).map(|(change, theta)| change - theta).collect())

@@ -32,6 +32,8 @@ pub struct BackwardEuler {
     problem: Problem,
     discrete: Discretization,
     backend: Arc<dyn Backend>,
+    /// The temperature at which matrices are factorized at first.
+    start: Vec<f64>,
     systems: Systems,
     /// Those of halved steps: k/2, k/4 and so on, kept while steps are halved.
     halved: Vec<Systems>,
@@ -51,22 +53,22 @@ struct Systems {
 }
 
 impl Systems {
-    /// Factorizes K_u and K_θ for step length `k`. For nonlinear laws K_u is the tangent at rest; each step replaces
-    /// it.
+    /// Factorizes K_u and K_θ for step length `k`, at the temperature `theta`. For nonlinear laws K_u is the tangent at
+    /// rest; each step replaces it.
     ///
     /// # Errors
     /// The name of the system that cannot be factorized, and why.
     fn factorize(
         problem: &Problem,
         discrete: &Discretization,
-        k: f64,
+        (k, theta): (f64, &[f64]),
         backend: &Arc<dyn Backend>,
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
         let mechanics =
-            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest), discrete, &discrete.v, backend);
-        let heat = || HalfStep::new(discrete.thermal_matrix(rule), discrete, &discrete.q, backend);
+            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest, theta), discrete, &discrete.v, backend);
+        let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
             || physics.has_mechanics().then(mechanics).transpose(),
@@ -117,13 +119,15 @@ impl BackwardEuler {
     /// The same with another backend than that of the problem.
     fn with_backend(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
         let discrete = Discretization::new(problem);
-        let k = problem.k();
-        let systems = Systems::factorize(problem, &discrete, k, backend)
+        let (k, initial) = (problem.k(), std::slice::from_ref(&problem.initial.temperature));
+        let start = discrete.q.interpolate(&discrete.mesh, initial, 0.0);
+        let systems = Systems::factorize(problem, &discrete, (k, &start), backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
             problem: problem.clone(),
             discrete,
             backend: Arc::clone(backend),
+            start,
             systems,
             halved: Vec::new(),
             given_up: (0, 0),
@@ -187,7 +191,7 @@ impl BackwardEuler {
     fn halve(&mut self, halvings: usize) -> Result<(), (&'static str, SolveError)> {
         while self.halved.len() < halvings {
             let k = self.halved.last().map_or(self.systems.k, |systems| systems.k) / 2.0;
-            self.halved.push(Systems::factorize(&self.problem, &self.discrete, k, &self.backend)?);
+            self.halved.push(Systems::factorize(&self.problem, &self.discrete, (k, &self.start), &self.backend)?);
         }
         Ok(())
     }
@@ -251,6 +255,9 @@ impl BackwardEuler {
         };
         let krylov = krylov_iterations(mechanics.as_ref(), heat.as_ref()) - before;
         let made = made?;
+        if let Some(found) = problem.uncovered(&made.heat.theta) {
+            return Err(StepError::Uncovered { step: n, t, found: Box::new(found) });
+        }
         let ledger = audit(&now, &made.mechanics, &made.heat);
         if !(ledger.closing_error.is_finite() && ledger.heat_closing_error.is_finite()) {
             return Err(StepError::NotFinite { step: n, t, part: "the energy" });
@@ -372,10 +379,10 @@ impl Scheme for BackwardEuler {
                 return Err(SetupError::Initial(name));
             }
         }
-        let ((rho, inertia), (c, storage)) = (self.discrete.inertia(), self.discrete.storage());
+        let ((rho, inertia), (c, _)) = (self.discrete.inertia(), self.discrete.storage());
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
         // Without a potential the energy is counted from the initial state.
-        let elastic = self.discrete.stored_energy(&u).unwrap_or(0.0);
+        let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, boundary);
@@ -387,7 +394,7 @@ impl Scheme for BackwardEuler {
                 * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
         let temperatures = extremes([f64::INFINITY, f64::NEG_INFINITY], &theta);
-        let heat_content = c * storage.apply(&theta).iter().sum::<f64>();
+        let heat_content = c * self.discrete.stored_heat(&theta).iter().sum::<f64>();
         let heat_foundation: f64 = self
             .problem
             .contacts
@@ -465,5 +472,10 @@ impl Scheme for BackwardEuler {
     fn backend(&self) -> &'static str {
         let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
         if is_iterative { "iterative" } else { "direct" }
+    }
+
+    fn backend_reason(&self) -> String {
+        let choice = self.systems.all().find_map(System::choice);
+        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
     }
 }

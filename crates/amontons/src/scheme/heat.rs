@@ -2,9 +2,14 @@
 
 use super::StepError;
 use super::foundation::temperatures;
-use super::system::{HalfStep, REFINE, Step, without_contact};
+use super::mixing::Mixing;
+use super::system::{HalfStep, REFINE, Renewal, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{Entry, max_abs};
+use crate::linalg::{Entry, SolveError, max_abs};
+use std::sync::Arc;
+
+/// Most passes of a heat half-step that is not linear.
+const PASSES: usize = 100;
 
 /// What the heat half-step found.
 pub(super) struct Heat {
@@ -65,7 +70,7 @@ impl Begun {
             let [mass_theta, d_theta] = if theta == bar.theta {
                 [products.mass_theta.clone(), products.d_theta.clone()]
             } else {
-                [discrete.storage().1.apply(&theta), discrete.apply_d(&theta)]
+                [discrete.stored_heat(&theta), discrete.apply_d(&theta)]
             };
             Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
@@ -95,6 +100,9 @@ impl Begun {
     /// Solves (4.2) at the contact that the mechanical half-step has found.
     pub fn solve(mut self, step: &Step, half: &mut HalfStep, states: &[PointState]) -> Result<Heat, StepError> {
         let given = Given::new(step, &self.theta);
+        if !step.discrete.conducts_linearly() {
+            return self.solve_nonlinear(step, half, &given, states);
+        }
         let (mut iterations, mut sweeps) = (0, 0);
         let mut previous = f64::INFINITY;
         loop {
@@ -131,9 +139,48 @@ impl Begun {
             })
             .map_err(|why| step.failed("heat", why))?;
         step.finite(&self.theta, "heat")?;
-        [self.mass_theta, self.d_theta] =
-            [step.discrete.storage().1.apply(&self.theta), step.discrete.apply_d(&self.theta)];
+        self.set_products(step);
         Ok(solved)
+    }
+
+    fn set_products(&mut self, step: &Step) {
+        let [stored, conducted] = [step.discrete.stored_heat(&self.theta), step.discrete.apply_d(&self.theta)];
+        (self.mass_theta, self.d_theta) = (stored, conducted);
+    }
+
+    /// Solves (4.2) where 𝓚 or the heat capacity depend on the temperature: passes with the symmetric part of the
+    /// tangent at an earlier temperature, mixed, with the contact solved in each.
+    fn solve_nonlinear(
+        mut self,
+        step: &Step,
+        half: &mut HalfStep,
+        given: &Given,
+        states: &[PointState],
+    ) -> Result<Heat, StepError> {
+        let (mut iterations, mut sweeps) = (0, 0);
+        let (mut mixing, mut renewal, mut previous) = (Mixing::default(), Renewal::default(), f64::INFINITY);
+        for passes in 1.. {
+            let start = self.theta.clone();
+            let (exchange, newton) = self.pass(step, half, given, states)?;
+            iterations += newton;
+            sweeps += 2;
+            let balance = self.balance(step, &exchange)?;
+            let ratio = balance.residual / previous;
+            if Renewal::has_ended(balance.residual, ratio) || passes == PASSES {
+                return self.found(step, exchange, &balance, [iterations, sweeps]);
+            }
+            if renewal.is_due(ratio) {
+                let tangent = step.discrete.thermal_tangent(step.rule, &self.theta);
+                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
+                mixing = Mixing::default();
+            } else {
+                self.theta = mixing.next(&start, &self.theta);
+                self.set_products(step);
+            }
+            previous = balance.residual;
+            self.reduced = self.reduce(step, half)?;
+        }
+        Err(StepError::NotFinite { step: step.n, t: step.t, part: "heat" })
     }
 
     /// The residual of (4.2) at θ at hand.
@@ -224,6 +271,11 @@ fn through(step: &Step, exchange: &Exchange) -> (f64, f64) {
 }
 
 impl Heat {
+    /// Factorizes the symmetric part of the tangent of (4.2) as it is at the solution.
+    pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
+        half.system.replace(&Arc::new(step.discrete.thermal_tangent(step.rule, &self.theta)))
+    }
+
     /// The derivative of χ in θ at the solution: the entries it adds to S.
     pub fn contact_tangent(&self, step: &Step, half: &HalfStep, states: &[PointState]) -> Vec<Entry> {
         let given = Given::new(step, &self.theta);

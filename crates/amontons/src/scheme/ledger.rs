@@ -8,11 +8,13 @@ use serde::{Deserialize, Serialize};
 ///
 /// ```text
 /// [½ρ‖w‖²] + ½ρ‖wₙ − wₙ₋₁‖² + [½a(u,u)] + ½a(uₙ − uₙ₋₁, uₙ − uₙ₋₁) + k b(wₙ, wₙ)
-///     + k Σ ω p w_ν + k Σ ω q·w_τ = k (fₙ, wₙ) + k m(θₙ₋₁, wₙ)
+///     + k Σ ω p w_ν + k Σ ω q·w_τ = k (fₙ, wₙ) + k m(θₙ₋₁, wₙ) + [½a]
 /// ```
 ///
-/// where, with k w_ν = \[r\] + \[g\] + \[h\] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance
-/// energy Ψ, the dissipation Σ ω (p − p_ν)\[r\] of a layer with damping, Σ ω p \[h\] of wear, the work Σ ω p \[g\] on a
+/// where \[½a\] is what the energy changes by at a fixed strain where 𝓔 depends on the temperature: ½a(u, u) is taken
+/// at θ_n at the end of each step, ½a(uₙ − uₙ₋₁, uₙ − uₙ₋₁) and b at the temperature that the step sees. Further, with
+/// k w_ν = \[r\] + \[g\] + \[h\] and p_ν the pressure at rest, k Σ ω p w_ν is the change of the compliance energy Ψ,
+/// the dissipation Σ ω (p − p_ν)\[r\] of a layer with damping, Σ ω p \[h\] of wear, the work Σ ω p \[g\] on a
 /// foundation that moves, and what is left, ψ = Σ ω p_ν \[r\] − \[Ψ\]. ψ ≥ 0 if p_ν is nondecreasing; with `softening`
 /// and `adhesion` it may be negative, and with an obstacle that is followed \[r\] is a difference in two frames. The
 /// identity tests only the sum of these terms.
@@ -32,6 +34,9 @@ pub struct Ledger {
     pub load_work: f64,
     /// Σ k m(θ, w).
     pub thermal_work: f64,
+    /// Work of moduli that change with the temperature: the energy that the body gains by it at a fixed strain.
+    #[serde(default)]
+    pub modulus_work: f64,
     /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ; negative only if ψ is.
     pub scheme_dissipation: f64,
     /// Σ k Σ ω p ḣ, what is lost with the material that wears off.

@@ -1,7 +1,7 @@
 //! The mechanical half-step (4.1).
 
 use super::foundation::frames;
-use super::system::{ACCEPTED, HalfStep, REFINE, Step, on_degrees, without_contact};
+use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Step, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
@@ -26,7 +26,8 @@ pub(super) struct Mechanics {
     pub residual: f64,
     pub scale: f64,
     pub load: Vec<f64>,
-    /// m(θ, ·) of the temperature that the half-step was made with.
+    /// The temperature that the half-step was made with, and m(θ, ·) of it.
+    pub theta: Vec<f64>,
     pub thermal: Vec<f64>,
     pub mass_w: Vec<f64>,
     pub a_u: Vec<f64>,
@@ -116,22 +117,27 @@ impl Mechanics {
     ///
     /// The step is solved for the increment over the velocity at hand, with the contact solved inside. Where the body
     /// is linear, that is it, and what the round-off of the sweeps leaves is met by another pass. Where a law is not
-    /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand.
+    /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand. Where laws are
+    /// linear and depend on the temperature, K_u is that of an earlier temperature as long as the passes converge fast.
     pub fn solve(
         step: &Step,
         half: &mut HalfStep,
         theta: &[f64],
         from: Option<&Mechanics>,
     ) -> Result<Mechanics, StepError> {
-        let is_linear = step.discrete.is_linear();
-        let Begun { mut now, load, given } = from.map_or_else(|| Begun::new(step), Begun::from);
+        let discrete = step.discrete;
+        let is_linear = discrete.is_linear();
+        let Begun { mut now, load, given } =
+            from.map_or_else(|| Begun::new(step, theta), |from| Begun::from(step, from, theta));
         let equation = Equation::new(step, load, given, theta)?;
         let (mut newton, mut passes) = (0, 0);
-        let mut previous = f64::INFINITY;
-        let mut is_stale = !is_linear;
+        let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
+        // K_u is a matrix of the temperature.
+        let softens = !is_linear && discrete.is_linear_at_each_temperature();
+        let mut is_stale = !is_linear && !softens;
         loop {
             if is_stale {
-                let tangent = step.discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w);
+                let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w, theta);
                 half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
             }
             let (w, multipliers, iterations) = equation.pass(half, &now)?;
@@ -144,13 +150,20 @@ impl Mechanics {
             let (residual, ratio) = (next.residual, next.residual / previous);
             let goes_on =
                 if is_linear { ratio < 0.5 } else { passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED) };
-            if residual <= REFINE || !goes_on {
+            let has_ended = if softens { Renewal::has_ended(residual, ratio) } else { residual <= REFINE };
+            if has_ended || !goes_on {
                 return equation.found(half, next, [newton, 2 * passes]);
             }
-            is_stale = !is_linear && ratio > SLOW;
+            is_stale = if softens { renewal.is_due(ratio) } else { !is_linear && ratio > SLOW };
             previous = residual;
             now = next.iterate;
         }
+    }
+
+    /// Factorizes K_u as it is at the solution.
+    pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
+        let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &self.theta);
+        half.system.replace(&Arc::new(tangent))
     }
 
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
@@ -189,14 +202,15 @@ impl Mechanics {
 struct Equation<'a> {
     step: &'a Step<'a>,
     load: Vec<f64>,
-    /// m(θ, ·).
+    /// The temperature of the body, and m(θ, ·).
+    theta: &'a [f64],
     thermal: Vec<f64>,
     given: Given,
 }
 
 impl<'a> Equation<'a> {
-    /// With the temperature `theta` in m and in the laws of contact.
-    fn new(step: &'a Step, load: Vec<f64>, mut given: Given, theta: &[f64]) -> Result<Equation<'a>, StepError> {
+    /// With the temperature `theta` in m and in the laws of the body and of contact.
+    fn new(step: &'a Step, load: Vec<f64>, mut given: Given, theta: &'a [f64]) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_at(theta);
         let foundation: Vec<f64> = given
             .frames
@@ -204,7 +218,7 @@ impl<'a> Equation<'a> {
             .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
             .collect();
         step.finite(&foundation, "the foundation")?;
-        Ok(Equation { step, load, thermal: step.discrete.m.apply(theta), given })
+        Ok(Equation { step, load, theta, thermal: step.discrete.thermal_force(theta), given })
     }
 
     /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
@@ -250,7 +264,7 @@ impl<'a> Equation<'a> {
     fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced, StepError> {
         let Step { discrete, products, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
-        let iterate = Iterate::new(self.step, w, multipliers);
+        let iterate = Iterate::new(self.step, w, multipliers, self.theta);
         let (force, contact_force) = contact_forces(self.step, &states);
         let mut rest: Vec<f64> =
             self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
@@ -299,10 +313,10 @@ impl<'a> Equation<'a> {
         end: Balanced,
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
-        let Equation { step, load, thermal, given } = self;
+        let Equation { step, load, theta, thermal, given } = self;
         let Balanced { iterate, states, residual, scale, driven, contact, force, support_work } = end;
         step.accept([residual, scale, driven, contact], "mechanics", || {
-            step.discrete.mechanical_round_off(&step.sizes(&iterate.w), &iterate.w)
+            step.discrete.mechanical_round_off(&step.sizes(&iterate.w), &iterate.w, theta)
         })?;
         let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
         let is_unique =
@@ -319,6 +333,7 @@ impl<'a> Equation<'a> {
             residual,
             scale,
             load,
+            theta: theta.to_vec(),
             thermal,
             mass_w,
             a_u,
@@ -359,8 +374,8 @@ struct Balanced {
 }
 
 impl Iterate {
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers) -> Iterate {
-        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w);
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, theta: &[f64]) -> Iterate {
+        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w, theta);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
 }
@@ -374,7 +389,7 @@ struct Begun {
 
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
-    fn new(step: &Step) -> Begun {
+    fn new(step: &Step, theta: &[f64]) -> Begun {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
@@ -394,16 +409,18 @@ impl Begun {
             let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
-            Iterate::new(step, w, multipliers)
+            Iterate::new(step, w, multipliers, theta)
         };
         Begun { now, load, given }
     }
-}
 
-impl From<&Mechanics> for Begun {
     /// At a solution of the same step.
-    fn from(m: &Mechanics) -> Begun {
+    fn from(step: &Step, m: &Mechanics, theta: &[f64]) -> Begun {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
+        if step.discrete.softens() {
+            let now = Iterate::new(step, w.clone(), multipliers.clone(), theta);
+            return Begun { now, load: load.clone(), given: given.clone() };
+        }
         let [w, mass_w, a_u, a_w, b_w, relaxing] = [w, mass_w, a_u, a_w, b_w, relaxing].map(Clone::clone);
         Begun {
             now: Iterate { w, multipliers: multipliers.clone(), mass_w, a_u, a_w, b_w, relaxing },

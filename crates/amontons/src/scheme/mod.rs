@@ -9,6 +9,7 @@ mod foundation;
 mod heat;
 mod ledger;
 mod mechanics;
+mod mixing;
 mod system;
 
 pub use crate::discretization::Discretization;
@@ -23,7 +24,7 @@ use std::sync::Arc;
 use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::{Backend, SolveError, TangentKey};
-use crate::problem::{Coupling, Faults, Problem};
+use crate::problem::{Coupling, Faults, Problem, Uncovered};
 use crate::tensor::Point;
 
 /// The state at a time t_n: what the next step starts from.
@@ -264,6 +265,19 @@ pub enum StepError {
         /// Where, m.
         at: Point,
     },
+    /// A table of a material does not cover a temperature of the step.
+    #[error(
+        "step {step} (t = {t:.6e}): the temperature is {:?} at ({}, {}, {}), but the table of {} covers the temperatures from {:?} to {:?} only",
+        .found.theta, .found.at[0], .found.at[1], .found.at[2], .found.key, .found.range[0], .found.range[1]
+    )]
+    Uncovered {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The table and the temperature.
+        found: Box<Uncovered>,
+    },
     /// A number is infinite or not a number.
     #[error("step {step} (t = {t:.6e}): {part} has values that are not finite: data overflow or are not defined there")]
     NotFinite {
@@ -352,4 +366,6 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     fn unknowns(&self) -> [usize; 3];
     /// How systems are solved: `iterative` if one of them is, else `direct`.
     fn backend(&self) -> &'static str;
+    /// Why: what either way was predicted to take, of the mechanical half-step where there is one.
+    fn backend_reason(&self) -> String;
 }

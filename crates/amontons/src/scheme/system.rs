@@ -183,6 +183,37 @@ impl Step<'_> {
     }
 }
 
+/// When a matrix that changes from pass to pass is factorized anew.
+///
+/// A factor costs as much as many passes with it, and the matrix changes little from step to step: it is kept as long
+/// as the residual falls fast. A new one may not help, as where a law bends: the passes between two of them double.
+#[derive(Default)]
+pub(super) struct Renewal {
+    passes: usize,
+    wait: usize,
+}
+
+/// Ratio of two residuals in turn above which the matrix is factorized anew.
+const SLOW: f64 = 0.1;
+
+impl Renewal {
+    /// Whether an iteration whose matrix is not that of the iterate is at the round-off of the residual: the sums of
+    /// the audit take every entry of it, and an iterate is not accepted because it happens to be near.
+    pub fn has_ended(residual: f64, ratio: f64) -> bool {
+        residual <= f64::EPSILON || (residual <= REFINE && ratio > 0.25) || (residual <= ACCEPTED && ratio > 0.5)
+    }
+
+    /// Whether a pass that multiplied the residual by `ratio` is reason for a new factor.
+    pub fn is_due(&mut self, ratio: f64) -> bool {
+        self.passes += 1;
+        if ratio <= SLOW || self.passes <= self.wait {
+            return false;
+        }
+        (self.passes, self.wait) = (0, (2 * self.wait).max(1));
+        true
+    }
+}
+
 /// Products of a state with the forms, which one step computes and the next one needs.
 #[derive(Debug)]
 pub(super) struct Products {
@@ -201,8 +232,8 @@ pub(super) struct Products {
 impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
-        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w);
-        let (mass_theta, d_theta) = (discrete.storage().1.apply(&state.theta), discrete.apply_d(&state.theta));
+        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &state.theta);
+        let (mass_theta, d_theta) = (discrete.stored_heat(&state.theta), discrete.apply_d(&state.theta));
         Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
 }

@@ -136,6 +136,32 @@ fn graded(name: &'static str, case: Case) -> Case {
     Case { name, template, ..case }
 }
 
+/// A case with coefficients of the body that depend on the temperature, and some of them on space too.
+fn thermal(name: &'static str, case: Case) -> Case {
+    let table = |unit: &str, values: &str, more: &str| {
+        format!("{{ temperature = <K|-20, 40>, value = <{unit}|{values}>{more} }}")
+    };
+    let space = ", factor = <1|1 + 0.2*X>";
+    let changes = [
+        ("heat_capacity = <J/m3K|1>", format!("heat_capacity = {}", table("J/m3K", "0.5, 2", ""))),
+        ("young = <Pa|20>", format!("young = {}", table("Pa", "30, 10", space))),
+        ("second = <Pas|0.5>", format!("second = {}", table("Pas", "0.7, 0.3", ""))),
+    ];
+    let mut template = case.template;
+    for (old, new) in changes {
+        assert_eq!(template.matches(old).count(), 1, "{name}: {old}");
+        template = template.replace(old, &new);
+    }
+    for (key, new) in
+        [("expansion", table("Pa/K", "0.5, 1.5", space)), ("conductivity", table("W/mK", "0.4, 2", space))]
+    {
+        let (before, rest) = template.split_once(&format!("{key} = <")).expect("the key");
+        let (_, after) = rest.split_once('>').expect("the end of a token");
+        template = format!("{before}{key} = {new}{after}");
+    }
+    Case { name, template, ..case }
+}
+
 pub fn all() -> Vec<Case> {
     let laws = "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
                 heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n";
@@ -151,6 +177,8 @@ pub fn all() -> Vec<Case> {
     all.push(graded("coefficients in space, P1 in the plane", plane("", Elements::P1, STRAIN, laws)));
     all.push(graded("coefficients in space, Q2 in the plane", plane("", Elements::Q2, SHEET, laws)));
     all.push(graded("coefficients in space, P1", space("", Elements::P1, [3, 2, 2], laws)));
+    all.push(thermal("coefficients of the temperature, P1 in the plane", plane("", Elements::P1, STRAIN, laws)));
+    all.push(thermal("coefficients of the temperature, P1", space("", Elements::P1, [3, 2, 2], laws)));
     all
 }
 

@@ -42,13 +42,13 @@ impl Default for Datum {
 /// A coefficient of the body or of a law that is the same at all times.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
-#[schemars(title = "a number, an expression in x, y, z or data of a mesh file")]
+#[schemars(title = "a number, an expression in x, y, z, data of a mesh file or a table over the temperature")]
 pub(in crate::case) enum Coefficient {
     /// The same value everywhere.
     Number(f64),
     /// An expression in x, y, z, such as "1 + x".
     Expression(String),
-    /// Values of the cells or nodes of a mesh file.
+    /// Values of the cells or nodes of a mesh file, or at temperatures.
     Table(Box<TableData>),
 }
 
@@ -102,11 +102,12 @@ impl Component {
     }
 }
 
-/// Values at times, linear between them: those of a file, or `times` and `values`; or values in space, the `data` of a
-/// mesh file.
+/// Values at times, linear between them: those of a file, or `times` and `values`; values in space, the `data` of a
+/// mesh file; or values of a coefficient of a material at temperatures.
 #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct TableData {
+    // First, because a matrix is read as the fields of this one in their order, which a text refuses.
     /// Name of data of the cells or the nodes of a mesh file, instead of a table in time: VTU data, or `$ElementData`
     /// and `$NodeData` of Gmsh.
     ///
@@ -131,6 +132,15 @@ pub(in crate::case) struct TableData {
     /// Values, one per time, instead of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub values: Option<Vec<f64>>,
+    /// Temperatures in K in increasing order, with `value`.
+    ///
+    /// For a coefficient of a material that depends on the temperature; `factor` may vary in space. Values are linear
+    /// between the temperatures. A step with a temperature that the table does not cover ends the run.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub temperature: Option<Vec<f64>>,
+    /// Values of the coefficient, one per temperature.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub value: Option<Vec<f64>>,
     /// Factor of the values.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub factor: Option<Scalar>,

@@ -45,6 +45,9 @@ pub(in crate::case) struct Material {
     /// product with the three-dimensional elasticity is taken first and then reduced to plane stress or plane strain.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub expansion_coefficient: Option<Expansion>,
+    /// What tables over the temperature in `expansion` and `expansion_coefficient` hold; default: secant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expansion_kind: Option<ExpansionKind>,
     /// Tensor 𝓡 of (2.4), heat per strain, in W/m³, 0 if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coupling: Option<Tensor>,
@@ -91,6 +94,16 @@ pub(in crate::case) enum Expansion {
     Isotropic(Coefficient),
     /// α₁, α₂, α₃ along the axes of the material.
     Orthotropic([Coefficient; 3]),
+}
+
+/// What a table of thermal expansion over the temperature holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum ExpansionKind {
+    /// The mean coefficient from 0 to θ: the thermal strain is α(θ) θ.
+    Secant,
+    /// The coefficient at θ: the thermal strain is ∫ α from 0 to θ.
+    Tangent,
 }
 
 /// Law of elasticity.

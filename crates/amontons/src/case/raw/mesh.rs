@@ -114,6 +114,10 @@ pub(in crate::case) enum Mesh {
         /// Whether the mesh is the half section of a body of revolution, x being the distance from the axis.
         #[serde(default)]
         axisymmetric: bool,
+        /// Uniform refinements: each cuts every edge of the mesh in two.
+        #[serde(default)]
+        #[schemars(range(max = 8))]
+        refine: u32,
     },
 }
 

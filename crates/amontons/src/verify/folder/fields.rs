@@ -149,17 +149,18 @@ impl Fields {
             let (rho, inertia) = discretization.inertia();
             let kinetic = 0.5 * rho * dot(&state.w, &inertia.apply(&state.w));
             note(columns::KINETIC.name, kinetic, kinetic.abs());
-            let elastic = discretization.stored_energy(&state.u).filter(|_| discretization.branches.is_empty());
+            let elastic =
+                discretization.stored_energy(&state.u, &state.theta).filter(|_| discretization.branches.is_empty());
             if let Some(elastic) = elastic {
                 // A body that is moved as a whole has terms that cancel.
-                let sizes = discretization.a.magnitude(&state.u);
+                let sizes = discretization.elastic_sizes(&state.u, &state.theta);
                 let size = 0.5 * state.u.iter().zip(sizes).map(|(u, size)| u.abs() * size).sum::<f64>();
                 note(columns::ELASTIC.name, elastic, size);
             }
         }
         if problem.physics.has_heat() {
             let (c, storage) = discretization.storage();
-            let content = c * storage.apply(&state.theta).iter().sum::<f64>();
+            let content = c * discretization.stored_heat(&state.theta).iter().sum::<f64>();
             let size = c * storage.magnitude(&state.theta).iter().sum::<f64>();
             note(columns::HEAT_CONTENT.name, content, size);
         }

@@ -73,10 +73,12 @@ pub(super) fn audit(history: &Table) -> Audit {
         columns::SCHEME_DISSIPATION.name,
     ];
     let minus = [columns::LOAD_WORK.name, columns::THERMAL_WORK.name, columns::CLOSING_ERROR.name];
+    // Older results do not have it.
+    let moduli = Some(columns::MODULUS_WORK.name).filter(|name| history.value(0, name).is_some());
     let terms: Vec<(f64, Vec<f64>)> = plus
         .iter()
         .map(|name| (1.0, history.column(name)))
-        .chain(minus.iter().map(|name| (-1.0, history.column(name))))
+        .chain(minus.iter().chain(&moduli).map(|name| (-1.0, history.column(name))))
         .collect();
     let sum = |row: usize| terms.iter().map(|(sign, values)| sign * values[row]).sum::<f64>();
     let rows = history.rows.len();
