@@ -15,7 +15,7 @@ use super::{
 };
 use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
-use crate::linalg::{Backend, SolveError, System, dot};
+use crate::linalg::{Backend, Decided, SolveError, System, dot};
 use crate::problem::Problem;
 use crate::tensor;
 
@@ -484,10 +484,17 @@ impl Scheme for BackwardEuler {
     fn kept(&self) -> Kept {
         let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
         let halves = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::halves);
+        let of = |half: &Option<HalfStep>, components: usize| {
+            let choice = half.as_ref()?.system.choice()?;
+            Some(Decided { components, direct: choice.is_direct(), why: choice.why.clone() })
+        };
+        let Systems { mechanics, heat, .. } = &self.systems;
+        let solvers = [of(mechanics, self.discrete.mesh.dim), of(heat, 1)].into_iter().flatten().collect();
         Kept {
             halvings: self.halved.len(),
             temperatures: halves.map(|half| half.at.clone()).collect(),
             tangents: all.map(|system| system.condensed().kept()).collect(),
+            solvers,
         }
     }
 
