@@ -12,6 +12,7 @@ mod locator;
 mod read;
 mod round;
 mod sites;
+mod skin;
 mod topology;
 pub mod vtu;
 
