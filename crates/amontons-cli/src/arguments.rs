@@ -32,6 +32,12 @@ pub enum Command {
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
+        /// Make one run per value, each in its own folder, with one table and one picture; repeatable: all combinations
+        #[arg(long, value_name = "KEY=VALUE,VALUE,…")]
+        each: Vec<String>,
+        /// Runs of `--each` at a time, which share the threads
+        #[arg(long, value_name = "N", default_value = "1", requires = "each")]
+        jobs: NonZeroUsize,
         #[command(flatten)]
         common: Common,
     },
@@ -104,6 +110,17 @@ pub enum Command {
         reference: usize,
         #[command(flatten)]
         common: Common,
+    },
+    /// Show what a mesh file has: regions, sides, sizes, the quality of its cells
+    Mesh {
+        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK)
+        file: PathBuf,
+        /// Factor of the coordinates: 0.001 if the file is in mm
+        #[arg(long, value_name = "F", default_value_t = 1.0)]
+        scale: f64,
+        /// Form of what is printed on standard output
+        #[arg(long, value_enum, default_value_t = Format::Text)]
+        format: Format,
     },
     /// Print the JSON Schema of the case file
     Schema,
@@ -210,7 +227,10 @@ impl Common {
 impl Command {
     /// In what form messages are printed.
     pub fn format(&self) -> Format {
-        self.common().map_or(Format::Text, |common| common.format)
+        match self {
+            Command::Mesh { format, .. } => *format,
+            _ => self.common().map_or(Format::Text, |common| common.format),
+        }
     }
 
     /// Number of threads that is asked for.
@@ -227,7 +247,11 @@ impl Command {
             | Command::Converge { common, .. }
             | Command::Verify { common, .. }
             | Command::Reproduce { common, .. } => Some(common),
-            Command::Plot { .. } | Command::Schema | Command::New { .. } | Command::Completions { .. } => None,
+            Command::Plot { .. }
+            | Command::Mesh { .. }
+            | Command::Schema
+            | Command::New { .. }
+            | Command::Completions { .. } => None,
         }
     }
 }

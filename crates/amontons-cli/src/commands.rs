@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
-use amontons::model::Model;
+use amontons::mesh;
+use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, OutputError, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
@@ -18,12 +19,17 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, reproduce, verify};
+use crate::{constants, converge, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, no_certificate, common } => start(&case, plot, no_certificate, &common),
+        Command::Run { case, plot, no_certificate, each, jobs, common } if !each.is_empty() => {
+            let request =
+                sweep::Request { each: &each, jobs: jobs.get(), pictures: plot, certificate: !no_certificate };
+            sweep::execute(&case, &request, &common)
+        }
+        Command::Run { case, plot, no_certificate, common, .. } => start(&case, plot, no_certificate, &common),
         Command::Resume { dir, plot, no_certificate, common } => resume(&dir, plot, no_certificate, &common),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
@@ -34,6 +40,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         ),
         Command::Verify { names, common } => verify::execute(&names, &common),
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
+        Command::Mesh { file, scale, format } => show_mesh(&file, scale, format),
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::New { file } => new(&file),
         Command::Completions { shell } => {
@@ -42,6 +49,23 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             Ok(print::text(&String::from_utf8_lossy(&script))?)
         }
     }
+}
+
+/// Prints what a mesh file has; a defect of its cells or sides is a check that does not hold.
+fn show_mesh(file: &Path, scale: f64, format: Format) -> Result<(), Failure> {
+    if !(scale.is_finite() && scale > 0.0) {
+        return Err(Failure::Usage(format!("--scale: found {scale}, expected a positive number")));
+    }
+    let read = mesh::read_all(file)?;
+    let model = MeshModel::new(&read.mesh.scaled(scale));
+    let table = serde_json::json!({ "mesh": model, "skipped": read.skipped });
+    if format == Format::Text {
+        print::text(&crate::model::mesh(&file.display().to_string(), &model, &read.skipped))?;
+    }
+    if !model.defects.is_empty() {
+        return Err(Failure::Verification { message: model.defects.join("\n"), table });
+    }
+    if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
 }
 
 /// Draws the contents of a folder and prints the paths of the pictures.

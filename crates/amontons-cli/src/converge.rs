@@ -13,6 +13,7 @@ use crate::arguments::{Common, Format, StudyArguments};
 use crate::print;
 use crate::progress::Progress;
 use crate::status::Failure;
+use crate::variants::variants;
 
 /// Makes the studies that the arguments ask for and prints their tables.
 pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Result<(), Failure> {
@@ -23,9 +24,9 @@ pub fn execute(file: &Path, arguments: &StudyArguments, common: &Common) -> Resu
     let flag = progress.interrupt_flag();
     let mut tables = Vec::new();
     let variants = variants(&arguments.each)?;
-    for (number, (folder, values)) in variants.iter().enumerate() {
-        let mut overrides = common.set.clone();
-        overrides.extend(values.clone());
+    for (number, variant) in variants.iter().enumerate() {
+        let (folder, values) = (&variant.folder, variant.overrides());
+        let overrides: Vec<String> = common.set.iter().cloned().chain(values.clone()).collect();
         let out = if folder.is_empty() { out.clone() } else { out.join(folder) };
         let part = format!("study {} of {}", number + 1, variants.len());
         let running = Running { part: &part, progress: &progress, interrupt: &flag };
@@ -62,31 +63,6 @@ impl From<crate::arguments::VaryArgument> for Vary {
             crate::arguments::VaryArgument::Time => Vary::Time,
         }
     }
-}
-
-/// Folder and overrides of each study: one for each combination of the values of `--each`.
-fn variants(each: &[String]) -> Result<Vec<(String, Vec<String>)>, Failure> {
-    let mut variants = vec![(String::new(), Vec::new())];
-    for argument in each {
-        let Some((key, values)) =
-            argument.split_once('=').filter(|(key, values)| !key.is_empty() && !values.is_empty())
-        else {
-            return Err(Failure::Usage(format!("--each {argument}: expected KEY=VALUE,VALUE,…")));
-        };
-        let short = key.rsplit('.').next().unwrap_or(key);
-        variants = variants
-            .iter()
-            .flat_map(|(folder, set)| {
-                values.split(',').map(move |value| {
-                    let part = format!("{short}={value}");
-                    let folder = if folder.is_empty() { part } else { format!("{folder},{part}") };
-                    let set: Vec<String> = set.iter().cloned().chain([format!("{key}={value}")]).collect();
-                    (folder, set)
-                })
-            })
-            .collect();
-    }
-    Ok(variants)
 }
 
 /// How a study is reported and interrupted.

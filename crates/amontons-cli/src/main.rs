@@ -11,7 +11,9 @@ mod progress;
 mod reproduce;
 mod signals;
 mod status;
+mod sweep;
 mod threads;
+mod variants;
 mod verify;
 mod voices;
 

@@ -1,6 +1,7 @@
 //! The size of a model for reading.
 
-use amontons::model::Model;
+use amontons::mesh::Skipped;
+use amontons::model::{Cost, MeshModel, Model, Size};
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
@@ -48,18 +49,61 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
             &format!("√(k K/c) = {step} in a step, {end} in the run, cell {cell} high on \"{}\"", layer.side),
         )
     }));
-    if let Some(cost) = &model.cost {
-        rows.push(row("unknowns", &unknowns(cost.unknowns, mechanics, heat)));
+    rows.extend(cost(&model.cost, mechanics, heat));
+    rows
+}
+
+/// Unknowns, how systems are solved, and the work and memory of that.
+fn cost(cost: &Cost, mechanics: bool, heat: bool) -> Vec<String> {
+    let mut rows = vec![row("unknowns", &unknowns(cost.unknowns, mechanics, heat))];
+    let way = if cost.solver.is_direct() { "by a factor" } else { "by an iteration without a factor" };
+    rows.push(row("linear systems", &format!("{way}: {}", cost.solver.why)));
+    if cost.solver.is_direct() {
         let [by_u, by_theta] = cost.factors;
         let numbers = if mechanics && heat { format!("{by_u} + {by_theta}") } else { (by_u + by_theta).to_string() };
         rows.push(row(
             "factors",
             &format!("{numbers} numbers, {} operations to compute them", short(cost.factorization_flops)),
         ));
-        let step = format!("{} operations, reads {}", short(cost.step_flops), bytes(cost.step_bytes));
-        rows.push(row("per step", &format!("{step}; {} memory for factors and forms", bytes(cost.memory_bytes))));
     }
+    let step = format!("{} operations, reads {}", short(cost.step_flops), bytes(cost.step_bytes));
+    rows.push(row("per step", &format!("{step}; {} memory for matrices and forms", bytes(cost.memory_bytes))));
     rows
+}
+
+/// What a mesh file has, for reading.
+pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
+    let kind = match (model.dimension, model.axisymmetric) {
+        (1, _) => "a body on a line",
+        (2, true) => "the half section of a body of revolution",
+        (2, false) => "a plane body",
+        _ => "a body in space",
+    };
+    let parts = if model.parts == 1 { String::new() } else { format!(" in {} parts", model.parts) };
+    let mut rows = vec![format!("{name}: {kind}{parts}, {} nodes", model.nodes)];
+    rows.extend(model.cells.iter().map(|(element, count)| row("cells", &format!("{count} {element}"))));
+    let [low, high] = &model.bounds;
+    let extents: Vec<String> = low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect();
+    rows.push(row("bounding box", &extents.join(" × ")));
+    let sizes = |what: &str, parts: &str, measure: &str, of: &Size| {
+        row(&format!("{what} \"{}\"", of.name), &format!("{} {parts}, {measure} {:.5e}", of.count, of.measure))
+    };
+    rows.extend(model.regions.iter().map(|region| sizes("region", "cells", "volume", region)));
+    rows.extend(model.sides.iter().map(|side| sizes("side", "facets", "area", side)));
+    if model.unnamed_facets > 0 {
+        rows.push(row("in no side", &format!("{} facets of the boundary", model.unnamed_facets)));
+    }
+    let (quality, at) = model.quality;
+    let at: Vec<String> = at[..model.dimension.min(3)].iter().map(|x| format!("{x:.5e}")).collect();
+    rows.push(row(
+        "quality",
+        &format!("the worst cell, about ({}), has {quality:.4} (1: regular, 0: flat)", at.join(", ")),
+    ));
+    rows.extend(skipped.iter().map(|skipped| {
+        let times = if skipped.count == 1 { String::new() } else { format!(", {} of them", skipped.count) };
+        row("skipped", &format!("{} (line {}{times})", skipped.what, skipped.line))
+    }));
+    rows.join("\n") + "\n"
 }
 
 /// Time scales beside the step.

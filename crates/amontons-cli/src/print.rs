@@ -67,7 +67,7 @@ pub fn summary(summary: &Summary, folder: &Path) -> String {
         ),
         row("time", &phases(seconds)),
     ];
-    lines.extend(systems(&summary.solver));
+    lines.push(systems(&summary.solver));
     for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
         lines.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
     }
@@ -109,10 +109,13 @@ fn phases(seconds: &Seconds) -> String {
     )
 }
 
-/// A line on linear systems that were not solved by a factor.
-fn systems(solver: &Solver) -> Option<String> {
-    let text = || format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations);
-    (solver.backend == "iterative").then(|| row("linear systems", &text()))
+/// A line on how linear systems were solved.
+fn systems(solver: &Solver) -> String {
+    let way = match solver.backend.as_str() {
+        "iterative" => format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations),
+        _ => "by a factor".to_owned(),
+    };
+    row("linear systems", &format!("{way}: {}", solver.backend_reason))
 }
 
 /// A line on halved and ambiguous steps, if there are any.

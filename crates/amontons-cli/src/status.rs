@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use amontons::case::{CaseError, StudyRequestError};
 use amontons::convergence::StudyError;
 use amontons::linalg::SolveError;
+use amontons::mesh::MeshFileError;
 use amontons::output::{CheckpointError, OutputError, Summary};
 use amontons::plot::PlotError;
 use amontons::run::RunError;
@@ -41,6 +42,8 @@ pub enum Failure {
         message: String,
         table: Value,
     },
+    /// A mesh file that cannot be read.
+    Mesh(MeshFileError),
     /// Constants of the domain that cannot be computed.
     Constants(SolveError),
     /// A picture that cannot be drawn.
@@ -79,6 +82,12 @@ impl From<VerifyError> for Failure {
     }
 }
 
+impl From<MeshFileError> for Failure {
+    fn from(error: MeshFileError) -> Failure {
+        Failure::Mesh(error)
+    }
+}
+
 impl From<SolveError> for Failure {
     fn from(error: SolveError) -> Failure {
         Failure::Constants(error)
@@ -114,6 +123,7 @@ type Class = (&'static str, u8);
 const CHECK: Class = ("check", 1);
 const USAGE: Class = ("usage", 2);
 const CASE: Class = ("case", 2);
+const MESH: Class = ("mesh", 2);
 const SOLVER: Class = ("solver", 3);
 const FILE: Class = ("file", 4);
 const INTERRUPTED: Class = ("interrupted", 130);
@@ -124,6 +134,8 @@ impl Failure {
             Failure::Case(CaseError::Faults { .. }) => CASE,
             Failure::Exists(_) | Failure::Request(_) | Failure::Usage(_) => USAGE,
             Failure::Verification { .. } => CHECK,
+            Failure::Mesh(error) if error.is_unreadable() => FILE,
+            Failure::Mesh(_) => MESH,
             Failure::Constants(_) => SOLVER,
             Failure::Plot(_) => FILE,
             Failure::Study { error, .. } => match error {
@@ -138,6 +150,7 @@ impl Failure {
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_) | SetupError::Data(_)) => CASE,
+                RunError::Setup(SetupError::Factor { source: SolveError::Interrupted, .. }) => INTERRUPTED,
                 RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
                 RunError::Interrupted(_) => INTERRUPTED,
                 RunError::Output(error) => of_output(error),
@@ -162,6 +175,7 @@ impl Failure {
             Failure::Request(message) | Failure::Usage(message) | Failure::Verification { message, .. } => {
                 message.clone()
             }
+            Failure::Mesh(error) => error.to_string(),
             Failure::Constants(error) => format!("the constants of the domain: {error}"),
             Failure::Plot(error) => error.to_string(),
             Failure::Exists(path) => format!("{} already exists; give another name", path.display()),

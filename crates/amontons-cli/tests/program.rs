@@ -4,6 +4,7 @@
 mod common;
 
 use std::fs;
+use std::path::Path;
 
 use common::{amontons, assert_code, json, lasting, output, paper, read, run_paper, stderr, stdout, summary};
 use tempfile::tempdir;
@@ -135,6 +136,59 @@ fn the_schema_is_json_and_names_the_tables() {
     for table in ["mesh", "time", "material", "contact", "output"] {
         assert!(schema["properties"][table].is_object(), "{table}");
     }
+}
+
+/// Two squares of an input file in mm, one of them a region of its own: sizes in m, and what was skipped.
+#[test]
+fn a_mesh_file_is_shown_with_its_sides_and_regions() {
+    let folder = tempdir().expect("a folder");
+    let deck = "*NODE\n1,0,0\n2,10,0\n3,20,0\n4,0,10\n5,10,10\n6,20,10\n*ELEMENT, TYPE=CPS4, ELSET=pad\n1,1,2,5,4\n\
+        *ELEMENT, TYPE=CPS4, ELSET=plate\n2,2,3,6,5\n*SURFACE, NAME=foot\npad, S1\nplate, S1\n*BOUNDARY\nfoot,1\n";
+    fs::write(folder.path().join("pad.inp"), deck).expect("a file");
+    let printed = output(amontons(&["mesh", "pad.inp", "--scale", "1e-3"]).current_dir(&folder));
+    assert_code(&printed, 0);
+    for line in [
+        "pad.inp: a plane body, 6 nodes",
+        "  cells             2 Q1 quadrilateral",
+        "  region \"pad\"      1 cells, volume 1.00000e-4",
+        "  side \"foot\"       2 facets, area 2.00000e-2",
+        "  in no side        4 facets of the boundary",
+        "has 1.0000 (1: regular, 0: flat)",
+        "  skipped           *BOUNDARY (line 15)",
+    ] {
+        assert!(stdout(&printed).contains(line), "{line}\n{}", stdout(&printed));
+    }
+    let printed = output(amontons(&["mesh", "pad.inp", "--format", "json"]).current_dir(&folder));
+    assert_code(&printed, 0);
+    let length = json(&printed)["mesh"]["sides"][0]["measure"].as_f64().expect("a number");
+    assert!((length - 20.0).abs() < 1e-13, "{length}");
+    // A cell that crosses itself is a check that does not hold.
+    fs::write(folder.path().join("turned.inp"), deck.replace("1,1,2,5,4", "1,1,2,4,5")).expect("a file");
+    let printed = output(amontons(&["mesh", "turned.inp"]).current_dir(&folder));
+    assert_code(&printed, 1);
+    assert!(stderr(&printed).contains("cell 0") && stderr(&printed).contains("inverted"), "{}", stderr(&printed));
+    assert_code(&output(amontons(&["mesh", "none.inp"]).current_dir(&folder)), 4);
+    assert_code(&output(amontons(&["mesh", "pad.stl"]).current_dir(&folder)), 2);
+    assert_code(&output(amontons(&["mesh", "pad.inp", "--scale", "-1"]).current_dir(&folder)), 2);
+}
+
+/// A case on the mesh of an input file runs, and its results are those on the same mesh of Gmsh.
+#[test]
+fn a_case_runs_on_an_input_file() {
+    let meshes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../amontons/tests/meshes");
+    let folder = tempdir().expect("a folder");
+    let temperatures = ["quarter_ring_meshio.inp", "quarter_ring.msh"].map(|mesh| {
+        fs::copy(meshes.join(mesh), folder.path().join(mesh)).expect("a mesh");
+        let case = format!(
+            "name = \"{mesh}\"\n[mesh]\nfile = \"{mesh}\"\n[time]\nend = 1\nsteps = 2\n[material]\nheat_capacity = 1\nconductivity = 1\n\
+             [[boundary]]\non = \"inner\"\ntemperature = 1\n[[boundary]]\non = \"outer\"\nheat_inflow = \"x\"\n"
+        );
+        fs::write(folder.path().join("ring.toml"), case).expect("a case");
+        let printed = output(amontons(&["run", "ring.toml", "--quiet"]).current_dir(&folder));
+        assert_code(&printed, 0);
+        summary(&folder.path().join("results").join(mesh))["final"]["temperature_max"].as_f64().expect("a number")
+    });
+    assert!((temperatures[0] - temperatures[1]).abs() <= 1e-13 * temperatures[1], "{temperatures:?}");
 }
 
 #[test]

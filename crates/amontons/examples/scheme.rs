@@ -66,6 +66,9 @@ impl Scheme for Substeps {
     fn backend(&self) -> &'static str {
         self.0.backend()
     }
+    fn backend_reason(&self) -> String {
+        self.0.backend_reason()
+    }
 }
 
 /// The states of a rod of 1 m that falls with 1 m/s on a foundation with 4e6 Pa/m.

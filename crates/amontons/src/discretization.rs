@@ -58,7 +58,7 @@ pub struct Discretization {
     /// q_h(t).
     pub q_h: forms::Load,
     /// Γ_C; without nodes where there is no contact.
-    pub boundary: ContactBoundary,
+    pub boundary: Arc<ContactBoundary>,
 }
 
 /// All branches of the body with one relaxation time τ. Where the springs have the strain ε(z), their stress is 𝓖ε(z),
@@ -171,7 +171,7 @@ impl Discretization {
                     })
                     .collect()
             };
-        let boundary = problem.contact_boundary();
+        let boundary = Arc::new(problem.contact_boundary());
         Discretization {
             mass: forms::inner_h(&mesh, &graph),
             density: Weight::new(&mesh, &graph, &each(|m| &m.density)),

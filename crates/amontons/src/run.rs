@@ -11,7 +11,7 @@ use std::time::Instant;
 use rayon::ThreadPool;
 
 use crate::hypotheses::{self, Finding};
-use crate::linalg::{Backend, BlockMatrix, Factor, Layout, SolveError, Unknowns};
+use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
 use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
 };
@@ -250,6 +250,7 @@ fn outcome(failed: Option<&StepError>, made: usize, steps: usize) -> Outcome {
 /// The summary of a run, which is unsound where its figures cannot be trusted.
 fn sound(mut summary: Summary, scheme: &dyn Scheme) -> Summary {
     scheme.backend().clone_into(&mut summary.solver.backend);
+    summary.solver.backend_reason = scheme.backend_reason();
     if summary.outcome == Outcome::Done
         && let Some(why) = summary.unsound()
     {
@@ -367,6 +368,9 @@ impl Timed {
 impl Backend for Timed {
     fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         self.backend.order(matrix, layout)
+    }
+    fn choice(&self, estimate: &Estimate) -> Choice {
+        self.backend.choice(estimate)
     }
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         self.backend.is_positive_definite(matrix, layout)

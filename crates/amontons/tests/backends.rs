@@ -215,3 +215,51 @@ fn hard_bodies_take_few_iterations() {
         assert!(system.iterations() <= most, "{name}: {} iterations", system.iterations());
     }
 }
+
+/// A body pressed onto a curved foundation and dragged over it, with friction at Gauss points, more of which act than
+/// the side has nodes.
+const AT_GAUSS_POINTS: &str = r#"
+name = "gauss"
+[mesh]
+kind = "box"
+size = [1.0, 1.0, 1.0]
+n = 8
+[time]
+end = 0.25
+steps = 4
+[material]
+density = 1.0
+elasticity = { law = "isotropic", young = 2.0, poisson = 0.3 }
+[load]
+body_force = [0.3, -1.0, 0.0]
+[[boundary]]
+on = "top"
+displacement = ["0.02*t*x", "-0.05*t", 0]
+[contact]
+on = "bottom"
+gap = "0.01*x*x"
+quadrature = "gauss"
+normal = { law = "compliance", stiffness = 1e4 }
+friction = { law = "coulomb", coefficient = 0.2 }
+"#;
+
+/// Contact that couples nodes takes as few iterations as contact at nodes: some 370 in four steps, 30 000 where each
+/// node is solved by itself. Results are those of a factor.
+#[test]
+fn contact_at_gauss_points_takes_few_iterations() {
+    for stiffness in ["1e4", "1e7"] {
+        let set = [format!("contact.normal.stiffness={stiffness}")];
+        let problem = case::parse(&Source::new("gauss.toml", AT_GAUSS_POINTS), &set).expect("a valid case").problem;
+        let (direct, iterative) =
+            (state(&problem, Arc::new(Supernodal)), state(&problem, Arc::new(Multigrid::default())));
+        let scale = direct.u.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let difference = direct.u.iter().zip(&iterative.u).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        println!(
+            "{stiffness}: {} iterations, u differs by {:.1e}",
+            iterative.counts.krylov_iterations,
+            difference / scale
+        );
+        assert!(difference <= 1e-8 * scale, "{stiffness}: {:.1e}", difference / scale);
+        assert!(iterative.counts.krylov_iterations <= 600, "{} iterations", iterative.counts.krylov_iterations);
+    }
+}

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::effusivity::Effusivities;
 use super::files::{Files, Loader};
 use super::nearest::nearest;
 use super::path::{Doubtful, Path, Segment};
@@ -13,7 +14,7 @@ use super::schema::Limits;
 use super::verify::{Expected, Verify};
 use crate::convergence::Exact;
 use crate::field::Field;
-use crate::linalg::{Automatic, Backend, Multigrid, Supernodal};
+use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
@@ -34,6 +35,12 @@ pub(super) fn problem(
     notes: Notes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
+    // The iteration does not know of pairs.
+    let has_pairs = raw.contact.iter().flat_map(raw::Contacts::each).any(|(_, contact)| contact.with.is_some());
+    let solver = match raw.solver.solver {
+        raw::Backend::Auto if has_pairs => raw::Backend::Direct,
+        solver => solver,
+    };
     let mut build = Build {
         findings: Vec::new(),
         doubtful: notes.doubtful,
@@ -43,7 +50,7 @@ pub(super) fn problem(
         is_sound: notes.doubtful.is_empty(),
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
-        solver: raw.solver.solver,
+        solver,
         end: raw.time.end,
         steps: raw.time.steps,
         has_other_end,
@@ -56,8 +63,10 @@ pub(super) fn problem(
     build.dim = mesh.dim;
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
+    let bodies = materials.clone();
+    let effusivities = Effusivities::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
-    let data = ProblemData {
+    let mut data = ProblemData {
         name: raw.name,
         system: system(raw.units),
         end: raw.time.end,
@@ -72,13 +81,14 @@ pub(super) fn problem(
             .contact
             .map_or_else(Vec::new, raw::Contacts::all)
             .into_iter()
-            .map(|(path, c)| build.contact(&path, c, &mesh))
+            .map(|(path, c)| build.contact(&path, c, &mesh, &effusivities))
             .collect(),
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
-        backend: backend(raw.solver.solver),
+        backend: Arc::new(Supernodal),
     };
+    data.backend = backend(solver, &data);
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));
@@ -102,12 +112,20 @@ fn dilatation(raw: raw::Dilatation) -> Dilatation {
     }
 }
 
-fn backend(raw: raw::Backend) -> Arc<dyn Backend> {
+fn backend(raw: raw::Backend, problem: &ProblemData) -> Arc<dyn Backend> {
     match raw {
-        raw::Backend::Auto => Arc::new(Automatic::default()),
+        raw::Backend::Auto => Arc::new(Automatic::for_work(workload(problem))),
         raw::Backend::Direct => Arc::new(Supernodal),
         raw::Backend::Iterative => Arc::new(Multigrid::default()),
     }
+}
+
+/// Linear laws have one matrix; others have a tangent in each step, and a few where Newton's method over the body is
+/// slow.
+fn workload(problem: &ProblemData) -> Workload {
+    let steps = problem.steps as f64;
+    let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
+    Workload { factorizations: if is_linear { 1.0 } else { 3.0 * steps }, steps }
 }
 
 fn coupling(raw: raw::Coupling) -> Coupling {

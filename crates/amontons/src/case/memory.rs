@@ -1,7 +1,6 @@
 //! What a run needs of memory, estimated before anything of it is built.
 
 use super::raw;
-use crate::linalg::Automatic;
 
 /// Unknowns and memory of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,16 +37,16 @@ impl Demand {
         Demand { nodes, unknowns: (components + 1.0) * nodes, bytes }
     }
 
-    /// The same where systems are solved by an iteration, if they are: 12.8 kB per node, measured on cubes of
-    /// tetrahedra of 36 thousand nodes, and a fourth more to be on the safe side.
+    /// The same as systems are solved: by an iteration 12.8 kB per node, measured on cubes of tetrahedra of 36 thousand
+    /// nodes, and a fourth more to be on the safe side. A choice that is left to the program fits if either way does.
     pub fn solved_by(self, solver: raw::Backend) -> Demand {
-        let displacement = self.unknowns - self.nodes;
-        let is_iterative = match solver {
-            raw::Backend::Auto => displacement > 2.5 * self.nodes && Automatic::takes_an_iteration(displacement),
-            raw::Backend::Direct => false,
-            raw::Backend::Iterative => true,
+        let iterative = 1.6e4 * self.nodes;
+        let bytes = match solver {
+            raw::Backend::Auto => self.bytes.min(iterative),
+            raw::Backend::Direct => self.bytes,
+            raw::Backend::Iterative => iterative,
         };
-        if is_iterative { Demand { bytes: 1.6e4 * self.nodes, ..self } } else { self }
+        Demand { bytes, ..self }
     }
 }
 

@@ -248,7 +248,10 @@ impl Pencil for TraceQuotient<'_> {
     fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.system.condensed().apply(x)
     }
-    fn solve(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
-        self.system.solve_condensed(r)
+    fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {
+        self.system.solve_condensed(r, enough)
+    }
+    fn has_factor(&self) -> bool {
+        self.system.is_direct()
     }
 }

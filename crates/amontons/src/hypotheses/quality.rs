@@ -2,87 +2,19 @@
 
 use super::laws::at;
 use super::{Finding, FindingId, FindingStatus};
-use crate::element::{Element, ShapeTable};
-use crate::mesh::{CellMap, Mesh};
-use crate::tensor::Point;
+use crate::mesh::Mesh;
 
 /// Quality of a triangle whose map from the regular one stretches ten times more in one direction than across:
 /// 2·10/(1 + 10²). Errors of interpolation and condition numbers grow by about that factor.
 const NEEDED: f64 = 20.0 / 101.0;
 
-/// The worst quality over all cells, where 1 is a regular cell and 0 a flat one.
-///
-/// Mean ratio (Liu and Joe, 1994): d (det T)^{1/d} / tr T with T = J R Jᵀ, J the map from the reference cell and R the
-/// second moment of its nodes. R takes the place of the map to the regular cell, whose moment is a multiple of the
-/// identity, so the measure serves every element.
+/// Judges the worst quality of a cell, [`Mesh::worst_quality`].
 pub(super) fn cells(mesh: &Mesh) -> Finding {
-    let mut worst = (f64::INFINITY, [0.0; 3]);
-    for block in &mesh.blocks {
-        let element = block.element;
-        let moment = moment(element, mesh.dim);
-        // The map of a linear simplex is the same at every node.
-        let simplex = element.degree == 1 && element.nodes.len() == mesh.dim + 1;
-        let table = ShapeTable::at(element, if simplex { &element.nodes[..1] } else { element.nodes });
-        let mut map = CellMap::new(mesh, &table);
-        for cell in block.cells() {
-            for q in 0..table.len() {
-                map.at(cell, q);
-                let quality = quality(mesh, map.jacobian, table.gradients(q), cell, &moment);
-                if quality < worst.0 {
-                    worst = (quality, centre(mesh, cell));
-                }
-            }
-        }
-    }
-    let (quality, x) = worst;
+    let (quality, x) = mesh.worst_quality();
     let holds = quality >= NEEDED;
     let what = if holds { "the cells are well shaped" } else { "slender cells reduce the accuracy" };
     let message = format!("{what}: the worst, about {}, has the quality {quality:.4} (1: regular, 0: flat)", at(&x));
     Finding::new(FindingId::MeshQuality, FindingStatus::of(holds), message, "mesh")
         .numbers(Some(quality), Some(NEEDED))
         .repair("use cells with edges of similar length")
-}
-
-/// Second moment of the nodes of the reference cell about their centre.
-fn moment(element: &Element, dim: usize) -> [[f64; 3]; 3] {
-    let count = element.nodes.len() as f64;
-    let centre: Point = std::array::from_fn(|d| element.nodes.iter().map(|n| n[d]).sum::<f64>() / count);
-    std::array::from_fn(|r| {
-        std::array::from_fn(|c| {
-            if r < dim && c < dim {
-                element.nodes.iter().map(|n| (n[r] - centre[r]) * (n[c] - centre[c])).sum()
-            } else {
-                f64::from(u8::from(r == c))
-            }
-        })
-    })
-}
-
-fn quality(mesh: &Mesh, jacobian: f64, gradients: &[Point], cell: &[u32], moment: &[[f64; 3]; 3]) -> f64 {
-    let dim = mesh.dim;
-    let mut j = [[0.0; 3]; 3];
-    for (&node, gradient) in cell.iter().zip(gradients) {
-        let p = &mesh.points[node as usize];
-        for r in 0..dim {
-            for c in 0..dim {
-                j[r][c] += p[r] * gradient[c];
-            }
-        }
-    }
-    let trace: f64 = (0..dim)
-        .map(|r| {
-            (0..dim)
-                .flat_map(|a| (0..dim).map(move |b| (a, b)))
-                .map(|(a, b)| j[r][a] * moment[a][b] * j[r][b])
-                .sum::<f64>()
-        })
-        .sum();
-    let [m0, m1, m2] = moment;
-    let cross: Point = [m1[1] * m2[2] - m1[2] * m2[1], m1[2] * m2[0] - m1[0] * m2[2], m1[0] * m2[1] - m1[1] * m2[0]];
-    let determinant = jacobian * jacobian * crate::tensor::dot(m0, &cross);
-    dim as f64 * determinant.powf(1.0 / dim as f64) / trace
-}
-
-fn centre(mesh: &Mesh, cell: &[u32]) -> Point {
-    std::array::from_fn(|d| cell.iter().map(|&n| mesh.points[n as usize][d]).sum::<f64>() / cell.len() as f64)
 }

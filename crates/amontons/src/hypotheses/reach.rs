@@ -24,7 +24,7 @@ use crate::discretization::Discretization;
 use crate::element::ShapeTable;
 use crate::field::{Coefficient, Field};
 use crate::forms;
-use crate::linalg::{BlockMatrix, Layout, SolveError, System, dot};
+use crate::linalg::{BlockMatrix, EXACT, Layout, SolveError, System, dot};
 use crate::material::{Dilatation, Material};
 use crate::mesh::CellMap;
 use crate::problem::Problem;
@@ -236,6 +236,9 @@ impl<'a> Body<'a> {
         let layout = Layout::of(mesh, &self.space, &self.boundary.nodes);
         let mut system = System::new(&problem.backend, &a, &layout)?;
         let normals: Vec<Vec<(usize, f64)>> = self.normals().collect();
+        if !system.is_direct() && normals.len() > SOLUTIONS {
+            return Ok(Err(("a large body would take a solution for each contact point", "solver.solver")));
+        }
         let reach = reach(&mut system, &normals, self.space.free.len())?;
         let load = forms::f(mesh, &problem.body_force, &problem.boundary);
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
@@ -283,6 +286,8 @@ impl<'a> Body<'a> {
     }
 }
 
+/// Solutions without a factor up to which the bound is computed.
+const SOLUTIONS: usize = 100;
 /// A point of a body whose coefficients are the same everywhere.
 const ANYWHERE: Point = [0.0; 3];
 
@@ -313,7 +318,7 @@ fn reach(system: &mut System, normals: &[Vec<(usize, f64)>], size: usize) -> Res
             }
         }
         let mut x = c.clone();
-        system.solve_condensed(&mut x)?;
+        system.solve_condensed(&mut x, EXACT)?;
         Ok(dot(&c, &x).max(0.0))
     };
     normals.iter().map(one).collect()

@@ -1,64 +1,74 @@
-//! Which backend solves a system: that which takes less memory and work.
+//! Which backend solves a system: that which is predicted to take less time, if it fits into memory.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::error::SolveError;
+use super::estimate::{Choice, Estimate, Workload};
 use super::factor::{Backend, Factor};
 use super::multigrid::Multigrid;
-use super::sparse::BlockMatrix;
-use super::supernodal::Supernodal;
+use super::sparse::{BlockMatrix, Graph};
+use super::stop::Stop;
+use super::supernodal::Interruptible;
 use super::unknowns::{Layout, Unknowns};
+use crate::machine;
 
-/// Unknowns in space from which on an iteration takes less than a factor, whose work grows with their square.
-const LARGE: usize = 20_000;
-
-/// A factor in the plane and for small bodies in space, else an iteration.
+/// A factor or an iteration, by what they are predicted to take.
 #[derive(Debug, Clone, Default)]
 pub struct Automatic {
+    direct: Interruptible,
     multigrid: Multigrid,
+    work: Workload,
 }
 
 impl Automatic {
-    /// Whether a body in space with so many unknowns of its displacement is solved by an iteration.
+    /// For so much work.
     #[must_use]
-    pub fn takes_an_iteration(unknowns: f64) -> bool {
-        unknowns > LARGE as f64
-    }
-
-    fn is_large(layout: &Layout) -> bool {
-        let in_space = layout.points.iter().any(|p| p[2] != 0.0);
-        in_space && layout.free.iter().filter(|free| **free).count() > LARGE * layout.components / 3
+    pub fn for_work(work: Workload) -> Automatic {
+        Automatic { work, ..Automatic::default() }
     }
 }
 
 impl Backend for Automatic {
+    fn choice(&self, estimate: &Estimate) -> Choice {
+        Choice::new(estimate, &self.work, machine::memory().map(|memory| memory.bytes))
+    }
+
     fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
-        if Automatic::is_large(layout) {
-            self.multigrid.order(matrix, layout)
+        let graph: &Graph = matrix.graph();
+        let ordering = layout.ordering(graph);
+        let choice = self.choice(&Estimate::of(graph, layout.free, layout.components, &ordering));
+        let unknowns = if choice.is_direct() {
+            Unknowns::ordered(&ordering, layout)
         } else {
-            Supernodal.order(matrix, layout)
-        }
+            self.multigrid.order(matrix, layout)
+        };
+        Unknowns { choice: Some(Arc::new(choice)), ..unknowns }
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
-        // Only the iteration asks for coordinates.
-        if unknowns.points.is_empty() {
-            Supernodal.factorize(matrix, unknowns)
+        if unknowns.choice.as_ref().is_none_or(|choice| choice.is_direct()) {
+            self.direct.factorize(matrix, unknowns)
         } else {
             self.multigrid.factorize(matrix, unknowns)
         }
     }
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
-        Some(Arc::new(Automatic { multigrid: Multigrid::stopped_by(flag) }))
+        let (direct, multigrid) = (Interruptible(Stop::when(flag)), Multigrid::stopped_by(flag));
+        Some(Arc::new(Automatic { direct, multigrid, work: self.work }))
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        if Automatic::is_large(layout) {
-            self.multigrid.is_positive_definite(matrix, layout)
+        let layout = Layout { contact: &[], ..*layout };
+        let ordering = layout.ordering(matrix.graph());
+        // A factor answers without a system being solved.
+        let work = Workload { factorizations: 1.0, steps: 1.0 };
+        let estimate = Estimate::of(matrix.graph(), layout.free, layout.components, &ordering);
+        if Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes)).is_direct() {
+            self.direct.is_positive_definite(matrix, &layout)
         } else {
-            Supernodal.is_positive_definite(matrix, layout)
+            self.multigrid.is_positive_definite(matrix, &layout)
         }
     }
 }

@@ -15,7 +15,7 @@ pub enum SolveError {
         size: usize,
     },
     /// The factor does not fit.
-    #[error("the factor of {size} unknowns does not fit into memory")]
+    #[error("the factor of {size} unknowns does not fit into memory: take an iteration, solver.solver = \"iterative\"")]
     Memory {
         /// Size of the matrix.
         size: usize,

@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::condensed::Condensed;
 use super::error::SolveError;
+use super::estimate::{Choice, Estimate};
 use super::sparse::BlockMatrix;
 use super::unknowns::{Layout, Unknowns};
 
@@ -30,6 +31,11 @@ pub trait Backend: Debug + Send + Sync {
     /// not look at one.
     fn interruptible(&self, _flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
         None
+    }
+
+    /// How systems with a matrix that has this pattern are solved, and why.
+    fn choice(&self, estimate: &Estimate) -> Choice {
+        Choice::asked("direct", estimate)
     }
 
     /// Whether a matrix is positive definite on the unknowns of the layout.
@@ -70,37 +76,66 @@ pub trait Factor: Debug + Send + Sync {
     }
 }
 
-/// Upper triangle in elimination order by compressed columns.
-pub(super) struct UpperColumns {
+/// The lower half of a matrix in elimination order by columns, rows ascending, the diagonal first.
+pub(super) struct Columns {
     pub start: Vec<u32>,
     pub rows: Vec<u32>,
     pub values: Vec<f64>,
 }
 
-pub(super) fn upper_columns(matrix: &BlockMatrix, unknowns: &Unknowns) -> UpperColumns {
-    let (components, _) = matrix.block_shape();
-    let mut position = vec![u32::MAX; matrix.graph().len() * components];
-    for (k, &dof) in unknowns.dofs.iter().enumerate() {
-        position[dof as usize] = k as u32;
-    }
-    let mut upper = UpperColumns { start: vec![0], rows: Vec::new(), values: Vec::new() };
-    let mut column: Vec<(u32, f64)> = Vec::new();
-    for (k, &dof) in unknowns.dofs.iter().enumerate() {
-        let (i, r) = (dof as usize / components, dof as usize % components);
-        column.clear();
-        // The matrix is symmetric: its row is its column.
-        for (j, block) in matrix.row(i) {
-            for c in 0..components {
-                let p = position[j * components + c];
-                if p as usize <= k {
-                    column.push((p, block[r * components + c]));
+impl Columns {
+    /// The rows and columns of `matrix` that `unknowns` names.
+    pub fn new(matrix: &BlockMatrix, unknowns: &Unknowns) -> Columns {
+        let (components, _) = matrix.block_shape();
+        let mut position = vec![u32::MAX; matrix.graph().len() * components];
+        for (k, &dof) in unknowns.dofs.iter().enumerate() {
+            position[dof as usize] = k as u32;
+        }
+        let mut lower = Columns { start: vec![0], rows: Vec::new(), values: Vec::new() };
+        let mut column: Vec<(u32, f64)> = Vec::new();
+        for (k, &dof) in unknowns.dofs.iter().enumerate() {
+            let (i, r) = (dof as usize / components, dof as usize % components);
+            column.clear();
+            // The matrix is symmetric: its row is its column.
+            for (j, block) in matrix.row(i) {
+                for c in 0..components {
+                    let p = position[j * components + c];
+                    if p != u32::MAX && p as usize >= k {
+                        column.push((p, block[r * components + c]));
+                    }
                 }
             }
+            column.sort_unstable_by_key(|&(p, _)| p);
+            lower.rows.extend(column.iter().map(|&(p, _)| p));
+            lower.values.extend(column.iter().map(|&(_, v)| v));
+            lower.start.push(lower.rows.len() as u32);
         }
-        column.sort_unstable_by_key(|&(p, _)| p);
-        upper.rows.extend(column.iter().map(|&(p, _)| p));
-        upper.values.extend(column.iter().map(|&(_, v)| v));
-        upper.start.push(upper.rows.len() as u32);
+        lower
     }
-    upper
+
+    /// Where the columns of the upper half begin, and their rows.
+    pub fn transposed_pattern(&self) -> (Vec<u32>, Vec<u32>) {
+        let size = self.start.len() - 1;
+        let mut start = vec![0u32; size + 1];
+        for &row in &self.rows {
+            start[row as usize + 1] += 1;
+        }
+        for k in 0..size {
+            start[k + 1] += start[k];
+        }
+        let (mut filled, mut rows) = (start.clone(), vec![0u32; self.rows.len()]);
+        for j in 0..size {
+            for (row, _) in self.column(j) {
+                rows[filled[row as usize] as usize] = j as u32;
+                filled[row as usize] += 1;
+            }
+        }
+        (start, rows)
+    }
+
+    /// Rows and values of a column.
+    pub fn column(&self, j: usize) -> impl Iterator<Item = (u32, f64)> {
+        let range = self.start[j] as usize..self.start[j + 1] as usize;
+        self.rows[range.clone()].iter().copied().zip(self.values[range].iter().copied())
+    }
 }

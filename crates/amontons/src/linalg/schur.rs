@@ -2,7 +2,6 @@
 //! J kept, or for a large Γ_C without a factor.
 
 use std::collections::VecDeque;
-use std::convert::Infallible;
 use std::sync::Arc;
 
 use faer::Mat;
@@ -14,6 +13,7 @@ use super::error::SolveError;
 use super::krylov::gmres;
 use super::lu::{Lu, is_positive_definite};
 use super::sparse::max_abs;
+use super::stop::Stop;
 use super::turn::{Turn, turned};
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
@@ -32,6 +32,8 @@ const PASS: f64 = 1e-7;
 /// Share of b in the round-off of S x above which a solution is looked at, and the share of b that it may leave.
 const SUSPICIOUS: f64 = 1e-8;
 const LEFT: f64 = 1e-2;
+/// Last bits of its largest entry that an entry of S, a difference of larger numbers, may be off by.
+const NOISE: f64 = 256.0;
 
 /// The condensed operator S with the factors of S + J for the last few J.
 ///
@@ -57,6 +59,7 @@ pub(super) struct Schur {
     is_large: bool,
     kept: VecDeque<Kept>,
     factorizations: usize,
+    stop: Stop,
 }
 
 /// One of the last few tangents J.
@@ -98,7 +101,7 @@ fn tangent_key(entries: &[Entry], turns: &[Turn]) -> TangentKey {
 
 impl Schur {
     /// For the condensed operator `s`, the unknowns of a node together; `nodes` has the first unknown of each.
-    pub fn new(s: Arc<Mat<f64>>, nodes: Vec<usize>) -> Schur {
+    pub fn new(s: Arc<Mat<f64>>, nodes: Vec<usize>, stop: Stop) -> Schur {
         let scale = scale(&s, &nodes);
         let (is_large, largest) = (s.nrows() >= LARGE, s.norm_max());
         Schur {
@@ -111,6 +114,7 @@ impl Schur {
             nodes,
             kept: VecDeque::new(),
             factorizations: 0,
+            stop,
         }
     }
 
@@ -139,11 +143,12 @@ impl Schur {
         y
     }
 
-    fn solve_unchecked(&mut self, entries: &[Entry], b: &mut [f64]) {
+    fn solve_unchecked(&mut self, entries: &[Entry], b: &mut [f64]) -> Result<(), SolveError> {
+        self.stop.go_on()?;
         // S alone is solved with over and over, by eigenvalue problems; S + J changes with the contact pattern.
         if self.is_large && !entries.is_empty() {
-            b.copy_from_slice(&self.iterate(entries, b));
-            return;
+            b.copy_from_slice(&self.iterate(entries, b)?);
+            return Ok(());
         }
         let found = self.kept.iter().position(|kept| kept.is(entries, &self.turns));
         let kept = match found.and_then(|found| self.kept.remove(found)) {
@@ -158,25 +163,26 @@ impl Schur {
         }
         self.kept.truncate(KEPT - 1);
         self.kept.push_front(kept);
+        Ok(())
     }
 
     /// The same by GMRES, preconditioned from the right.
-    fn iterate(&self, entries: &[Entry], b: &[f64]) -> Vec<f64> {
+    fn iterate(&self, entries: &[Entry], b: &[f64]) -> Result<Vec<f64>, SolveError> {
         let blocks = self.blocks(entries);
         let mut x = vec![0.0; b.len()];
         let mut rest = b.to_vec();
         for _ in 0..PASSES {
             let before = max_abs(&rest);
             let wanted = (TOLERANCE * max_abs(b) / before).max(PASS);
-            let product = |y: &[f64]| Ok::<_, Infallible>(self.sum(entries, &precondition(&blocks, y)));
-            let Ok(solved) = gmres(product, &rest, wanted, PRODUCTS);
+            let product = |y: &[f64]| self.stop.go_on().map(|()| self.sum(entries, &precondition(&blocks, y)));
+            let solved = gmres(product, &rest, wanted, PRODUCTS)?;
             x.iter_mut().zip(precondition(&blocks, &solved.x)).for_each(|(x, change)| *x += change);
             rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
             if max_abs(&rest) <= TOLERANCE * max_abs(b) || max_abs(&rest) > 0.1 * before {
                 break;
             }
         }
-        x
+        Ok(x)
     }
 
     /// (S + J) x.
@@ -232,9 +238,14 @@ impl Condensed for Schur {
 
     fn solve(&mut self, entries: &[Entry], b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
         let right = b.to_vec();
-        self.solve_unchecked(entries, b);
+        self.solve_unchecked(entries, b)?;
         // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
-        let suspicious = f64::EPSILON * self.largest * max_abs(b) > SUSPICIOUS * max_abs(&right);
+        let round_off = f64::EPSILON * self.largest * max_abs(b);
+        let suspicious = round_off > SUSPICIOUS * max_abs(&right);
+        if NOISE * round_off > max_abs(&right) {
+            // A small system with a pivot of round-off leaves nothing, and is singular all the same.
+            return Err(SolveError::Singular { size: b.len() });
+        }
         if !suspicious && !max_abs(b).is_nan() {
             return Ok(());
         }
@@ -324,8 +335,10 @@ mod tests {
         }
         let first: Vec<usize> = (0..nodes).map(|node| node * dim).collect();
         let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
-        let (mut factor, mut iteration) =
-            (Schur::new(Arc::new(s.clone()), first.clone()), Schur::new(Arc::new(s), first));
+        let (mut factor, mut iteration) = (
+            Schur::new(Arc::new(s.clone()), first.clone(), Stop::default()),
+            Schur::new(Arc::new(s), first, Stop::default()),
+        );
         iteration.is_large = true;
         let (mut x, mut y) = (b.clone(), b.clone());
         assert_eq!(factor.solve(&entries, &mut x, 0.0), Ok(()));

@@ -437,7 +437,21 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// Largest absolute value; NaN if there is one.
 #[must_use]
 pub fn max_abs(v: &[f64]) -> f64 {
-    v.iter().fold(0.0, |m: f64, x| if x.is_nan() || m.is_nan() { f64::NAN } else { m.max(x.abs()) })
+    let (chunks, rest) = v.as_chunks::<8>();
+    let (mut lanes, mut sums) = ([0.0f64; 8], [0.0f64; 8]);
+    for chunk in chunks {
+        for l in 0..8 {
+            let size = chunk[l].abs();
+            lanes[l] = if size > lanes[l] { size } else { lanes[l] };
+            // Zero, unless a number is infinite or none.
+            sums[l] += 0.0 * size;
+        }
+    }
+    let suspicious = sums.iter().any(|sum| *sum != 0.0);
+    if (suspicious && v.iter().any(|x| x.is_nan())) || rest.iter().any(|x| x.is_nan()) {
+        return f64::NAN;
+    }
+    rest.iter().map(|x| x.abs()).chain(lanes).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -497,5 +511,12 @@ mod tests {
         let plain: f64 = a.iter().map(|x| x * x).sum();
         assert!((dot(&a, &a) - plain).abs() < 1e-9);
         assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
+        assert!(
+            (0..20)
+                .all(|i| max_abs(&(0..20).map(|k| if k == i { f64::NAN } else { 1.0 }).collect::<Vec<_>>()).is_nan())
+        );
+        let largest = |i: usize| max_abs(&(0..20).map(|k| if k == i { -3.0 } else { 2.0 }).collect::<Vec<_>>());
+        assert!((0..20).all(|i| (largest(i) - 3.0).abs() == 0.0));
+        assert_eq!((max_abs(&[]), max_abs(&[f64::NEG_INFINITY; 9])), (0.0, f64::INFINITY));
     }
 }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::condensed::{Condensed, EXACT, Entry};
 use super::error::SolveError;
+use super::estimate::Choice;
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
 use super::unknowns::{Layout, Unknowns};
@@ -81,6 +82,12 @@ impl System {
         self.factor.name()
     }
 
+    /// Why they are solved in this way, where a backend has chosen.
+    #[must_use]
+    pub fn choice(&self) -> Option<&Choice> {
+        self.unknowns.choice.as_deref()
+    }
+
     /// Numbers that the factor stores; a sweep reads them once.
     #[must_use]
     pub fn stored(&self) -> usize {
@@ -143,12 +150,19 @@ impl System {
         Ok(values)
     }
 
-    /// Solves S x = r in place on the unknowns that are kept.
+    /// Solves S x = r in place on the unknowns that are kept, until the residual is at most `enough` times that of
+    /// zero.
     ///
     /// # Errors
     /// When S is singular, or the system cannot be solved.
-    pub fn solve_condensed(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
-        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&[], r, EXACT) }
+    pub fn solve_condensed(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {
+        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&[], r, enough) }
+    }
+
+    /// Whether systems are solved with a factor.
+    #[must_use]
+    pub fn is_direct(&self) -> bool {
+        self.factor.name() == "direct"
     }
 
     /// The vector with these entries at the unknowns that are kept whose energy is the least, in elimination order.
@@ -167,9 +181,17 @@ impl System {
     /// # Errors
     /// When K is singular, or the system cannot be solved.
     pub fn solve(&mut self, r: &mut [f64]) -> Result<(), SolveError> {
+        self.solve_to(r, EXACT)
+    }
+
+    /// The same until the residual is at most `enough` times that of zero.
+    ///
+    /// # Errors
+    /// Those of [`System::solve`].
+    pub fn solve_to(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {
         let interior = self.unknowns.interior;
         self.factor.forward(r)?;
-        self.solve_condensed(&mut r[interior..])?;
+        self.solve_condensed(&mut r[interior..], enough)?;
         self.factor.backward(r)
     }
 

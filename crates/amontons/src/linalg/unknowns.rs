@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::ordering::nested_dissection;
-use super::sparse::BlockMatrix;
+use super::estimate::Choice;
+use super::ordering::{Ordering, nested_dissection};
+use super::sparse::{BlockMatrix, Graph};
 use crate::mesh::Mesh;
 use crate::space::Space;
 use crate::tensor::Point;
@@ -27,6 +28,13 @@ impl<'a> Layout<'a> {
     pub fn of(mesh: &'a Mesh, space: &'a Space, contact: &'a [u32]) -> Layout<'a> {
         Layout { points: &mesh.points, components: space.components, free: &space.free, contact }
     }
+
+    /// Orders the nodes that have an unknown by nested dissection, the contact nodes last.
+    #[must_use]
+    pub fn ordering(&self, graph: &Graph) -> Ordering {
+        let keep: Vec<bool> = self.free.chunks_exact(self.components).map(|node| node.contains(&true)).collect();
+        nested_dissection(graph, self.points, &keep, self.contact)
+    }
 }
 
 /// The unknowns of a system in elimination order: those that are eliminated, then those that are kept.
@@ -38,15 +46,21 @@ pub struct Unknowns {
     pub interior: usize,
     /// Coordinates of all nodes, for a backend that asks for them; may be empty.
     pub points: Arc<[Point]>,
+    /// How systems are solved and why, where a backend has chosen.
+    pub choice: Option<Arc<Choice>>,
 }
 
 impl Unknowns {
     /// Orders the degrees of freedom that are free by nested dissection, those of the contact nodes last.
     #[must_use]
     pub fn new(matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
-        let Layout { points, components, free, contact } = *layout;
-        let keep: Vec<bool> = free.chunks_exact(components).map(|node| node.iter().any(|&f| f)).collect();
-        let ordering = nested_dissection(matrix.graph(), points, &keep, contact);
+        Unknowns::ordered(&layout.ordering(matrix.graph()), layout)
+    }
+
+    /// The degrees of freedom that are free in the order of their nodes.
+    #[must_use]
+    pub fn ordered(ordering: &Ordering, layout: &Layout) -> Unknowns {
+        let Layout { components, free, .. } = *layout;
         let (mut dofs, mut interior) = (Vec::new(), 0);
         for (k, &node) in ordering.order.iter().enumerate() {
             dofs.extend((0..components as u32).map(|c| node * components as u32 + c).filter(|&d| free[d as usize]));
@@ -54,7 +68,7 @@ impl Unknowns {
                 interior = dofs.len();
             }
         }
-        Unknowns { dofs, interior, points: Arc::new([]) }
+        Unknowns { dofs, interior, points: Arc::new([]), choice: None }
     }
 
     /// Number of unknowns.

@@ -1,5 +1,6 @@
 //! Meshes: points, blocks of cells with their region, and named sets of boundary facets.
 
+mod assembly;
 mod convert;
 mod data;
 pub mod defects;
@@ -9,7 +10,9 @@ mod geometry;
 pub mod gmsh;
 pub mod inp;
 mod locator;
+mod quality;
 mod read;
+mod refine;
 mod round;
 mod sites;
 mod skin;
@@ -21,11 +24,11 @@ use std::collections::BTreeMap;
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
-pub(crate) use geometry::invert;
 pub use geometry::{CellMap, FacetMap};
+pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
-pub use read::{EXTENSIONS, FilePosition, MeshFileError, parse, read};
+pub use read::{EXTENSIONS, FilePosition, MeshFileError, Read, Skipped, parse, read, read_all};
 
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};

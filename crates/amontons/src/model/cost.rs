@@ -1,10 +1,8 @@
-//! What a step costs, counted without a factorization.
-
-use std::sync::Arc;
+//! What a step costs, counted without a factorization and without the pattern of a factor.
 
 use serde::Serialize;
 
-use crate::linalg::{BlockMatrix, Fill, Graph, Layout, Unknowns, fill};
+use crate::linalg::{Choice, Estimate, Graph, Layout};
 use crate::problem::Problem;
 use crate::space::Space;
 
@@ -16,59 +14,62 @@ const NUMBER: f64 = 8.0;
 pub struct Cost {
     /// Unknowns of displacement, of temperature, and of displacement on Γ_C.
     pub unknowns: [usize; 3],
-    /// Numbers that the factors of K_u and K_θ store.
+    /// Entries of the factors of K_u and K_θ, whether they are made or not.
     pub factors: [usize; 2],
     /// Operations of both factorizations, once per run of linear laws.
     pub factorization_flops: f64,
-    /// Operations of a step: two sweeps over each factor, the products with the forms, two solutions on Γ_C.
+    /// How the larger of the two systems is solved, and why.
+    pub solver: Choice,
+    /// Operations of a step: two sweeps over each factor, or the products of an iteration; the products with the forms,
+    /// two solutions on Γ_C.
     pub step_flops: f64,
     /// Bytes that a step reads: the bound on its time.
     pub step_bytes: f64,
-    /// Bytes that factors, forms and condensed operators hold.
+    /// Bytes that factors or levels, forms and condensed operators hold.
     pub memory_bytes: f64,
 }
 
 impl Cost {
-    /// Counts the work and memory of a problem; none if the pattern of a factor does not fit into memory.
-    pub(super) fn new(problem: &Problem) -> Option<Cost> {
-        let graph = Arc::new(Graph::of_mesh(&problem.mesh));
+    /// Counts the work and memory of a problem.
+    pub(super) fn new(problem: &Problem) -> Cost {
+        let graph = Graph::of_mesh(&problem.mesh);
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let (mechanics, heat) = rayon::join(|| of_system(problem, &graph, &v), || of_system(problem, &graph, &q));
-        let ([mechanics, heat], pairs) = ([mechanics?, heat?], pairs(&graph));
-        let dim = problem.mesh.dim;
+        let (dim, pairs) = (problem.mesh.dim, graph.pairs() as f64);
         let relaxing = problem.relaxation_times().len();
         // a, b and the branches of d × d blocks; m and e of d × 1; mass and d of 1 × 1.
-        let forms = ((2 + relaxing) * dim * dim + 2 * dim + 2) as f64 * pairs as f64;
-        let stored = (mechanics.fill.stored + heat.fill.stored) as f64;
-        let condensed = [mechanics.contact, heat.contact].map(|n| (n * n) as f64).iter().sum::<f64>();
+        let forms = ((2 + relaxing) * dim * dim + 2 * dim + 2) as f64 * pairs;
         // The mass acts on w and θ, each form once; every number is multiplied and added.
-        let products = forms + dim as f64 * pairs as f64;
-        Some(Cost {
-            unknowns: [mechanics.fill.size, heat.fill.size, mechanics.contact],
-            factors: [mechanics.fill.stored, heat.fill.stored],
-            factorization_flops: mechanics.fill.flops + heat.fill.flops,
-            step_flops: 4.0 * stored + 2.0 * products + 4.0 * condensed,
-            step_bytes: NUMBER * (2.0 * stored + forms + 2.0 * condensed),
-            // The condensed operator and its factor.
-            memory_bytes: NUMBER * (stored + forms + 2.0 * condensed),
-        })
+        let products = forms + dim as f64 * pairs;
+        let both = [&mechanics, &heat];
+        let steps = both.map(Counted::step);
+        Cost {
+            unknowns: [mechanics.estimate.unknowns, heat.estimate.unknowns, mechanics.estimate.contact],
+            factors: both.map(|counted| counted.estimate.stored as usize),
+            factorization_flops: both.map(|counted| counted.estimate.flops).iter().sum(),
+            step_flops: steps[0][0] + steps[1][0] + 2.0 * products,
+            step_bytes: steps[0][1] + steps[1][1] + NUMBER * forms,
+            memory_bytes: mechanics.choice.demand().bytes + heat.choice.demand().bytes + NUMBER * forms,
+            solver: if mechanics.estimate.unknowns > 0 { mechanics.choice } else { heat.choice },
+        }
     }
 }
 
 struct Counted {
-    fill: Fill,
-    /// Unknowns on Γ_C.
-    contact: usize,
+    estimate: Estimate,
+    choice: Choice,
 }
 
-fn of_system(problem: &Problem, graph: &Arc<Graph>, space: &Space) -> Option<Counted> {
-    let matrix = BlockMatrix::zero(graph, space.components, space.components);
+impl Counted {
+    /// Operations of a step, and bytes that it reads.
+    fn step(&self) -> [f64; 2] {
+        if self.choice.is_direct() { self.estimate.direct_step() } else { self.estimate.iterative_step() }
+    }
+}
+
+fn of_system(problem: &Problem, graph: &Graph, space: &Space) -> Counted {
     let boundary = problem.contact_boundary();
-    let unknowns = Unknowns::new(&matrix, &Layout::of(&problem.mesh, space, &boundary.nodes));
-    Some(Counted { fill: fill(&matrix, &unknowns).ok()?, contact: unknowns.kept().len() })
-}
-
-/// Pairs of nodes that share a cell, each node with itself included.
-fn pairs(graph: &Graph) -> usize {
-    (0..graph.len()).map(|i| graph.row(i).len()).sum()
+    let layout = Layout::of(&problem.mesh, space, &boundary.nodes);
+    let estimate = Estimate::of(graph, layout.free, layout.components, &layout.ordering(graph));
+    Counted { estimate, choice: problem.backend.choice(&estimate) }
 }

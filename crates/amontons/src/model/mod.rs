@@ -2,6 +2,7 @@
 
 mod cost;
 mod layers;
+mod mesh;
 mod supports;
 mod times;
 
@@ -11,6 +12,7 @@ use serde::Serialize;
 
 pub use cost::Cost;
 pub use layers::{ThermalLayer, cell_heights, thermal_layers};
+pub use mesh::{MeshModel, Size};
 pub use supports::rigid_motions;
 pub use times::Times;
 
@@ -41,8 +43,8 @@ pub struct Model {
     pub times: Times,
     /// How deep heat gets from the sides of contact.
     pub thermal_layers: Vec<ThermalLayer>,
-    /// Work and memory of a step; none if the matrices do not fit into memory.
-    pub cost: Option<Cost>,
+    /// Work and memory of a step.
+    pub cost: Cost,
 }
 
 impl Model {
@@ -73,7 +75,7 @@ impl Model {
                 .contacts
                 .iter()
                 .enumerate()
-                .map(|(side, contact)| (contact.on.clone(), points(side)))
+                .map(|(side, contact)| (contact.bearing().to_owned(), points(side)))
                 .collect(),
             times: Times::new(problem),
             thermal_layers: thermal_layers(problem),

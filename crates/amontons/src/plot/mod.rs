@@ -38,6 +38,7 @@ mod shade;
 mod sheet;
 mod surface;
 mod svg;
+mod sweep;
 mod table;
 mod ticks;
 mod vtu;
@@ -53,6 +54,7 @@ pub use picture::Picture;
 pub use plane::scale_factor;
 pub use run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
 pub use surface::Skin;
+pub use sweep::{SweepPlot, SweepSeries, sweep};
 
 /// Why a picture could not be drawn.
 #[derive(Debug, thiserror::Error)]

@@ -25,11 +25,12 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     }
 
     let heat_content = step.discrete.storage().0 * heat.mass_theta.iter().sum::<f64>();
-    let Amounts { supplied, coupling, contact, prescribed } = heat.amounts;
+    let Amounts { supplied, coupling, contact, rubbed, prescribed } = heat.amounts;
     let foundations = foundations(step, m, heat);
-    let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling;
+    let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling - rubbed;
     let heat_error = body + foundations.error;
-    let mut heat_moved = contact.abs() + prescribed.abs() + supplied.abs() + coupling.abs() + foundations.moved;
+    let mut heat_moved =
+        contact.abs() + prescribed.abs() + supplied.abs() + coupling.abs() + rubbed.abs() + foundations.moved;
     if (before.heat_closing_error + heat_error).abs() > TELLING * (before.heat_turned_over + heat_moved) {
         heat_moved += explained(heat_error, heat_sizes(step, heat));
     }
@@ -52,6 +53,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         heat_supplied: before.heat_supplied + supplied,
         heat_coupling: before.heat_coupling + coupling,
         heat_friction: before.heat_friction + if step.problem.physics.has_heat() { energy.friction } else { 0.0 },
+        heat_pairs: before.heat_pairs + rubbed,
         heat_foundation: foundations.content,
         heat_surroundings: before.heat_surroundings + foundations.lost,
         heat_closing_error: before.heat_closing_error + heat_error,
@@ -132,15 +134,15 @@ struct OnContact {
 }
 
 fn contact(step: &Step, m: &Mechanics) -> OnContact {
-    let Step { contacts, discrete, old, k, .. } = *step;
+    let Step { contacts, discrete, boundary, old, k, .. } = *step;
     let changes = contacts.iter().any(|contact| contact.normal.at_time(step.t).is_some());
     let load_work = k * dot(&m.w, &m.load) + m.support_work;
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // The energy of the layer at the start of the step by the laws at its end.
     let mut start = 0.0;
-    for ((point, frame), state) in discrete.boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
+    for ((point, frame), state) in boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
         let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
-        let w_nu = tensor::dot(&discrete.boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
+        let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         if changes {
             let before = state.penetration - k * (w_nu - frame.gap_rate) + state.wear;
             start += point.weight * normal.potential(&point.x, before);
@@ -275,7 +277,6 @@ fn foundations(step: &Step, m: &Mechanics, heat: &Heat) -> Foundations {
             continue;
         };
         let points = step
-            .discrete
             .boundary
             .points
             .iter()

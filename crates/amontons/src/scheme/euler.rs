@@ -13,7 +13,7 @@ use super::system::{HalfStep, Products, Step};
 use super::{
     Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Scheme, SetupError, State, StepError, StepReport,
 };
-use crate::contact::Contact;
+use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, SolveError, System, dot};
 use crate::problem::Problem;
@@ -233,10 +233,12 @@ impl BackwardEuler {
         let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
+        let boundary = boundary_at(&self.discrete, &self.problem, old);
         let now = Step {
             problem: &self.problem,
             contacts: &contacts,
             discrete: &self.discrete,
+            boundary: &boundary,
             old,
             bar: old.into(),
             products: &products,
@@ -260,10 +262,12 @@ impl BackwardEuler {
         let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let contacts = contacts_at(problem, t);
+        let boundary = boundary_at(discrete, problem, old);
         let now = Step {
             problem,
             contacts: &contacts,
             discrete,
+            boundary: &boundary,
             old,
             bar: old.into(),
             products: &products,
@@ -341,9 +345,11 @@ impl Made {
             residual,
             coupling,
             contact: ContactReport {
+                weights: step.boundary.points.iter().map(|point| point.weight).collect(),
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,
                 flux: heat.exchange.flux,
+                rubbed: heat.exchange.rubbed,
                 force: mechanics.force,
                 heat_flow: heat.through_contact,
             },
@@ -369,6 +375,13 @@ fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> u
 /// The range that takes in some values, too.
 fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
     values.iter().fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)])
+}
+
+/// Γ_C in a step that starts from a state: pairs that are updated are made anew.
+fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
+    let held = |node: u32| discrete.v.held(node);
+    let updated = discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, &held);
+    updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
 }
 
 /// The contacts of a problem with their laws at a time.
@@ -402,11 +415,12 @@ impl Scheme for BackwardEuler {
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
-        let surface = Accumulated::new(&self.problem, &self.discrete);
+        let boundary = &self.discrete.boundary;
+        let surface = Accumulated::new(&self.problem, boundary);
         let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
-        for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
-            let r = tensor::dot(&self.discrete.boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
+        let foundation = frames(&self.problem, boundary, &u, &surface.wear, [0.0, 0.0]);
+        for (point, frame) in boundary.points.iter().zip(foundation) {
+            let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight
                 * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
@@ -429,7 +443,7 @@ impl Scheme for BackwardEuler {
             heat_turned_over: heat_content.abs() + heat_foundation.abs(),
             ..Ledger::default()
         };
-        let multipliers = Multipliers::free(at_rest(&self.problem, &self.discrete, &u, &w));
+        let multipliers = Multipliers::free(at_rest(&self.problem, boundary, &u, &w));
         Ok(State {
             step: 0,
             t: 0.0,
@@ -499,5 +513,10 @@ impl Scheme for BackwardEuler {
     fn backend(&self) -> &'static str {
         let is_iterative = self.systems.all().any(|system| system.name() == "iterative");
         if is_iterative { "iterative" } else { "direct" }
+    }
+
+    fn backend_reason(&self) -> String {
+        let choice = self.systems.all().find_map(System::choice);
+        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
     }
 }

@@ -60,6 +60,9 @@ pub struct Ledger {
     /// Heat that friction made, in the body and in the foundation.
     #[serde(default)]
     pub heat_friction: f64,
+    /// Heat that friction made between deformable bodies and that entered them.
+    #[serde(default)]
+    pub heat_pairs: f64,
     /// Σ C θ_F at t, over the foundations with a heat capacity.
     #[serde(default)]
     pub heat_foundation: f64,

@@ -1,6 +1,5 @@
 //! The mechanical half-step (4.1).
 
-use super::Discretization;
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Step, on_degrees, without_contact};
 use super::{State, StepError};
@@ -56,11 +55,11 @@ pub(super) struct Given {
 impl Given {
     /// At the prescribed values in `w`; without a temperature.
     fn new(step: &Step, w: &[f64]) -> Given {
-        let Step { problem, discrete, old, bar, t, .. } = *step;
+        let Step { problem, discrete, boundary, old, bar, t, .. } = *step;
         Given {
-            u_bar: discrete.boundary.restricted(discrete.mesh.dim, bar.u),
-            w_prescribed: discrete.boundary.restricted(discrete.mesh.dim, w),
-            frames: frames(problem, discrete, &old.u, &old.surface.wear, [old.t, t]),
+            u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
+            w_prescribed: boundary.restricted(discrete.mesh.dim, w),
+            frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
             temperature: Vec::new(),
         }
     }
@@ -72,7 +71,7 @@ impl Given {
         }
         Some(MechanicalStep {
             contacts: step.contacts,
-            boundary: &step.discrete.boundary,
+            boundary: step.boundary,
             unknown,
             dim: step.discrete.mesh.dim,
             rule: step.rule,
@@ -174,8 +173,7 @@ impl Mechanics {
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given =
-            Given { temperature: step.discrete.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
+        let given = Given { temperature: step.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
@@ -190,7 +188,7 @@ impl Mechanics {
         let (now, then) =
             (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
-        on_degrees(step.discrete, &step.discrete.v, change)
+        on_degrees(step.boundary, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
@@ -223,7 +221,7 @@ impl<'a> Equation<'a> {
         mut given: Given,
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
-        given.temperature = step.discrete.boundary.scalars_at(theta);
+        given.temperature = step.boundary.scalars_at(theta);
         let foundation: Vec<f64> = given
             .frames
             .iter()
@@ -277,7 +275,7 @@ impl<'a> Equation<'a> {
         let Step { discrete, products, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
         let iterate = Iterate::new(self.step, w, multipliers, &self.warmed);
-        let (force, contact_force) = contact_forces(discrete, &states);
+        let (force, contact_force) = contact_forces(self.step, &states);
         let mut rest: Vec<f64> =
             self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * iterate.w[i]).sum();
@@ -410,7 +408,11 @@ impl Begun {
             *w = if discrete.v.free[i] { old.w[i] } else { (*w - bar.u[i]) / gamma };
         }
         let given = Given::new(step, &w);
-        let multipliers = old.multipliers.clone();
+        let mut multipliers = old.multipliers.clone();
+        // What no longer faces the other body has let go of it.
+        for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
+            (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
+        }
         let now = if discrete.is_linear() && w == bar.w {
             // a(ū + γ w̄, ·) without another product.
             let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + gamma * a_w).collect();
@@ -439,14 +441,16 @@ impl Begun {
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
-fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, Vec<f64>) {
+fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
+    let Step { discrete, boundary, .. } = *step;
     let force =
         |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
     let mut resultant = [0.0; 3];
-    for (point, state) in discrete.boundary.points.iter().zip(states) {
+    for (point, state) in boundary.points.iter().zip(states) {
+        let weight = point.weight * step.contacts[point.contact].sign();
         for (sum, force) in resultant.iter_mut().zip(force(state)).take(discrete.mesh.dim) {
-            *sum -= point.weight * force;
+            *sum -= weight * force;
         }
     }
-    (resultant, on_degrees(discrete, &discrete.v, states.iter().map(force)))
+    (resultant, on_degrees(boundary, &discrete.v, states.iter().map(force)))
 }

@@ -153,12 +153,16 @@ impl Contraction {
 /// State of the contact points.
 #[derive(Clone, Debug, Default)]
 pub struct ContactReport {
+    /// Weight ω of each contact point in the step, m^(d−1): pairs may be made anew.
+    pub weights: Vec<f64>,
     /// Kinematics and tractions.
     pub states: Vec<PointState>,
     /// Temperature of the body at each point, K.
     pub temperature: Vec<f64>,
-    /// Heat flux q·ν at each point.
+    /// Heat flux q·ν at each point, of the side that bears it.
     pub flux: Vec<Flux>,
+    /// Power of friction that enters both bodies of a pair at each point, W/m²; zero at foundations.
+    pub rubbed: Vec<f64>,
     /// Resultant of σν on Γ_C, N per unit of thickness in two dimensions.
     pub force: [f64; 3],
     /// ∫_{Γ_C} q·ν in W.
@@ -365,4 +369,6 @@ pub trait Scheme: fmt::Debug + Send + Sync {
     fn unknowns(&self) -> [usize; 3];
     /// How systems are solved: `iterative` if one of them is, else `direct`.
     fn backend(&self) -> &'static str;
+    /// Why: what either way was predicted to take, of the mechanical half-step where there is one.
+    fn backend_reason(&self) -> String;
 }

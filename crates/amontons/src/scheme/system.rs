@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
-use crate::contact::{Contact, Status};
+use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{Failure, NotConverged, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System};
 use crate::problem::Problem;
@@ -27,6 +27,8 @@ pub(super) struct Step<'a> {
     /// The contacts of the problem with their laws at t_n.
     pub contacts: &'a [Contact],
     pub discrete: &'a Discretization,
+    /// Γ_C in this step: pairs may be made anew.
+    pub boundary: &'a ContactBoundary,
     /// The state that the step starts from.
     pub old: &'a State,
     /// ū, θ̄ and z̄, and products of w̄, ū and θ̄ with the forms.
@@ -164,7 +166,7 @@ impl Step<'_> {
         const TOLD: usize = 3;
         let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
         let one = |(i, states): &(usize, Vec<Status>)| {
-            let point = self.discrete.boundary.points.get(*i)?;
+            let point = self.boundary.points.get(*i)?;
             let contact = self.problem.contacts.get(point.contact)?;
             let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
             let states: Vec<&str> = states.iter().map(|status| status.name()).collect();
@@ -285,9 +287,9 @@ pub(super) fn without_contact(
 }
 
 /// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
-pub(super) fn on_degrees(discrete: &Discretization, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
+pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
     let mut sum = vec![0.0; space.free.len()];
-    discrete.boundary.scatter(space.components, vectors, &mut sum);
+    boundary.scatter(space.components, vectors, &mut sum);
     sum
 }
 

@@ -4,6 +4,7 @@
 //! Every fault of a file is an error that names the array.
 
 mod array;
+pub(crate) mod write;
 
 use std::collections::BTreeMap;
 

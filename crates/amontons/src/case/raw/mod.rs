@@ -25,7 +25,7 @@ pub(in crate::case) use material::{
     Branch, Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor,
     Viscosity,
 };
-pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
+pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};
@@ -153,7 +153,7 @@ pub(in crate::case) struct Solver {
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub(in crate::case) enum Backend {
-    /// The program chooses from the size of the body, and says so.
+    /// The program predicts time and memory of both, takes the faster one that fits, and says why.
     #[default]
     Auto,
     /// One factor of each matrix: the fastest in the plane, and in space up to some ten thousand unknowns.

@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::Stop;
 use super::precondition::{Body, Preconditioner};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
 use crate::linalg::sparse::{BlockMatrix, max_abs};
+use crate::linalg::stop::Stop;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 
@@ -124,7 +124,7 @@ impl Iterative {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
         };
-        preconditioner.add(&body, &by_degree, &turns);
+        preconditioner.add(&body, &by_degree, &turns)?;
         (self.preconditioner, self.entries) = (Some(preconditioner), entries.to_vec());
         Ok(())
     }

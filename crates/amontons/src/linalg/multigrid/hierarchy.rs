@@ -4,12 +4,12 @@
 use faer::{Mat, Side};
 use rayon::prelude::*;
 
-use super::Stop;
 use super::aggregate::{aggregates, strong, tentative};
 use super::blocks::Blocks;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::Lu;
 use crate::linalg::sparse::dot;
+use crate::linalg::stop::Stop;
 
 /// Unknowns below which a level is solved with a dense factor, and most levels.
 const COARSEST: usize = 600;

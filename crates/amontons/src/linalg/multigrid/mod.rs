@@ -8,14 +8,17 @@ mod blocks;
 mod condensed;
 mod hierarchy;
 mod precondition;
+mod surface;
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use super::condensed::Condensed;
 use super::error::SolveError;
+use super::estimate::{Choice, Estimate};
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
+use super::stop::Stop;
 use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
 
@@ -25,29 +28,17 @@ pub struct Multigrid {
     stop: Stop,
 }
 
-/// Whether the work is to end.
-#[derive(Debug, Clone, Default)]
-struct Stop(Option<Arc<AtomicBool>>);
-
-impl Stop {
-    /// An error if the work is to end.
-    fn go_on(&self) -> Result<(), SolveError> {
-        let is_set = self.0.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed));
-        if is_set { Err(SolveError::Interrupted) } else { Ok(()) }
-    }
-}
-
 impl Multigrid {
     /// One that ends its work when the flag becomes true.
     pub(super) fn stopped_by(flag: &Arc<AtomicBool>) -> Multigrid {
-        Multigrid { stop: Stop(Some(Arc::clone(flag))) }
+        Multigrid { stop: Stop::when(flag) }
     }
 }
 
 impl Backend for Multigrid {
     fn order(&self, _matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         let dofs = (0..layout.free.len() as u32).filter(|&dof| layout.free[dof as usize]).collect();
-        Unknowns { dofs, interior: 0, points: layout.points.into() }
+        Unknowns { dofs, interior: 0, points: layout.points.into(), choice: None }
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
@@ -64,6 +55,10 @@ impl Backend for Multigrid {
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
         Some(Arc::new(Multigrid::stopped_by(flag)))
+    }
+
+    fn choice(&self, estimate: &Estimate) -> Choice {
+        Choice::asked("iterative", estimate)
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {

@@ -5,19 +5,20 @@
 
 use std::collections::BTreeMap;
 
-use super::Stop;
 use super::blocks::{Blocks, Rows};
 use super::hierarchy::{Hierarchy, Plan};
+use super::surface::{Surface, couples};
 use crate::linalg::condensed::Entry;
 use crate::linalg::error::SolveError;
 use crate::linalg::sparse::BlockMatrix;
+use crate::linalg::stop::Stop;
 use crate::linalg::turn::Turn;
 use crate::tensor::Point;
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
 const FIRM: f64 = 100.0;
 /// The basis of a node that is not turned.
-const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(super) const AXES: [Point; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A matrix on all degrees of freedom, and which of them are unknown.
 pub(super) struct Body<'a> {
@@ -34,6 +35,8 @@ pub(super) struct Preconditioner {
     held: Vec<Held>,
     /// Entries from what is held onto the others: degree of freedom, number of what is held, value.
     onto: Vec<Entry>,
+    /// In place of both where contact couples nodes.
+    surface: Option<Surface>,
 }
 
 /// A degree of freedom that contact holds.
@@ -53,13 +56,31 @@ impl Preconditioner {
         let (modes, count) = modes(body, components);
         let matrix = restricted(body);
         let hierarchy = Hierarchy::new(&Plan { matrix: &matrix, modes: &modes, count, takes_part: body.free, stop })?;
-        Ok(Preconditioner { hierarchy, turns: Vec::new(), held: Vec::new(), onto: Vec::new() })
+        Ok(Preconditioner { hierarchy, turns: Vec::new(), held: Vec::new(), onto: Vec::new(), surface: None })
     }
 
     /// Takes up the entries of contact, which are by degree of freedom in the bases of `turns`.
-    pub fn add(&mut self, body: &Body, entries: &[Entry], turns: &[Turn]) {
+    ///
+    /// # Errors
+    /// When contact couples nodes and K + J is singular on them.
+    pub fn add(&mut self, body: &Body, entries: &[Entry], turns: &[Turn]) -> Result<(), SolveError> {
         let (n, _) = body.matrix.block_shape();
         self.turns = turns.to_vec();
+        let bases: BTreeMap<usize, [Point; 3]> =
+            turns.iter().map(|turn| (turn.unknowns[0] as usize / n, turn.basis)).collect();
+        (self.held, self.onto, self.surface) = (Vec::new(), Vec::new(), None);
+        if couples(entries, n) {
+            self.surface = Some(Surface::new(body, entries, &bases)?);
+            self.hierarchy.add(&coupled(body, entries, &bases));
+        } else {
+            self.add_nodal(body, entries, &bases);
+        }
+        Ok(())
+    }
+
+    /// The same of contact at nodes.
+    fn add_nodal(&mut self, body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) {
+        let (n, _) = body.matrix.block_shape();
         let mut nodes: Vec<usize> = entries.iter().flat_map(|(i, j, _)| [*i as usize / n, *j as usize / n]).collect();
         nodes.sort_unstable();
         nodes.dedup();
@@ -69,19 +90,16 @@ impl Preconditioner {
                 blocks[(at * n + i as usize % n) * n + j as usize % n] += value;
             }
         }
-        (self.held, self.onto) = (Vec::new(), Vec::new());
-        let bases: BTreeMap<usize, [Point; 3]> =
-            turns.iter().map(|turn| (turn.unknowns[0] as usize / n, turn.basis)).collect();
         for (&node, block) in nodes.iter().zip(blocks.chunks_exact_mut(n * n)) {
             let basis = bases.get(&node).copied().unwrap_or(AXES);
-            let own = in_basis(&block_of(body.matrix, node, n), &basis, n, true);
+            let own = in_basis(&block_of(body.matrix, node, n), [&basis; 2], n, true);
             let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
             for c in (0..n).filter(|c| block[c * n + c] > firm) {
                 let diagonal = own[c * n + c] + block[c * n + c];
                 self.held.push(Held { dof: (node * n + c) as u32, vector: basis[c], diagonal });
             }
             cut(block, firm, n);
-            block.copy_from_slice(&in_basis(block, &basis, n, false));
+            block.copy_from_slice(&in_basis(block, [&basis; 2], n, false));
         }
         for &(i, j, value) in entries.iter().filter(|(i, j, _)| i != j) {
             let number = |dof: u32| self.held.binary_search_by_key(&dof, |held| held.dof);
@@ -108,6 +126,9 @@ impl Preconditioner {
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
     pub fn apply(&self, matrix: &BlockMatrix, r: &[f64]) -> Vec<f64> {
         let (n, _) = matrix.block_shape();
+        if let Some(surface) = &self.surface {
+            return surface.apply(|x| matrix.apply(x), |r| self.hierarchy.cycle(r), &self.turns, r);
+        }
         let mut rest = r.to_vec();
         for &(i, at, value) in &self.onto {
             let held = &self.held[at as usize];
@@ -153,20 +174,56 @@ fn block_of(matrix: &BlockMatrix, node: usize, n: usize) -> Vec<f64> {
     matrix.row(node).find(|(j, _)| *j == node).map_or_else(|| vec![0.0; n * n], |(_, block)| block.to_vec())
 }
 
-/// B A Bᵀ, the rows of B the vectors of a basis, or Bᵀ A B.
-fn in_basis(block: &[f64], basis: &[Point; 3], n: usize, into: bool) -> Vec<f64> {
-    let entry = |a: usize, c: usize| if into { basis[a][c] } else { basis[c][a] };
+/// B A Cᵀ, the rows of B and C the vectors of two bases, or Bᵀ A C.
+pub(super) fn in_basis(block: &[f64], [left, right]: [&[Point; 3]; 2], n: usize, into: bool) -> Vec<f64> {
+    let entry = |basis: &[Point; 3], a: usize, c: usize| if into { basis[a][c] } else { basis[c][a] };
     let mut out = vec![0.0; n * n];
     for a in 0..n {
         for b in 0..n {
             for c in 0..n {
                 for d in 0..n {
-                    out[a * n + b] += entry(a, c) * block[c * n + d] * entry(b, d);
+                    out[a * n + b] += entry(left, a, c) * block[c * n + d] * entry(right, b, d);
                 }
             }
         }
     }
     out
+}
+
+/// What contact that couples nodes adds to the levels: of every component in its basis the part of its own, cut off at
+/// [`FIRM`] by scaling rows and columns, so that motions without force stay so.
+fn coupled(body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) -> Blocks<f64> {
+    let (n, _) = body.matrix.block_shape();
+    let basis = |node: usize| bases.get(&node).copied().unwrap_or(AXES);
+    let mut blocks: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
+    for &(i, j, value) in entries.iter().filter(|(i, j, _)| *i as usize % n == *j as usize % n) {
+        let (i, j) = (i as usize, j as usize);
+        for (row, column) in [(i, j), (j, i)] {
+            let block = blocks.entry((row / n, column / n)).or_insert_with(|| vec![0.0; n * n]);
+            block[(row % n) * n + column % n] += 0.5 * value;
+        }
+    }
+    let scale = |node: usize| -> Vec<f64> {
+        let own = in_basis(&block_of(body.matrix, node, n), [&basis(node); 2], n, true);
+        let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
+        let diagonal = |c: usize| blocks.get(&(node, node)).map_or(0.0, |block| block[c * n + c]);
+        (0..n).map(|c| (firm / diagonal(c).max(firm)).sqrt()).collect()
+    };
+    let scales: BTreeMap<usize, Vec<f64>> = blocks.keys().map(|&(i, _)| (i, scale(i))).collect();
+    let rows = body.free.len() / n;
+    Blocks::from_rows(rows, rows, [n, n], |range| {
+        let mut made = Rows::default();
+        for i in range {
+            for (&(_, j), block) in blocks.range((i, 0)..(i + 1, 0)) {
+                let (Some(left), Some(right)) = (scales.get(&i), scales.get(&j)) else { continue };
+                let cut: Vec<f64> = block.iter().enumerate().map(|(k, v)| v * left[k / n] * right[k % n]).collect();
+                made.columns.push(j as u32);
+                made.values.extend(in_basis(&cut, [&basis(i), &basis(j)], n, false));
+            }
+            made.ends.push(made.columns.len() as u32);
+        }
+        made
+    })
 }
 
 /// The symmetric part of a block of contact, with what is beyond `firm` cut off: rows and columns are scaled. What

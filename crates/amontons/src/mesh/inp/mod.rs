@@ -2,8 +2,8 @@
 //! "Element-based surface definition") and CalculiX CrunchiX ("Input deck format").
 //!
 //! Read are `*NODE`, `*ELEMENT`, `*NSET` and `*ELSET` with `GENERATE`, `*SURFACE` of faces of elements and of nodes,
-//! `*SOLID SECTION`, and parts with their instances. Everything else is skipped and named in [`Read::skipped`]: materials,
-//! loads and steps are those of the case file.
+//! `*SOLID SECTION`, and parts with their instances. Everything else is skipped and named in
+//! [`Read::skipped`](crate::mesh::Read::skipped): materials, loads and steps are those of the case file.
 //!
 //! - Regions are the element sets of the solid sections; without sections, the sets that the `*ELEMENT` lines name.
 //! - Sides are the surfaces, and the node sets that hold all nodes of a facet of the boundary.
@@ -15,28 +15,7 @@ mod model;
 mod sets;
 mod solid;
 
-use super::Mesh;
-use super::read::{FilePosition, MeshFileError};
-
-/// A mesh from an input file.
-#[derive(Clone, Debug)]
-pub struct Read {
-    /// The mesh.
-    pub mesh: Mesh,
-    /// What the file has besides, in its order.
-    pub skipped: Vec<Skipped>,
-}
-
-/// Something in an input file that is no part of the mesh.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Skipped {
-    /// A keyword with its star, or elements of a type.
-    pub what: String,
-    /// Line of the first of them.
-    pub line: usize,
-    /// How many there are: keywords, or elements.
-    pub count: usize,
-}
+use super::read::{FilePosition, MeshFileError, Read};
 
 /// Reads a mesh from the bytes of an input file.
 ///

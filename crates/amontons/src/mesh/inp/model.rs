@@ -2,8 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 
-use super::super::read::{FilePosition, MeshFileError};
-use super::Skipped;
+use super::super::read::{FilePosition, MeshFileError, Skipped};
 use super::lines::{Keyword, entries, number};
 use super::solid::{self, Solid, Type};
 use crate::tensor::Point;

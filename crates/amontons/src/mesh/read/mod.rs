@@ -218,6 +218,15 @@ impl MeshFileError {
         }
     }
 
+    /// Whether the file system gave no bytes.
+    #[must_use]
+    pub fn is_unreadable(&self) -> bool {
+        match self {
+            MeshFileError::In { fault, .. } => fault.is_unreadable(),
+            other => matches!(other, MeshFileError::Unreadable { .. }),
+        }
+    }
+
     /// What was found.
     #[must_use]
     pub fn found(&self) -> String {
@@ -306,6 +315,29 @@ impl std::fmt::Display for MeshFileError {
 
 impl std::error::Error for MeshFileError {}
 
+/// Extensions of the formats that are read, in small letters.
+pub const EXTENSIONS: [&str; 3] = ["msh", "inp", "vtu"];
+
+/// A mesh from a file, with what else the file has.
+#[derive(Clone, Debug)]
+pub struct Read {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// What an input file of Abaqus or CalculiX has besides, in its order; empty for other formats.
+    pub skipped: Vec<Skipped>,
+}
+
+/// Something in a file that is no part of the mesh.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Skipped {
+    /// A keyword with its star, or elements of a type.
+    pub what: String,
+    /// Line of the first of them.
+    pub line: usize,
+    /// How many there are: keywords, or elements.
+    pub count: usize,
+}
+
 /// Reads a mesh from a file, its format by the extension.
 ///
 /// The coordinates are taken as they stand; [`Mesh::scaled`] changes their unit. [`Mesh::check`] finds the defects of
@@ -315,6 +347,14 @@ impl std::error::Error for MeshFileError {}
 /// When the file cannot be read, or is not a mesh of one body: the error names the file, the line or byte, what was
 /// found and expected.
 pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
+    read_all(path).map(|read| read.mesh)
+}
+
+/// The same with what else the file has.
+///
+/// # Errors
+/// Those of [`read`].
+pub fn read_all(path: &Path) -> Result<Read, MeshFileError> {
     let inside = |fault| MeshFileError::In { path: path.to_owned(), fault: Box::new(fault) };
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     if !EXTENSIONS.contains(&extension.as_str()) {
@@ -325,18 +365,16 @@ pub fn read(path: &Path) -> Result<Mesh, MeshFileError> {
     parse(&extension, &bytes).map_err(inside)
 }
 
-/// Extensions of the formats that are read, in small letters.
-pub const EXTENSIONS: [&str; 3] = ["msh", "inp", "vtu"];
-
 /// Reads a mesh from the bytes of a file with this extension, in small letters.
 ///
 /// # Errors
 /// Those of [`read`].
-pub fn parse(extension: &str, bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
+    let alone = |mesh: Mesh| Read { mesh, skipped: Vec::new() };
     match extension {
-        "msh" => super::gmsh::parse(bytes),
-        "inp" => super::inp::parse(bytes).map(|read| read.mesh),
-        "vtu" => super::vtu::parse(bytes),
+        "msh" => super::gmsh::parse(bytes).map(alone),
+        "inp" => super::inp::parse(bytes),
+        "vtu" => super::vtu::parse(bytes).map(alone),
         _ => Err(MeshFileError::Extension { found: extension.to_owned() }),
     }
 }

@@ -1,0 +1,395 @@
+//! `run --each`: a run for each combination of values, with one table and one picture.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use amontons::case::{self, Case};
+use amontons::output::{
+    self, Checkpoint, Folder, FolderOptions, Outcome, OutputError, RunStart, Sink, Snapshot, Summary,
+};
+use amontons::plot::{self, SweepPlot, SweepSeries};
+use amontons::run::{self, RunError, Settings};
+use serde_json::Value;
+
+use crate::arguments::{Common, Format};
+use crate::print;
+use crate::progress::Progress;
+use crate::status::Failure;
+use crate::variants::{Variant, variants};
+
+/// What a sweep is asked for besides what every run is.
+pub struct Request<'a> {
+    /// `KEY=VALUE,VALUE,…`.
+    pub each: &'a [String],
+    /// Runs at a time.
+    pub jobs: usize,
+    pub pictures: bool,
+    pub certificate: bool,
+}
+
+/// A run of the sweep.
+struct Part {
+    variant: Variant,
+    case: Case,
+    folder: PathBuf,
+}
+
+/// What the runs have in common.
+struct Sweep<'a> {
+    request: &'a Request<'a>,
+    common: &'a Common,
+    progress: &'a Progress,
+    flag: Arc<AtomicBool>,
+    /// Steps made by all runs.
+    made: AtomicUsize,
+    threads: usize,
+}
+
+/// Makes the runs of all combinations. What an earlier sweep has done is taken as it is, and what it has begun goes on.
+pub fn execute(file: &Path, request: &Request, common: &Common) -> Result<(), Failure> {
+    let source = common.source(file)?;
+    let name = case::parse(&source, &common.set)?.problem.name.clone();
+    let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(format!("{name}-sweep")));
+    // Faults of all cases are told before the first run begins.
+    let parts = variants(request.each)?.into_iter().map(|variant| {
+        let overrides: Vec<String> = common.set.iter().cloned().chain(variant.overrides()).collect();
+        let case = case::parse(&source, &overrides)?;
+        Ok(Part { folder: out.join(&variant.folder), variant, case })
+    });
+    let parts = parts.collect::<Result<Vec<Part>, Failure>>()?;
+    let progress = Progress::new(common);
+    progress.part(&format!("{} runs", parts.len()), parts.iter().map(|part| part.case.problem.steps).sum());
+    progress.begin_steps();
+    let jobs = request.jobs.clamp(1, parts.len().max(1));
+    let sweep = Sweep {
+        request,
+        common,
+        progress: &progress,
+        flag: progress.interrupt_flag(),
+        made: AtomicUsize::new(0),
+        threads: (rayon::current_num_threads() / jobs).max(1),
+    };
+    let results = sweep.all(&parts, jobs);
+    drop(progress);
+    let rows: Vec<Row> = parts.iter().zip(&results).map(|(part, result)| Row::new(part, result)).collect();
+    let table = Table::new(&rows);
+    table.write(&out)?;
+    picture(&name, &rows, &table, &out)?;
+    if common.format == Format::Json {
+        print::json(&table.json(&out))?;
+    } else if !common.quiet {
+        print::text(&table.text(&name, &out))?;
+    }
+    results.into_iter().find_map(Result::err).map_or(Ok(()), Err)
+}
+
+impl Sweep<'_> {
+    /// The results of all parts, some at a time; each run has a share of the threads.
+    fn all(&self, parts: &[Part], jobs: usize) -> Vec<Result<Summary, Failure>> {
+        let next = AtomicUsize::new(0);
+        let results: Mutex<BTreeMap<usize, Result<Summary, Failure>>> = Mutex::default();
+        let work = || {
+            while let Some((number, part)) = {
+                let number = next.fetch_add(1, Ordering::Relaxed);
+                parts.get(number).map(|part| (number, part))
+            } {
+                let result = self.one(part);
+                results.lock().unwrap_or_else(PoisonError::into_inner).insert(number, result);
+            }
+        };
+        std::thread::scope(|scope| {
+            for _ in 1..jobs {
+                scope.spawn(work);
+            }
+            work();
+        });
+        results.into_inner().unwrap_or_else(PoisonError::into_inner).into_values().collect()
+    }
+
+    /// A run in its own folder: skipped if it is done, continued from its checkpoint if it has one, otherwise started.
+    fn one(&self, part: &Part) -> Result<Summary, Failure> {
+        let Part { case, folder, .. } = part;
+        if let Some(summary) = output::finished_run(folder, &case.fingerprint()).filter(|_| !self.common.force) {
+            self.made.fetch_add(case.problem.steps, Ordering::Relaxed);
+            return Ok(summary);
+        }
+        let certificate = self.request.certificate;
+        let settings = Settings {
+            threads: Some(self.threads),
+            interrupt: Some(Arc::clone(&self.flag)),
+            certificate,
+            known: output::known_certificate(folder, &case.fingerprint()),
+            ..Settings::default()
+        };
+        let options = FolderOptions { force: self.common.force, certificate, ..case.folder_options() };
+        let mut count = Count(self);
+        let checkpoint = match Checkpoint::read(folder, &case.identity()) {
+            Ok(checkpoint) if !self.common.force => checkpoint,
+            // Results of another case are refused where the folder is made.
+            _ => None,
+        };
+        let result = match checkpoint {
+            Some(checkpoint) => {
+                let mut results = Folder::reopen(folder, options)?;
+                run::resume(&case.problem, checkpoint, &settings, &mut [&mut results, &mut count])
+            }
+            None => {
+                let mut results = Folder::create(folder, options)?;
+                run::run(&case.problem, &settings, &mut [&mut results, &mut count])
+            }
+        };
+        let result = result.map_err(|error| {
+            let again = "the same command goes on where it stopped";
+            let hint = match &error {
+                RunError::Interrupted(_) => again.to_owned(),
+                _ => format!("{}: results up to the step before are in {}", part.variant.folder, folder.display()),
+            };
+            Failure::Run { error, hint: Some(hint) }
+        })?;
+        if self.request.pictures {
+            plot::folder(folder, &plot::Options::default())?;
+        }
+        Ok(result)
+    }
+}
+
+/// Counts the steps of all runs.
+struct Count<'a, 'b>(&'a Sweep<'b>);
+
+impl Sink for Count<'_, '_> {
+    fn start(&mut self, start: &RunStart) -> Result<(), OutputError> {
+        self.0.made.fetch_add(start.from.state.step, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn step(&mut self, _now: &Snapshot) -> Result<(), OutputError> {
+        self.0.progress.done(self.0.made.fetch_add(1, Ordering::Relaxed) + 1);
+        Ok(())
+    }
+
+    fn last(&mut self, _last: &Snapshot) -> Result<(), OutputError> {
+        Ok(())
+    }
+
+    fn finish(&mut self, _summary: &Summary) -> Result<(), OutputError> {
+        Ok(())
+    }
+}
+
+/// A row of the table.
+struct Row {
+    folder: String,
+    values: Vec<(String, String)>,
+    outcome: String,
+    /// Figures of the last good step by their path in `summary.json`; empty if there is none.
+    figures: BTreeMap<String, f64>,
+    summary: Option<Summary>,
+}
+
+impl Row {
+    fn new(part: &Part, result: &Result<Summary, Failure>) -> Row {
+        let summary = match result {
+            Ok(summary) => Some(summary),
+            Err(Failure::Run {
+                error: RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary),
+                ..
+            }) => Some(&**summary),
+            Err(_) => None,
+        };
+        let mut figures = BTreeMap::new();
+        if let Some(summary) = summary {
+            figures.insert("steps".to_owned(), summary.steps as f64);
+            figures.insert("seconds".to_owned(), summary.seconds.total);
+            let value = serde_json::to_value(summary).unwrap_or_default();
+            flatten("final", &value["final"], &mut figures);
+            flatten("energy", &value["energy"], &mut figures);
+        }
+        for (name, value) in probes(&part.folder) {
+            figures.insert(format!("probes.{name}"), value);
+        }
+        let outcome = match (summary, result) {
+            (Some(summary), _) => word(summary.outcome).to_owned(),
+            (None, Err(failure)) => format!("failed: {}", failure.message()),
+            (None, Ok(_)) => String::new(),
+        };
+        Row {
+            folder: part.variant.folder.clone(),
+            values: part.variant.values.clone(),
+            outcome,
+            figures,
+            summary: summary.cloned(),
+        }
+    }
+}
+
+fn word(outcome: Outcome) -> &'static str {
+    match outcome {
+        Outcome::Done => "done",
+        Outcome::NotConverged => "not converged",
+        Outcome::Interrupted => "interrupted",
+        Outcome::Unsound => "unsound",
+    }
+}
+
+/// The numbers of a value by their paths.
+fn flatten(path: &str, value: &Value, into: &mut BTreeMap<String, f64>) {
+    match value {
+        Value::Number(number) => {
+            into.extend(number.as_f64().map(|number| (path.to_owned(), number)));
+        }
+        Value::Array(entries) => {
+            entries.iter().enumerate().for_each(|(i, entry)| flatten(&format!("{path}.{i}"), entry, into));
+        }
+        Value::Object(entries) => {
+            entries.iter().for_each(|(key, entry)| flatten(&format!("{path}.{key}"), entry, into));
+        }
+        _ => {}
+    }
+}
+
+/// The last row of `probes.csv`, if there is one.
+fn probes(folder: &Path) -> Vec<(String, f64)> {
+    let text = fs::read_to_string(folder.join("probes.csv")).unwrap_or_default();
+    let (Some(head), Some(last)) = (text.lines().next(), text.lines().last()) else { return Vec::new() };
+    let cells = head.split(',').zip(last.split(',')).filter(|(name, _)| !matches!(*name, "step" | "t"));
+    cells.filter_map(|(name, value)| Some((name.to_owned(), value.parse().ok()?))).collect()
+}
+
+/// The table of a sweep.
+struct Table<'a> {
+    rows: &'a [Row],
+    /// Names of the figures that some run has.
+    figures: Vec<String>,
+}
+
+impl<'a> Table<'a> {
+    fn new(rows: &'a [Row]) -> Table<'a> {
+        let mut figures: Vec<String> = rows.iter().flat_map(|row| row.figures.keys().cloned()).collect();
+        figures.sort();
+        figures.dedup();
+        Table { rows, figures }
+    }
+
+    fn keys(&self) -> impl Iterator<Item = &str> {
+        self.rows.first().into_iter().flat_map(|row| row.values.iter().map(|(key, _)| key.as_str()))
+    }
+
+    /// Writes `sweep.csv`.
+    fn write(&self, out: &Path) -> Result<(), Failure> {
+        let quote = |text: &str| {
+            if text.contains([',', '"', '\n']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+        };
+        let mut text =
+            ["folder"].into_iter().chain(self.keys()).chain(["outcome"]).map(quote).collect::<Vec<_>>().join(",");
+        for name in &self.figures {
+            text += &format!(",{name}");
+        }
+        for row in self.rows {
+            text += &format!("\n{}", quote(&row.folder));
+            for value in row.values.iter().map(|(_, value)| value.as_str()).chain([row.outcome.as_str()]) {
+                text += &format!(",{}", quote(value));
+            }
+            for name in &self.figures {
+                text += &row.figures.get(name).map_or_else(|| ",".to_owned(), |value| format!(",{value:?}"));
+            }
+        }
+        text.push('\n');
+        let path = out.join("sweep.csv");
+        let failed = |source| OutputError::Io { doing: "write", path: path.clone(), source };
+        fs::create_dir_all(out).map_err(failed)?;
+        // Whole or not at all.
+        let newer = out.join("sweep.csv.new");
+        fs::write(&newer, text).and_then(|()| fs::rename(&newer, &path)).map_err(failed)?;
+        Ok(())
+    }
+
+    fn json(&self, out: &Path) -> Value {
+        let runs = self.rows.iter().map(|row| {
+            let set: Vec<String> = row.values.iter().map(|(key, value)| format!("{key}={value}")).collect();
+            serde_json::json!({ "set": set, "folder": out.join(&row.folder), "outcome": row.outcome, "summary": row.summary })
+        });
+        serde_json::json!({ "runs": runs.collect::<Vec<Value>>() })
+    }
+
+    /// The table for reading, with the figures that most users ask for.
+    fn text(&self, name: &str, out: &Path) -> String {
+        let shown: Vec<&(&str, &str)> = SHOWN.iter().filter(|(figure, _)| self.varies(figure)).collect();
+        let mut cells: Vec<Vec<String>> = vec![
+            self.keys()
+                .map(str::to_owned)
+                .chain(["outcome".to_owned()])
+                .chain(shown.iter().map(|(_, title)| (*title).to_owned()))
+                .collect(),
+        ];
+        for row in self.rows {
+            let figure = |name: &str| row.figures.get(name).map_or_else(String::new, |value| format!("{value:.6e}"));
+            let values = row.values.iter().map(|(_, value)| value.clone()).chain([row.outcome.clone()]);
+            cells.push(values.chain(shown.iter().map(|(name, _)| figure(name))).collect());
+        }
+        let columns = cells.first().map_or(0, Vec::len);
+        let width = |c: usize| cells.iter().filter_map(|row| row.get(c)).map(|cell| cell.chars().count()).max();
+        let widths: Vec<usize> = (0..columns).map(|c| width(c).unwrap_or(0)).collect();
+        let lines = cells.iter().map(|row| {
+            let padded = row.iter().zip(&widths).map(|(cell, width)| format!("{cell:>width$}"));
+            format!("  {}\n", padded.collect::<Vec<_>>().join("  "))
+        });
+        format!(
+            "{name}: {} runs\n{}  table            {}\n",
+            self.rows.len(),
+            lines.collect::<String>(),
+            out.join("sweep.csv").display()
+        )
+    }
+
+    /// Whether a figure is there and differs between runs.
+    fn varies(&self, figure: &str) -> bool {
+        let mut values = self.rows.iter().filter_map(|row| row.figures.get(figure));
+        values.next().is_some_and(|first| values.any(|value| value.to_bits() != first.to_bits()))
+    }
+}
+
+/// Figures that are shown and drawn if they differ between runs, with their titles.
+const SHOWN: [(&str, &str); 8] = [
+    ("final.contact.pressure_max", "largest pressure"),
+    ("final.contact.area", "area of contact"),
+    ("final.contact.heat_flow", "heat flow"),
+    ("final.contact.wear_max", "wear depth"),
+    ("final.temperature_max", "largest temperature"),
+    ("final.von_mises_max", "von Mises stress"),
+    ("final.norms.displacement_l2", "norm of displacement"),
+    ("energy.friction_dissipation", "friction work"),
+];
+
+/// Draws the figures over the first key whose values are numbers; without one there is no picture.
+fn picture(name: &str, rows: &[Row], table: &Table, out: &Path) -> Result<(), Failure> {
+    let number = |row: &Row, key: usize| row.values.get(key).and_then(|(_, value)| value.parse::<f64>().ok());
+    let keys = table.keys().count();
+    let Some(key) = (0..keys).find(|&key| rows.iter().all(|row| number(row, key).is_some())) else { return Ok(()) };
+    let mut charts: Vec<(String, &str)> = SHOWN.iter().map(|(figure, title)| ((*figure).to_owned(), *title)).collect();
+    charts.extend(table.figures.iter().filter_map(|figure| Some((figure.clone(), figure.strip_prefix("probes.")?))));
+    charts.retain(|(figure, _)| table.varies(figure));
+    let mut series: Vec<SweepSeries> = Vec::new();
+    for (figure, title) in &charts {
+        let mut lines: BTreeMap<String, Vec<[f64; 2]>> = BTreeMap::new();
+        for row in rows {
+            let others = row.values.iter().enumerate().filter(|(k, _)| *k != key);
+            let label: Vec<String> = others
+                .map(|(_, (key, value))| format!("{} = {value}", key.rsplit('.').next().unwrap_or(key)))
+                .collect();
+            let point = number(row, key).zip(row.figures.get(figure).copied());
+            let line = lines.entry(label.join(", ")).or_default();
+            line.extend(point.filter(|(_, y)| y.is_finite()).map(|(x, y)| [x, y]));
+        }
+        series.push(SweepSeries { quantity: (*title).to_owned(), lines: lines.into_iter().collect() });
+    }
+    if series.is_empty() {
+        return Ok(());
+    }
+    let x_label = table.keys().nth(key).unwrap_or_default().to_owned();
+    let drawn = plot::sweep(&SweepPlot { title: format!("{name}: {} runs", rows.len()), x_label, series })?;
+    drawn.save(&out.join("sweep"), plot::Options::default().pixels)?;
+    Ok(())
+}

@@ -1,0 +1,230 @@
+//! What systems with a matrix take, by a factor and by an iteration, predicted from the pattern of the matrix: nothing
+//! of the size of a factor is allocated.
+
+use serde::Serialize;
+
+use super::ordering::{Ordering, column_lengths};
+use super::sparse::Graph;
+
+/// Operations per second of a factorization, and bytes that sweeps and products read per second, as measured on one
+/// core of 2026. Only their ratios decide.
+const FACTORIZATION: f64 = 4e10;
+const READING: f64 = 1e10;
+/// Share by which supernodes make a factor larger than its pattern: measured 0.04 to 0.13.
+const RELAXED: f64 = 1.15;
+/// Bytes per entry of K that an iteration holds while its levels are made, and that a product with the preconditioner
+/// reads: measured on cubes of 14 thousand to a million unknowns.
+const LEVELS: f64 = 60.0;
+const CYCLE: f64 = 25.0;
+/// Products that a step takes with contact, and what making the levels takes, in products.
+const PRODUCTS: f64 = 60.0;
+const MAKING: f64 = 35.0;
+/// Contact patterns of a step for each of which S + J is factorized; unknowns on Γ_C from which on it is not, and
+/// products with S that a step then takes.
+const PATTERNS: f64 = 3.0;
+const DENSE: f64 = 2000.0;
+const DENSE_PRODUCTS: f64 = 800.0;
+/// Bytes of a number.
+const NUMBER: f64 = 8.0;
+
+/// How often a matrix is factorized and how many steps are made with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Workload {
+    /// Matrices that are factorized.
+    pub factorizations: f64,
+    /// Steps: a pair of sweeps with the contact solved between them.
+    pub steps: f64,
+}
+
+impl Default for Workload {
+    /// One matrix, solved with a hundred times.
+    fn default() -> Workload {
+        Workload { factorizations: 1.0, steps: 100.0 }
+    }
+}
+
+/// Time and memory that a way to solve is predicted to take.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Demand {
+    /// Seconds on a core of 2026.
+    pub seconds: f64,
+    /// Bytes at the peak.
+    pub bytes: f64,
+}
+
+/// Counts on the pattern of a matrix and its factor.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Estimate {
+    /// Unknowns, and those on Γ_C.
+    pub unknowns: usize,
+    /// Unknowns on Γ_C.
+    pub contact: usize,
+    /// Entries of K.
+    pub entries: f64,
+    /// Entries of its factor.
+    pub stored: f64,
+    /// Operations of the factorization, additions and multiplications.
+    pub flops: f64,
+}
+
+impl Estimate {
+    /// Counts with the nodes in this order, `components` degrees of freedom each, of which some are free. A column of
+    /// the factor with c entries takes c² operations.
+    #[must_use]
+    pub fn of(graph: &Graph, free: &[bool], components: usize, ordering: &Ordering) -> Estimate {
+        let weights: Vec<u32> =
+            free.chunks_exact(components.max(1)).map(|node| node.iter().map(|free| u32::from(*free)).sum()).collect();
+        let of_pair = |i: usize, j: &u32| f64::from(weights[i]) * f64::from(weights[*j as usize]);
+        let entries = (0..graph.len()).map(|i| graph.row(i).iter().map(|j| of_pair(i, j)).sum::<f64>()).sum();
+        let (mut stored, mut flops) = (0.0, 0.0);
+        for (&node, length) in ordering.order.iter().zip(column_lengths(graph, ordering, &weights)) {
+            for own in 0..weights[node as usize] {
+                let c = length - f64::from(own);
+                stored += c;
+                flops += c * c;
+            }
+        }
+        let count = |nodes: &[u32]| nodes.iter().map(|&node| weights[node as usize] as usize).sum();
+        let contact = count(&ordering.order[ordering.interior..]);
+        Estimate { unknowns: count(&ordering.order), contact, entries, stored, flops }
+    }
+
+    /// With a factor whose contact unknowns are last, S dense.
+    #[must_use]
+    pub fn direct(&self, work: &Workload) -> Demand {
+        let n = self.contact as f64;
+        let on_contact = if n < DENSE {
+            PATTERNS * 2.0 / 3.0 * n.powi(3) / FACTORIZATION
+        } else {
+            DENSE_PRODUCTS * NUMBER * n * n / READING
+        };
+        let sweeps = 2.0 * NUMBER * self.stored / READING;
+        let factor = (self.flops + n.powi(3) / 3.0) / FACTORIZATION;
+        let seconds = work.factorizations * factor + work.steps * (sweeps + on_contact);
+        // The entries of K with their rows, by columns; S with its factor, and the last contact patterns.
+        let condensed = if n < DENSE { 10.0 } else { 3.0 };
+        Demand { seconds, bytes: NUMBER * (RELAXED * self.stored + condensed * n * n) + 6.0 * self.entries }
+    }
+
+    /// With conjugate gradients or GMRES and smoothed aggregation.
+    #[must_use]
+    pub fn iterative(&self, work: &Workload) -> Demand {
+        let product = CYCLE * self.entries / READING;
+        let seconds = product * (MAKING * work.factorizations + PRODUCTS * work.steps);
+        Demand { seconds, bytes: LEVELS * self.entries }
+    }
+
+    /// Operations of a step and bytes that it reads, with a factor: two sweeps and two solutions on Γ_C.
+    #[must_use]
+    pub fn direct_step(&self) -> [f64; 2] {
+        let read = 2.0 * self.stored + 2.0 * (self.contact as f64).powi(2);
+        [2.0 * read, NUMBER * read]
+    }
+
+    /// The same with an iteration, whose cycles are in single precision.
+    #[must_use]
+    pub fn iterative_step(&self) -> [f64; 2] {
+        let read = PRODUCTS * CYCLE * self.entries;
+        [0.5 * read, read]
+    }
+}
+
+/// Share of the memory that is free which the systems of a run may take.
+const SHARE: f64 = 0.85;
+
+/// How systems are solved, and what it is predicted to take.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Choice {
+    /// `direct` or `iterative`.
+    pub solver: &'static str,
+    /// In words.
+    pub why: String,
+    /// With a factor.
+    pub direct: Demand,
+    /// With an iteration.
+    pub iterative: Demand,
+}
+
+impl Choice {
+    /// The faster of both that fits into so many bytes; the smaller one where neither does.
+    #[must_use]
+    pub fn new(estimate: &Estimate, work: &Workload, free: Option<f64>) -> Choice {
+        let (direct, iterative) = (estimate.direct(work), estimate.iterative(work));
+        let fits = |demand: &Demand| free.is_none_or(|free| demand.bytes <= SHARE * free);
+        let is_direct = match (fits(&direct), fits(&iterative)) {
+            (true, false) => true,
+            (false, true) => false,
+            (true, true) => direct.seconds <= iterative.seconds,
+            (false, false) => direct.bytes <= iterative.bytes,
+        };
+        let write = |Demand { seconds, bytes }: &Demand| format!("{} and {}", duration(*seconds), size(*bytes));
+        let mut why = format!("predicted {} with a factor, {} with an iteration", write(&direct), write(&iterative));
+        if let Some(free) = free.filter(|_| !fits(&direct) || !fits(&iterative)) {
+            why += &format!("; {} are free", size(free));
+        }
+        Choice { solver: if is_direct { "direct" } else { "iterative" }, why, direct, iterative }
+    }
+
+    /// The solver that the case asks for.
+    #[must_use]
+    pub fn asked(solver: &'static str, estimate: &Estimate) -> Choice {
+        let work = Workload::default();
+        let (direct, iterative) = (estimate.direct(&work), estimate.iterative(&work));
+        Choice { solver, why: "solver.solver asks for it".to_owned(), direct, iterative }
+    }
+
+    /// What the solver chosen is predicted to take.
+    #[must_use]
+    pub fn demand(&self) -> Demand {
+        if self.is_direct() { self.direct } else { self.iterative }
+    }
+
+    /// Whether it is a factor.
+    #[must_use]
+    pub fn is_direct(&self) -> bool {
+        self.solver == "direct"
+    }
+}
+
+/// A time with two digits.
+fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.0095 => format!("{:.1} ms", 1e3 * s),
+        s if s < 0.095 => format!("{:.0} ms", 1e3 * s),
+        s if s < 9.5 => format!("{s:.1} s"),
+        s if s < 600.0 => format!("{s:.0} s"),
+        s if s < 36_000.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.0} h", s / 3600.0),
+    }
+}
+
+/// A number of bytes with two digits.
+fn size(bytes: f64) -> String {
+    let (unit, name) =
+        [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| bytes >= *unit).unwrap_or((1e3, "kB"));
+    let value = bytes / unit;
+    format!("{value:.*} {name}", usize::from(value < 9.95))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Times and memories that lie far apart decide, memory first.
+    #[test]
+    fn the_faster_one_that_fits_is_chosen() {
+        let plane = Estimate { unknowns: 130_000, contact: 514, entries: 1.8e6, stored: 1.1e7, flops: 4e9 };
+        let space = Estimate { unknowns: 105_000, contact: 3267, entries: 4.6e6, stored: 1.6e8, flops: 5e11 };
+        let work = Workload { factorizations: 1.0, steps: 4.0 };
+        let solver = |estimate: &Estimate, free: Option<f64>| Choice::new(estimate, &work, free).solver;
+        for free in [None, Some(1e12)] {
+            assert_eq!([solver(&plane, free), solver(&space, free)], ["direct", "iterative"]);
+        }
+        // 1.1e7 numbers of 8 bytes and more do not fit beside an iteration's 1.1e8 bytes the other way round.
+        assert_eq!(solver(&Estimate { stored: 1e9, flops: 0.0, ..plane }, Some(1e9)), "iterative");
+        assert_eq!(solver(&Estimate { entries: 4e9, ..space }, Some(4e9)), "direct");
+        let none = Choice::new(&space, &work, Some(1e6));
+        assert_eq!(none.solver, "iterative");
+        assert!(none.why.ends_with("; 1.0 MB are free"), "{}", none.why);
+    }
+}

@@ -1,0 +1,88 @@
+//! What a mesh has, before there is a case: cells, regions, sides, and whether they are sound.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::{area, integral};
+use crate::mesh::Mesh;
+use crate::mesh::defects::{components, defects};
+use crate::tensor::Point;
+
+/// The contents of a mesh. Lengths are in the unit of its coordinates; in two dimensions volumes and areas are per unit
+/// of thickness, those of a body of revolution are of the whole body.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct MeshModel {
+    /// Dimension d.
+    pub dimension: usize,
+    /// Whether it is the half section of a body of revolution.
+    pub axisymmetric: bool,
+    /// Number of nodes.
+    pub nodes: usize,
+    /// Number of cells of each element type.
+    pub cells: BTreeMap<&'static str, usize>,
+    /// Least and largest coordinates.
+    #[serde(rename = "box")]
+    pub bounds: [Vec<f64>; 2],
+    /// Parts that hang together by common nodes.
+    pub parts: usize,
+    /// Cells and volume of each region, in the order of the mesh.
+    pub regions: Vec<Size>,
+    /// Facets and area of each side, by name.
+    pub sides: Vec<Size>,
+    /// Facets of the boundary in no side.
+    pub unnamed_facets: usize,
+    /// The worst quality of a cell, from 0 (flat) to 1 (regular), and the centre of this cell.
+    pub quality: (f64, Point),
+    /// Faults of cells and sides, each in words; a run refuses those of cells, and those of sides that it uses.
+    pub defects: Vec<String>,
+}
+
+/// The size of a region or a side.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Size {
+    /// Its name.
+    pub name: String,
+    /// Number of its cells or facets.
+    pub count: usize,
+    /// Its volume or area.
+    pub measure: f64,
+}
+
+impl MeshModel {
+    /// Measures a mesh.
+    #[must_use]
+    pub fn new(mesh: &Mesh) -> MeshModel {
+        let bound = |fold: fn(f64, f64) -> f64, start: f64| {
+            (0..mesh.dim).map(|d| mesh.points.iter().map(|p| p[d]).fold(start, fold)).collect()
+        };
+        let mut cells = BTreeMap::new();
+        for block in &mesh.blocks {
+            *cells.entry(block.element.name).or_insert(0) += block.len();
+        }
+        let region = |(number, name): (usize, &String)| {
+            let blocks = mesh.blocks.iter().filter(|block| block.region == number);
+            let (count, measure) = blocks.fold((0, 0.0), |(count, measure), block| {
+                (count + block.len(), measure + integral(mesh, block, |_| 1.0))
+            });
+            Size { name: name.clone(), count, measure }
+        };
+        MeshModel {
+            dimension: mesh.dim,
+            axisymmetric: mesh.axisymmetric,
+            nodes: mesh.points.len(),
+            cells,
+            bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
+            parts: components(mesh).len(),
+            regions: mesh.regions.iter().enumerate().map(region).collect(),
+            sides: mesh
+                .facets
+                .iter()
+                .map(|(name, set)| Size { name: name.clone(), count: set.len(), measure: area(mesh, set) })
+                .collect(),
+            unnamed_facets: mesh.unnamed_boundary_facets(),
+            quality: mesh.worst_quality(),
+            defects: defects(mesh).iter().map(ToString::to_string).collect(),
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Writing an unstructured grid, its arrays compressed by zlib.
+
+use std::borrow::Cow;
+use std::io::{self, Write};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use miniz_oxide::deflate::compress_to_vec_zlib;
+use rayon::prelude::*;
+
+/// Bytes that are compressed at once, as VTK does it: blocks are independent, so that threads share them.
+const BLOCK: usize = 1 << 15;
+/// Level of compression: the fastest. Reals compress little on any level, node numbers much on every.
+const LEVEL: u8 = 1;
+
+/// An array of numbers with its name.
+pub(crate) struct Written<'a> {
+    pub name: Cow<'a, str>,
+    pub components: usize,
+    pub values: Values<'a>,
+}
+
+/// Numbers of an array.
+pub(crate) enum Values<'a> {
+    Reals(Cow<'a, [f64]>),
+    /// Node numbers and the like, which may be beyond 32 bits.
+    Counts(Vec<i64>),
+    Codes(Vec<u8>),
+}
+
+impl<'a> Written<'a> {
+    /// An array of reals.
+    pub fn reals(name: impl Into<Cow<'a, str>>, components: usize, values: impl Into<Cow<'a, [f64]>>) -> Written<'a> {
+        Written { name: name.into(), components, values: Values::Reals(values.into()) }
+    }
+
+    /// An array of whole numbers.
+    pub fn counts(name: &'a str, values: Vec<i64>) -> Written<'a> {
+        Written { name: name.into(), components: 1, values: Values::Counts(values) }
+    }
+
+    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let (kind, bytes): (_, Vec<u8>) = match &self.values {
+            Values::Reals(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+            Values::Counts(values) => ("Int64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+            Values::Codes(values) => ("UInt8", values.clone()),
+        };
+        let Written { name, components, .. } = self;
+        write!(
+            out,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
+        )?;
+        let (header, data) = packed(&bytes);
+        out.write_all(STANDARD.encode(header).as_bytes())?;
+        out.write_all(STANDARD.encode(data).as_bytes())?;
+        writeln!(out, "</DataArray>")
+    }
+}
+
+/// The header of compressed data and the data: the number of blocks, the size of a block, that of the last one if it is
+/// shorter, and the compressed size of each.
+fn packed(bytes: &[u8]) -> (Vec<u8>, Vec<u8>) {
+    let blocks: Vec<Vec<u8>> = bytes.par_chunks(BLOCK).map(|block| compress_to_vec_zlib(block, LEVEL)).collect();
+    let sizes = blocks.iter().map(Vec::len);
+    let header = [blocks.len(), BLOCK, bytes.len() % BLOCK].into_iter().chain(sizes);
+    (header.flat_map(|count| (count as u64).to_le_bytes()).collect(), blocks.concat())
+}
+
+/// The cells of a grid.
+pub(crate) struct Cells {
+    pub connectivity: Vec<i64>,
+    /// Where the nodes of each cell end.
+    pub ends: Vec<i64>,
+    /// Cell types of VTK.
+    pub types: Vec<u8>,
+}
+
+/// Writes a grid with data at its points and cells.
+///
+/// # Errors
+/// When the destination cannot be written.
+pub(crate) fn write(
+    out: &mut dyn Write,
+    points: &[[f64; 3]],
+    cells: Cells,
+    point_data: &[Written],
+    cell_data: &[Written],
+) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\"?>")?;
+    writeln!(
+        out,
+        "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">"
+    )?;
+    writeln!(out, "<UnstructuredGrid>")?;
+    writeln!(out, "<Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">", points.len(), cells.types.len())?;
+    let section = |out: &mut dyn Write, name: &str, arrays: &[Written]| -> io::Result<()> {
+        writeln!(out, "<{name}>")?;
+        arrays.iter().try_for_each(|array| array.write(out))?;
+        writeln!(out, "</{name}>")
+    };
+    section(out, "PointData", point_data)?;
+    section(out, "CellData", cell_data)?;
+    section(out, "Points", &[Written::reals("Points", 3, points.as_flattened())])?;
+    let Cells { connectivity, ends, types } = cells;
+    let types = Written { name: "types".into(), components: 1, values: Values::Codes(types) };
+    let cells = [Written::counts("connectivity", connectivity), Written::counts("offsets", ends), types];
+    section(out, "Cells", &cells)?;
+    writeln!(out, "</Piece>\n</UnstructuredGrid>\n</VTKFile>")
+}
