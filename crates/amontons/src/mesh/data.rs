@@ -56,8 +56,8 @@ impl MeshData {
         self.mesh.dim
     }
 
-    /// The same data as those of a surface in a space of one dimension more than its cells: a point has the value of the
-    /// point of the surface that it lies above, if that is near.
+    /// The same data as those of a surface in a space of one dimension more than its cells: a point has the value of
+    /// the point of the surface that it lies above, if that is near.
     #[must_use]
     pub fn on_surface(self) -> MeshData {
         MeshData { skin: Some(Skin::new(&self.mesh)), ..self }

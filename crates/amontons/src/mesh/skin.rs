@@ -5,7 +5,8 @@ use super::locator::{At, Grid, OUTSIDE};
 use crate::element::{Element, MAX_NODES};
 use crate::tensor::{Point, dot, length};
 
-/// Distance up to which a point belongs to a surface, as a share of the largest cell: two meshes of a curved side differ.
+/// Distance up to which a point belongs to a surface, as a share of the largest cell: two meshes of a curved side
+/// differ.
 const NEAR: f64 = 0.25;
 /// How far outside every reference cell a point may lie: above an edge that bends outward it is above no cell.
 const BESIDE: f64 = -0.1;
