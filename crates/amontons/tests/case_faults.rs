@@ -49,7 +49,7 @@ spoiled! {
 // Keys.
 spoiled! {
     unknown_key_misspelled: "density = 1.0 " => "densty = 1.0 "
-        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, heat_capacity, prony, viscosity; did you mean `density`?";
+        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, expansion_kind, heat_capacity, prony, viscosity; did you mean `density`?";
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
@@ -69,7 +69,7 @@ spoiled! {
     missing_key: "density = 1.0 " => "# "
         "paper.toml:23:1: material.density: found no such key, expected a number ≥ 0, an expression in x, y, z or data of a mesh file (density ρ in kg/m³; 0: quasistatic)";
     missing_key_of_a_law: "young = 2.0" => ""
-        "paper.toml:29:1: material.elasticity.young: found no such key, expected a number > 0, an expression in x, y, z or data of a mesh file (Young's modulus E in Pa)";
+        "paper.toml:29:1: material.elasticity.young: found no such key, expected a number > 0, an expression in x, y, z, data of a mesh file or a table over the temperature (Young's modulus E in Pa)";
     missing_name: "name = \"paper\"" => ""
         "paper.toml: name: found no such key, expected a string (name of the case and of its results folder)";
     missing_table: "[time] " => "[initial.x] #"
@@ -197,8 +197,8 @@ spoiled! {
     tensor_with_a_short_row: "coupling = [[1, 1], [1, 1]]" => "coupling = [[1, 1], [1]]"
         "paper.toml:27:12: material.coupling: found a row 2 of length 1, expected a number or a symmetric 2 × 2 matrix";
     tensor_as_a_vector: "conductivity = [[1, 0], [0, 1]]" => "conductivity = [1, 1]"
-        "paper.toml:28:17: material.conductivity[0]: found 1, expected an array, each a number, an expression in x, y, z or data of a mesh file (heat conductivity tensor 𝓚 of (2.2) in W/(m K))"
-        "paper.toml:28:20: material.conductivity[1]: found 1, expected an array, each a number, an expression in x, y, z or data of a mesh file (heat conductivity tensor 𝓚 of (2.2) in W/(m K))";
+        "paper.toml:28:17: material.conductivity[0]: found 1, expected an array, each a number, an expression in x, y, z, data of a mesh file or a table over the temperature (heat conductivity tensor 𝓚 of (2.2) in W/(m K))"
+        "paper.toml:28:20: material.conductivity[1]: found 1, expected an array, each a number, an expression in x, y, z, data of a mesh file or a table over the temperature (heat conductivity tensor 𝓚 of (2.2) in W/(m K))";
     tensor_as_a_string: "conductivity = [[1, 0], [0, 1]]" => "conductivity = \"identity\""
         "paper.toml:28:17: material.conductivity: found `identity`, expected a variable (x, y, z, t), a constant (pi, e) or a function";
     indefinite_conductivity: "conductivity = [[1, 0], [0, 1]]" => "conductivity = [[1, 0], [0, -1]]"
@@ -407,7 +407,7 @@ fn faults_of_all_gates_are_reported_together() {
     }
     let expected = [
         "paper.toml:24:11: material.density: found -1.0, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)",
-        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, heat_capacity, prony, viscosity; did you mean `heat_capacity`?",
+        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, expansion_kind, heat_capacity, prony, viscosity; did you mean `heat_capacity`?",
         "paper.toml:26:13: material.expansion: found 2.0 in row 1, column 2 but 3.0 in row 2, column 1, expected a number or a symmetric 2 × 2 matrix",
         "paper.toml:41:19: load.heat_source: found the end of the expression, expected a number, a variable, a function or `(`",
         "paper.toml:48:6: boundary[1].on: found \"lefft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?",

@@ -217,7 +217,14 @@ impl Build<'_> {
         }
         let scale = self.mesh_file.as_ref().map_or(1.0, |(_, scale)| *scale);
         match MeshData::read(&file, &bytes, name, scale) {
-            Ok(data) => Some(data.into_field(factor)),
+            Ok(data) if data.dim() == self.dim => Some(data.into_field(factor)),
+            Ok(data) if data.dim() + 1 == self.dim => Some(data.on_surface().into_field(factor)),
+            Ok(data) => {
+                let (found, dim) = (format!("cells of dimension {} in {file}", data.dim()), self.dim);
+                let side = if dim > 1 { format!(", or {} for the data of a side", dim - 1) } else { String::new() };
+                self.note(&key, At::Value, found, format!("cells of dimension {dim}, as the body{side}"), None);
+                None
+            }
             Err(error) => {
                 let message = error.to_string();
                 let (found, expected) = message.split_once(", expected ").unwrap_or((&message, "a mesh with data"));

@@ -72,7 +72,7 @@ impl Builder<'_, '_, '_> {
         });
         let prony = self.prony(&raw.prony, &elasticity);
         Material {
-            density: self.number("density", raw.density.as_ref()),
+            density: self.number("density", raw.density.clone().map(Into::into).as_ref()),
             heat_capacity,
             elasticity,
             viscosity,
@@ -202,7 +202,7 @@ impl Builder<'_, '_, '_> {
         let ratios: Vec<field::Coefficient<f64>> = raw
             .iter()
             .enumerate()
-            .map(|(i, branch)| self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio)))
+            .map(|(i, branch)| self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio.clone().into())))
             .collect();
         let varies = elasticity.graded().is_some() || ratios.iter().any(field::Coefficient::varies);
         let pairs: Vec<_> = ratios.into_iter().zip(raw).map(|(ratio, branch)| (ratio, branch.time)).collect();

@@ -2,8 +2,9 @@
 
 use std::sync::Arc;
 
-use super::locator::{Grid, Locator};
+use super::locator::{At, Grid, Locator};
 use super::read::MeshFileError;
+use super::skin::Skin;
 use super::{Block, Mesh, gmsh, vtu};
 use crate::field::Field;
 use crate::tensor::Point;
@@ -13,6 +14,8 @@ use crate::tensor::Point;
 pub struct MeshData {
     mesh: Mesh,
     grid: Arc<Grid>,
+    /// The cells as those of a surface, if they are that.
+    skin: Option<Skin>,
     values: Values,
 }
 
@@ -44,13 +47,29 @@ impl MeshData {
             axisymmetric: false,
         };
         let grid = Arc::new(Grid::new(&mesh));
-        Ok(MeshData { mesh, grid, values })
+        Ok(MeshData { mesh, grid, skin: None, values })
+    }
+
+    /// The dimension of the cells.
+    #[must_use]
+    pub fn dim(&self) -> usize {
+        self.mesh.dim
+    }
+
+    /// The same data as those of a surface in a space of one dimension more than its cells: a point has the value of
+    /// the point of the surface that it lies above, if that is near.
+    #[must_use]
+    pub fn on_surface(self) -> MeshData {
+        MeshData { skin: Some(Skin::new(&self.mesh)), ..self }
     }
 
     /// The value at a point; NaN outside the mesh. On the boundary of cells with values of their own it is the mean of
     /// those that meet there.
     #[must_use]
     pub fn value(&self, x: &Point) -> f64 {
+        if let Some(skin) = &self.skin {
+            return self.above(&skin.below(&self.mesh, x));
+        }
         let locator = Locator::of(&self.mesh, Arc::clone(&self.grid));
         match &self.values {
             Values::Cells(values) => {
@@ -65,6 +84,20 @@ impl MeshData {
                 nodes.iter().zip(shapes).map(|(&node, shape)| shape * values[node as usize]).sum()
             }),
         }
+    }
+
+    /// The mean of the values at places in cells.
+    fn above(&self, places: &[(At, Point)]) -> f64 {
+        let value = |&((block, cell), x): &(At, Point)| match &self.values {
+            Values::Cells(values) => values[block as usize][cell as usize],
+            Values::Nodes(values) => {
+                let (element, nodes) = self.mesh.cell_at((block, cell));
+                let mut shapes = vec![0.0; nodes.len()];
+                (element.shape_functions)(&x, &mut shapes);
+                nodes.iter().zip(shapes).map(|(&node, shape)| shape * values[node as usize]).sum()
+            }
+        };
+        places.iter().map(value).sum::<f64>() / places.len() as f64
     }
 
     /// The values as a field, times a factor.

@@ -24,9 +24,14 @@ pub(crate) struct Grid {
 impl Grid {
     /// Sorts the cells of a mesh.
     pub(crate) fn new(mesh: &Mesh) -> Grid {
+        Grid::of(mesh, mesh.dim)
+    }
+
+    /// Sorts the cells of a mesh by the first `dim` coordinates.
+    pub(crate) fn of(mesh: &Mesh, dim: usize) -> Grid {
         let (low, high) = bounds(mesh.points.iter());
-        let side = ((mesh.cell_count() as f64).powf(1.0 / mesh.dim as f64).ceil() as usize).max(1);
-        let count = std::array::from_fn(|d| if d < mesh.dim { side } else { 1 });
+        let side = ((mesh.cell_count() as f64).powf(1.0 / dim as f64).ceil() as usize).max(1);
+        let count = std::array::from_fn(|d| if d < dim { side } else { 1 });
         let width = std::array::from_fn(|d| ((high[d] - low[d]) / count[d] as f64).max(f64::MIN_POSITIVE));
         let mut grid = Grid { low, width, count, buckets: vec![Vec::new(); count.iter().product()] };
         for (b, block) in mesh.blocks.iter().enumerate() {
@@ -40,6 +45,11 @@ impl Grid {
             }
         }
         grid
+    }
+
+    /// Cells of the buckets that the bounding box of some points touches.
+    pub(crate) fn near<'p>(&self, points: impl Iterator<Item = &'p Point>) -> impl Iterator<Item = At> {
+        self.range(points, 0.0).into_iter().flat_map(|bucket| self.buckets[bucket].iter().copied())
     }
 
     /// Buckets that the bounding box of some points touches, the box widened by a share of itself on all sides:
@@ -59,6 +69,15 @@ impl Grid {
             }
         }
         buckets
+    }
+}
+
+impl Mesh {
+    /// Element and nodes of a cell.
+    pub(super) fn cell_at(&self, (block, cell): At) -> (&'static Element, &[u32]) {
+        let block = &self.blocks[block as usize];
+        let n = block.element.nodes.len();
+        (block.element, &block.nodes[cell as usize * n..(cell as usize + 1) * n])
     }
 }
 
@@ -96,10 +115,8 @@ impl<'a> Locator<'a> {
     }
 
     /// Element and nodes of a cell.
-    pub(crate) fn cell(&self, (block, cell): At) -> (&'static Element, &'a [u32]) {
-        let block = &self.mesh.blocks[block as usize];
-        let n = block.element.nodes.len();
-        (block.element, &block.nodes[cell as usize * n..(cell as usize + 1) * n])
+    pub(crate) fn cell(&self, at: At) -> (&'static Element, &'a [u32]) {
+        self.mesh.cell_at(at)
     }
 
     /// Nodes of the cell of a point with the values of their shape functions there; none outside the mesh.

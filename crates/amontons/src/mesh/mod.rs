@@ -15,6 +15,7 @@ mod read;
 mod refine;
 mod round;
 mod sites;
+mod skin;
 mod topology;
 pub mod vtu;
 

@@ -39,7 +39,30 @@ impl Default for Datum {
     }
 }
 
-/// A coefficient of the body or of a law that is the same at all times.
+/// A coefficient of the body that is the same at all times and temperatures.
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(untagged)]
+#[schemars(title = "a number, an expression in x, y, z or data of a mesh file")]
+pub(in crate::case) enum Steady {
+    /// The same value everywhere.
+    Number(f64),
+    /// An expression in x, y, z, such as "1 + x".
+    Expression(String),
+    /// Values of the cells or nodes of a mesh file.
+    Table(Box<TableData>),
+}
+
+impl From<Steady> for Coefficient {
+    fn from(steady: Steady) -> Coefficient {
+        match steady {
+            Steady::Number(value) => Coefficient::Number(value),
+            Steady::Expression(text) => Coefficient::Expression(text),
+            Steady::Table(table) => Coefficient::Table(table),
+        }
+    }
+}
+
+/// A coefficient of the body that is the same at all times.
 #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(title = "a number, an expression in x, y, z, data of a mesh file or a table over the temperature")]

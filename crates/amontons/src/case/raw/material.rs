@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::Coefficient;
+use super::{Coefficient, Steady};
 
 /// A region of the body with a material of its own.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -27,7 +27,7 @@ pub(in crate::case) struct Material {
     /// Required for mechanics.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("minimum" = 0))]
-    pub density: Option<Coefficient>,
+    pub density: Option<Steady>,
     /// Heat capacity per volume, the factor of θ̇ in (2.4), in J/(m³ K); 0: steady heat.
     ///
     /// Density times specific heat. Required for heat.
@@ -284,7 +284,7 @@ pub(in crate::case) enum Viscosity {
 pub(in crate::case) struct Branch {
     /// Modulus of the branch divided by that of 𝓔, the long-term modulus.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub ratio: Coefficient,
+    pub ratio: Steady,
     /// Relaxation time in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub time: f64,
