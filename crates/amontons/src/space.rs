@@ -57,6 +57,13 @@ impl Space {
         Space { components, free, prescribed }
     }
 
+    /// Which components of a node are prescribed.
+    #[must_use]
+    pub fn held(&self, node: u32) -> [bool; 3] {
+        let free = |c: usize| self.free.get(node as usize * self.components + c).copied().unwrap_or(true);
+        std::array::from_fn(|c| c < self.components && !free(c))
+    }
+
     /// Number of unknowns.
     #[must_use]
     pub fn unknowns(&self) -> usize {

@@ -407,17 +407,21 @@ fn a_huge_box_is_refused_before_it_is_built() {
     assert!(message.ends_with("; take fewer cells") && message.lines().count() == 1, "{message}");
 }
 
-/// A mesh from a file has no levels to refine.
+/// Levels of a mesh from a file are the parts of each of its edges.
 #[test]
-fn a_mesh_from_a_file_is_not_refined() {
+fn a_mesh_from_a_file_is_halved() {
     let request = case::StudyRequest {
         vary: amontons::convergence::Vary::Space,
         levels: vec![2, 4],
         reference: case::ReferenceRequest::Finest,
         power: 1,
     };
-    let error = case::study(&source(body("file = \"bar.msh\"", 2)), &[], &request).unwrap_err().to_string();
-    assert_eq!(error, "a mesh from a file, expected a mesh by its kind, which can be refined");
+    let thirds = case::StudyRequest { levels: vec![2, 3], ..request.clone() };
+    let error = case::study(&source(body("file = \"bar.msh\"", 2)), &[], &thirds).unwrap_err().to_string();
+    assert_eq!(error, "level 3 of a mesh from a file, expected levels 1, 2, 4, …: the parts of each edge");
+    let halves = case::study(&source(body("file = \"bar.msh\"", 2)), &[], &request).unwrap();
+    let coarse = case::parse(&source(body("file = \"bar.msh\"", 2)), &[]).unwrap().problem.mesh.cell_count();
+    assert_eq!(halves.levels[0].problem.mesh.cell_count(), coarse << halves.levels[0].problem.mesh.dim);
     let steps = case::StudyRequest { vary: amontons::convergence::Vary::Time, ..request.clone() };
     assert!(case::study(&source(body("file = \"bar.msh\"", 2)), &[], &steps).is_ok());
     let boxes =

@@ -80,7 +80,7 @@ spoiled! {
     missing_side: "on = \"left\"\n" => ""
         "paper.toml:47:1: boundary[1].on: found no such key, expected a string (name of the side)";
     missing_mesh_kind: "kind = \"rectangle\"" => ""
-        "paper.toml:13:1: mesh.kind: found no such key, expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\" or \"cylinder\", or the key `file`";
+        "paper.toml:13:1: mesh.kind: found no such key, expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\", \"cylinder\" or \"blocks\", or the key `file`";
 }
 
 // Types.
@@ -173,13 +173,13 @@ spoiled! {
     unknown_law: "law = \"isotropic\"" => "law = \"neo-hooke\""
         "paper.toml:30:7: material.elasticity.law: found \"neo-hooke\", expected \"isotropic\", \"orthotropic\", \"anisotropic\", \"von-mises-projection\" or \"hencky\"";
     misspelled_law: "law = \"coulomb\"" => "law = \"coulom\""
-        "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\", \"coulomb\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"coulomb\"?";
+        "paper.toml:61:20: contact.friction.law: found \"coulom\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"coulomb\"?";
     law_with_capitals: "law = \"compliance\"" => "law = \"Compliance\""
         "paper.toml:60:18: contact.normal.law: found \"Compliance\", expected \"compliance\", \"power\", \"table\", \"stop\", \"signorini\", \"bilateral\", \"damped\", \"hunt-crossley\", \"softening\" or \"adhesion\"; did you mean \"compliance\"?";
     law_that_is_a_number: "law = \"ramp\"" => "law = 3"
-        "paper.toml:62:16: contact.heat.law: found 3, expected \"none\", \"ramp\", \"power\", \"pressure\", \"gap\", \"radiation\" or \"sum\"";
+        "paper.toml:62:16: contact.heat.law: found 3, expected \"none\", \"constant\", \"ramp\", \"power\", \"pressure\", \"gap\", \"radiation\" or \"sum\"";
     unknown_mesh_kind: "kind = \"rectangle\"" => "kind = \"rectangl\""
-        "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\" or \"cylinder\", or the key `file`; did you mean \"rectangle\"?";
+        "paper.toml:14:8: mesh.kind: found \"rectangl\", expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\", \"cylinder\" or \"blocks\", or the key `file`; did you mean \"rectangle\"?";
     misspelled_word: "stress_state = \"plane-stress\"" => "stress_state = \"plane stress\""
         "paper.toml:33:16: material.elasticity.stress_state: found \"plane stress\", expected \"plane-stress\" or \"plane-strain\" (plane stress or plane strain, for bodies of one and two dimensions); did you mean \"plane-stress\"?";
     unknown_word: "quadrature = \"nodal\"" => "quadrature = \"simpson\""
@@ -301,7 +301,7 @@ spoiled! {
     set_wrong_in_vector: "" => "" set "boundary.1.traction[0]=\"x+\""
         "--set boundary.1.traction[0]=\"x+\": boundary[1].traction[0]: found the end of the expression, expected a number, a variable, a function or `(`";
     set_bad_law: "" => "" set "contact.friction.law=trescas"
-        "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"tresca\"?";
+        "--set contact.friction.law=trescas: contact.friction.law: found \"trescas\", expected \"none\", \"coulomb\", \"stick\", \"tresca\", \"static-kinetic\", \"slip-rate\", \"temperature\", \"pressure\" or \"orthotropic\"; did you mean \"tresca\"?";
     set_missing: "initial]" => "initia]" set "initial.temprature=5"
         "paper.toml:64:2: initia: found an unknown key, expected one of boundary, contact, exact, expected, initial, load, material, mesh, name, output, probe, region, scheme, solver, time, units, verify; did you mean `initial`?"
         "--set initial.temprature=5: initial.temprature: found an unknown key, expected one of displacement, temperature, velocity; did you mean `temperature`?";
@@ -580,7 +580,7 @@ spoiled! {
     contact_twice_on_a_side: "[contact]  " => "[[contact]]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]  "
         "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected each side in one [[contact]] entry; merge it with entry 1 of the file, which is on the same side";
     contact_unknown_key_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nfrction = 1 #"
-        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of foundation, foundation_velocity, friction, frictional_heat, gap, heat, normal, obstacle, on, quadrature, wear; did you mean `friction`?";
+        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of close, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, nonmortar, normal, obstacle, on, quadrature, wear, with; did you mean `friction`?";
     contact_law_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nwear = { law = \"archard\", coefficient = -1 } #"
         "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness)";
     foundation_surroundings_in_space: "" => "" set "contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }"

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use super::effusivity::Effusivities;
 use super::files::{Files, Loader};
 use super::nearest::nearest;
 use super::path::{Doubtful, Path, Segment};
@@ -34,6 +35,12 @@ pub(super) fn problem(
     notes: Notes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
+    // The iteration does not know of pairs.
+    let has_pairs = raw.contact.iter().flat_map(raw::Contacts::each).any(|(_, contact)| contact.with.is_some());
+    let solver = match raw.solver.solver {
+        raw::Backend::Auto if has_pairs => raw::Backend::Direct,
+        solver => solver,
+    };
     let mut build = Build {
         findings: Vec::new(),
         doubtful: notes.doubtful,
@@ -43,7 +50,7 @@ pub(super) fn problem(
         is_sound: notes.doubtful.is_empty(),
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
-        solver: raw.solver.solver,
+        solver,
         end: raw.time.end,
         steps: raw.time.steps,
         has_other_end,
@@ -56,6 +63,8 @@ pub(super) fn problem(
     build.dim = mesh.dim;
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
+    let bodies = materials.clone();
+    let effusivities = Effusivities::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
         name: raw.name,
@@ -72,14 +81,14 @@ pub(super) fn problem(
             .contact
             .map_or_else(Vec::new, raw::Contacts::all)
             .into_iter()
-            .map(|(path, c)| build.contact(&path, c, &mesh))
+            .map(|(path, c)| build.contact(&path, c, &mesh, &effusivities))
             .collect(),
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),
         backend: Arc::new(Supernodal),
     };
-    data.backend = backend(raw.solver.solver, &data);
+    data.backend = backend(solver, &data);
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));

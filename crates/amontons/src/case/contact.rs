@@ -4,20 +4,24 @@ use std::sync::Arc;
 
 use super::build::{Build, side};
 use super::coefficient::{Plan, Sites};
+use super::effusivity::Effusivities;
 use super::laws::{self, Keyed};
 use super::place::At;
 use super::raw::{self, Datum};
 use crate::contact::{
-    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Quadrature,
-    Signorini, Sum, WearLaw,
+    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Pair,
+    Quadrature, Signorini, Sum, WearLaw,
 };
 use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
 use crate::tensor::Point;
 
 impl Build<'_> {
-    pub fn contact(&mut self, path: &str, raw: raw::Contact, mesh: &Mesh) -> Contact {
-        let points = side(mesh, &raw.on);
+    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, effusivities: &Effusivities) -> Contact {
+        self.partition(path, &mut raw, effusivities);
+        let pair = self.pair(path, &raw, mesh);
+        let bearing = pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&raw.on, |pair| &pair.with).clone();
+        let (points, is_pair) = (side(mesh, &bearing), pair.is_some());
         if !raw.foundation_velocity.is_empty() && raw.foundation_velocity.len() != self.dim {
             self.wants_components(&format!("{path}.foundation_velocity"), raw.foundation_velocity.len());
         }
@@ -26,15 +30,16 @@ impl Build<'_> {
             raw::Quadrature::Gauss => Quadrature::Gauss,
         };
         let sites = Sites::new(|| {
-            let set = mesh.facets.get(&raw.on);
+            let set = mesh.facets.get(&bearing).filter(|_| !is_pair);
             let at_points = set.map(|set| ContactBoundary::new(mesh, set, quadrature).points).unwrap_or_default();
             points.iter().copied().chain(at_points.into_iter().map(|point| point.x)).collect()
         });
-        let (heat, foundation_temperature) = self.exchange(path, raw.heat, &raw.frictional_heat, &sites);
+        let (heat, foundation_temperature) =
+            self.exchange(path, raw.heat, (&raw.frictional_heat, pair.as_ref()), &sites);
         let foundation_temperature = foundation_temperature
             .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
-            gap: self.field(&format!("{path}.gap"), &raw.gap, &points),
+            gap: self.field(&format!("{path}.gap"), &raw.gap.unwrap_or_default(), &points),
             quadrature,
             normal: self.normal(path, &raw.normal, &sites),
             friction: self.friction(path, &raw.friction, &sites),
@@ -45,6 +50,7 @@ impl Build<'_> {
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),
             on: raw.on.clone(),
+            pair,
         }
     }
 
@@ -53,7 +59,7 @@ impl Build<'_> {
         &mut self,
         path: &str,
         raw: raw::Heat,
-        frictional: &Datum,
+        (frictional, pair): (&Datum, Option<&Pair>),
         sites: &Sites,
     ) -> (Arc<dyn HeatLaw>, Option<Datum>) {
         let is_sum = matches!(raw, raw::Heat::Sum { .. });
@@ -64,8 +70,9 @@ impl Build<'_> {
             let (coefficients, make) = laws::heat(term);
             all.push(self.heat(&at, coefficients, make, sites));
         }
-        if !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
-            let (coefficients, make) = laws::frictional_heat(frictional);
+        let is_other = pair.is_some_and(|pair| pair.on_is_mortar);
+        if is_other || !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
+            let (coefficients, make) = laws::frictional_heat(frictional, is_other);
             all.push(self.heat(path, coefficients, make, sites));
         }
         let only = if all.len() < 2 { all.pop() } else { None };
@@ -121,21 +128,15 @@ impl Build<'_> {
     }
 
     fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Arc<dyn NormalLaw> {
-        let path = format!("{path}.normal");
-        let (keyed, make) = laws::normal(raw);
-        let fields = keyed
-            .into_iter()
-            .map(|(key, coefficient)| self.steady_coefficient(&format!("{path}.{key}"), coefficient, sites))
-            .collect();
-        let plan = Plan::new(fields, make);
-        let made = if self.holds(&path, &plan, sites) { plan.at(&[0.0; 3], 0.0).ok() } else { None };
-        match made {
-            Some(law) if !plan.varies() => law,
-            None if !plan.varies() => Arc::new(Signorini),
-            _ => Arc::new(Graded::normal(sites.points(), move |x| {
-                plan.at(x, 0.0).unwrap_or_else(|_| Arc::new(Signorini))
-            })),
+        let (coefficients, make) = laws::normal(raw);
+        let nothing = || -> Arc<dyn NormalLaw> { Arc::new(Signorini) };
+        let Some(plan) = self.plan(&format!("{path}.normal"), coefficients, make, sites) else { return nothing() };
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
         }
+        let times = self.times(plan.changes());
+        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Signorini));
+        Arc::new(Graded::normal_in_time(sites.points(), &times, at))
     }
 
     fn friction(&mut self, path: &str, raw: &raw::Friction, sites: &Sites) -> Arc<dyn FrictionLaw> {

@@ -3,12 +3,12 @@
 use std::sync::Arc;
 
 use super::coefficient::Refusal;
-use super::raw::{Coefficient, Datum, Friction, HeatTerm, Normal, Wear};
+use super::raw::{Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
-    Adhesion, Archard, Bilateral, Capped, Compliance, Coulomb, Damped, FrictionLaw, FrictionalHeat, Frictionless,
-    GapConduction, HeatLaw, HuntCrossley, NormalLaw, Orthotropic, PiecewiseLinear, Power, PowerConductance,
-    PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp, Signorini, Softening, StaticKinetic, Stop,
-    TableFault, Tabulated, Tresca, Variable, WearLaw,
+    Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw,
+    FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip, NormalLaw, Orthotropic,
+    PiecewiseLinear, Power, PowerConductance, PressureConductance, PressureTable, PressureTableFault, Radiation, Ramp,
+    Signorini, Softening, StaticKinetic, Stop, TableFault, Tabulated, Tresca, Variable, WearLaw,
 };
 
 /// Coefficients with their keys below the law, in the order in which the law takes their values.
@@ -27,10 +27,10 @@ fn times(values: &[f64], factor: f64) -> Vec<f64> {
 }
 
 /// What a law of the pressure takes and makes.
-type NormalPlan<'a> = (Vec<(String, &'a Coefficient)>, Make<Arc<dyn NormalLaw>>);
+type NormalPlan<'a> = (Keyed<'a>, Make<Arc<dyn NormalLaw>>);
 
 fn normal_law<'a, L: NormalLaw + 'static>(
-    coefficients: &[(&str, &'a Coefficient)],
+    coefficients: &[(&str, &'a Datum)],
     law: impl Fn(&[f64]) -> L + Send + Sync + 'static,
 ) -> NormalPlan<'a> {
     (keyed(coefficients), Box::new(move |v| Ok(Arc::new(law(v)))))
@@ -120,6 +120,7 @@ fn capped<'a>(
 pub(super) fn friction(raw: &Friction) -> FrictionPlan<'_> {
     match raw {
         Friction::None => (Vec::new(), Box::new(|_| Ok(Arc::new(Frictionless)))),
+        Friction::Stick => (Vec::new(), Box::new(|_| Ok(Arc::new(NoSlip)))),
         Friction::Coulomb { coefficient, cap } => {
             capped(&[("coefficient", coefficient)], cap.as_ref(), |v| Ok(Arc::new(Coulomb { coefficient: v[0] })))
         }
@@ -217,6 +218,12 @@ fn heat_law<'a, L: HeatLaw + 'static>(
 /// One law of heat exchange.
 pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
     match raw {
+        HeatTerm::Constant { conductance, truncation } => {
+            heat_law(&[("conductance", conductance)], truncation.as_ref(), |v, truncation| ConstantConductance {
+                conductance: v[0],
+                truncation,
+            })
+        }
         HeatTerm::Ramp { conductance, width, truncation } => {
             heat_law(&[("conductance", conductance), ("width", width)], truncation.as_ref(), |v, truncation| Ramp {
                 conductance: v[0],
@@ -250,9 +257,11 @@ pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
     }
 }
 
-/// The share of friction heat that enters the body.
-pub(super) fn frictional_heat(partition: &Datum) -> HeatPlan<'_> {
-    heat_law(&[("frictional_heat", partition)], None, |v, _| FrictionalHeat { partition: v[0] })
+/// The share of friction heat that enters the side of the contact points: the share given, or what that leaves.
+pub(super) fn frictional_heat(partition: &Datum, is_other: bool) -> HeatPlan<'_> {
+    heat_law(&[("frictional_heat", partition)], None, move |v, _| FrictionalHeat {
+        partition: if is_other { 1.0 - v[0] } else { v[0] },
+    })
 }
 
 /// What a law of wear takes and makes.

@@ -14,13 +14,14 @@ use crate::mesh::{self, Diagonal, Elements, Mesh, MeshError};
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
 
-/// Cells per direction of a generated mesh, none of a mesh from a file.
+/// Cells per direction of a generated mesh, none of several blocks; of a mesh from a file the parts of each edge.
 pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
     match *raw {
         raw::Mesh::Interval { n, .. } => vec![n],
         raw::Mesh::Rectangle { n, .. } | raw::Mesh::Disc { n, .. } | raw::Mesh::Ring { n, .. } => n.each().to_vec(),
         raw::Mesh::Box { n, .. } | raw::Mesh::Cylinder { n, .. } => n.each().to_vec(),
-        raw::Mesh::File { .. } => Vec::new(),
+        raw::Mesh::File { refine, .. } => vec![1 << refine],
+        raw::Mesh::Blocks { .. } => Vec::new(),
     }
 }
 
@@ -54,7 +55,7 @@ fn empty() -> Mesh {
 }
 
 /// The generated mesh with these cells a direction.
-fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
+pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshError> {
     match (raw, cells) {
         (raw::Mesh::Interval { size, elements: e, .. }, &[n]) => Mesh::interval(*size, n, elements(*e)),
         (raw::Mesh::Rectangle { size, elements: e, diagonal: cut, origin, axisymmetric, .. }, &[nx, ny]) => {
@@ -83,21 +84,25 @@ impl Build<'_> {
     /// The mesh, or a stand-in of few cells if it cannot be had.
     pub fn mesh(&mut self, raw: &raw::Mesh, contact_on: &[&str], sides: &[&str], available: Option<Memory>) -> Mesh {
         let cells = cells(raw);
-        if let raw::Mesh::File { file, scale, axisymmetric } = raw {
+        if let raw::Mesh::File { file, scale, axisymmetric, refine } = raw {
             let mesh = self.file(file, *scale, *axisymmetric, sides);
             let mesh = mesh.filter(|mesh| {
                 let contact_nodes: usize =
                     contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
-                let demand =
-                    Demand::of(mesh.dim, mesh.points.len() as f64, contact_nodes as f64).solved_by(self.solver);
-                self.affordable(
-                    FILE,
-                    &format!("{} cells", mesh.cell_count()),
-                    "take a coarser mesh",
-                    &demand,
-                    available,
-                )
+                // Each refinement doubles the nodes along every direction.
+                let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
+                let nodes = mesh.points.len() as f64 * times(mesh.dim);
+                let contact_nodes = contact_nodes as f64 * times(mesh.dim - 1);
+                let cells = mesh.cell_count() as f64 * times(mesh.dim);
+                let demand = Demand::of(mesh.dim, nodes, contact_nodes).solved_by(self.solver);
+                self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
             });
+            let mesh = mesh.and_then(|mesh| self.refined(mesh, *refine));
+            self.no_mesh = mesh.is_none();
+            return mesh.unwrap_or_else(empty);
+        }
+        if let raw::Mesh::Blocks { blocks, axisymmetric } = raw {
+            let mesh = self.blocks(blocks, *axisymmetric, contact_on, available);
             self.no_mesh = mesh.is_none();
             return mesh.unwrap_or_else(empty);
         }
@@ -169,8 +174,28 @@ impl Build<'_> {
         defects.is_empty().then_some(mesh)
     }
 
+    /// The mesh with its edges cut in two so many times; not for a case with faults, which is not run.
+    fn refined(&mut self, mesh: Mesh, times: u32) -> Option<Mesh> {
+        let times = if self.is_sound { times } else { 0 };
+        match (0..times).try_fold(mesh, |mesh, _| mesh.refined()) {
+            Ok(mesh) => Some(mesh),
+            Err(error) => {
+                let expected = error.expected().unwrap_or_else(|| "a mesh that can be built".to_owned());
+                self.note("mesh.refine", At::Value, error.found(), expected, None);
+                None
+            }
+        }
+    }
+
     /// Whether a run on the mesh fits into memory and its nodes can be numbered.
-    fn affordable(&mut self, path: &str, what: &str, hint: &str, demand: &Demand, available: Option<Memory>) -> bool {
+    pub(super) fn affordable(
+        &mut self,
+        path: &str,
+        what: &str,
+        hint: &str,
+        demand: &Demand,
+        available: Option<Memory>,
+    ) -> bool {
         let count =
             if demand.unknowns < 1e15 { format!("{}", demand.unknowns) } else { format!("{:.3e}", demand.unknowns) };
         let found = format!("{what}: {count} unknowns");
@@ -197,10 +222,16 @@ fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
 
 /// What a run on a generated mesh needs.
 fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Demand {
+    let (dim, nodes, contact_nodes) = counts(raw, cells, contact_on);
+    Demand::of(dim, nodes, contact_nodes)
+}
+
+/// Dimension of a generated mesh, its nodes, and those on Γ_C.
+pub(super) fn counts(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> (usize, f64, f64) {
     let sum = |of: &dyn Fn(&str) -> f64| contact_on.iter().map(|side| of(side)).sum::<f64>();
     let degree = |e: raw::Elements| elements(e).degree() as f64;
     let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
-    let (dim, nodes, contact_nodes) = match (raw, cells) {
+    match (raw, cells) {
         (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), sum(&|_| 1.0)),
         (raw::Mesh::Rectangle { elements: e, diagonal: cut, .. }, &[nx, ny]) => {
             // Each crossed square has a node in the middle, and of degree 2 four more around it.
@@ -233,6 +264,5 @@ fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Demand {
             (3, section * axial, on_contact)
         }
         _ => (2, 0.0, 0.0),
-    };
-    Demand::of(dim, nodes, contact_nodes)
+    }
 }

@@ -16,11 +16,13 @@
 //! ```
 
 mod benchmark;
+mod blocks;
 mod build;
 mod check;
 mod coefficient;
 mod contact;
 mod data;
+mod effusivity;
 mod elasticity;
 mod fault;
 mod files;
@@ -32,6 +34,7 @@ mod mesh;
 mod nearest;
 mod obstacle;
 mod overrides;
+mod pair;
 mod parse;
 mod path;
 mod physics;

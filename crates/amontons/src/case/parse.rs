@@ -36,8 +36,10 @@ pub struct Case {
     pub exact: Option<Exact>,
     /// What makes the case a benchmark.
     pub verify: Option<Verify>,
-    /// Cells per direction of a generated mesh; none of a mesh from a file.
+    /// Cells per direction of a generated mesh; of a mesh from a file the parts of each of its edges.
     pub cells: Vec<usize>,
+    /// Whether the mesh is that of a file.
+    pub has_mesh_file: bool,
     /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
     pub text: String,
     /// The files that it refers to.
@@ -163,7 +165,7 @@ fn build_case(
     };
     let (every, fields, checkpoint) = (raw.output.every, build::fields(&raw.output), build::checkpoint(&raw.output));
     let expected = raw.expected.as_ref().map(build::expected);
-    let cells = mesh::cells(&raw.mesh);
+    let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));
     let doubtful = Doubtful::new(doubtful);
     let notes = build::Notes { doubtful: &doubtful, limits: &limits };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
@@ -180,6 +182,7 @@ fn build_case(
                 exact,
                 verify,
                 cells,
+                has_mesh_file,
                 text: String::new(),
                 inputs,
                 overrides: Vec::new(),

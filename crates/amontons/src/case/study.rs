@@ -78,7 +78,7 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
         return if vary == Vary::Time {
             Ok(vec![format!("time.steps={level}")])
         } else {
-            refuse("a mesh from a file", "a mesh by its kind, which can be refined")
+            refuse("a mesh of several blocks", "a mesh of one body, or one from a file")
         };
     };
     let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
@@ -93,6 +93,13 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
         }
     };
     let mesh = || -> Result<String, StudyRequestError> {
+        if case.has_mesh_file {
+            return if level.is_power_of_two() {
+                Ok(format!("mesh.refine={}", level.ilog2()))
+            } else {
+                refuse(format!("level {level} of a mesh from a file"), "levels 1, 2, 4, …: the parts of each edge")
+            };
+        }
         let mut cells = vec![level.to_string()];
         for &n in across {
             cells.push(scaled("cells across", n, 1)?.to_string());

@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
-use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, WearLaw};
+use super::mortar::{Mortar, MortarRow};
+use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::quadrature::{Rule, Shape};
 use crate::tensor::Point;
+
+#[cfg(test)]
+mod tests;
 
 /// Where the integrals over Γ_C are evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -20,13 +24,16 @@ pub enum Quadrature {
     Gauss,
 }
 
-/// Contact of one part of the boundary with the foundation: made by [`Contact::new`], its fields then set.
+/// Contact of one part of the boundary with the foundation, or with a side of a deformable body: made by
+/// [`Contact::new`], its fields then set.
 #[derive(Clone, Debug)]
 #[non_exhaustive]
 pub struct Contact {
     /// Name of the facet set that is Γ_C.
     pub on: String,
-    /// g in m.
+    /// The other side of a pair; none where the foundation is rigid.
+    pub pair: Option<Pair>,
+    /// g in m; of a pair what is added to the gap of its geometry, or given instead.
     pub gap: Field,
     /// Where the laws are evaluated.
     pub quadrature: Quadrature,
@@ -56,6 +63,7 @@ impl Contact {
     pub fn new(on: impl Into<String>, normal: impl NormalLaw + 'static) -> Contact {
         Contact {
             on: on.into(),
+            pair: None,
             gap: Field::ZERO,
             quadrature: Quadrature::Nodal,
             normal: Arc::new(normal),
@@ -67,6 +75,48 @@ impl Contact {
             wear: None,
             foundation_velocity: Vec::new(),
         }
+    }
+
+    /// The same contact against a side of a deformable body.
+    #[must_use]
+    pub fn with(self, pair: Pair) -> Contact {
+        Contact { pair: Some(pair), ..self }
+    }
+
+    /// The side that bears the contact points: of a pair the nonmortar side.
+    #[must_use]
+    pub fn bearing(&self) -> &str {
+        self.pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&self.on, |pair| &pair.with)
+    }
+
+    /// The side that the bearing one faces; none where the foundation is rigid.
+    #[must_use]
+    pub fn facing(&self) -> Option<&str> {
+        self.pair.as_ref().map(|pair| if pair.on_is_mortar { self.on.as_str() } else { pair.with.as_str() })
+    }
+
+    /// Both sides.
+    pub fn sides(&self) -> impl Iterator<Item = &str> {
+        std::iter::once(self.on.as_str()).chain(self.pair.as_ref().map(|pair| pair.with.as_str()))
+    }
+
+    /// Whether heat passes between the side and a rigid foundation.
+    #[must_use]
+    pub fn warms_from_foundation(&self) -> bool {
+        self.pair.is_none() && self.heat.conductance_bound() > 0.0
+    }
+
+    /// Factor of a force on the bearing side that makes it one on the side `on`.
+    #[must_use]
+    pub fn sign(&self) -> f64 {
+        if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
+    }
+
+    /// Whether the power of friction enters the bodies whole, as at a pair: what does not enter the bearing side enters
+    /// the other.
+    #[must_use]
+    pub fn rubs(&self) -> bool {
+        self.pair.is_some()
     }
 
     /// The same contact with this law p_τ.
@@ -86,10 +136,12 @@ impl Contact {
     pub fn at_time(&self, t: f64) -> Option<Contact> {
         let wear = self.wear.as_ref().and_then(|law| law.at_time(t));
         let (friction, heat) = (self.friction.at_time(t), self.heat.at_time(t));
-        if friction.is_none() && heat.is_none() && wear.is_none() {
+        let normal = self.normal.at_time(t);
+        if normal.is_none() && friction.is_none() && heat.is_none() && wear.is_none() {
             return None;
         }
         Some(Contact {
+            normal: normal.unwrap_or_else(|| Arc::clone(&self.normal)),
             friction: friction.unwrap_or_else(|| Arc::clone(&self.friction)),
             heat: heat.unwrap_or_else(|| Arc::clone(&self.heat)),
             wear: wear.or_else(|| self.wear.clone()),
@@ -125,12 +177,27 @@ pub struct PointOnBoundary {
     pub weight: f64,
     /// Which of the contacts of the problem this is a point of.
     pub contact: usize,
-    /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here.
+    /// Contact nodes (indices into [`ContactBoundary::nodes`]) with the value of their shape function here; of a pair
+    /// those of the other side as well, with the opposite sign, so that their sum is the jump.
     pub nodes: Vec<(usize, f64)>,
+    /// How many of these are on the side of the point; they come first.
+    pub own: usize,
+    /// The gap of the geometry of a pair in m; zero at a foundation.
+    pub gap: f64,
+    /// Whether the point bears no friction: in a pair at nodes with a displacement that is prescribed.
+    pub is_smooth: bool,
+}
+
+/// The side of one contact.
+pub enum Side<'a> {
+    /// A side that faces a rigid foundation.
+    Foundation(&'a FacetSet, Quadrature),
+    /// A pair of sides, and nodes that are contact nodes besides those of its rows.
+    Pair(Mortar, Vec<u32>),
 }
 
 /// Γ_C on a mesh.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct ContactBoundary {
     /// Mesh nodes of Γ_C, ascending.
     pub nodes: Vec<u32>,
@@ -149,15 +216,30 @@ impl ContactBoundary {
     /// point on each.
     #[must_use]
     pub fn on(mesh: &Mesh, sides: &[(&FacetSet, Quadrature)]) -> ContactBoundary {
-        let mut nodes: Vec<u32> = sides.iter().flat_map(|(set, _)| set.node_list()).collect();
+        let sides: Vec<Side> = sides.iter().map(|&(set, quadrature)| Side::Foundation(set, quadrature)).collect();
+        ContactBoundary::of(mesh, &sides)
+    }
+
+    /// The same for sides that face foundations or each other.
+    #[must_use]
+    pub fn of(mesh: &Mesh, sides: &[Side]) -> ContactBoundary {
+        let of_side = |side: &Side| match side {
+            Side::Foundation(set, _) => set.node_list(),
+            Side::Pair(mortar, kept) => {
+                let of_row = |row: &MortarRow| row.own.iter().chain(&row.other).map(|(node, _)| *node).collect();
+                mortar.rows.iter().flat_map(|row| -> Vec<u32> { of_row(row) }).chain(kept.iter().copied()).collect()
+            }
+        };
+        let mut nodes: Vec<u32> = sides.iter().flat_map(of_side).collect();
         nodes.sort_unstable();
         nodes.dedup();
         let local = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
         let mut points = Vec::new();
-        for (side, (set, quadrature)) in sides.iter().enumerate() {
-            let mut on_side = match quadrature {
-                Quadrature::Nodal => nodal_points(mesh, set, local),
-                Quadrature::Gauss => gauss_points(mesh, set, local),
+        for (side, of) in sides.iter().enumerate() {
+            let mut on_side = match of {
+                Side::Foundation(set, Quadrature::Nodal) => nodal_points(mesh, set, local),
+                Side::Foundation(set, Quadrature::Gauss) => gauss_points(mesh, set, local),
+                Side::Pair(mortar, _) => mortar.rows.iter().map(|row| pair_point(mesh, row, local)).collect(),
             };
             for point in &mut on_side {
                 point.contact = side;
@@ -165,6 +247,20 @@ impl ContactBoundary {
             points.append(&mut on_side);
         }
         ContactBoundary { nodes, points }
+    }
+
+    /// The same contact nodes with the points of some pairs, by their contacts, made anew: as many as there were.
+    #[must_use]
+    pub fn with(&self, mesh: &Mesh, pairs: &[(usize, Mortar)]) -> ContactBoundary {
+        let local = |node: u32| self.nodes.binary_search(&node).unwrap_or_else(|slot| slot);
+        let mut points = self.points.clone();
+        for (contact, mortar) in pairs {
+            let of_pair = points.iter_mut().filter(|point| point.contact == *contact);
+            for (point, row) in of_pair.zip(&mortar.rows) {
+                *point = PointOnBoundary { contact: *contact, ..pair_point(mesh, row, local) };
+            }
+        }
+        ContactBoundary { nodes: self.nodes.clone(), points }
     }
 
     /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
@@ -189,13 +285,24 @@ impl ContactBoundary {
         v
     }
 
-    /// The values of a scalar field over all nodes at the contact points.
+    /// The values of a scalar field over all nodes at the contact points, on the side that bears them.
     #[must_use]
     pub fn scalars_at(&self, values: &[f64]) -> Vec<f64> {
         let at = |point: &PointOnBoundary| {
-            point.nodes.iter().map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
+            point.nodes.iter().take(point.own).map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
         };
         self.points.iter().map(at).collect()
+    }
+
+    /// Adds Σ ω Nᵀ f of scalars at the contact points that leave one side, the first of each pair, and enter the other,
+    /// the second.
+    pub fn scatter_heat(&self, fluxes: impl Iterator<Item = [f64; 2]>, sum: &mut [f64]) {
+        for (point, [out, into]) in self.points.iter().zip(fluxes) {
+            for (i, &(node, value)) in point.nodes.iter().enumerate() {
+                let flux = if i < point.own { out } else { into };
+                sum[self.nodes[node] as usize] += point.weight * value * flux;
+            }
+        }
     }
 
     /// Adds Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, to a field with so many
@@ -208,6 +315,24 @@ impl ContactBoundary {
                 }
             }
         }
+    }
+}
+
+/// The point of a pair, its own vertex first.
+fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> PointOnBoundary {
+    let vertex = row.own.iter().filter(|(node, _)| *node == row.node);
+    let others = row.own.iter().filter(|(node, _)| *node != row.node);
+    let own = vertex.chain(others).map(|&(node, share)| (local(node), share));
+    let other = row.other.iter().map(|&(node, share)| (local(node), -share));
+    PointOnBoundary {
+        x: mesh.points[row.node as usize],
+        normal: row.normal,
+        weight: row.weight,
+        contact: 0,
+        nodes: own.chain(other).collect(),
+        own: row.own.len(),
+        gap: row.gap,
+        is_smooth: row.is_held,
     }
 }
 
@@ -224,6 +349,9 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
             weight: 0.0,
             contact: 0,
             nodes: vec![(local(n), 1.0)],
+            own: 1,
+            gap: 0.0,
+            is_smooth: false,
         })
         .collect();
     for block in &set.blocks {
@@ -319,192 +447,20 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
         for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
             for q in 0..table.len() {
                 map.at(facet, q);
-                let nodes = facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
+                let nodes: Vec<_> =
+                    facet.iter().zip(map.values()).map(|(&node, &value)| (local(node), value)).collect();
                 points.push(PointOnBoundary {
                     x: map.position,
                     normal: map.normal,
                     weight: table.weights[q] * map.area,
                     contact: 0,
+                    own: nodes.len(),
                     nodes,
+                    gap: 0.0,
+                    is_smooth: false,
                 });
             }
         }
     }
     points
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::mesh::{Diagonal, Elements, MeshError};
-
-    const EVERY: [Elements; 4] = [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2];
-
-    #[test]
-    fn weights_sum_to_the_length_and_corners_have_half() -> Result<(), MeshError> {
-        let mesh = Mesh::rectangle([2.0, 1.0], [8, 2], Diagonal::Right)?;
-        for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
-            let boundary = ContactBoundary::new(&mesh, &mesh.facets["bottom"], quadrature);
-            let sum: f64 = boundary.points.iter().map(|p| p.weight).sum();
-            assert!((sum - 2.0).abs() < 1e-14);
-            assert!(boundary.points.iter().all(|p| (p.normal[1] + 1.0).abs() < 1e-15));
-            assert_eq!(boundary.points.len(), if quadrature == Quadrature::Nodal { 9 } else { 16 });
-        }
-        let nodal = ContactBoundary::new(&mesh, &mesh.facets["bottom"], Quadrature::Nodal);
-        assert!((nodal.points[0].weight - 0.125).abs() < 1e-15 && (nodal.points[1].weight - 0.25).abs() < 1e-15);
-        Ok(())
-    }
-
-    /// Positive weights, the area, and linear functions without error, on every kind of flat facet; the Gauss points
-    /// are exact for the squares of the shape functions' degree.
-    #[test]
-    fn both_quadratures_are_exact_for_linear_functions() -> Result<(), MeshError> {
-        for elements in EVERY {
-            let line = Mesh::interval(2.0, 3, elements)?;
-            let plane = Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)?;
-            let body = Mesh::box_([2.0, 1.0, 3.0], [3, 1, 2], elements)?;
-            // ∫ 1, ∫ x, ∫ z over x = 2 of the line, and over the bottom of the others.
-            for (mesh, side, exact) in [
-                (line, "right", [1.0, 2.0, 0.0]),
-                (plane, "bottom", [2.0, 2.0, 0.0]),
-                (body, "bottom", [6.0, 6.0, 9.0]),
-            ] {
-                for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
-                    let boundary = ContactBoundary::new(&mesh, &mesh.facets[side], quadrature);
-                    assert!(boundary.points.iter().all(|p| p.weight > 0.0));
-                    let normal = if mesh.dim == 1 { [1.0, 0.0, 0.0] } else { [0.0, -1.0, 0.0] };
-                    assert!(boundary.points.iter().all(|p| (0..3).all(|d| (p.normal[d] - normal[d]).abs() < 1e-14)));
-                    let sum =
-                        |f: &dyn Fn(&Point) -> f64| boundary.points.iter().map(|p| p.weight * f(&p.x)).sum::<f64>();
-                    for (found, expected) in [sum(&|_| 1.0), sum(&|x| x[0]), sum(&|x| x[2])].into_iter().zip(exact) {
-                        assert!(
-                            (found - expected).abs() < 1e-13,
-                            "{elements:?} {quadrature:?} d = {}: {found}, expected {expected}",
-                            mesh.dim
-                        );
-                    }
-                    if quadrature == Quadrature::Gauss && mesh.dim == 3 {
-                        assert!((sum(&|x| x[0] * x[0]) - 8.0).abs() < 1e-12);
-                    }
-                    // The values at a point sum to one and give back its place.
-                    for point in &boundary.points {
-                        let x: f64 =
-                            point.nodes.iter().map(|&(i, v)| v * mesh.points[boundary.nodes[i] as usize][0]).sum();
-                        assert!((x - point.x[0]).abs() < 1e-14);
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// The weights of Simpson's rule, and of the middles of the edges.
-    #[test]
-    fn weights_of_quadratic_facets() -> Result<(), MeshError> {
-        let weights = |mesh: &Mesh, side: &str| -> Vec<f64> {
-            let mut weights: Vec<f64> = ContactBoundary::new(mesh, &mesh.facets[side], Quadrature::Nodal)
-                .points
-                .iter()
-                .map(|p| p.weight)
-                .collect();
-            weights.sort_by(f64::total_cmp);
-            weights
-        };
-        let assert_near = |found: Vec<f64>, expected: Vec<f64>| {
-            assert!(
-                found.len() == expected.len() && found.iter().zip(&expected).all(|(f, e)| (f - e).abs() < 1e-15),
-                "{found:?}, expected {expected:?}"
-            );
-        };
-        assert_near(
-            weights(&Mesh::rectangle_of(Elements::P2, [1.0, 1.0], [1, 1], Diagonal::Right)?, "bottom"),
-            vec![1.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0],
-        );
-        let face = [vec![1.0 / 36.0; 4], vec![1.0 / 9.0; 4], vec![4.0 / 9.0]].concat();
-        assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::Q2)?, "bottom"), face);
-        // Two triangles of area 1/2, each with a third of it at the middle of its edges; that of the diagonal belongs
-        // to both.
-        let face = [vec![1.0 / 6.0; 4], vec![1.0 / 3.0]].concat();
-        assert_near(weights(&Mesh::box_([1.0; 3], [1, 1, 1], Elements::P2)?, "bottom"), face);
-        Ok(())
-    }
-
-    /// The patch test of contact: on flat sides the weights are the loads of a uniform pressure, ∫ N_i, with both
-    /// quadratures.
-    #[test]
-    fn a_uniform_pressure_is_its_consistent_load() -> Result<(), MeshError> {
-        for elements in EVERY {
-            for (mesh, side) in [
-                (Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)?, "bottom"),
-                (Mesh::box_([2.0, 1.0, 3.0], [3, 1, 2], elements)?, "bottom"),
-                (
-                    Mesh { axisymmetric: true, ..Mesh::rectangle_of(elements, [2.0, 1.0], [3, 2], Diagonal::Left)? },
-                    "bottom",
-                ),
-            ] {
-                let set = &mesh.facets[side];
-                let mut load = vec![0.0; mesh.points.len()];
-                for block in &set.blocks {
-                    let table = ShapeTable::new(block.element, 6);
-                    let mut map = FacetMap::new(&mesh, &table);
-                    for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
-                        for q in 0..table.len() {
-                            map.at(facet, q);
-                            for (&node, value) in facet.iter().zip(map.values()) {
-                                load[node as usize] += table.weights[q] * map.area * value;
-                            }
-                        }
-                    }
-                }
-                for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
-                    let boundary = ContactBoundary::new(&mesh, set, quadrature);
-                    let mut found = vec![0.0; mesh.points.len()];
-                    for point in &boundary.points {
-                        for &(node, value) in &point.nodes {
-                            found[boundary.nodes[node] as usize] += point.weight * value;
-                        }
-                    }
-                    for (node, (found, load)) in found.iter().zip(&load).enumerate() {
-                        let of = format!(
-                            "{elements:?}, d = {}, axisymmetric: {}, {quadrature:?}, node {node}",
-                            mesh.dim, mesh.axisymmetric
-                        );
-                        assert!((found - load).abs() < 1e-13, "{of}: {found}, expected {load}");
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// On a cylinder the weights sum to the area, and the normals converge to the radial direction at order 2 or
-    /// better.
-    #[test]
-    fn curved_contact() -> Result<(), MeshError> {
-        for elements in [Elements::P2, Elements::Q2] {
-            for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
-                let mut errors = Vec::new();
-                for around in [16, 32] {
-                    let mesh = Mesh::cylinder([1.0, 2.0], 1.0, [1, around, around / 16], elements)?;
-                    let boundary = ContactBoundary::new(&mesh, &mesh.facets["outer"], quadrature);
-                    assert!(boundary.points.iter().all(|p| p.weight > 0.0));
-                    let area: f64 = boundary.points.iter().map(|p| p.weight).sum();
-                    let off = |p: &PointOnBoundary| {
-                        let r = p.x[0].hypot(p.x[1]);
-                        (p.normal[0] - p.x[0] / r).hypot(p.normal[1] - p.x[1] / r).hypot(p.normal[2])
-                    };
-                    errors.push([
-                        (area - 4.0 * std::f64::consts::PI).abs(),
-                        boundary.points.iter().map(off).fold(0.0, f64::max),
-                    ]);
-                }
-                let [area, normal] = [0, 1].map(|i| (errors[0][i] / errors[1][i]).log2());
-                assert!(
-                    area > 3.85 && (errors[1][1] < 1e-13 || normal > 1.85),
-                    "{elements:?} {quadrature:?}: orders {area}, {normal}; {errors:?}"
-                );
-            }
-        }
-        Ok(())
-    }
 }

@@ -10,19 +10,22 @@ mod friction;
 mod graded;
 mod heat;
 mod means;
+pub mod mortar;
 mod normal;
 pub mod obstacle;
+mod pair;
 mod table;
 mod wear;
 
-pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature};
+pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Side};
 pub use foundation::LumpedFoundation;
 pub use friction::{
-    Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, Orthotropic, StaticKinetic, Tabulated, Tresca, Variable,
+    Bound, Capped, Cone, Coulomb, FrictionLaw, Frictionless, NoSlip, Orthotropic, StaticKinetic, Tabulated, Tresca,
+    Variable,
 };
 pub use heat::{
-    Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance, PressureConductance, Radiation, Ramp,
-    STEFAN_BOLTZMANN, Sum,
+    ConstantConductance, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance,
+    PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum,
 };
 pub use means::{Shares, read, read_vector};
 pub use normal::{
@@ -30,6 +33,7 @@ pub use normal::{
     PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,
 };
 pub use obstacle::Obstacle;
+pub use pair::{Geometry, Pair};
 pub use table::{PiecewiseLinear, TableFault};
 pub use wear::{Archard, WearLaw};
 

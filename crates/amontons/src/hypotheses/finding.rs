@@ -77,6 +77,8 @@ findings! {
     MeshQuality = "mesh-quality", Warning, Any;
     /// Whether contact can occur.
     ContactPossible = "contact-possible", Warning, Mechanics;
+    /// Whether the sides of pairs face each other.
+    Pairs = "pairs", Warning, Mechanics;
     /// The energy identity of a run.
     Energy = "energy", Warning, Mechanics;
     /// The heat identity of a run.

@@ -11,6 +11,7 @@
 //! | `softening` | a contact law softens, so that a step may have several solutions; absent otherwise | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
+//! | `pairs` | which part of the nonmortar side of each pair is faced, and how deep sides overlap; absent without pairs | the rows of the pair |
 //! | `energy`, `heat` | the audit of a run | the run |
 //! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!
@@ -21,6 +22,7 @@ mod data;
 mod domain;
 mod finding;
 mod laws;
+mod pairs;
 mod probe;
 mod quality;
 mod reach;
@@ -171,6 +173,7 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings.push(theorem::needed(problem, constants, &findings));
     findings.extend(softening::softening(problem));
     findings.extend(laws::rigid_conductance(problem));
+    findings.extend(pairs::faced(problem));
     findings.push(quality::cells(&problem.mesh));
     findings.extend(warnings::of_data(problem));
     findings.retain(|finding| finding.id.concerns(problem.physics));
@@ -184,6 +187,9 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
 pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
+    if pairs::first(problem).is_some() {
+        return Ok(pairs::certificate(problem));
+    }
     let (domain, unique) = rayon::join(|| domain_constants(problem), || step::unique(problem));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
     let mut findings = judged(problem, &constants);
@@ -205,6 +211,10 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
 pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     if !problem.physics.has_mechanics() {
         return Vec::new();
+    }
+    if pairs::first(problem).is_some() {
+        let message = "the number of steps that ensures one solution is proved for one body on a rigid foundation";
+        return vec![pairs::not_covered(problem, FindingId::TimeStep, message)];
     }
     let mut findings = vec![step::time_step(problem)];
     if reach::loads_vary(problem) {

@@ -117,6 +117,10 @@ fn missing(problem: &Problem, findings: &[Finding]) -> Vec<(String, &'static str
 
 /// A part of the model that Theorem 1 of the book does not cover, and its place.
 fn outside(problem: &Problem) -> Option<(&'static str, String)> {
+    if let Some(side) = super::pairs::first(problem) {
+        let what = "contact of two deformable bodies, while Problem 2.2 has one body on a foundation";
+        return Some((what, format!("{}.with", problem.contact_path(side))));
+    }
     for (side, test) in tests(problem).enumerate() {
         if let Some((what, place)) = outside_of_contact(&test) {
             return Some((what, place.replacen("contact", &problem.contact_path(side), 1)));

@@ -47,10 +47,19 @@ pub struct Lumped {
 pub struct Exchange {
     /// Temperature of the body at each point, K.
     pub temperature: Vec<f64>,
-    /// Heat flux q·ν at each point.
+    /// Heat flux q·ν at each point, of the side that bears it.
     pub flux: Vec<Flux>,
+    /// Power of friction that enters both bodies of a pair, W/m².
+    pub rubbed: Vec<f64>,
     /// θ_F of each foundation with a heat capacity; none where it is prescribed.
     pub foundation: Vec<Option<f64>>,
+}
+
+impl Exchange {
+    /// At each point what leaves the side that bears it, and what enters the other side of a pair, W/m².
+    pub fn sides(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.flux.iter().zip(&self.rubbed).map(|(flux, rubbed)| [flux.value, flux.value + rubbed])
+    }
 }
 
 /// Most iterations for the temperature at which a law has a flux; every third halves the interval.
@@ -108,6 +117,23 @@ impl HeatStep<'_> {
         }
     }
 
+    /// Whether a point lies between two bodies.
+    fn is_pair(&self, i: usize) -> bool {
+        let point = &self.boundary.points[i];
+        point.own < point.nodes.len()
+    }
+
+    /// Power of friction that enters both bodies of a pair at a point, W/m².
+    fn rubbed(&self, i: usize) -> f64 {
+        let rubs = self.contacts[self.boundary.points[i].contact].rubs();
+        if rubs { dot(&self.states[i].q, &self.states[i].slip) } else { 0.0 }
+    }
+
+    /// A flux out of the side of a point and into the other side of a pair.
+    fn both(&self, i: usize, flux: f64) -> [f64; 3] {
+        [flux, flux + self.rubbed(i), 0.0]
+    }
+
     /// Solves the step: `guess` is where the iteration starts, `r` the reduced right-hand side for the increment of the
     /// temperature over the guess. Returns the temperatures on Γ_C and the exchange there.
     ///
@@ -154,9 +180,14 @@ impl HeatStep<'_> {
 
     /// Adds the entries of fluxes with these slopes in θ and θ_F.
     fn add_entries(&self, interface: &Interface, slopes: &[[f64; 2]], entries: &mut Vec<Entry>) {
-        for (i, [by_temperature, _]) in slopes.iter().enumerate() {
+        for (i, [by_temperature, by_other]) in slopes.iter().enumerate() {
             let mut tangent = [[0.0; 3]; 3];
             tangent[0][0] = *by_temperature;
+            if self.is_pair(i) {
+                // The second component is −θ of the other side.
+                tangent[0][1] = -by_other;
+                tangent[1] = tangent[0];
+            }
             interface.entries(i, &tangent, entries);
         }
         for (side, lumped) in self.lumped.iter().enumerate() {
@@ -236,8 +267,9 @@ impl Thermal<'_> {
         let foundations = self.foundations(flux);
         let of = |(i, flux): (usize, &f64)| {
             let side = self.interface.rows[i].contact;
+            let [own, other, _] = self.interface.jump(i, theta);
             let foundation = foundations.get(side).copied().flatten().unwrap_or(self.step.foundation[i]);
-            self.law(i, self.interface.jump(i, theta)[0], foundation, *flux)
+            self.law(i, own, if self.step.is_pair(i) { 0.0 - other } else { foundation }, *flux)
         };
         flux.iter().enumerate().map(of).collect()
     }
@@ -253,6 +285,7 @@ impl Thermal<'_> {
         Exchange {
             temperature: laws.iter().map(|law| law.temperature).collect(),
             flux: laws.iter().zip(flux).map(|(law, flux)| Flux { value: *flux, ..law.curve }).collect(),
+            rubbed: (0..flux.len()).map(|i| self.step.rubbed(i)).collect(),
             foundation: self.foundations(flux),
         }
     }
@@ -279,7 +312,7 @@ impl Term for Thermal<'_> {
 
     fn forces(&self, laws: &Vec<Law>, out: &mut [f64]) {
         for (i, law) in laws.iter().enumerate() {
-            self.interface.scatter(i, &[law.flux, 0.0, 0.0], out);
+            self.interface.scatter(i, &self.step.both(i, law.flux), out);
         }
     }
 
@@ -307,7 +340,7 @@ impl Term for Thermal<'_> {
         let warmer = self.warming(&slopes, &beyond);
         for (i, [value, _, by_foundation]) in linear.iter().enumerate() {
             let flux = value + by_foundation * warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
-            self.interface.scatter(i, &[-flux, 0.0, 0.0], right);
+            self.interface.scatter(i, &self.step.both(i, flux).map(|flux| -flux), right);
         }
         self.step.add_entries(&self.interface, &slopes, entries);
     }
@@ -318,7 +351,11 @@ impl Term for Thermal<'_> {
         let after: Vec<f64> = linear
             .iter()
             .enumerate()
-            .map(|(i, [value, body, _])| value + body * self.interface.change(i, step)[0])
+            .map(|(i, [value, body, other])| {
+                let change = self.interface.change(i, step);
+                let after = value + body * change[0];
+                if self.step.is_pair(i) { after - other * change[1] } else { after }
+            })
             .collect();
         let beyond: Vec<f64> = after.iter().zip(laws).map(|(after, law)| after - law.flux).collect();
         let warmer = self.warming(&slopes, &beyond);

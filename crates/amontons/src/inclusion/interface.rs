@@ -12,6 +12,9 @@ use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Entry, Turn};
 use crate::tensor::{Point, dot, length};
 
+/// Stiffness of one side of a pair relative to that of the other that is round-off.
+const NONE: f64 = 1e-13;
+
 /// A vector or a force at a contact point by its components along (ν, t₁, t₂); a scalar by the first.
 pub type Local = [f64; 3];
 
@@ -96,26 +99,24 @@ impl Interface {
         Interface { rows, turns, components: dim }
     }
 
-    /// The rows for scalars, likewise.
+    /// The rows for scalars, likewise: the value on the side of a point is the first component, that on the other side
+    /// of a pair with the opposite sign the second.
     #[must_use]
     pub fn of_scalars(boundary: &ContactBoundary, unknown: &[Option<u32>], prescribed: &[f64]) -> Interface {
         let row = |point: &PointOnBoundary| {
-            let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len()), 0.0);
-            for &(node, value) in &point.nodes {
+            let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len()), [0.0; 3]);
+            for (i, &(node, value)) in point.nodes.iter().enumerate() {
+                let on = if i < point.own { [value, 0.0, 0.0] } else { [0.0, value, 0.0] };
                 match unknown[node] {
-                    Some(unknown) => entries.push((unknown, [value, 0.0, 0.0])),
-                    None => fixed += value * prescribed[node],
+                    Some(unknown) => entries.push((unknown, on)),
+                    None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node]),
                 }
             }
-            Row {
-                weight: point.weight,
-                contact: point.contact,
-                basis: [[0.0; 3]; 3],
-                entries,
-                prescribed: [fixed, 0.0, 0.0],
-            }
+            Row { weight: point.weight, contact: point.contact, basis: [[0.0; 3]; 3], entries, prescribed: fixed }
         };
-        Interface { rows: boundary.points.iter().map(row).collect(), turns: Vec::new(), components: 1 }
+        let has_pairs = boundary.points.iter().any(|point| point.own < point.nodes.len());
+        let components = if has_pairs { 2 } else { 1 };
+        Interface { rows: boundary.points.iter().map(row).collect(), turns: Vec::new(), components }
     }
 
     /// Number of contact points.
@@ -218,10 +219,10 @@ impl Interface {
         !self.rows[i].entries.is_empty()
     }
 
-    /// ρ of each point, the scale of S per area: the mean of `diagonal` (of S, by unknown) over the nodes that the
-    /// point sees, over their weights. Absolute values of the shape functions weigh and average: those of quadratic
-    /// facets take either sign, and at the vertices of a triangle they integrate to zero, so that ∫ N would leave the
-    /// sign of ρ to round-off.
+    /// ρ of each point, the scale of S per area; of a pair that of both sides in series. On a side it is the mean of
+    /// `diagonal` (of S, by unknown) over the nodes that the point sees, over their weights. Absolute values of the
+    /// shape functions weigh and average: those of quadratic facets take either sign, and at the vertices of a triangle
+    /// they integrate to zero, so that ∫ N would leave the sign of ρ to round-off.
     #[must_use]
     pub fn stiffness(&self, boundary: &ContactBoundary, unknown: &[Option<u32>], diagonal: &[f64]) -> Vec<f64> {
         let mut weight = vec![0.0; boundary.nodes.len()];
@@ -230,20 +231,30 @@ impl Interface {
                 weight[node] += point.weight * value.abs();
             }
         }
-        let n = self.components;
+        let n = unknown.len() / boundary.nodes.len().max(1);
         let of_node = |node: usize| {
             let own: Vec<f64> = (0..n).filter_map(|c| unknown[node * n + c]).map(|u| diagonal[u as usize]).collect();
             if own.is_empty() { None } else { Some(own.iter().sum::<f64>() / (own.len() as f64 * weight[node])) }
         };
-        let of_point = |point: &PointOnBoundary| {
+        let of_side = |nodes: &[(usize, f64)]| {
             let (mut sum, mut share) = (0.0, 0.0);
-            for &(node, value) in &point.nodes {
+            for &(node, value) in nodes {
                 if let Some(stiffness) = of_node(node) {
                     sum += value.abs() * stiffness;
                     share += value.abs();
                 }
             }
             if share > 0.0 { sum / share } else { 0.0 }
+        };
+        let of_point = |point: &PointOnBoundary| {
+            let (own, other) = point.nodes.split_at(point.own);
+            match [of_side(own), of_side(other)] {
+                _ if point.weight == 0.0 => 0.0,
+                [own, _] if other.is_empty() => own,
+                // A body that nothing but the pair holds may have no stiffness of its own.
+                [own, other] if own.min(other) <= NONE * own.max(other) => own.max(other),
+                [own, other] => 1.0 / (1.0 / own + 1.0 / other),
+            }
         };
         boundary.points.iter().map(of_point).collect()
     }

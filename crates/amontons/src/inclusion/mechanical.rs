@@ -147,6 +147,7 @@ impl<'a> Mechanical<'a> {
             response,
             rho: self.rho[i],
             slip: self.slip,
+            is_smooth: self.step.boundary.points[i].is_smooth,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }

@@ -28,6 +28,8 @@ pub(super) struct Site<'a> {
     /// ρ of friction in Pa s/m, and how friction is taken.
     pub rho: f64,
     pub slip: Slip,
+    /// Whether there is no friction.
+    pub is_smooth: bool,
 }
 
 /// What moves a point: its kinematics at an iterate.
@@ -115,7 +117,10 @@ impl Laws {
             slip_speed: if multiplier.sticks { 0.0 } else { speed },
             ..seen
         };
-        let s: Bound = contact.friction.bound(&seen);
+        // In the plane a node that is held along its tangent has nothing to tie.
+        let in_space = site.row.basis[2] != [0.0; 3];
+        let is_smooth = site.is_smooth && !(in_space && contact.friction.never_slips());
+        let s = if is_smooth { Bound::default() } else { contact.friction.bound(&seen) };
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
         let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.slip);

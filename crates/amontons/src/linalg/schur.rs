@@ -32,6 +32,8 @@ const PASS: f64 = 1e-7;
 /// Share of b in the round-off of S x above which a solution is looked at, and the share of b that it may leave.
 const SUSPICIOUS: f64 = 1e-8;
 const LEFT: f64 = 1e-2;
+/// Last bits of its largest entry that an entry of S, a difference of larger numbers, may be off by.
+const NOISE: f64 = 256.0;
 
 /// The condensed operator S with the factors of S + J for the last few J.
 ///
@@ -238,7 +240,12 @@ impl Condensed for Schur {
         let right = b.to_vec();
         self.solve_unchecked(entries, b)?;
         // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
-        let suspicious = f64::EPSILON * self.largest * max_abs(b) > SUSPICIOUS * max_abs(&right);
+        let round_off = f64::EPSILON * self.largest * max_abs(b);
+        let suspicious = round_off > SUSPICIOUS * max_abs(&right);
+        if NOISE * round_off > max_abs(&right) {
+            // A small system with a pivot of round-off leaves nothing, and is singular all the same.
+            return Err(SolveError::Singular { size: b.len() });
+        }
         if !suspicious && !max_abs(b).is_nan() {
             return Ok(());
         }

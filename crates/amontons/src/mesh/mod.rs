@@ -1,5 +1,6 @@
 //! Meshes: points, blocks of cells with their region, and named sets of boundary facets.
 
+mod assembly;
 mod convert;
 mod data;
 pub mod defects;
@@ -11,6 +12,7 @@ pub mod inp;
 mod locator;
 mod quality;
 mod read;
+mod refine;
 mod round;
 mod sites;
 mod topology;
@@ -21,8 +23,8 @@ use std::collections::BTreeMap;
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
 pub use generate::{Diagonal, Elements, rectangle_nodes};
-pub(crate) use geometry::invert;
 pub use geometry::{CellMap, FacetMap};
+pub(crate) use geometry::{cross, invert};
 pub use locator::Locator;
 pub(crate) use locator::{At, OUTSIDE, reference_point};
 pub use read::{EXTENSIONS, FilePosition, MeshFileError, Read, Skipped, parse, read, read_all};

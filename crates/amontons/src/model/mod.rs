@@ -75,7 +75,7 @@ impl Model {
                 .contacts
                 .iter()
                 .enumerate()
-                .map(|(side, contact)| (contact.on.clone(), points(side)))
+                .map(|(side, contact)| (contact.bearing().to_owned(), points(side)))
                 .collect(),
             times: Times::new(problem),
             thermal_layers: thermal_layers(problem),

@@ -35,7 +35,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 8;
+const VERSION: u32 = 9;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -173,6 +173,8 @@ struct ReportPoint {
     temperature: f64,
     flux: f64,
     flux_by_temperature: f64,
+    rubbed: f64,
+    weight: f64,
 }
 
 const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
@@ -181,8 +183,9 @@ impl Body {
     fn new(case: &Identity, now: &Snapshot) -> Body {
         let report = now.report.map(|report| {
             let contact = &report.contact;
-            let at_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
-            let points = at_points.map(|(state, (&temperature, flux))| ReportPoint {
+            let of_heat = contact.temperature.iter().zip(&contact.flux).zip(&contact.rubbed);
+            let at_points = contact.states.iter().zip(of_heat).zip(&contact.weights);
+            let points = at_points.map(|((state, ((&temperature, flux), &rubbed)), &weight)| ReportPoint {
                 normal: state.normal,
                 penetration: state.penetration,
                 pressure: state.pressure,
@@ -194,6 +197,8 @@ impl Body {
                 temperature,
                 flux: flux.value,
                 flux_by_temperature: flux.by_temperature,
+                rubbed,
+                weight,
             });
             Report {
                 newton_mechanics: report.newton_mechanics,
@@ -250,6 +255,8 @@ impl Body {
             residual: report.residual,
             coupling: report.coupling,
             contact: ContactReport {
+                weights: report.points.iter().map(|p| p.weight).collect(),
+                rubbed: report.points.iter().map(|p| p.rubbed).collect(),
                 states: report
                     .points
                     .iter()

@@ -3,7 +3,7 @@
 //! Writers, readers, pictures and the guide take names and units from here.
 
 use super::{ContactSummary, Snapshot};
-use crate::contact::{PointOnBoundary, Quadrature};
+use crate::contact::{Contact, PointOnBoundary, Quadrature};
 use crate::inclusion::PointState;
 use crate::problem::ProblemData;
 use crate::scheme::{Ledger, StepReport};
@@ -166,6 +166,7 @@ columns! { History:
     CONTACT_CENTER = vector("contact_center", Measure::Length, |row| vector(&row.contact.center));
     FOUNDATION_TEMPERATURE = optional("foundation_temperature", Measure::Temperature, |row| row.foundation);
     MODULUS_WORK = number("modulus_work", Measure::Energy, |row| row.ledger.modulus_work);
+    HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
     HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
     PRESSURE_MAX = number("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
 }
@@ -210,6 +211,9 @@ const OF_STEP: &[&Column<History>] = &[
     &MODULUS_WORK,
 ];
 
+/// Those of pairs of bodies, after them: the first of all pairs, the others of an only contact.
+const OF_PAIRS: &[&Column<History>] = &[&HEAT_PAIRS, &HEAT_FLOW, &PRESSURE_MAX];
+
 /// Those of each contact where there are several, after its [`FOUNDATION_TEMPERATURE`].
 const OF_SIDE: &[&Column<History>] = &[
     &CONTACT_FORCE,
@@ -225,6 +229,13 @@ const OF_SIDE: &[&Column<History>] = &[
     &WEAR_VOLUME,
 ];
 
+/// The columns of a step.
+fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<History>> + use<> {
+    let has_pairs = problem.contacts.iter().any(|contact| contact.pair.is_some());
+    let more = usize::from(has_pairs) * if problem.contacts.len() > 1 { 1 } else { OF_PAIRS.len() };
+    OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied()
+}
+
 /// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
 /// contacts.
 fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static Column<History>> + use<> {
@@ -239,7 +250,7 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
 #[must_use]
 pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
     let dim = problem.mesh.dim;
-    let mut all: Vec<_> = OF_STEP.iter().flat_map(|column| column.named(dim)).collect();
+    let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(dim)).collect();
     for (side, contact) in problem.contacts.iter().enumerate() {
         let end = if problem.contacts.len() > 1 { format!("@{}", contact.on) } else { String::new() };
         let columns = of_side(problem, side).flat_map(|column| column.named(dim));
@@ -267,7 +278,7 @@ pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
         Value::Text(_) => values.push(f64::NAN),
     };
     let all = StepRow::new(now, report, None);
-    for column in OF_STEP {
+    for column in of_step(now.problem) {
         add(column, &all);
     }
     for side in 0..now.problem.contacts.len() {
@@ -290,6 +301,7 @@ pub struct PointRow<'a> {
     state: &'a PointState,
     temperature: f64,
     flux: f64,
+    weight: f64,
 }
 
 impl PointRow<'_> {
@@ -323,10 +335,10 @@ columns! { OnContact:
     STATUS = text("status", |row| row.state.status.name().to_owned());
     TEMPERATURE = optional("temperature", Measure::Temperature, |row| row.of_heat(row.temperature));
     HEAT_FLUX = optional("heat_flux", Measure::HeatFlux, |row| row.of_heat(row.flux));
-    WEIGHT = number("weight", Measure::Area, |row| row.point.weight);
+    WEIGHT = number("weight", Measure::Area, |row| row.weight);
     WEAR = number("wear", Measure::Length, |row| row.kept(&row.now.state.surface.wear));
     FRICTION_WORK = number("friction_work", Measure::SurfaceWork, |row| row.kept(&row.now.state.surface.friction_work));
-    SIDE = text("side", |row| quoted(row.now.problem.contacts.get(row.point.contact).map_or("", |contact| &contact.on)));
+    SIDE = text("side", |row| quoted(row.now.problem.contacts.get(row.point.contact).map_or("", Contact::bearing)));
     BOUND = number("bound", Measure::Stress, |row| row.state.bound);
 }
 
@@ -361,7 +373,8 @@ pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
     let of_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
     let rows = now.discretization.boundary.points.iter().zip(of_points).enumerate();
     rows.map(|(number, (point, (state, (&temperature, flux))))| {
-        let row = PointRow { now, number, point, state, temperature, flux: flux.value };
+        let weight = contact.weights.get(number).copied().unwrap_or(point.weight);
+        let row = PointRow { now, number, point, state, temperature, flux: flux.value, weight };
         let cell = |column: &&Column<OnContact>| match column.value {
             Value::Number(value) => format!("{:?}", value(&row)),
             Value::Vector(value) => super::csv::join(&value(&row)[..dim]),
@@ -383,6 +396,11 @@ fn quoted(name: &str) -> String {
 #[must_use]
 pub fn all_measures() -> Vec<(String, Option<Measure>)> {
     let of_sides = std::iter::once(&FOUNDATION_TEMPERATURE as &Column<History>).chain(OF_SIDE.iter().copied());
-    let history = OF_STEP.iter().copied().chain(of_sides).flat_map(|column| column.named(3));
+    let history = OF_STEP
+        .iter()
+        .copied()
+        .chain([&HEAT_PAIRS as &Column<History>])
+        .chain(of_sides)
+        .flat_map(|column| column.named(3));
     history.chain(contact_measures(3)).collect()
 }

@@ -13,8 +13,10 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
     let mesh = &problem.mesh;
     let (strain, strain_at) = largest_strain(mesh, &state.u);
     let of_side = |(side, contact): (usize, &Contact)| {
-        let cell =
-            cell_heights(mesh, mesh.facets.get(&contact.on)?).into_iter().map(|cell| cell.height).reduce(f64::min)?;
+        let cell = cell_heights(mesh, mesh.facets.get(contact.bearing())?)
+            .into_iter()
+            .map(|cell| cell.height)
+            .reduce(f64::min)?;
         let states = last.discretization.boundary.points.iter().zip(&report?.contact.states);
         let depth =
             states.filter(|(point, _)| point.contact == side).fold(0.0, |max, (_, state)| state.penetration.max(max));
@@ -39,7 +41,7 @@ fn outside(problem: &Problem, [low, high]: [f64; 2], strain: f64, t: f64) -> [Op
     let rubs = problem
         .contacts
         .iter()
-        .any(|contact| contact.heat.flux(&rubbing).value < 0.0 || contact.foundation_heat.is_some());
+        .any(|c| c.heat.flux(&rubbing).value < 0.0 || c.foundation_heat.is_some() || c.pair.is_some());
     let dim = problem.mesh.tensor_dim();
     let norm = |tensor: &Sym| tensor.eigenvalues(dim).into_iter().map(f64::abs).sum::<f64>();
     let rates = (0..problem.materials.len()).map(|material| {

@@ -367,7 +367,7 @@ impl<'a> Builder<'a> {
             ProbePlace::On(side, take) => {
                 let set =
                     mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
-                match (quantity.base, self.problem.contacts.iter().position(|contact| contact.on == *side)) {
+                match (quantity.base, self.problem.contacts.iter().position(|contact| contact.bearing() == side)) {
                     (Base::Contact(_), Some(side)) => {
                         let points = self.boundary().points.iter().enumerate();
                         Ok(Found::Contact(
@@ -399,7 +399,7 @@ impl<'a> Builder<'a> {
     fn vertex_means(&mut self, side: &str) -> Option<Vec<(Vec<(usize, f64)>, f64)>> {
         let mesh = self.mesh;
         let (set, number) =
-            (mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.on == side)?);
+            (mesh.facets.get(side)?, self.problem.contacts.iter().position(|contact| contact.bearing() == side)?);
         Some(self.boundary().vertex_means(mesh, number, set).into_iter().map(|shares| (shares, 1.0)).collect())
     }
 
@@ -428,8 +428,9 @@ impl<'a> Builder<'a> {
             return None;
         }
         // A point of a node alone stands for it.
-        let point_of =
-            |node: usize| boundary.points.iter().position(|point| matches!(point.nodes[..], [(own, _)] if own == node));
+        let point_of = |node: usize| {
+            boundary.points.iter().position(|point| matches!(point.nodes[..point.own], [(own, _)] if own == node))
+        };
         let weights: Option<Vec<(usize, f64)>> = nodes
             .iter()
             .zip(&values)

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Snapshot, cell_values, limits, strain_norm};
-use crate::contact::Status;
+use crate::contact::{Contact, PointOnBoundary, Status};
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
 use crate::linalg::max_abs;
@@ -180,23 +180,34 @@ impl ContactSummary {
                 .enumerate()
                 .filter(|(_, point)| side.is_none_or(|side| point.contact == side))
         };
-        let states = || points().filter_map(|(i, point)| Some((point, contact.states.get(i)?)));
+        let weight = |i: usize, point: &PointOnBoundary| contact.weights.get(i).copied().unwrap_or(point.weight);
+        let states = || {
+            let of_points = points().filter_map(|(i, point)| Some((i, point, contact.states.get(i)?)));
+            of_points
+                .map(|(i, point, state)| (Weighted { weight: weight(i, point), x: point.x }, state))
+                .filter(|(point, _)| point.weight > 0.0)
+        };
         let count = |status| states().filter(|(_, s)| s.status == status).count();
         let of_all = |values: [f64; 3]| values[..dim].to_vec();
         let pressing: f64 = states().map(|(point, s)| point.weight * s.pressure.max(0.0)).sum();
         let moment = |c: usize| states().map(|(point, s)| point.weight * s.pressure.max(0.0) * point.x[c]).sum::<f64>();
-        let wear = || points().filter_map(|(i, point)| Some((point.weight, *state.surface.wear.get(i)?)));
-        let (force, heat_flow) = if side.is_some() {
+        let wear = || points().filter_map(|(i, point)| Some((weight(i, point), *state.surface.wear.get(i)?)));
+        let only = side.or((!several).then_some(0));
+        let of_pair = only.and_then(|side| problem.contacts.get(side)).filter(|contact| contact.pair.is_some());
+        let sign = of_pair.map_or(1.0, Contact::sign);
+        let (force, heat_flow) = if side.is_some() || of_pair.is_some() {
             let force = |c: usize| {
-                0.0 - states().map(|(point, s)| point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>()
+                0.0 - states().map(|(point, s)| sign * point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>()
             };
-            let flow = sum(&mut points().filter_map(|(i, point)| Some(point.weight * contact.flux.get(i)?.value)));
-            ([0, 1, 2].map(force), flow)
+            let flow = points().filter_map(|(i, point)| {
+                let (flux, rubbed) = (contact.flux.get(i)?.value, contact.rubbed.get(i)?);
+                Some(weight(i, point) * if sign > 0.0 { flux } else { 0.0 - flux - rubbed })
+            });
+            ([0, 1, 2].map(force), sum(&mut flow.into_iter()))
         } else {
             (contact.force, contact.heat_flow)
         };
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
-        let only = side.or((!several).then_some(0));
         ContactSummary {
             force: of_all(force),
             heat_flow: problem.physics.has_heat().then_some(heat_flow),
@@ -215,6 +226,12 @@ impl ContactSummary {
                 .collect(),
         }
     }
+}
+
+/// A contact point in a step.
+struct Weighted {
+    weight: f64,
+    x: crate::tensor::Point,
 }
 
 /// Work of the solver, counted.

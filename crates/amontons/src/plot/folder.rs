@@ -88,7 +88,7 @@ impl Results<'_> {
         } else {
             3
         };
-        let sides: Vec<String> = self.problem.contacts.iter().map(|contact| contact.on.clone()).collect();
+        let sides: Vec<String> = self.problem.contacts.iter().map(|contact| contact.bearing().to_owned()).collect();
         let mut run = Run {
             name: self.problem.name.clone(),
             dimension,
@@ -126,7 +126,7 @@ impl Results<'_> {
         }
         let before: Vec<[f64; 4]> = rows.iter().map(Tractions::tractions).collect();
         for (side, contact) in self.problem.contacts.iter().enumerate() {
-            let Some(set) = mesh.facets.get(&contact.on) else { continue };
+            let Some(set) = mesh.facets.get(contact.bearing()) else { continue };
             for (point, shares) in boundary.readable(mesh, side, set) {
                 let [pressure, bound] = [0, 3].map(|c| read(&shares, |i| before[i][c]));
                 let [x, y, _] = read_vector(&shares, |i| [before[i][1], before[i][2], 0.0]);

@@ -27,7 +27,8 @@ pub(super) struct Ground {
 /// a gap that varies would be false.
 pub(super) fn can_be_enlarged(problem: &Problem) -> bool {
     problem.contacts.iter().enumerate().all(|(side, contact)| {
-        contact.obstacle.is_none() && !contact.gap.depends_on_space() && {
+        let of_pair = contact.pair.is_none() || (contact.gap.is_zero() && touches(problem, side));
+        of_pair && contact.obstacle.is_none() && !contact.gap.depends_on_space() && {
             let boundary = problem.contact_boundary();
             let mut normals = boundary.points.iter().filter(|point| point.contact == side).map(|point| point.normal);
             normals.next().is_none_or(|first| normals.all(|n| dot(&n, &first) > 1.0 - 1e-9))
@@ -46,14 +47,28 @@ pub(super) fn grounds(problem: &Problem, body: &Body, t: f64, factor: f64, windo
         };
         (!ground.lines.is_empty()).then_some(ground)
     };
-    problem.contacts.iter().filter_map(of).collect()
+    foundations(problem).filter_map(of).collect()
+}
+
+/// The contacts with a foundation that is drawn: the other side of a pair is a body.
+fn foundations(problem: &Problem) -> impl Iterator<Item = &Contact> {
+    problem.contacts.iter().filter(|contact| contact.pair.is_none())
+}
+
+/// Whether the sides of a pair touch all along at rest.
+fn touches(problem: &Problem, side: usize) -> bool {
+    let mesh = &problem.mesh;
+    let extent = |c: usize| super::axes::range(mesh.points.iter().map(|x| x[c])).map_or(0.0, |[low, high]| high - low);
+    let size = (0..mesh.dim).map(extent).fold(0.0, f64::max);
+    let boundary = problem.contact_boundary();
+    boundary.points.iter().filter(|point| point.contact == side).all(|point| point.gap.abs() <= 1e-9 * size)
 }
 
 /// Points of the foundation that a picture should show: without an obstacle its surface, else the foot below the
 /// nearest point of the side.
 pub(super) fn feet(problem: &Problem, body: &Body, moved: &[[f64; 2]], t: f64, factor: f64) -> Vec<[f64; 2]> {
     let mut all = Vec::new();
-    for contact in &problem.contacts {
+    for contact in foundations(problem) {
         let Some(set) = problem.mesh.facets.get(&contact.on) else { continue };
         let Some(obstacle) = &contact.obstacle else {
             all.extend(offset(problem, contact, &chains(body, set), body, (t, factor)).lines.into_iter().flatten());
@@ -272,7 +287,7 @@ pub(super) fn patches(problem: &Problem, displacement: &[[f64; 3]], t: f64, fact
     /// How far a patch reaches beyond its side, in the size of the side.
     const BEYOND: f64 = 0.05;
     let mut all = Vec::new();
-    for contact in &problem.contacts {
+    for contact in foundations(problem) {
         let Some(set) = problem.mesh.facets.get(&contact.on) else { continue };
         let nodes = set.node_list();
         let number: HashMap<u32, u32> = nodes.iter().enumerate().map(|(i, &n)| (n, i as u32)).collect();

@@ -36,7 +36,7 @@ pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Result<Pi
             if rows.is_empty() {
                 continue;
             }
-            let parts = run::along(&snapshot.body, &rows)?;
+            let parts = run::along(&panel.run.bearing(&snapshot.body, side), &rows)?;
             columns.push(Column {
                 title: panel.title.to_owned(),
                 x: [0.0, parts.last().map_or(1.0, |part| part.s[1])],

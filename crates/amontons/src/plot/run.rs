@@ -1,5 +1,6 @@
 //! What the pictures of a run show, as plain data.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::sync::Arc;
 
@@ -102,6 +103,20 @@ impl Run {
     /// Whether a column of the history has values other than zero.
     pub(super) fn has(&self, column: &str) -> bool {
         self.history.get(column).is_some_and(|values| values.iter().any(|v| *v != 0.0))
+    }
+
+    /// The body with the edges of its boundary that bear the points of a pair, whose two sides may be at one place; of
+    /// a foundation with all of them.
+    pub(super) fn bearing<'a>(&self, body: &'a Body, side: usize) -> Cow<'a, Body> {
+        let of_pair = || {
+            let problem = self.problem.as_ref()?;
+            let contact = problem.contacts.get(side).filter(|contact| contact.pair.is_some())?;
+            Some(problem.mesh.facets.get(contact.bearing())?.node_list())
+        };
+        let Some(nodes) = of_pair() else { return Cow::Borrowed(body) };
+        let mut of_side = body.clone();
+        of_side.boundary.retain(|edge| edge.iter().all(|node| nodes.binary_search(node).is_ok()));
+        Cow::Owned(of_side)
     }
 
     /// Name of a side in quotes; empty if it has none.

@@ -253,6 +253,7 @@ impl ProblemData {
                         .hint(hint),
                 );
             }
+            self.check_pair(side, &path, faults);
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
                 faults.push(again(format!("{path}.on"), &contact.on, first, "each side in one [[contact]] entry"));
             }
@@ -279,7 +280,8 @@ impl ProblemData {
                     );
                 }
             }
-            let heat = self.contacts.iter().find(|c| c.on == b.on && c.heat.conductance_bound() > 0.0);
+            let heat =
+                self.contacts.iter().find(|c| c.on == b.on && c.pair.is_none() && c.heat.conductance_bound() > 0.0);
             if b.temperature.is_some() && heat.is_some() {
                 faults.push(
                     Fault::new(
@@ -299,7 +301,12 @@ impl ProblemData {
         let conditions = self.boundary.iter().enumerate().map(|(i, b)| (format!("boundary[{i}].on"), &b.on));
         let contacts =
             self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.on", self.contact_path(side)), &c.on));
-        for (path, name) in conditions.chain(contacts) {
+        let pairs = self
+            .contacts
+            .iter()
+            .enumerate()
+            .filter_map(|(side, c)| Some((format!("{}.with", self.contact_path(side)), &c.pair.as_ref()?.with)));
+        for (path, name) in conditions.chain(contacts).chain(pairs) {
             if !self.mesh.facets.contains_key(name) {
                 faults.push(unknown(path, name, "facet sets", &known));
             }
@@ -310,7 +317,7 @@ impl ProblemData {
     fn check_displacement(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
         let given =
             [("displacement", b.displacement.is_some()), ("normal_displacement", b.normal_displacement.is_some())];
-        let on_contact = self.contacts.iter().any(|c| c.on == b.on);
+        let on_contact = self.contacts.iter().any(|c| c.bearing() == b.on);
         for (key, _) in given.iter().filter(|(_, given)| *given && on_contact) {
             faults.push(
                 Fault::new(

@@ -80,7 +80,7 @@ impl ProblemData {
         let mut held = vec![[false; 2]; parts.len()];
         let mut lacks = vec![[false; 2]; parts.len()];
         let exchange =
-            self.contacts.iter().filter(|c| c.heat.conductance_bound() > 0.0).map(|c| (c.on.as_str(), [false, true]));
+            self.contacts.iter().filter(|c| c.warms_from_foundation()).map(|c| (c.on.as_str(), [false, true]));
         let sides =
             self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
         for (on, holds) in sides {
@@ -94,6 +94,7 @@ impl ProblemData {
                 }
             }
         }
+        self.join_parts(&part_of, &mut held);
         for block in &self.mesh.blocks {
             let Some(m) = self.material_of(block.region) else { continue };
             for cell in block.cells() {

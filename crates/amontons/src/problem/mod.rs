@@ -6,6 +6,7 @@
 mod boundary;
 mod check;
 mod data;
+mod pairs;
 mod physics;
 mod range;
 mod tables;
@@ -21,9 +22,9 @@ pub use physics::Physics;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 
-use crate::contact::{Contact, ContactBoundary};
+use crate::contact::{Contact, ContactBoundary, Side};
 use crate::field::Field;
-use crate::linalg::{Backend, Supernodal};
+use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{FacetSet, Mesh};
 use crate::units::{Extent, System, Units};
@@ -192,6 +193,13 @@ impl Problem {
         Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
     }
 
+    /// The same problem with linear systems solved as was decided before.
+    #[must_use]
+    pub(crate) fn decided(&self, before: &[Decided]) -> Problem {
+        let backend = if before.is_empty() { None } else { self.backend.decided(before) };
+        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
+    }
+
     /// The same problem with each material replaced by another, which has laws on the same strains and the same
     /// densities.
     pub(crate) fn with_materials(&self, other: impl Fn(&Material) -> Material) -> Problem {
@@ -273,19 +281,17 @@ impl ProblemData {
     /// Γ_C with the contact points of all sides; sides that the mesh does not have are left out.
     #[must_use]
     pub fn contact_boundary(&self) -> ContactBoundary {
-        static NONE: FacetSet = FacetSet { blocks: Vec::new() };
-        let sides: Vec<_> = self
-            .contacts
-            .iter()
-            .map(|contact| (self.mesh.facets.get(&contact.on).unwrap_or(&NONE), contact.quadrature))
-            .collect();
-        ContactBoundary::on(&self.mesh, &sides)
+        let has_pairs = self.contacts.iter().any(|contact| contact.pair.is_some());
+        let space = has_pairs.then(|| self.displacement_space());
+        let held = |node: u32| space.as_ref().map_or([false; 3], |space| space.held(node));
+        let sides: Vec<Side> = self.contacts.iter().map(|contact| contact.side(&self.mesh, &held)).collect();
+        ContactBoundary::of(&self.mesh, &sides)
     }
 
     /// The facets of Γ_C; none without contact.
     #[must_use]
     pub fn contact_facets(&self) -> Option<FacetSet> {
-        let mut sets = self.contacts.iter().filter_map(|contact| self.mesh.facets.get(&contact.on)).cloned();
+        let mut sets = self.contacts.iter().filter_map(|contact| self.mesh.facets.get(contact.bearing())).cloned();
         let mut all = sets.next()?;
         sets.for_each(|set| all.blocks.extend(set.blocks));
         Some(all)

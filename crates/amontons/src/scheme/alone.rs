@@ -26,7 +26,7 @@ fn made(mechanics: Mechanics, heat: Heat) -> Made {
 
 /// θ = 0 and no heat that moves.
 fn no_heat(step: &Step) -> Heat {
-    let (zero, points) = (vec![0.0; step.old.theta.len()], step.discrete.boundary.points.len());
+    let (zero, points) = (vec![0.0; step.old.theta.len()], step.boundary.points.len());
     Heat {
         theta: zero.clone(),
         mass_theta: zero.clone(),
@@ -36,6 +36,7 @@ fn no_heat(step: &Step) -> Heat {
         exchange: Exchange {
             temperature: vec![0.0; points],
             flux: vec![Flux::default(); points],
+            rubbed: vec![0.0; points],
             foundation: step.old.surface.foundation.clone(),
         },
         through_contact: 0.0,
@@ -43,7 +44,7 @@ fn no_heat(step: &Step) -> Heat {
         sweeps: 0,
         residual: 0.0,
         scale: 0.0,
-        amounts: Amounts { supplied: 0.0, coupling: 0.0, contact: 0.0, prescribed: 0.0 },
+        amounts: Amounts { supplied: 0.0, coupling: 0.0, contact: 0.0, rubbed: 0.0, prescribed: 0.0 },
     }
 }
 

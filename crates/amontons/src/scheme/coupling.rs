@@ -297,6 +297,8 @@ struct Tangent {
     /// of conduction has beside its symmetric part.
     force_slope: Option<BlockMatrix>,
     heat_slope: Option<BlockMatrix>,
+    /// Whether the power of friction enters the bodies whole, as at a pair.
+    rubs: Vec<bool>,
 }
 
 impl Tangent {
@@ -323,7 +325,9 @@ impl Tangent {
         let Mechanics { u, w, theta, .. } = &pass.mechanics;
         let force_slope = discrete.mechanical_slope(u, w, theta);
         let heat_slope = discrete.thermal_slope(&pass.heat.theta);
-        Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, force_slope, heat_slope })
+        let contacts = coupled.step.contacts;
+        let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
+        Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, rubs, force_slope, heat_slope })
     }
 
     /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the
@@ -336,10 +340,10 @@ impl Tangent {
 
     /// δθ − Φ′ δθ, times P⁻¹J.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let Step { discrete, rule: Rule { gamma, .. }, .. } = coupled.step;
-        let warmer = discrete.boundary.scalars_at(change);
+        let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
+        let warmer = boundary.scalars_at(change);
         let contact = on_degrees(
-            discrete,
+            boundary,
             &discrete.v,
             self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
         );
@@ -348,10 +352,10 @@ impl Tangent {
             slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
         let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
-        let points = discrete.boundary.points.iter().enumerate();
-        let chi: Vec<f64> = points
+        let points = boundary.points.iter().enumerate();
+        let chi: Vec<[f64; 2]> = points
             .map(|(i, point)| {
-                let v = discrete.boundary.vector_at(point, discrete.mesh.dim, &w);
+                let v = boundary.vector_at(point, discrete.mesh.dim, &w);
                 let derivative = &self.points[i];
                 let force: [f64; 3] = std::array::from_fn(|c| {
                     tensor::dot(&derivative.force[c], &v) + derivative.force_by_temperature[c] * warmer[i]
@@ -363,13 +367,16 @@ impl Tangent {
                 let in_speed = if speed > 0.0 { tensor::dot(&v, slip) / speed } else { 0.0 };
                 // q and the slip are tangential.
                 let power = tensor::dot(&force, slip) + tensor::dot(q, &v);
-                by_penetration * (gamma * w_nu - wear)
+                let out = by_penetration * (gamma * w_nu - wear)
                     + by_pressure * pressure
                     + by_slip_speed * in_speed
-                    + by_friction_power * power
+                    + by_friction_power * power;
+                [out, out + if self.rubs[i] { power } else { 0.0 }]
             })
             .collect();
-        let chi = on_degrees(discrete, &discrete.q, chi.iter().map(|&chi| [chi, 0.0, 0.0]));
+        let mut sum = vec![0.0; discrete.q.free.len()];
+        boundary.scatter_heat(chi.into_iter(), &mut sum);
+        let chi = sum;
         let mut right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
         if let Some(slope) = &self.heat_slope {
             right.iter_mut().zip(slope.apply(change)).for_each(|(right, slope)| *right -= slope);

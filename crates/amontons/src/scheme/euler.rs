@@ -13,9 +13,9 @@ use super::system::{HalfStep, Products, Step};
 use super::{
     Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Scheme, SetupError, State, StepError, StepReport,
 };
-use crate::contact::Contact;
+use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
-use crate::linalg::{Backend, SolveError, System, dot};
+use crate::linalg::{Backend, Decided, SolveError, System, dot};
 use crate::problem::Problem;
 use crate::tensor;
 
@@ -66,8 +66,14 @@ impl Systems {
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
-        let mechanics =
-            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest, theta), discrete, &discrete.v, backend);
+        let mechanics = || {
+            HalfStep::new(
+                discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
+                discrete,
+                &discrete.v,
+                backend,
+            )
+        };
         let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
@@ -86,8 +92,33 @@ impl Systems {
         self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
     }
 
+    fn halves(&self) -> impl Iterator<Item = &HalfStep> {
+        self.mechanics.iter().chain(&self.heat)
+    }
+
     fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
         self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
+    }
+
+    /// Factorizes the matrices of these temperatures, one for each half-step, empty for those that stay.
+    fn recall<'a>(
+        &mut self,
+        discrete: &Discretization,
+        mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
+    ) -> Result<(), (&'static str, SolveError)> {
+        let rest = vec![0.0; discrete.v.free.len()];
+        if let Some(half) = &mut self.mechanics
+            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
+        {
+            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, &discrete.warmed(theta));
+            half.replace(tangent, theta).map_err(|source| ("mechanical", source))?;
+        }
+        if let Some(half) = &mut self.heat
+            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
+        {
+            half.replace(discrete.thermal_tangent(self.rule, theta), theta).map_err(|source| ("heat", source))?;
+        }
+        Ok(())
     }
 
     fn factorizations(&self) -> (usize, usize) {
@@ -202,10 +233,12 @@ impl BackwardEuler {
         let Some(Systems { k, rule, mechanics: Some(mechanics), .. }) = self.halved.last_mut() else { return Ok(true) };
         let products = Products::of(&self.discrete, old);
         let contacts = contacts_at(&self.problem, end.t);
+        let boundary = boundary_at(&self.discrete, &self.problem, old);
         let now = Step {
             problem: &self.problem,
             contacts: &contacts,
             discrete: &self.discrete,
+            boundary: &boundary,
             old,
             bar: old.into(),
             products: &products,
@@ -229,10 +262,12 @@ impl BackwardEuler {
         let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let contacts = contacts_at(problem, t);
+        let boundary = boundary_at(discrete, problem, old);
         let now = Step {
             problem,
             contacts: &contacts,
             discrete,
+            boundary: &boundary,
             old,
             bar: old.into(),
             products: &products,
@@ -310,9 +345,11 @@ impl Made {
             residual,
             coupling,
             contact: ContactReport {
+                weights: step.boundary.points.iter().map(|point| point.weight).collect(),
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,
                 flux: heat.exchange.flux,
+                rubbed: heat.exchange.rubbed,
                 force: mechanics.force,
                 heat_flow: heat.through_contact,
             },
@@ -338,6 +375,13 @@ fn krylov_iterations(mechanics: Option<&HalfStep>, heat: Option<&HalfStep>) -> u
 /// The range that takes in some values, too.
 fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
     values.iter().fold([low, high], |[low, high], value| [low.min(*value), high.max(*value)])
+}
+
+/// Γ_C in a step that starts from a state: pairs that are updated are made anew.
+fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
+    let held = |node: u32| discrete.v.held(node);
+    let updated = discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, &held);
+    updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
 }
 
 /// The contacts of a problem with their laws at a time.
@@ -371,11 +415,12 @@ impl Scheme for BackwardEuler {
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
-        let surface = Accumulated::new(&self.problem, &self.discrete);
+        let boundary = &self.discrete.boundary;
+        let surface = Accumulated::new(&self.problem, boundary);
         let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, &self.discrete, &u, &surface.wear, [0.0, 0.0]);
-        for (point, frame) in self.discrete.boundary.points.iter().zip(foundation) {
-            let r = tensor::dot(&self.discrete.boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
+        let foundation = frames(&self.problem, boundary, &u, &surface.wear, [0.0, 0.0]);
+        for (point, frame) in boundary.points.iter().zip(foundation) {
+            let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight
                 * self.problem.contacts.get(point.contact).map_or(0.0, |contact| contact.normal.potential(&point.x, r));
         }
@@ -398,7 +443,7 @@ impl Scheme for BackwardEuler {
             heat_turned_over: heat_content.abs() + heat_foundation.abs(),
             ..Ledger::default()
         };
-        let multipliers = Multipliers::free(at_rest(&self.problem, &self.discrete, &u, &w));
+        let multipliers = Multipliers::free(at_rest(&self.problem, boundary, &u, &w));
         Ok(State {
             step: 0,
             t: 0.0,
@@ -438,11 +483,28 @@ impl Scheme for BackwardEuler {
 
     fn kept(&self) -> Kept {
         let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
-        Kept { halvings: self.halved.len(), tangents: all.map(|system| system.condensed().kept()).collect() }
+        let halves = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::halves);
+        let of = |half: &Option<HalfStep>, components: usize| {
+            let choice = half.as_ref()?.system.choice()?;
+            Some(Decided { components, direct: choice.is_direct(), why: choice.why.clone() })
+        };
+        let Systems { mechanics, heat, .. } = &self.systems;
+        let solvers = [of(mechanics, self.discrete.mesh.dim), of(heat, 1)].into_iter().flatten().collect();
+        Kept {
+            halvings: self.halved.len(),
+            temperatures: halves.map(|half| half.at.clone()).collect(),
+            tangents: all.map(|system| system.condensed().kept()).collect(),
+            solvers,
+        }
     }
 
     fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
         self.halve(kept.halvings.min(HALVINGS)).map_err(|(part, source)| SetupError::Factor { part, source })?;
+        let mut temperatures = kept.temperatures.iter();
+        for systems in std::iter::once(&mut self.systems).chain(&mut self.halved) {
+            let recalled = systems.recall(&self.discrete, &mut temperatures);
+            recalled.map_err(|(part, source)| SetupError::Factor { part, source })?;
+        }
         let all = std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut);
         all.zip(&kept.tangents).for_each(|(system, kept)| system.condensed_mut().recall(kept));
         Ok(())

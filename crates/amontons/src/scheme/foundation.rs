@@ -2,9 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Discretization;
 use super::system::Step;
-use crate::contact::{Contact, PointOnBoundary};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
 use crate::inclusion::{Frame, PointState};
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
@@ -22,11 +21,10 @@ pub struct Accumulated {
 
 impl Accumulated {
     /// At t = 0.
-    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
-        let n = discrete.boundary.points.len();
-        let first = |side: usize| {
-            discrete.boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x)
-        };
+    pub(super) fn new(problem: &Problem, boundary: &ContactBoundary) -> Accumulated {
+        let n = boundary.points.len();
+        let first =
+            |side: usize| boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x);
         let start = |(side, contact): (usize, &Contact)| {
             let foundation = contact.foundation_heat.as_ref()?;
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
@@ -54,12 +52,12 @@ impl Accumulated {
 /// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}.
 pub(super) fn frames(
     problem: &Problem,
-    discrete: &Discretization,
+    boundary: &ContactBoundary,
     u: &[f64],
     wear: &[f64],
     [from, to]: [f64; 2],
 ) -> Vec<Frame> {
-    let all = &discrete.boundary.points;
+    let (all, dim) = (&boundary.points, problem.mesh.dim);
     let mut frames = Vec::with_capacity(all.len());
     let rate = |change: f64| if to > from { change / (to - from) } else { 0.0 };
     for (side, contact) in problem.contacts.iter().enumerate() {
@@ -80,9 +78,11 @@ pub(super) fn frames(
                 gap_rate: rate(gap[i] - gap_from[i]),
                 velocity: velocity.get(i).copied().unwrap_or_default(),
             };
+            if contact.pair.as_ref().is_some_and(|pair| !pair.gap_is_given) {
+                frame.gap += point.gap;
+            }
             if let Some(obstacle) = &contact.obstacle {
-                let u =
-                    if obstacle.updated { discrete.boundary.vector_at(point, discrete.mesh.dim, u) } else { [0.0; 3] };
+                let u = if obstacle.updated { boundary.vector_at(point, dim, u) } else { [0.0; 3] };
                 let at: Point = std::array::from_fn(|c| point.x[c] + u[c]);
                 let [before, now] = [from, to].map(|t| obstacle.nearest(&at, t));
                 frame.normal = now.normal.map(|c| -c);
@@ -110,10 +110,10 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
 
 /// θ_F(t_n) at the contact points where it is prescribed, K.
 pub(super) fn temperatures(step: &Step) -> Vec<f64> {
-    let mut all = Vec::with_capacity(step.discrete.boundary.points.len());
+    let mut all = Vec::with_capacity(step.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let x: Vec<Point> =
-            step.discrete.boundary.points.iter().filter(|point| point.contact == side).map(|point| point.x).collect();
+            step.boundary.points.iter().filter(|point| point.contact == side).map(|point| point.x).collect();
         all.extend(contact.foundation_temperature.values(&x, step.t));
     }
     all
@@ -121,7 +121,7 @@ pub(super) fn temperatures(step: &Step) -> Vec<f64> {
 
 /// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static
 /// one there.
-pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w: &[f64]) -> Vec<bool> {
+pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
     // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
     // cancel but for round-off.
     let k = problem.k();
@@ -129,8 +129,8 @@ pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w
         let [p0, p1, p2] = [0.0, 0.5 * k, k].map(|t| obstacle.place(t));
         [std::array::from_fn(|c| (4.0 * p1[c] - 3.0 * p0[c] - p2[c]) / k), std::array::from_fn(|c| (p2[c] - p0[c]) / k)]
     };
-    let frames = frames(problem, discrete, u, &[], [0.0, 0.0]);
-    let points = discrete.boundary.points.iter().zip(&frames);
+    let frames = frames(problem, boundary, u, &[], [0.0, 0.0]);
+    let points = boundary.points.iter().zip(&frames);
     points
         .map(|(point, frame)| {
             let [obstacle, mean] = problem
@@ -138,7 +138,7 @@ pub(super) fn at_rest(problem: &Problem, discrete: &Discretization, u: &[f64], w
                 .get(point.contact)
                 .and_then(|contact| contact.obstacle.as_ref())
                 .map_or([[0.0; 3]; 2], start);
-            let v = discrete.boundary.vector_at(point, discrete.mesh.dim, w);
+            let v = boundary.vector_at(point, problem.mesh.dim, w);
             let relative: Point = std::array::from_fn(|c| v[c] - frame.velocity[c] - obstacle[c]);
             let normal = dot(&relative, &frame.normal);
             let tangential: Point = std::array::from_fn(|c| relative[c] - normal * frame.normal[c]);

@@ -3,10 +3,9 @@
 use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
-use super::system::{HalfStep, REFINE, Renewal, Step, on_degrees, without_contact};
+use super::system::{HalfStep, REFINE, Renewal, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
-use std::sync::Arc;
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -36,7 +35,9 @@ pub(super) struct Heat {
 pub(super) struct Amounts {
     pub supplied: f64,
     pub coupling: f64,
+    /// Through foundations, and made by friction between bodies, which all of it enters.
     pub contact: f64,
+    pub rubbed: f64,
     pub prescribed: f64,
 }
 
@@ -124,7 +125,7 @@ impl Begun {
         given: &Given,
         states: &[PointState],
     ) -> Result<(Exchange, usize), StepError> {
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&self.theta);
         let solved = system
             .expand(std::mem::take(&mut self.reduced), &mut self.theta, |condensed, r| {
@@ -169,7 +170,7 @@ impl Begun {
             }
             if renewal.is_due(ratio) {
                 let tangent = step.discrete.thermal_tangent(step.rule, &self.theta);
-                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
+                half.replace(tangent, &self.theta).map_err(|source| step.singular(source))?;
                 mixing = Mixing::default();
             } else {
                 self.theta = mixing.next(&start, &self.theta);
@@ -186,9 +187,9 @@ impl Begun {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, products, rule: Rule { delta, .. }, .. } = *step;
         let c = discrete.storage().0;
-        let chi = on_degrees(discrete, &discrete.q, exchange.flux.iter().map(|flux| [flux.value, 0.0, 0.0]));
-        let points = discrete.boundary.points.iter().zip(&exchange.flux);
-        let through_contact = points.fold(0.0, |sum, (point, flux)| sum + point.weight * flux.value);
+        let mut chi = vec![0.0; theta.len()];
+        step.boundary.scatter_heat(exchange.sides(), &mut chi);
+        let (through_contact, rubbed) = through(step, exchange);
         // At prescribed nodes it is the heat that has to be supplied there.
         let mut rest: Vec<f64> = (0..theta.len())
             .map(|i| {
@@ -202,7 +203,7 @@ impl Begun {
         let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
         let scale = driven.max(max_abs(d_theta));
         let residual = step.relative(max_abs(&rest), scale, "heat")?;
-        Ok(Balance { residual, scale, driven, through_contact, through_prescribed })
+        Ok(Balance { residual, scale, driven, through_contact, through_prescribed, rubbed })
     }
 
     /// The solution, if its residual is accepted.
@@ -215,13 +216,14 @@ impl Begun {
     ) -> Result<Heat, StepError> {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, k, .. } = *step;
-        let Balance { residual, scale, driven, through_contact, through_prescribed } = *balance;
+        let Balance { residual, scale, driven, through_contact, through_prescribed, rubbed } = *balance;
         let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(&theta))?;
         let sum = |v: &[f64]| v.iter().sum::<f64>();
         let amounts = Amounts {
             supplied: k * (sum(&supply) - discrete.convected(&theta)),
             coupling: k * sum(&coupling),
             contact: k * through_contact,
+            rubbed: k * rubbed,
             prescribed: k * through_prescribed,
         };
         Ok(Heat {
@@ -251,12 +253,26 @@ struct Balance {
     /// Heat that leaves through Γ_C, and where the temperature is prescribed, W.
     through_contact: f64,
     through_prescribed: f64,
+    /// Power of friction that enters both bodies of pairs, W.
+    rubbed: f64,
+}
+
+/// Heat that leaves through foundations, and what friction makes at pairs, W.
+fn through(step: &Step, exchange: &Exchange) -> (f64, f64) {
+    let points = step.boundary.points.iter().zip(exchange.flux.iter().zip(&exchange.rubbed));
+    points.fold((0.0, 0.0), |(out, made), (point, (flux, rubbed))| {
+        if step.contacts[point.contact].pair.is_some() {
+            (out, made + point.weight * rubbed)
+        } else {
+            (out + point.weight * flux.value, made)
+        }
+    })
 }
 
 impl Heat {
     /// Factorizes the symmetric part of the tangent of (4.2) as it is at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
-        half.system.replace(&Arc::new(step.discrete.thermal_tangent(step.rule, &self.theta)))
+        half.replace(step.discrete.thermal_tangent(step.rule, &self.theta), &self.theta)
     }
 
     /// The derivative of χ in θ at the solution: the entries it adds to S.
@@ -288,7 +304,7 @@ impl Given {
             })
         });
         Given {
-            prescribed: step.discrete.boundary.restricted(1, theta),
+            prescribed: step.boundary.restricted(1, theta),
             foundation: temperatures(step),
             lumped: lumped.collect(),
         }
@@ -306,7 +322,7 @@ impl Given {
         }
         Some(HeatStep {
             contacts: step.contacts,
-            boundary: &step.discrete.boundary,
+            boundary: step.boundary,
             unknown,
             theta_prescribed: &self.prescribed,
             foundation: &self.foundation,

@@ -34,7 +34,8 @@ pub struct Ledger {
     pub load_work: f64,
     /// Σ k m(θ, w).
     pub thermal_work: f64,
-    /// Work of moduli that change with the temperature: the energy that the body gains by it at a fixed strain.
+    /// Work of moduli that change with the temperature and of contact stiffnesses that change with time: the energy
+    /// that body and layer gain by it at a fixed strain and penetration.
     #[serde(default)]
     pub modulus_work: f64,
     /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ; negative only if ψ is.
@@ -59,6 +60,9 @@ pub struct Ledger {
     /// Heat that friction made, in the body and in the foundation.
     #[serde(default)]
     pub heat_friction: f64,
+    /// Heat that friction made between deformable bodies and that entered them.
+    #[serde(default)]
+    pub heat_pairs: f64,
     /// Σ C θ_F at t, over the foundations with a heat capacity.
     #[serde(default)]
     pub heat_foundation: f64,

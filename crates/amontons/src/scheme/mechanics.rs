@@ -1,13 +1,12 @@
 //! The mechanical half-step (4.1).
 
-use super::Discretization;
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Step, on_degrees, without_contact};
 use super::{State, StepError};
+use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
 use crate::tensor::Point;
-use std::sync::Arc;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
@@ -56,11 +55,11 @@ pub(super) struct Given {
 impl Given {
     /// At the prescribed values in `w`; without a temperature.
     fn new(step: &Step, w: &[f64]) -> Given {
-        let Step { problem, discrete, old, bar, t, .. } = *step;
+        let Step { problem, discrete, boundary, old, bar, t, .. } = *step;
         Given {
-            u_bar: discrete.boundary.restricted(discrete.mesh.dim, bar.u),
-            w_prescribed: discrete.boundary.restricted(discrete.mesh.dim, w),
-            frames: frames(problem, discrete, &old.u, &old.surface.wear, [old.t, t]),
+            u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
+            w_prescribed: boundary.restricted(discrete.mesh.dim, w),
+            frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
             temperature: Vec::new(),
         }
     }
@@ -72,7 +71,7 @@ impl Given {
         }
         Some(MechanicalStep {
             contacts: step.contacts,
-            boundary: &step.discrete.boundary,
+            boundary: step.boundary,
             unknown,
             dim: step.discrete.mesh.dim,
             rule: step.rule,
@@ -92,7 +91,7 @@ impl Given {
         multipliers: &Multipliers,
     ) -> Result<bool, SolveError> {
         let [from, to] = [&step.old.w, w].map(|w| half.system.kept_of(w));
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
             on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
         })
@@ -128,9 +127,10 @@ impl Mechanics {
     ) -> Result<Mechanics, StepError> {
         let discrete = step.discrete;
         let is_linear = discrete.is_linear();
+        let warmed = discrete.warmed(theta);
         let Begun { mut now, load, given } =
-            from.map_or_else(|| Begun::new(step, theta), |from| Begun::from(step, from, theta));
-        let equation = Equation::new(step, load, given, theta)?;
+            from.map_or_else(|| Begun::new(step, &warmed), |from| Begun::from(step, from, &warmed));
+        let equation = Equation::new(step, load, given, (theta, warmed))?;
         let (mut newton, mut passes) = (0, 0);
         let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
         // K_u is a matrix of the temperature.
@@ -138,8 +138,10 @@ impl Mechanics {
         let mut is_stale = !is_linear && !softens;
         loop {
             if is_stale {
-                let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w, theta);
-                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
+                let u = step.displacement(&now.w);
+                let tangent = discrete.mechanical_tangent(step.rule, &u, &now.w, &equation.warmed);
+                let at = if softens { theta } else { &[] };
+                half.replace(tangent, at).map_err(|source| step.singular(source))?;
             }
             let (w, multipliers, iterations) = equation.pass(half, &now)?;
             newton += iterations;
@@ -163,15 +165,15 @@ impl Mechanics {
 
     /// Factorizes K_u as it is at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
-        let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &self.theta);
-        half.system.replace(&Arc::new(tangent))
+        let warmed = step.discrete.warmed(&self.theta);
+        let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &warmed);
+        half.replace(tangent, &self.theta)
     }
 
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given =
-            Given { temperature: step.discrete.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
+        let given = Given { temperature: step.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
@@ -186,14 +188,14 @@ impl Mechanics {
         let (now, then) =
             (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
-        on_degrees(step.discrete, &step.discrete.v, change)
+        on_degrees(step.boundary, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
     /// sees.
     pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Vec<Entry>, Vec<PointDerivative>) {
         let w = half.system.kept_of(&self.w);
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         self.given
             .on_boundary(step, on_contact)
             .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
@@ -204,23 +206,29 @@ impl Mechanics {
 struct Equation<'a> {
     step: &'a Step<'a>,
     load: Vec<f64>,
-    /// The temperature of the body, and m(θ, ·).
+    /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
+    warmed: Warmed<'a>,
     thermal: Vec<f64>,
     given: Given,
 }
 
 impl<'a> Equation<'a> {
     /// With the temperature `theta` in m and in the laws of the body and of contact.
-    fn new(step: &'a Step, load: Vec<f64>, mut given: Given, theta: &'a [f64]) -> Result<Equation<'a>, StepError> {
-        given.temperature = step.discrete.boundary.scalars_at(theta);
+    fn new(
+        step: &'a Step,
+        load: Vec<f64>,
+        mut given: Given,
+        (theta, warmed): (&'a [f64], Warmed<'a>),
+    ) -> Result<Equation<'a>, StepError> {
+        given.temperature = step.boundary.scalars_at(theta);
         let foundation: Vec<f64> = given
             .frames
             .iter()
             .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
             .collect();
         step.finite(&foundation, "the foundation")?;
-        Ok(Equation { step, load, theta, thermal: step.discrete.thermal_force(theta), given })
+        Ok(Equation { step, load, theta, warmed, thermal: step.discrete.thermal_force(theta), given })
     }
 
     /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
@@ -245,7 +253,7 @@ impl<'a> Equation<'a> {
         let step = self.step;
         let right = self.right(now);
         step.finite(&right, "the data")?;
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&now.w);
         let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
         let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
@@ -266,8 +274,8 @@ impl<'a> Equation<'a> {
     fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced, StepError> {
         let Step { discrete, products, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
-        let iterate = Iterate::new(self.step, w, multipliers, self.theta);
-        let (force, contact_force) = contact_forces(discrete, &states);
+        let iterate = Iterate::new(self.step, w, multipliers, &self.warmed);
+        let (force, contact_force) = contact_forces(self.step, &states);
         let mut rest: Vec<f64> =
             self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
         let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * iterate.w[i]).sum();
@@ -315,7 +323,7 @@ impl<'a> Equation<'a> {
         end: Balanced,
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
-        let Equation { step, load, theta, thermal, given } = self;
+        let Equation { step, load, theta, thermal, given, .. } = self;
         let Balanced { iterate, states, residual, scale, driven, contact, force, support_work } = end;
         step.accept([residual, scale, driven, contact], "mechanics", || {
             step.discrete.mechanical_round_off(&step.sizes(&iterate.w), &iterate.w, theta)
@@ -376,8 +384,8 @@ struct Balanced {
 }
 
 impl Iterate {
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, theta: &[f64]) -> Iterate {
-        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w, theta);
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Iterate {
+        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w, warmed);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
 }
@@ -391,7 +399,7 @@ struct Begun {
 
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
-    fn new(step: &Step, theta: &[f64]) -> Begun {
+    fn new(step: &Step, warmed: &Warmed) -> Begun {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
@@ -400,23 +408,27 @@ impl Begun {
             *w = if discrete.v.free[i] { old.w[i] } else { (*w - bar.u[i]) / gamma };
         }
         let given = Given::new(step, &w);
-        let multipliers = old.multipliers.clone();
+        let mut multipliers = old.multipliers.clone();
+        // What no longer faces the other body has let go of it.
+        for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
+            (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
+        }
         let now = if discrete.is_linear() && w == bar.w {
             // a(ū + γ w̄, ·) without another product.
             let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + gamma * a_w).collect();
             let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
-            Iterate::new(step, w, multipliers, theta)
+            Iterate::new(step, w, multipliers, warmed)
         };
         Begun { now, load, given }
     }
 
     /// At a solution of the same step.
-    fn from(step: &Step, m: &Mechanics, theta: &[f64]) -> Begun {
+    fn from(step: &Step, m: &Mechanics, warmed: &Warmed) -> Begun {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         if step.discrete.softens() {
-            let now = Iterate::new(step, w.clone(), multipliers.clone(), theta);
+            let now = Iterate::new(step, w.clone(), multipliers.clone(), warmed);
             return Begun { now, load: load.clone(), given: given.clone() };
         }
         let [w, mass_w, a_u, a_w, b_w, relaxing] = [w, mass_w, a_u, a_w, b_w, relaxing].map(Clone::clone);
@@ -429,14 +441,16 @@ impl Begun {
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
-fn contact_forces(discrete: &Discretization, states: &[PointState]) -> (Point, Vec<f64>) {
+fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
+    let Step { discrete, boundary, .. } = *step;
     let force =
         |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };
     let mut resultant = [0.0; 3];
-    for (point, state) in discrete.boundary.points.iter().zip(states) {
+    for (point, state) in boundary.points.iter().zip(states) {
+        let weight = point.weight * step.contacts[point.contact].sign();
         for (sum, force) in resultant.iter_mut().zip(force(state)).take(discrete.mesh.dim) {
-            *sum -= point.weight * force;
+            *sum -= weight * force;
         }
     }
-    (resultant, on_degrees(discrete, &discrete.v, states.iter().map(force)))
+    (resultant, on_degrees(boundary, &discrete.v, states.iter().map(force)))
 }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
-use crate::contact::{Contact, Status};
+use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{Failure, NotConverged, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System};
 use crate::problem::Problem;
@@ -27,6 +27,8 @@ pub(super) struct Step<'a> {
     /// The contacts of the problem with their laws at t_n.
     pub contacts: &'a [Contact],
     pub discrete: &'a Discretization,
+    /// Γ_C in this step: pairs may be made anew.
+    pub boundary: &'a ContactBoundary,
     /// The state that the step starts from.
     pub old: &'a State,
     /// ū, θ̄ and z̄, and products of w̄, ū and θ̄ with the forms.
@@ -164,7 +166,7 @@ impl Step<'_> {
         const TOLD: usize = 3;
         let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
         let one = |(i, states): &(usize, Vec<Status>)| {
-            let point = self.discrete.boundary.points.get(*i)?;
+            let point = self.boundary.points.get(*i)?;
             let contact = self.problem.contacts.get(point.contact)?;
             let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
             let states: Vec<&str> = states.iter().map(|status| status.name()).collect();
@@ -230,7 +232,7 @@ pub(super) struct Products {
 impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
-        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &state.theta);
+        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &discrete.warmed(&state.theta));
         let (mass_theta, d_theta) = (discrete.stored_heat(&state.theta), discrete.apply_d(&state.theta));
         Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
@@ -242,9 +244,18 @@ pub(super) struct HalfStep {
     pub system: System,
     /// Unknown of each degree of freedom of the contact nodes among those that are kept, none where prescribed.
     pub on_contact: Vec<Option<u32>>,
+    /// The temperature that the matrix was factorized anew at; empty where it is that of the start, or does not matter.
+    pub at: Vec<f64>,
 }
 
 impl HalfStep {
+    /// Factorizes the matrix of a temperature; empty for one that does not matter.
+    pub fn replace(&mut self, matrix: BlockMatrix, theta: &[f64]) -> Result<(), SolveError> {
+        self.system.replace(&Arc::new(matrix))?;
+        self.at = theta.to_vec();
+        Ok(())
+    }
+
     /// Factorizes a matrix with the contact unknowns last.
     pub fn new(
         matrix: BlockMatrix,
@@ -257,7 +268,7 @@ impl HalfStep {
         let position = system.unknowns().positions(space.free.len());
         let dofs = contact.iter().flat_map(|&node| (0..components).map(move |c| node as usize * components + c));
         let on_contact = dofs.map(|dof| position[dof]).collect();
-        Ok(HalfStep { system, on_contact })
+        Ok(HalfStep { system, on_contact, at: Vec::new() })
     }
 }
 
@@ -276,9 +287,9 @@ pub(super) fn without_contact(
 }
 
 /// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
-pub(super) fn on_degrees(discrete: &Discretization, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
+pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
     let mut sum = vec![0.0; space.free.len()];
-    discrete.boundary.scatter(space.components, vectors, &mut sum);
+    boundary.scatter(space.components, vectors, &mut sum);
     sum
 }
 

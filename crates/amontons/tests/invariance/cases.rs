@@ -83,6 +83,35 @@ fn revolution(name: &'static str, elements: Elements, laws: &str) -> Case {
     Case { name, mesh, template: template + &contact("bottom", laws) }
 }
 
+/// A body on another one, 0.01 apart at rest, whose mesh does not match.
+fn pair(name: &'static str, dim: usize, elements: [Elements; 2], laws: &str) -> Case {
+    let block = |size: [f64; 3], n: [usize; 3], elements: Elements, corner: [f64; 3]| {
+        let mesh = if dim == 2 {
+            Mesh::rectangle_of(elements, [size[0], size[1]], [n[0], n[1]], Diagonal::Right)
+        } else {
+            Mesh::box_(size, n, elements)
+        };
+        mesh.expect("a block").moved(corner)
+    };
+    let (n, below) = if dim == 2 { ([5, 4, 0], [7, 3, 0]) } else { ([3, 2, 2], [2, 2, 3]) };
+    let bodies = [
+        ("upper".to_owned(), block([1.0, 0.8, 0.6], n, elements[0], [0.0; 3])),
+        (
+            "lower".to_owned(),
+            block([1.4, 0.4, 0.9], below, elements[1], [-0.2, -0.41, if dim > 2 { -0.1 } else { 0.0 }]),
+        ),
+    ];
+    let mesh = Mesh::assembly(&bodies).expect("two bodies");
+    let mut upper = body(dim, if dim == 2 { STRAIN } else { "" }, 6.0);
+    for side in ["top", "left", "right"] {
+        upper = upper.replace(&format!("on = \"{side}\""), &format!("on = \"upper_{side}\""));
+    }
+    let held = if dim == 2 { "<m|0; 0>" } else { "<m|0; 0; 0>" };
+    let lower = format!("[[boundary]]\non = \"lower_bottom\"\ndisplacement = {held}\ntemperature = <K|0>\n");
+    let laws = format!("with = \"lower_top\"\n{laws}");
+    Case { name, mesh, template: upper + &lower + &contact("upper_bottom", &laws) }
+}
+
 /// A case with coefficients of body and contact that vary in space, and those of friction and conductance in time.
 fn graded(name: &'static str, case: Case) -> Case {
     let changes = [
@@ -137,6 +166,14 @@ pub fn all() -> Vec<Case> {
     let laws = "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
                 heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n";
     let mut all = with_constants();
+    let rigid = "normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\nfrictional_heat = 0.6\n\
+                 heat = { law = \"pressure\", coefficient = <W/m2K/Pa.95|0.4>, exponent = 0.95 }\n";
+    let soft = "normal = { law = \"compliance\", stiffness = <Pa/m|1e3> }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n\
+                heat = { law = \"constant\", conductance = <W/m2K|2> }\n";
+    all.push(pair("two bodies: Signorini, Coulomb (P1)", 2, [Elements::P1; 2], rigid));
+    let updated = format!("geometry = \"updated\"\n{rigid}");
+    all.push(pair("two bodies: Signorini, Coulomb, updated (P1 on Q1)", 2, [Elements::P1, Elements::Q1], &updated));
+    all.push(pair("two bodies: compliance, Coulomb (Q1 on P1)", 3, [Elements::Q1, Elements::P1], soft));
     all.push(graded("coefficients in space, P1 in the plane", plane("", Elements::P1, STRAIN, laws)));
     all.push(graded("coefficients in space, Q2 in the plane", plane("", Elements::Q2, SHEET, laws)));
     all.push(graded("coefficients in space, P1", space("", Elements::P1, [3, 2, 2], laws)));

@@ -89,7 +89,7 @@ fn tractions(outcome: &Outcome, report: &StepReport) -> Vec<Point> {
         .states
         .iter()
         .map(|state| std::array::from_fn(|d| state.pressure * state.normal[d] + state.q[d]));
-    if outcome.boundary.points.iter().all(|point| point.nodes.len() == 1) {
+    if outcome.boundary.points.iter().all(|point| point.own == 1) {
         return states.collect();
     }
     let mut sums = vec![([0.0; 3], 0.0); outcome.boundary.nodes.len()];
@@ -105,7 +105,7 @@ fn tractions(outcome: &Outcome, report: &StepReport) -> Vec<Point> {
 /// Where [`tractions`] are.
 fn spots(outcome: &Outcome) -> Vec<Point> {
     let nodes = outcome.boundary.nodes.iter().map(|&node| outcome.mesh.points[node as usize]);
-    let at_nodes = outcome.boundary.points.iter().all(|point| point.nodes.len() == 1);
+    let at_nodes = outcome.boundary.points.iter().all(|point| point.own == 1);
     if at_nodes { outcome.boundary.points.iter().map(|point| point.x).collect() } else { nodes.collect() }
 }
 

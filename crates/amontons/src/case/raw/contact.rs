@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Coefficient, Datum, Obstacle};
+use super::{Datum, Geometry, Obstacle};
 
 /// Contact of one side: `[contact]`; of several: `[[contact]]`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -39,25 +39,40 @@ impl Contacts {
 
     /// Their sides.
     pub fn sides(&self) -> Vec<&str> {
-        self.each().into_iter().map(|(_, contact)| contact.on.as_str()).collect()
+        let all = self.each().into_iter();
+        all.flat_map(|(_, contact)| std::iter::once(contact.on.as_str()).chain(contact.with.as_deref())).collect()
     }
 }
 
-/// Contact of one side with a foundation: (2.8)–(2.10).
+/// Contact of one side with a foundation, (2.8)–(2.10), or with a side of another body.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Contact {
     /// Name of the side that is Γ_C.
     pub on: String,
+    /// Name of the side of a deformable body that `on` faces: a pair. Omit it if the foundation is rigid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub with: Option<String>,
+    /// The side of a pair that bears the contact points and their laws, `on` or `with`; default: the finer one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub nonmortar: Option<String>,
+    /// When the points of a pair that face each other are found; default: `reference`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub geometry: Option<Geometry>,
+    /// Whether sides of a pair that overlap at rest are taken to touch there, without stress.
+    #[serde(default)]
+    pub close: bool,
     /// Gap g to the foundation along the outward normal, in m.
     ///
-    /// With an obstacle: an offset added to the distance.
-    #[serde(default)]
-    pub gap: Datum,
+    /// Default: 0, in a pair that of the geometry. With an obstacle: an offset added to the distance. In a pair it
+    /// replaces the gap of the geometry; negative values are an interference.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gap: Option<Datum>,
     /// Shape of the rigid foundation. Omit it if the gap describes the foundation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<Obstacle>,
-    /// Velocity v_F of the foundation in m/s, one entry per component; empty for a foundation at rest.
+    /// Velocity v_F of the foundation, or of the mortar side besides its own, in m/s, one entry per component; empty
+    /// for a foundation at rest.
     ///
     /// Only its tangential part is used. The slip velocity is w_τ − v_F.
     #[serde(default)]
@@ -74,6 +89,9 @@ pub(in crate::case) struct Contact {
     #[serde(default)]
     pub heat: Heat,
     /// Fraction η of the friction power that enters the body as heat, from 0 to 1.
+    ///
+    /// In a pair the fraction that enters the side `on`, or `"effusivity"` for √(Kc) of this side over the sum of both;
+    /// the rest enters the other side.
     #[serde(default)]
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub frictional_heat: Datum,
@@ -123,7 +141,7 @@ pub(in crate::case) enum Wear {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
     },
@@ -148,16 +166,16 @@ pub(in crate::case) enum Normal {
     Compliance {
         /// Stiffness c_ν of the contact in Pa/m.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
     },
     /// Power law: p_ν(r) = stiffness · max(r, 0)^exponent.
     Power {
         /// Factor c of the power law in Pa/m^exponent.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Exponent m of the penetration; 1.5 for a sphere.
         #[schemars(extend("minimum" = 1))]
-        exponent: Coefficient,
+        exponent: Datum,
     },
     /// Table of pressures over penetrations, linear between its points and extrapolated beyond the last one.
     Table {
@@ -168,16 +186,16 @@ pub(in crate::case) enum Normal {
         /// Factor of the values.
         #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
-        factor: Coefficient,
+        factor: Datum,
     },
     /// Compliant layer on a rigid stop: compliance up to the penetration `depth`, no further penetration.
     Stop {
         /// Stiffness of the layer in Pa/m.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Penetration in m at which the stop is reached.
         #[schemars(extend("minimum" = 0))]
-        depth: Coefficient,
+        depth: Datum,
     },
     /// Signorini's conditions: a rigid foundation without penetration and without tension.
     Signorini,
@@ -187,52 +205,52 @@ pub(in crate::case) enum Normal {
     Damped {
         /// Stiffness of the spring in Pa/m.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Damping of the dashpot in Pa s/m.
         #[schemars(extend("minimum" = 0))]
-        damping: Coefficient,
+        damping: Datum,
     },
     /// Hunt and Crossley's law: stiffness · max(r, 0)^exponent · max(1 + damping · ṙ, 0).
     HuntCrossley {
         /// Factor c of the power law in Pa/m^exponent.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Exponent m of the penetration.
         #[serde(default = "one")]
         #[schemars(extend("minimum" = 1))]
-        exponent: Coefficient,
+        exponent: Datum,
         /// Damping a in s/m.
         #[schemars(extend("minimum" = 0))]
-        damping: Coefficient,
+        damping: Datum,
     },
     /// Softening layer: linear up to the peak pressure, then decreasing to the residual pressure.
     Softening {
         /// Stiffness up to the peak in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Peak pressure in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        peak: Coefficient,
+        peak: Datum,
         /// Slope in Pa/m at which the pressure decreases after the peak.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        softening: Coefficient,
+        softening: Datum,
         /// Residual pressure in Pa, at most the peak.
         #[serde(default)]
         #[schemars(extend("minimum" = 0))]
-        residual: Coefficient,
+        residual: Datum,
     },
     /// Adhesive layer: p = stiffness · r, also in tension, until −p reaches the strength.
     Adhesion {
         /// Stiffness of the layer in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Tensile strength in Pa.
         #[schemars(extend("minimum" = 0))]
-        strength: Coefficient,
+        strength: Datum,
         /// Further opening in m over which the tension decreases to zero; 0: at once.
         #[serde(default)]
         #[schemars(extend("minimum" = 0))]
-        release: Coefficient,
+        release: Datum,
     },
 }
 
@@ -253,6 +271,8 @@ pub(in crate::case) enum Friction {
         #[schemars(extend("minimum" = 0))]
         cap: Option<Datum>,
     },
+    /// No slip, whatever the pressure; with `bilateral` contact the sides are tied.
+    Stick,
     /// Tresca friction: a constant bound on all of Γ_C, whatever the pressure.
     Tresca {
         /// Friction bound in Pa.
@@ -287,7 +307,7 @@ pub(in crate::case) enum Friction {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
@@ -304,7 +324,7 @@ pub(in crate::case) enum Friction {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
@@ -320,7 +340,7 @@ pub(in crate::case) enum Friction {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
@@ -352,15 +372,17 @@ macro_rules! heat_laws {
             None,
             $($(#[$about])* $variant {
                 $($(#[$doc])* $field: $type,)*
-                /// Temperature θ_F of the foundation in K.
-                foundation_temperature: Datum,
+                /// Temperature θ_F of the foundation in K; not in a pair.
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                foundation_temperature: Option<Datum>,
             },)*
             /// Sum of several laws: their heat fluxes are added.
             Sum {
                 /// The laws.
                 laws: Vec<HeatTerm>,
-                /// Temperature θ_F of the foundation in K.
-                foundation_temperature: Datum,
+                /// Temperature θ_F of the foundation in K; not in a pair.
+                #[serde(default, skip_serializing_if = "Option::is_none")]
+                foundation_temperature: Option<Datum>,
             },
         }
 
@@ -377,16 +399,41 @@ macro_rules! heat_laws {
                 match self {
                     Heat::None => (Vec::new(), None),
                     $(Heat::$variant { $($field,)* foundation_temperature } => {
-                        (vec![HeatTerm::$variant { $($field,)* }], Some(foundation_temperature))
+                        (vec![HeatTerm::$variant { $($field,)* }], foundation_temperature)
                     })*
-                    Heat::Sum { laws, foundation_temperature } => (laws, Some(foundation_temperature)),
+                    Heat::Sum { laws, foundation_temperature } => (laws, foundation_temperature),
                 }
+            }
+
+            /// Whether there is a temperature of the foundation.
+            pub fn has_foundation_temperature(&self) -> bool {
+                match self {
+                    Heat::None => false,
+                    $(Heat::$variant { foundation_temperature, .. })|* | Heat::Sum { foundation_temperature, .. } => {
+                        foundation_temperature.is_some()
+                    }
+                }
+            }
+
+            /// Whether it is missing at a foundation.
+            pub fn lacks_foundation_temperature(&self) -> bool {
+                !matches!(self, Heat::None) && !self.has_foundation_temperature()
             }
         }
     };
 }
 
 heat_laws! {
+    /// The same conductance at every contact point, open or closed.
+    Constant {
+        /// Conductance in W/(m² K).
+        #[schemars(extend("minimum" = 0))]
+        conductance: Datum,
+        /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        truncation: Option<Datum>,
+    },
     /// Conductance that rises linearly over 0 ≤ r ≤ width and is constant above, r the penetration.
     Ramp {
         /// Conductance of closed contact in W/(m² K).
@@ -419,7 +466,7 @@ heat_laws! {
         #[schemars(extend("minimum" = 0))]
         coefficient: Datum,
         /// Exponent of the pressure.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         exponent: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
@@ -456,11 +503,7 @@ heat_laws! {
     },
 }
 
-fn one() -> Coefficient {
-    Coefficient::Number(1.0)
-}
-
-fn one_datum() -> Datum {
+fn one() -> Datum {
     Datum::Number(1.0)
 }
 

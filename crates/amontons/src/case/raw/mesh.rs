@@ -91,6 +91,16 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         elements: Elements,
     },
+    /// Several bodies side by side, each an interval, a rectangle or a box, with nodes of its own. Each is a region;
+    /// its sides are named after it: `pad_left`, `pad_top`.
+    Blocks {
+        /// The bodies.
+        #[schemars(length(min = 1))]
+        blocks: Vec<Block>,
+        /// Whether the mesh is the half section of bodies of revolution, x being the distance from the axis.
+        #[serde(default)]
+        axisymmetric: bool,
+    },
     /// A mesh file of Gmsh (.msh), Abaqus or CalculiX (.inp) or VTK (.vtu). Its sides and regions are those of the
     /// file.
     #[schemars(extend("x-implied-by" = "file"))]
@@ -104,6 +114,10 @@ pub(in crate::case) enum Mesh {
         /// Whether the mesh is the half section of a body of revolution, x being the distance from the axis.
         #[serde(default)]
         axisymmetric: bool,
+        /// Uniform refinements: each cuts every edge of the mesh in two.
+        #[serde(default)]
+        #[schemars(range(max = 8))]
+        refine: u32,
     },
 }
 
@@ -115,6 +129,29 @@ impl Mesh {
             _ => None,
         }
     }
+}
+
+/// A body of a mesh of several: an interval, a rectangle or a box by the number of its sizes.
+#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Block {
+    /// Name of the body: that of its region, and the first part of the names of its sides.
+    pub name: String,
+    /// Lengths of the sides in m: one, two or three.
+    #[schemars(transform = positive_items)]
+    pub size: Vec<f64>,
+    /// Cells per side.
+    #[schemars(inner(range(min = 1)))]
+    pub n: Vec<usize>,
+    /// Corner with the least coordinates in m; default: the origin.
+    #[serde(default)]
+    pub origin: Vec<f64>,
+    /// Element type of the cells.
+    #[serde(default)]
+    pub elements: Elements,
+    /// How the squares of a rectangle are cut into triangles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub diagonal: Option<Diagonal>,
 }
 
 /// Numbers of cells in two directions.

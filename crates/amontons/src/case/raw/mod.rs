@@ -25,7 +25,7 @@ pub(in crate::case) use material::{
     Branch, Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor,
     Viscosity,
 };
-pub(in crate::case) use mesh::{Diagonal, Elements, Mesh};
+pub(in crate::case) use mesh::{Block, Cells2, Cells3, Diagonal, Elements, Mesh};
 pub(in crate::case) use obstacle::{Geometry, Obstacle};
 pub(in crate::case) use probe::{Over, Probe};
 pub(in crate::case) use verify::{Check, ErrorName, Take, Vary, Verify};

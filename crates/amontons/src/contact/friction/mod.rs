@@ -4,6 +4,7 @@ mod capped;
 mod coulomb;
 mod orthotropic;
 mod static_kinetic;
+mod stick;
 mod tabulated;
 mod tresca;
 
@@ -18,6 +19,7 @@ pub use capped::Capped;
 pub use coulomb::{Coulomb, Frictionless};
 pub use orthotropic::Orthotropic;
 pub use static_kinetic::StaticKinetic;
+pub use stick::NoSlip;
 pub use tabulated::{Tabulated, Variable};
 pub use tresca::Tresca;
 
@@ -105,6 +107,10 @@ pub trait FrictionLaw: Debug + Send + Sync {
     fn drops_from_rest(&self) -> bool {
         false
     }
+    /// Whether a point sticks whatever acts on it.
+    fn never_slips(&self) -> bool {
+        false
+    }
     /// Whether the bound is always zero.
     fn is_frictionless(&self) -> bool {
         false
@@ -130,6 +136,7 @@ pub(crate) fn samples() -> Vec<Arc<dyn FrictionLaw>> {
     for samples in [
         coulomb::samples,
         tresca::samples,
+        stick::samples,
         static_kinetic::samples,
         tabulated::samples,
         capped::samples,

@@ -1,5 +1,6 @@
 //! Heat exchange: laws for q·ν of (2.10), one per file.
 
+mod constant;
 mod frictional;
 mod gap;
 mod power;
@@ -14,6 +15,7 @@ use std::sync::Arc;
 use super::ContactPoint;
 use crate::field::Graded;
 
+pub use constant::ConstantConductance;
 pub use frictional::FrictionalHeat;
 pub use gap::GapConduction;
 pub use power::PowerConductance;
@@ -97,6 +99,7 @@ fn phi_l(at: &ContactPoint, truncation: Option<f64>) -> (f64, f64) {
 pub(crate) fn samples() -> Vec<(Arc<dyn HeatLaw>, f64)> {
     let mut all: Vec<(Arc<dyn HeatLaw>, f64)> = vec![(Arc::new(Insulated), 1e-4)];
     for samples in [
+        constant::samples,
         ramp::samples,
         power::samples,
         pressure::samples,

@@ -24,7 +24,7 @@ pub use run::{Figures, Penetration, of_run};
 
 use super::laws::{at, norm};
 use super::{Finding, FindingId, FindingStatus};
-use crate::mesh::Mesh;
+use crate::mesh::FacetSet;
 use crate::mesh::defects::coincident;
 use crate::problem::Problem;
 use crate::tensor::Sym;
@@ -43,7 +43,7 @@ fn warning(
 /// The warnings that data give cause for.
 pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     let mut findings: Vec<Finding> = Vec::new();
-    findings.extend(not_merged(&problem.mesh));
+    findings.extend(not_merged(problem));
     findings.extend(supports::part_free(problem));
     findings.extend(supports::contact_held(problem));
     for (region, _) in problem.materials.iter().enumerate() {
@@ -55,9 +55,24 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings
 }
 
-/// `coincident-nodes`.
-fn not_merged(mesh: &Mesh) -> Option<Finding> {
-    let pairs = coincident(mesh);
+/// `coincident-nodes`, but for nodes of the two sides of a pair, which may touch.
+fn not_merged(problem: &Problem) -> Option<Finding> {
+    let mesh = &*problem.mesh;
+    let paired: Vec<Vec<u32>> = problem
+        .contacts
+        .iter()
+        .filter(|contact| contact.pair.is_some())
+        .map(|contact| {
+            let sides = contact.sides().filter_map(|side| mesh.facets.get(side));
+            let mut nodes: Vec<u32> = sides.flat_map(FacetSet::node_list).collect();
+            nodes.sort_unstable();
+            nodes
+        })
+        .collect();
+    let of_pair =
+        |pair: &[u32; 2]| paired.iter().any(|nodes| pair.iter().all(|node| nodes.binary_search(node).is_ok()));
+    let mut pairs = coincident(mesh);
+    pairs.retain(|pair| !of_pair(pair));
     let [a, b] = *pairs.first()?;
     let x = mesh.points.get(a as usize)?;
     let message = format!(

@@ -4,6 +4,7 @@ use super::super::laws::at;
 use super::super::sample::times;
 use super::super::{Finding, FindingId};
 use super::warning;
+use crate::contact::Contact;
 use crate::mesh::FacetSet;
 use crate::mesh::defects::{Component, components};
 use crate::model::rigid_motions;
@@ -23,7 +24,7 @@ pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
     let held =
         |node: u32, normal: &Point| (0..dim).all(|c| normal[c].abs() < ACROSS || !space.free[node as usize * dim + c]);
     let mut findings = Vec::new();
-    for (side, contact) in problem.contacts.iter().enumerate() {
+    for (side, contact) in problem.contacts.iter().enumerate().filter(|(_, contact)| contact.pair.is_none()) {
         let on_side = || boundary.points.iter().filter(|p| p.contact == side);
         let candidates: Vec<_> =
             on_side().filter(|p| p.nodes.iter().all(|&(i, _)| held(boundary.nodes[i], &p.normal))).collect();
@@ -73,7 +74,7 @@ pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
     let mesh = &*problem.mesh;
     let parts = components(mesh);
     let mut has_contact = vec![false; mesh.points.len()];
-    let sides = problem.contacts.iter().filter_map(|contact| mesh.facets.get(&contact.on));
+    let sides = problem.contacts.iter().flat_map(Contact::sides).filter_map(|side| mesh.facets.get(side));
     sides.flat_map(FacetSet::node_list).for_each(|node| has_contact[node as usize] = true);
     let motions = rigid_motions(problem, &parts);
     let free: Vec<(usize, &Component, usize)> = parts

@@ -1,0 +1,102 @@
+//! Pairs of sides: `with`, `nonmortar`, `geometry`, and what a pair has no use for.
+
+use super::build::Build;
+use super::effusivity::Effusivities;
+use super::place::At;
+use super::raw::{self, Datum};
+use crate::contact::mortar::mean_facet;
+use crate::contact::{Geometry, Pair};
+use crate::mesh::Mesh;
+
+/// Sizes of facets whose quotient is nearer to 1 count as equal.
+const EQUAL: f64 = 1.01;
+
+impl Build<'_> {
+    /// Puts the fraction by effusivity in the place of the word.
+    pub fn partition(&mut self, path: &str, raw: &mut raw::Contact, effusivities: &Effusivities) {
+        if !matches!(&raw.frictional_heat, Datum::Expression(word) if word.trim() == "effusivity") {
+            return;
+        }
+        let of = |side: &str| effusivities.of(side);
+        let both = raw.with.as_deref().and_then(|with| Some((of(&raw.on)?, of(with)?)));
+        let share = both.map(|(on, with)| on / (on + with)).filter(|share| share.is_finite());
+        raw.frictional_heat = Datum::Number(share.unwrap_or(0.0));
+        if share.is_none() {
+            let expected = "a number from 0 to 1, or a pair of bodies with a conductivity and a heat capacity";
+            self.note(&format!("{path}.frictional_heat"), At::Value, "\"effusivity\"", expected, None);
+        }
+    }
+
+    /// The second side of a contact; none where the foundation is rigid.
+    pub fn pair(&mut self, path: &str, raw: &raw::Contact, mesh: &Mesh) -> Option<Pair> {
+        let Some(with) = &raw.with else {
+            self.without_pair(path, raw);
+            return None;
+        };
+        self.not_of_pairs(path, raw);
+        let on_is_mortar = match &raw.nonmortar {
+            Some(side) if *side == *with => true,
+            Some(side) if *side == raw.on => false,
+            Some(side) => {
+                let expected = format!("one of the sides of the pair, \"{}\" or \"{with}\"", raw.on);
+                self.note(&format!("{path}.nonmortar"), At::Value, format!("\"{side}\""), expected, None);
+                false
+            }
+            None => {
+                let size = |side: &str| mesh.facets.get(side).map_or(0.0, |set| mean_facet(mesh, set));
+                size(with) * EQUAL < size(&raw.on)
+            }
+        };
+        Some(Pair {
+            with: with.clone(),
+            on_is_mortar,
+            geometry: match raw.geometry {
+                Some(raw::Geometry::Updated) => Geometry::Updated,
+                _ => Geometry::Reference,
+            },
+            gap_is_given: raw.gap.is_some(),
+            closes: raw.close,
+        })
+    }
+
+    /// Keys that say something of a pair only.
+    fn without_pair(&mut self, path: &str, raw: &raw::Contact) {
+        for (key, given) in
+            [("nonmortar", raw.nonmortar.is_some()), ("geometry", raw.geometry.is_some()), ("close", raw.close)]
+        {
+            if given {
+                let found = format!("`{key}` without `with`");
+                let hint = "give `with`, the other side of the pair, or remove it";
+                self.note(&format!("{path}.{key}"), At::Value, found, "a pair of deformable sides", Some(hint));
+            }
+        }
+        if raw.heat.lacks_foundation_temperature() {
+            self.note(
+                &format!("{path}.heat.foundation_temperature"),
+                At::Missing,
+                "no such key",
+                "a number, an expression in x, y, z, t or a table in time (temperature θ_F of the foundation in K)",
+                None,
+            );
+        }
+    }
+
+    /// Keys that say something of a foundation only.
+    fn not_of_pairs(&mut self, path: &str, raw: &raw::Contact) {
+        for (key, given) in [
+            ("obstacle", raw.obstacle.is_some()),
+            ("foundation", raw.foundation.is_some()),
+            ("heat.foundation_temperature", raw.heat.has_foundation_temperature()),
+        ] {
+            if given {
+                let found = format!("`{key}` besides `with`");
+                let expected = "a rigid foundation, or the other side of a pair, not both";
+                self.note(&format!("{path}.{key}"), At::Value, found, expected, Some("remove one of them"));
+            }
+        }
+        if matches!(self.solver, raw::Backend::Iterative) {
+            let expected = "\"direct\" or \"auto\" with a pair";
+            self.note("solver.solver", At::Value, "\"iterative\" with a pair", expected, None);
+        }
+    }
+}

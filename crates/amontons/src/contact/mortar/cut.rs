@@ -1,0 +1,260 @@
+//! The part of a nonmortar facet that mortar facets face, with points of quadrature on both.
+
+use super::part::{Facets, Part};
+use crate::mesh::cross;
+use crate::quadrature::{Rule, Shape, rule};
+use crate::tensor::{Point, dot, length};
+
+/// Share of a part below which a piece of it is round-off.
+const LEAST: f64 = 1e-12;
+/// Overlap of two pieces, as a share of the part, from which on the nearer one counts.
+const OVERLAP: f64 = 1e-9;
+/// Iterations of the inverse of a bilinear map.
+const INVERSE: usize = 50;
+
+/// A point of quadrature on the covered part of a nonmortar facet.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    /// Weight in m^(d−1).
+    pub weight: f64,
+    /// Reference point on the nonmortar facet.
+    pub own: Point,
+    /// The mortar facet that faces it, and the reference point there.
+    pub other: (usize, Point),
+}
+
+/// The samples of a nonmortar facet, exact for the products of shape functions on straight facets.
+pub(super) fn samples(nonmortar: &Facets, mortar: &Facets, facet: usize) -> Vec<Sample> {
+    let mut all = Vec::new();
+    for part in nonmortar.parts_of(facet) {
+        let facing: Vec<&Part> =
+            mortar.parts().iter().filter(|other| part.faces(other) && part.may_cover(other)).collect();
+        match part.corners.len() {
+            1 => all.extend(opposite(part, &facing)),
+            2 => segments(nonmortar, mortar, part, &facing, &mut all),
+            _ => polygons(nonmortar, mortar, part, &facing, &mut all),
+        }
+    }
+    all
+}
+
+/// The degree of ψ_i N_j in each coordinate, with that of the radius in a body of revolution.
+fn degree(nonmortar: &Facets, mortar: &Facets, [own, other]: [&Part; 2]) -> usize {
+    let of = |facets: &Facets, part: &Part| {
+        let (element, _) = facets.facet(part.facet);
+        if element.shape == Shape::Quadrilateral { 2 * element.degree } else { element.degree.max(1) }
+    };
+    let linear = if own.corners.len() == 4 { 2 } else { 1 };
+    linear + of(nonmortar, own).max(of(mortar, other)) + usize::from(nonmortar.is_axisymmetric)
+}
+
+/// In one dimension: the nearest point that looks back.
+fn opposite(part: &Part, facing: &[&Part]) -> Option<Sample> {
+    let distance = |other: &Part| (other.centre[0] - part.centre[0]).abs();
+    let nearest = facing.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+    Some(Sample { weight: 1.0, own: part.reference[0], other: (nearest.facet, nearest.reference[0]) })
+}
+
+/// A piece of a segment, from its start at 0 to its end at 1, with the mortar part that faces it.
+struct Piece<'p> {
+    other: &'p Part,
+    /// The ends of the mortar part.
+    ends: [f64; 2],
+    from: f64,
+    to: f64,
+    /// Distance in the middle.
+    distance: f64,
+}
+
+fn segments(nonmortar: &Facets, mortar: &Facets, part: &Part, facing: &[&Part], all: &mut Vec<Sample>) {
+    let [a, b] = [part.corners[0], part.corners[1]];
+    let along: Point = std::array::from_fn(|c| b[c] - a[c]);
+    let squared = dot(&along, &along);
+    let from_start = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - a[c]) };
+    let mut found: Vec<Piece> = Vec::new();
+    for other in facing {
+        let ends = [0, 1].map(|i| dot(&from_start(&other.corners[i]), &along) / squared);
+        let (from, to) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(1.0));
+        if to - from > LEAST {
+            let share = (0.5 * (from + to) - ends[0]) / (ends[1] - ends[0]);
+            let at: Point =
+                std::array::from_fn(|c| other.corners[0][c] + share * (other.corners[1][c] - other.corners[0][c]));
+            found.push(Piece { other, ends, from, to, distance: dot(&from_start(&at), &part.normal).abs() });
+        }
+    }
+    found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    let mut taken: Vec<[f64; 2]> = Vec::new();
+    for piece in found {
+        for [from, to] in left(&piece, &taken) {
+            let rule = rule(Shape::Segment, degree(nonmortar, mortar, [part, piece.other]));
+            for (point, weight) in rule.iter() {
+                let s = from + (to - from) * point[0];
+                let t = (s - piece.ends[0]) / (piece.ends[1] - piece.ends[0]);
+                let x: Point = std::array::from_fn(|c| a[c] + s * along[c]);
+                let weight = weight * (to - from) * squared.sqrt() * nonmortar.circumference(&x);
+                let [own, other] = [(part, s), (piece.other, t)].map(|(part, s)| between(&part.reference, s));
+                all.push(Sample { weight, own, other: (piece.other.facet, other) });
+            }
+            taken.push([from, to]);
+        }
+    }
+}
+
+/// What nearer pieces leave of a piece.
+fn left(piece: &Piece, taken: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let mut left = vec![[piece.from, piece.to]];
+    for &[from, to] in taken {
+        let rest = |&[start, end]: &[f64; 2]| {
+            if end.min(to) - start.max(from) <= OVERLAP { vec![[start, end]] } else { vec![[start, from], [to, end]] }
+        };
+        left = left.iter().flat_map(rest).filter(|[start, end]| end - start > LEAST).collect();
+    }
+    left
+}
+
+fn between(ends: &[Point], share: f64) -> Point {
+    std::array::from_fn(|c| ends[0][c] + share * (ends[1][c] - ends[0][c]))
+}
+
+/// A point in the plane of a part.
+type Flat = [f64; 2];
+
+/// The plane of a part.
+struct Plane<'p> {
+    origin: Point,
+    axes: [Point; 2],
+    normal: &'p Point,
+}
+
+impl Plane<'_> {
+    fn new(part: &Part) -> Plane<'_> {
+        let edge: Point = std::array::from_fn(|c| part.corners[1][c] - part.corners[0][c]);
+        let along = dot(&edge, &part.normal);
+        let edge: Point = std::array::from_fn(|c| edge[c] - along * part.normal[c]);
+        let size = length(&edge);
+        let first = edge.map(|c| c / size);
+        Plane { origin: part.centre, axes: [first, cross(&part.normal, &first)], normal: &part.normal }
+    }
+
+    fn relative(&self, x: &Point) -> Point {
+        std::array::from_fn(|c| x[c] - self.origin[c])
+    }
+
+    fn flat(&self, x: &Point) -> Flat {
+        let from = self.relative(x);
+        self.axes.map(|axis| dot(&from, &axis))
+    }
+
+    /// Mean distance of points from the plane.
+    fn distance(&self, points: &[Point]) -> f64 {
+        points.iter().map(|x| dot(&self.relative(x), self.normal)).sum::<f64>().abs() / points.len() as f64
+    }
+}
+
+fn polygons(nonmortar: &Facets, mortar: &Facets, part: &Part, facing: &[&Part], all: &mut Vec<Sample>) {
+    let plane = Plane::new(part);
+    let flat = |part: &Part| -> Vec<Flat> { part.corners.iter().map(|x| plane.flat(x)).collect() };
+    let own = flat(part);
+    let measure = area(&own);
+    let mut found: Vec<(f64, &Part, Vec<Flat>, Vec<Flat>)> = Vec::new();
+    for other in facing {
+        let corners = flat(other);
+        let piece = clipped(&corners, &own);
+        if piece.len() > 2 && area(&piece).abs() > LEAST * measure {
+            found.push((plane.distance(&other.corners), other, corners, piece));
+        }
+    }
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut taken: Vec<Vec<Flat>> = Vec::new();
+    for (_, other, corners, piece) in found {
+        // Of facets behind each other the nearest counts.
+        let hidden: f64 = taken.iter().map(|nearer| area(&clipped(&piece, nearer)).abs()).sum();
+        if hidden > 0.5 * area(&piece).abs() {
+            continue;
+        }
+        let rule = rule(Shape::Triangle, degree(nonmortar, mortar, [part, other]));
+        for (at, weight) in fan(&piece, &rule) {
+            let [own, there] = [(part, &own), (other, &corners)].map(|(part, corners)| reference(part, corners, &at));
+            all.push(Sample { weight, own, other: (other.facet, there) });
+        }
+        taken.push(piece);
+    }
+}
+
+/// Signed area of a polygon.
+fn area(corners: &[Flat]) -> f64 {
+    let Some(first) = corners.first() else { return 0.0 };
+    let from = |x: &Flat| [x[0] - first[0], x[1] - first[1]];
+    let pairs = corners.windows(2).map(|pair| {
+        let [a, b] = [from(&pair[0]), from(&pair[1])];
+        a[0] * b[1] - a[1] * b[0]
+    });
+    0.5 * pairs.sum::<f64>()
+}
+
+/// The part of a polygon inside a convex one (Sutherland and Hodgman), in the orientation of the first.
+fn clipped(polygon: &[Flat], by: &[Flat]) -> Vec<Flat> {
+    let turn = area(by).signum();
+    let mut piece = polygon.to_vec();
+    for i in 0..by.len() {
+        let (a, b) = (by[i], by[(i + 1) % by.len()]);
+        let inside = |x: &Flat| turn * ((b[0] - a[0]) * (x[1] - a[1]) - (b[1] - a[1]) * (x[0] - a[0]));
+        let mut next = Vec::with_capacity(piece.len() + 1);
+        for j in 0..piece.len() {
+            let (x, y) = (piece[j], piece[(j + 1) % piece.len()]);
+            let (at_x, at_y) = (inside(&x), inside(&y));
+            if at_x >= 0.0 {
+                next.push(x);
+            }
+            if (at_x > 0.0 && at_y < 0.0) || (at_x < 0.0 && at_y > 0.0) {
+                let share = at_x / (at_x - at_y);
+                next.push([x[0] + share * (y[0] - x[0]), x[1] + share * (y[1] - x[1])]);
+            }
+        }
+        piece = next;
+    }
+    piece
+}
+
+/// The points of a rule on the triangles about the first corner of a convex polygon, with their weights.
+fn fan(polygon: &[Flat], rule: &Rule) -> Vec<(Flat, f64)> {
+    let mut points = Vec::new();
+    for i in 1..polygon.len().saturating_sub(1) {
+        let triangle = [polygon[0], polygon[i], polygon[i + 1]];
+        let doubled = 2.0 * area(&triangle).abs();
+        for (at, weight) in rule.iter().filter(|_| doubled > 0.0) {
+            let [s, t] = [at[0], at[1]];
+            let x = [0, 1].map(|c| {
+                triangle[0][c] + s * (triangle[1][c] - triangle[0][c]) + t * (triangle[2][c] - triangle[0][c])
+            });
+            points.push((x, weight * doubled));
+        }
+    }
+    points
+}
+
+/// The reference point of a facet at a point of the plane in which a part of it has these corners.
+fn reference(part: &Part, corners: &[Flat], at: &Flat) -> Point {
+    let quad = corners.len() == 4;
+    let values = |s: f64, t: f64| {
+        if quad { [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t] } else { [1.0 - s - t, s, t, 0.0] }
+    };
+    let (mut s, mut t) = if quad { (0.5, 0.5) } else { (1.0 / 3.0, 1.0 / 3.0) };
+    for _ in 0..INVERSE {
+        let n = values(s, t);
+        let off = [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>() - at[c]);
+        let along = |c: usize, i: usize, j: usize| corners[j][c] - corners[i][c];
+        let by_s = [0, 1].map(|c| if quad { (1.0 - t) * along(c, 0, 1) + t * along(c, 3, 2) } else { along(c, 0, 1) });
+        let by_t = [0, 1].map(|c| if quad { (1.0 - s) * along(c, 0, 3) + s * along(c, 1, 2) } else { along(c, 0, 2) });
+        let determinant = by_s[0] * by_t[1] - by_s[1] * by_t[0];
+        let change =
+            [(off[0] * by_t[1] - off[1] * by_t[0]) / determinant, (by_s[0] * off[1] - by_s[1] * off[0]) / determinant];
+        (s, t) = (s - change[0], t - change[1]);
+        let small = change[0].abs().max(change[1].abs()) <= 4.0 * f64::EPSILON;
+        if small || !(s.is_finite() && t.is_finite()) {
+            break;
+        }
+    }
+    let n = values(s, t);
+    std::array::from_fn(|c| part.reference.iter().zip(n).map(|(corner, n)| n * corner[c]).sum())
+}

@@ -1,0 +1,182 @@
+//! Facets of a side, and the flat parts that stand for them where sides are projected on each other.
+
+use crate::element::{Element, MAX_NODES};
+use crate::mesh::{FacetSet, Mesh, cross};
+use crate::quadrature::Shape;
+use crate::tensor::{Point, dot, length};
+
+/// Corners of the parts of quadratic facets, by reference coordinates: halves of a segment, quarters of a triangle and
+/// of a quadrilateral.
+const HALVES: [&[[f64; 2]]; 2] = [&[[0.0, 0.0], [0.5, 0.0]], &[[0.5, 0.0], [1.0, 0.0]]];
+const TRIANGLES: [&[[f64; 2]]; 4] = [
+    &[[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]],
+    &[[0.5, 0.0], [1.0, 0.0], [0.5, 0.5]],
+    &[[0.0, 0.5], [0.5, 0.5], [0.0, 1.0]],
+    &[[0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
+];
+const SQUARES: [&[[f64; 2]]; 4] = [
+    &[[0.0, 0.0], [0.5, 0.0], [0.5, 0.5], [0.0, 0.5]],
+    &[[0.5, 0.0], [1.0, 0.0], [1.0, 0.5], [0.5, 0.5]],
+    &[[0.5, 0.5], [1.0, 0.5], [1.0, 1.0], [0.5, 1.0]],
+    &[[0.0, 0.5], [0.5, 0.5], [0.5, 1.0], [0.0, 1.0]],
+];
+
+/// A flat part of a facet: the facet itself if it is linear, else one of those that its nodes span.
+#[derive(Clone, Debug)]
+pub(super) struct Part {
+    /// The facet.
+    pub facet: usize,
+    /// Corners in space and on the reference facet.
+    pub corners: Vec<Point>,
+    pub reference: Vec<Point>,
+    /// Unit normal, outward.
+    pub normal: Point,
+    /// Mean of the corners, and the largest distance of a corner from it.
+    pub centre: Point,
+    pub radius: f64,
+}
+
+/// The facets of a side at given positions of the nodes.
+pub(super) struct Facets<'a> {
+    all: Vec<(&'static Element, &'a [u32])>,
+    parts: Vec<Part>,
+    /// Where the parts of each facet begin.
+    first: Vec<usize>,
+    x: &'a [Point],
+    pub is_axisymmetric: bool,
+}
+
+impl<'a> Facets<'a> {
+    pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet) -> Facets<'a> {
+        let all: Vec<_> = set.facets().collect();
+        let (mut parts, mut first) = (Vec::new(), Vec::with_capacity(all.len() + 1));
+        for (number, (element, nodes)) in all.iter().enumerate() {
+            first.push(parts.len());
+            parts.extend(parts_of(number, element, nodes, x));
+        }
+        first.push(parts.len());
+        Facets { all, parts, first, x, is_axisymmetric: mesh.axisymmetric }
+    }
+
+    pub fn len(&self) -> usize {
+        self.all.len()
+    }
+
+    /// Element and nodes of a facet, vertices first.
+    pub fn facet(&self, facet: usize) -> (&'static Element, &'a [u32]) {
+        self.all[facet]
+    }
+
+    pub fn parts(&self) -> &[Part] {
+        &self.parts
+    }
+
+    pub fn parts_of(&self, facet: usize) -> &[Part] {
+        &self.parts[self.first[facet]..self.first[facet + 1]]
+    }
+
+    /// The nodes of a facet with the values of their shape functions at a reference point.
+    pub fn values(&self, facet: usize, at: &Point) -> impl Iterator<Item = (u32, f64)> + use<'a> {
+        let (element, nodes) = self.all[facet];
+        let mut values = [0.0; MAX_NODES];
+        (element.shape_functions)(at, &mut values[..nodes.len()]);
+        nodes.iter().copied().zip(values)
+    }
+
+    /// Unit outward normals of a facet at its vertices.
+    pub fn normals(&self, facet: usize) -> Vec<(u32, Point)> {
+        let (element, nodes) = self.all[facet];
+        let vertices = element.shape.vertices();
+        nodes.iter().zip(element.nodes).take(vertices).map(|(&node, at)| (node, self.normal(facet, at))).collect()
+    }
+
+    fn normal(&self, facet: usize, at: &Point) -> Point {
+        let (element, nodes) = self.all[facet];
+        let mut gradients = [[0.0; 3]; MAX_NODES];
+        (element.gradients)(at, &mut gradients[..nodes.len()]);
+        let mut tangents = [[0.0; 3]; 2];
+        for (&node, gradient) in nodes.iter().zip(&gradients) {
+            let x = &self.x[node as usize];
+            for (tangent, g) in tangents.iter_mut().zip(gradient) {
+                (0..3).for_each(|c| tangent[c] += g * x[c]);
+            }
+        }
+        let normal = match element.shape {
+            Shape::Point => [2.0 * element.nodes[0][0] - 1.0, 0.0, 0.0],
+            Shape::Segment => [tangents[0][1], -tangents[0][0], 0.0],
+            _ => cross(&tangents[0], &tangents[1]),
+        };
+        let size = length(&normal);
+        normal.map(|c| c / size)
+    }
+
+    /// Length or area of a facet, of its parts in the case of a curved one; around the axis in a body of revolution.
+    pub fn measure(&self, facet: usize) -> f64 {
+        let of = |part: &Part| {
+            let area = match part.corners.len() {
+                1 => 1.0,
+                2 => 2.0 * part.radius,
+                _ => 0.5 * length(&doubled_area(&part.corners)),
+            };
+            area * self.circumference(&part.centre)
+        };
+        self.parts_of(facet).iter().map(of).sum()
+    }
+
+    /// 2πr of a body of revolution, 1 of any other.
+    pub fn circumference(&self, x: &Point) -> f64 {
+        if self.is_axisymmetric { std::f64::consts::TAU * x[0] } else { 1.0 }
+    }
+}
+
+fn parts_of(facet: usize, element: &'static Element, nodes: &[u32], x: &[Point]) -> Vec<Part> {
+    let of = |local: Vec<usize>| {
+        let corners: Vec<Point> = local.iter().map(|&i| x[nodes[i] as usize]).collect();
+        let reference = local.iter().map(|&i| element.nodes[i]).collect();
+        Part::new(facet, corners, reference)
+    };
+    let at = |corner: &[f64; 2]| {
+        element.nodes.iter().position(|node| (0..2).all(|c| node[c].to_bits() == corner[c].to_bits())).unwrap_or(0)
+    };
+    let split = |all: &[&[[f64; 2]]]| all.iter().map(|part| of(part.iter().map(at).collect())).collect();
+    match (element.shape, element.degree) {
+        (Shape::Segment, 2) => split(&HALVES),
+        (Shape::Triangle, 2) => split(&TRIANGLES),
+        (Shape::Quadrilateral, 2) => split(&SQUARES),
+        (shape, _) => vec![of((0..shape.vertices()).collect())],
+    }
+}
+
+/// Σ x_i × x_{i+1} of a polygon about its first corner: twice its area along its normal, also if it is warped.
+fn doubled_area(corners: &[Point]) -> Point {
+    let from = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - corners[0][c]) };
+    corners.windows(2).fold([0.0; 3], |sum, pair| {
+        let term = cross(&from(&pair[0]), &from(&pair[1]));
+        std::array::from_fn(|c| sum[c] + term[c])
+    })
+}
+
+impl Part {
+    fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>) -> Part {
+        let n = corners.len() as f64;
+        let centre: Point = std::array::from_fn(|c| corners.iter().map(|x| x[c]).sum::<f64>() / n);
+        let distance = |x: &Point| length(&std::array::from_fn(|c| x[c] - centre[c]));
+        let radius = corners.iter().map(distance).fold(0.0, f64::max);
+        let normal = match corners.as_slice() {
+            // The reference coordinate tells which end of the body the point closes.
+            [_] => [2.0 * reference[0][0] - 1.0, 0.0, 0.0],
+            [a, b] => [b[1] - a[1], a[0] - b[0], 0.0],
+            _ => doubled_area(&corners),
+        };
+        let size = length(&normal);
+        Part { facet, corners, reference, normal: normal.map(|c| c / size), centre, radius }
+    }
+
+    /// Whether the parts may cover each other, seen along the normal of this one.
+    pub fn may_cover(&self, other: &Part) -> bool {
+        let apart: Point = std::array::from_fn(|c| other.centre[c] - self.centre[c]);
+        let along = dot(&apart, &self.normal);
+        let across = dot(&apart, &apart) - along * along;
+        across <= (self.radius + other.radius).powi(2) * (1.0 + 1e-9)
+    }
+}

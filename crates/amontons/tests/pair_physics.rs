@@ -1,0 +1,190 @@
+//! What pairs of bodies do as a whole: sliding over facets, sides that are swapped, cracks, stiffness, rigid motions.
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
+
+use amontons::case::{self, Source};
+use amontons::contact::Status;
+use amontons::output::Memory;
+use amontons::problem::Problem;
+use amontons::run::{self, Settings};
+
+fn problem(text: &str) -> Problem {
+    case::parse(&Source::new("pair.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).problem
+}
+
+fn made(text: &str) -> Memory {
+    let (problem, mut memory) = (problem(text), Memory::new().states_every(1).reports());
+    let settings = Settings { certificate: false, ..Settings::default() };
+    run::run(&problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    memory
+}
+
+fn two(lower: &str, upper: &str) -> String {
+    format!(
+        "name = \"pair\"\n[mesh]\nkind = \"blocks\"\n[[mesh.blocks]]\nname = \"lower\"\n{lower}\n[[mesh.blocks]]\nname = \"upper\"\n{upper}\n"
+    )
+}
+
+fn material(young: f64) -> String {
+    format!(
+        "density = 0\nelasticity = {{ law = \"isotropic\", young = {young:?}, poisson = 0.3, stress_state = \"plane-strain\" }}\n"
+    )
+}
+
+/// Ten facets of the rail at μ = 0.3 under the pressure 2 on a length of 1: once it slips, the block feels 0.6 along
+/// and 2 across in every step, whichever facets face each other. The faces tilt by strains of the order p/E, here 2e-7,
+/// and with them the force; with E = 1e3 it is 0.60017 in place of 0.6.
+#[test]
+fn a_block_that_slides_over_facets_feels_a_constant_force() {
+    let text = two("size = [4.0, 0.5]\nn = [27, 4]", "size = [1.0, 0.5]\nn = [6, 4]\norigin = [0.5, 0.5]")
+        + "[time]\nend = 1.0\nsteps = 60\n[material]\n"
+        + &material(1e7)
+        + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [0, 0]\n\
+           [[boundary]]\non = \"upper_top\"\ndisplacement = [\"1.5*t\", \"free\"]\ntraction = [0, -2]\n\
+           [contact]\non = \"upper_bottom\"\nwith = \"lower_top\"\ngeometry = \"updated\"\n\
+           normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n";
+    let memory = made(&text);
+    let mut compared = 0;
+    for report in &memory.reports {
+        let [along, across, _] = report.contact.force;
+        assert!((across - 2.0).abs() < 1e-9, "{across}");
+        if report.contact.states.iter().all(|state| state.status != Status::Stick) {
+            assert!((along + 0.6).abs() < 1e-6, "{along}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 55, "{compared} steps of slip");
+    let moved = memory.states.last().expect("a state").u.iter().fold(0.0, |most: f64, u| most.max(*u));
+    assert!(moved > 1.4, "{moved}");
+    assert!(memory.states.last().expect("a state").ledger.relative_closing_error() < 1e-12);
+}
+
+/// Which side bears the points is of no account but for the size of the facets: where the solution is smooth, energies
+/// differ by the order 2 of the method.
+#[test]
+fn swapped_sides_differ_by_less_on_finer_meshes() {
+    let energy = |n: usize, nonmortar: &str| {
+        let text = two(
+            &format!("size = [1.0, 1.0]\nn = [{}, {}]", 4 * n, 4 * n),
+            &format!("size = [1.0, 0.5]\nn = [{}, {}]\norigin = [0.0, 1.0]", 5 * n, 3 * n),
+        ) + "[time]\nend = 1.0\nsteps = 1\n[material]\n"
+            + &material(10.0)
+            + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [\"free\", 0]\n\
+               [[boundary]]\non = \"lower_left\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"upper_left\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"lower_right\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"upper_right\"\ndisplacement = [0, \"free\"]\n\
+               [[boundary]]\non = \"upper_top\"\npressure = \"1 + 0.5*cos(pi*x)\"\n\
+               [contact]\non = \"upper_bottom\"\nwith = \"lower_top\"\nnormal = { law = \"signorini\" }\n\
+               nonmortar = \""
+            + nonmortar
+            + "\"\n";
+        made(&text).states.last().expect("a state").ledger.elastic
+    };
+    let difference = |n: usize| (energy(n, "upper_bottom") / energy(n, "lower_top") - 1.0).abs();
+    let [coarse, fine] = [difference(1), difference(4)];
+    let order = (coarse / fine).log2() / 2.0;
+    assert!(order > 1.9, "order {order}: {coarse:e}, {fine:e}");
+}
+
+/// Twelve decades of the quotient of stiffnesses take about as many iterations.
+#[test]
+fn stiffness_does_not_matter_to_the_iteration() {
+    let iterations = |young: f64| {
+        let text = two("size = [1.0, 0.5]\nn = [9, 4]", "size = [0.6, 0.5]\nn = [7, 5]\norigin = [0.2, 0.5]")
+            + "[time]\nend = 1.0\nsteps = 20\n[material]\n"
+            + &material(1.0)
+            + "[[region]]\non = \"upper\"\n[region.material]\n"
+            + &material(young)
+            + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [0, 0]\n\
+               [[boundary]]\non = \"upper_top\"\ndisplacement = [\"0.02*sin(6.283*t)\", \"-0.01*min(5*t, 1)\"]\n\
+               [contact]\non = \"upper_bottom\"\nwith = \"lower_top\"\nnormal = { law = \"signorini\" }\n\
+               friction = { law = \"coulomb\", coefficient = 0.4 }\n";
+        let memory = made(&text);
+        let last = memory.states.last().expect("a state");
+        assert!(
+            last.ledger.relative_closing_error() < 1e-10,
+            "E = {young:e}: {:e}",
+            last.ledger.relative_closing_error()
+        );
+        assert_eq!(last.counts.halved_steps, 0);
+        last.counts.newton_mechanics_total
+    };
+    let all: Vec<usize> = [1e-6, 1e-3, 1.0, 1e3, 1e6].map(iterations).to_vec();
+    let (least, most) = (all.iter().min().expect("a count"), all.iter().max().expect("a count"));
+    assert!(most * 2 <= least * 3, "{all:?}");
+}
+
+/// A pair moved as a whole, forth and back, keeps its contact forces.
+#[test]
+fn a_rigid_motion_changes_no_contact_force() {
+    let text = two("size = [1.0, 0.5]\nn = [5, 3]", "size = [1.0, 0.5]\nn = [7, 3]\norigin = [0.0, 0.5]")
+        + "[time]\nend = 3.0\nsteps = 3\n[material]\n"
+        + &material(10.0)
+        + "[[boundary]]\non = \"lower_bottom\"\ndisplacement = [\"0.3*max(t - 1, 0)\", \"-0.2*max(t - 1, 0)\"]\n\
+           [[boundary]]\non = \"upper_top\"\ndisplacement = [\"0.01*min(t, 1) + 0.3*max(t - 1, 0)\", \"-0.02*min(t, 1) - 0.2*max(t - 1, 0)\"]\n\
+           [contact]\non = \"upper_bottom\"\nwith = \"lower_top\"\nnormal = { law = \"signorini\" }\n\
+           friction = { law = \"coulomb\", coefficient = 0.4 }\n";
+    let memory = made(&text);
+    let force = |i: usize| memory.reports[i].contact.force;
+    assert!(force(0)[1] > 0.1);
+    for c in 0..2 {
+        assert!((force(2)[c] - force(0)[c]).abs() < 1e-10 * force(0)[1], "{:?}, {:?}", force(2), force(0));
+    }
+}
+
+/// A slit through half of a plate: its faces are two sides of one body, whose tip they share. Pressed together they
+/// bear what the plate bears without a slit.
+#[test]
+fn the_faces_of_a_slit_bear_the_pressure() {
+    use amontons::contact::{Contact, Pair, Signorini};
+    use amontons::mesh::{Diagonal, FacetSet, Mesh};
+    let mut mesh = Mesh::rectangle([2.0, 2.0], [8, 8], Diagonal::Right).expect("a mesh");
+    // The nodes of y = 1, x < 1 are doubled: cells above have the new ones.
+    let n = mesh.points.len() as u32;
+    let on_slit: Vec<u32> = (0..4).map(|i| 4 * 9 + i).collect();
+    for &node in &on_slit {
+        let x = mesh.points[node as usize];
+        mesh.points.push(x);
+    }
+    for cell in mesh.blocks[0].nodes.chunks_exact_mut(3) {
+        if cell.iter().map(|&node| mesh.points[node as usize][1]).sum::<f64>() > 3.0 {
+            for node in cell {
+                if let Some(i) = on_slit.iter().position(|old| old == node) {
+                    *node = n + i as u32;
+                }
+            }
+        }
+    }
+    for (name, set) in &mut mesh.facets {
+        if name == "left" {
+            for block in &mut set.blocks {
+                for edge in block.nodes.chunks_exact_mut(2) {
+                    let is_above = edge.iter().any(|&node| mesh.points[node as usize][1] > 1.1);
+                    edge.iter_mut().filter(|node| is_above && **node == on_slit[0]).for_each(|node| *node = n);
+                }
+            }
+        }
+    }
+    let segment = &amontons::element::P1_SEGMENT;
+    let below = (0..4u32).flat_map(|i| [4 * 9 + i + 1, 4 * 9 + i]).collect();
+    let above = (0..4u32).flat_map(|i| [n + i, if i < 3 { n + i + 1 } else { 4 * 9 + 4 }]).collect();
+    mesh.facets.insert("below".to_owned(), FacetSet::of(segment, below));
+    mesh.facets.insert("above".to_owned(), FacetSet::of(segment, above));
+    let text = "name = \"slit\"\n[mesh]\nkind = \"rectangle\"\nsize = [2.0, 2.0]\nn = 8\n[time]\nend = 1.0\nsteps = 1\n[material]\n"
+        .to_owned()
+        + &material(100.0)
+        + "[[boundary]]\non = \"bottom\"\ndisplacement = [\"free\", 0]\n[[boundary]]\non = \"right\"\ndisplacement = [0, \"free\"]\n\
+           [[boundary]]\non = \"top\"\npressure = 2\n";
+    let slit = problem(&text).with(|data| {
+        data.mesh = std::sync::Arc::new(mesh);
+        data.contacts = vec![Contact::new("above", Signorini).with(Pair::new("below"))];
+    });
+    let problem = slit.unwrap_or_else(|faults| panic!("{faults}"));
+    let mut memory = Memory::new().reports();
+    let settings = Settings { certificate: false, ..Settings::default() };
+    run::run(&problem, &settings, &mut [&mut memory]).expect("a run");
+    let states = &memory.reports[0].contact.states;
+    // All vertices but the tip.
+    assert_eq!(states.len(), 4);
+    assert!(states.iter().all(|state| (state.pressure - 2.0).abs() < 1e-12), "{states:?}");
+}
