@@ -51,7 +51,7 @@ fn little_memory_ends_with_a_message() {
 fn a_file_that_may_not_grow_is_an_error_of_the_write() {
     let folder = tempdir().expect("a folder");
     let case = paper();
-    for kilobytes in [1, 4, 20, 60] {
+    for kilobytes in [1, 4, 10, 20] {
         let out = folder.path().join(kilobytes.to_string());
         let path = out.display().to_string();
         let arguments = ["run", &case, "--out", &path, "--quiet", "--set", "mesh.n=16", "--set", "time.steps=40"];

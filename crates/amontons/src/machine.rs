@@ -19,12 +19,21 @@ pub(crate) struct Memory {
 
 /// Memory that can still be taken, by the tightest of what limits it; none where the system does not report it.
 pub(crate) fn memory() -> Option<Memory> {
+    let space =
+        address_space().map(|bytes| Memory { bytes, limit: Some("the limit of the address space, `ulimit -v`") });
+    least(physical_memory().into_iter().chain(space))
+}
+
+/// The same without the limit of the address space: beyond it an allocation fails, while memory that the machine or the
+/// control group does not have is promised, and ends the program when it is written to.
+pub(crate) fn physical_memory() -> Option<Memory> {
     let machine = field("/proc/meminfo", "MemAvailable:").map(|bytes| Memory { bytes, limit: None });
-    let limits = [
-        address_space().map(|bytes| Memory { bytes, limit: Some("the limit of the address space, `ulimit -v`") }),
-        cgroup().map(|bytes| Memory { bytes, limit: Some("the memory limit of the control group") }),
-    ];
-    machine.into_iter().chain(limits.into_iter().flatten()).min_by(|a, b| a.bytes.total_cmp(&b.bytes))
+    let group = cgroup().map(|bytes| Memory { bytes, limit: Some("the memory limit of the control group") });
+    least(machine.into_iter().chain(group))
+}
+
+fn least(all: impl Iterator<Item = Memory>) -> Option<Memory> {
+    all.min_by(|a, b| a.bytes.total_cmp(&b.bytes))
 }
 
 /// Bytes of address space below the limit of the process.

@@ -46,16 +46,20 @@ pub fn chart(rows: &[Row]) -> String {
         0.5 * SIZE[0],
         SIZE[1] - 10.0
     );
+    svg += &series(rows, |row| (at(row.unknowns as f64, x, 0), at(row.per_step, y, 1)));
+    svg + "</svg>\n"
+}
+
+/// A line with its name for every program on every case.
+fn series(rows: &[Row], place: impl Fn(&Row) -> (f64, f64)) -> String {
+    let mut svg = String::new();
     let mut names: Vec<String> = rows.iter().map(|row| format!("{}, {}", row.case, row.program)).collect();
     names.sort();
     names.dedup();
     for (k, name) in names.iter().enumerate() {
         let color = COLORS[k % COLORS.len()];
-        let mut points: Vec<(f64, f64)> = rows
-            .iter()
-            .filter(|row| format!("{}, {}", row.case, row.program) == *name)
-            .map(|row| (at(row.unknowns as f64, x, 0), at(row.per_step, y, 1)))
-            .collect();
+        let mut points: Vec<(f64, f64)> =
+            rows.iter().filter(|row| format!("{}, {}", row.case, row.program) == *name).map(&place).collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let path: Vec<String> = points.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         svg +=
@@ -69,5 +73,5 @@ pub fn chart(rows: &[Row]) -> String {
             40.0 + 16.0 * k as f64
         );
     }
-    svg + "</svg>\n"
+    svg
 }

@@ -125,7 +125,7 @@ fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
     let mut space = Searched::default();
     let mut best = vec![0.0; next.len()];
     for _ in 0..STEPS {
-        if !space.add(pencil, next)? {
+        if !space.add(pencil, std::mem::take(&mut next))? {
             break;
         }
         let Some(ritz) = space.ritz() else { break };
@@ -133,7 +133,7 @@ fn davidson(pencil: &mut impl Pencil) -> Result<Eigenpair, SolveError> {
         best = combination(&part, &space.basis);
         let mut residual = combination(&part, &space.numerators);
         subtract(&mut residual, ritz.values[0], &combination(&part, &space.denominators));
-        next = residual.clone();
+        next.clone_from(&residual);
         pencil.solve(&mut next, ROUGH)?;
         if dot(&residual, &next).max(0.0).sqrt() <= NEAR * ritz.values[0] {
             break;

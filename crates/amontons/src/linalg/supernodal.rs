@@ -92,7 +92,7 @@ impl SupernodalFactor {
         let symbolic = symbolic(&lower, size)?;
         // Memory that is only promised would end the program when it is written to.
         let bytes = NUMBER * symbolic.len_val() as f64;
-        if machine::memory().is_some_and(|memory| bytes > memory.bytes) {
+        if machine::physical_memory().is_some_and(|memory| bytes > memory.bytes) {
             return Err(too_large());
         }
         let mut values = Vec::new();

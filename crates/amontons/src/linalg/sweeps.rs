@@ -236,7 +236,7 @@ impl Panel {
         self.below.gather(vector, dense);
         let mut j = n;
         // The odd columns come last here as they did in the forward sweep.
-        while j % 4 != 0 {
+        while !j.is_multiple_of(4) {
             j -= 1;
             let c = self.column(values, j);
             dense[j] = (dense[j] - dot(&c[1..], &dense[j + 1..])) / c[0];

@@ -81,9 +81,13 @@ impl Surface {
     /// r − (K + J) x on the free degrees of freedom, in the bases of `turns`.
     fn rest(&self, body_product: impl Fn(&[f64]) -> Vec<f64>, turns: &[Turn], r: &[f64], x: &[f64]) -> Vec<f64> {
         let mut straight = x.to_vec();
-        turns.iter().for_each(|turn| turn.back(&mut straight));
+        for turn in turns {
+            turn.back(&mut straight);
+        }
         let mut product = body_product(&straight);
-        turns.iter().for_each(|turn| turn.forward(&mut product));
+        for turn in turns {
+            turn.forward(&mut product);
+        }
         for &(i, j, value) in &self.entries {
             product[i as usize] += value * x[j as usize];
         }
@@ -102,9 +106,13 @@ impl Surface {
         let mut x = vec![0.0; r.len()];
         self.add_solution(r, &mut x);
         let mut rest = self.rest(&product, turns, r, &x);
-        turns.iter().for_each(|turn| turn.back(&mut rest));
+        for turn in turns {
+            turn.back(&mut rest);
+        }
         let mut change = cycle(&rest);
-        turns.iter().for_each(|turn| turn.forward(&mut change));
+        for turn in turns {
+            turn.forward(&mut change);
+        }
         x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
         let rest = self.rest(&product, turns, r, &x);
         self.add_solution(&rest, &mut x);
