@@ -124,6 +124,30 @@ fn halved_steps_go_on_to_the_same_bits() {
     }
 }
 
+/// So does one whose matrices depend on the temperature: each system is that of the temperature at which it was
+/// factorized before.
+#[test]
+fn tables_over_the_temperature_go_on_to_the_same_bits() {
+    let tables = [
+        "material.conductivity={ temperature = [-20, 20], value = [0.5, 2] }",
+        "material.heat_capacity={ temperature = [-20, 20], value = [2, 0.5] }",
+        "material.elasticity.young={ temperature = [-20, 20], value = [3, 0.5] }",
+        "material.viscosity.second={ temperature = [-20, 20], value = [15, 4] }",
+        "contact.heat.foundation_temperature=10",
+    ];
+    let set: Vec<&str> = tables.iter().flat_map(|&table| ["--set", table]).collect();
+    let folder = tempdir().expect("a folder");
+    let whole = folder.path().join("whole");
+    assert_code(&run_paper(&whole, STEPS, &set), 0);
+    assert!(summary(&whole)["solver"]["factorizations"].as_u64().expect("a count") > 2);
+    for step in [1, STEPS / 2, STEPS - 1] {
+        let broken = folder.path().join(format!("broken-{step}"));
+        interrupted(&small_case_with(&tables), &broken, step);
+        assert_code(&resume(&broken, &[]), 0);
+        assert_same_results(&whole, &broken);
+    }
+}
+
 #[test]
 fn a_run_that_died_goes_on_from_its_newest_checkpoint() {
     let (_folder, whole, _) = whole_and_broken(1);
@@ -195,8 +219,8 @@ fn a_damaged_checkpoint_is_told() {
         spoil(&bytes, "damaged");
     }
     let mut other = good.clone();
-    other[16] = 9;
-    spoil(&other, "format 9");
+    other[16] = 10;
+    spoil(&other, "format 10");
     fs::write(&file, &good).expect("a file");
     assert_code(&resume(&broken, &[]), 0);
 }

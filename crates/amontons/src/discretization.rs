@@ -113,6 +113,14 @@ impl Weight {
     }
 }
 
+/// The laws of the body at a temperature, with their forms where they are linear in the strain.
+#[derive(Debug)]
+pub struct Warmed<'a> {
+    theta: &'a [f64],
+    /// a and b of the laws that depend on the temperature.
+    forms: Option<[BlockMatrix; 2]>,
+}
+
 /// The coefficients of heat and expansion by region, those of which one depends on the temperature; others are empty.
 #[derive(Debug, Default)]
 struct Warm {
@@ -249,14 +257,27 @@ impl Discretization {
         matrix
     }
 
+    /// The laws of the body at the temperature θ of the nodes.
+    #[must_use]
+    pub fn warmed<'a>(&self, theta: &'a [f64]) -> Warmed<'a> {
+        let is_matrix = self.softens() && self.is_linear_at_each_temperature();
+        let forms = || [&self.elasticity, &self.viscosity].map(|laws| self.tangent(laws, &[], theta));
+        Warmed { theta, forms: is_matrix.then(forms) }
+    }
+
     /// [`Discretization::mechanical_matrix`] with the tangents at u and w of laws that are not linear, and with the
     /// laws of the temperature at θ.
     #[must_use]
-    pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64], theta: &[f64]) -> BlockMatrix {
+    pub fn mechanical_tangent(&self, rule: Rule, u: &[f64], w: &[f64], warmed: &Warmed) -> BlockMatrix {
         let mut matrix = self.mechanical_matrix(rule);
+        if let Some([a, b]) = &warmed.forms {
+            matrix.add_scaled(rule.gamma, a);
+            matrix.add_scaled(1.0, b);
+            return matrix;
+        }
         for (laws, factor, at) in [(&self.elasticity, rule.gamma, u), (&self.viscosity, 1.0, w)] {
             if !laws.is_empty() {
-                matrix.add_scaled(factor, &self.tangent(laws, at, theta));
+                matrix.add_scaled(factor, &self.tangent(laws, at, warmed.theta));
             }
         }
         matrix
@@ -378,7 +399,7 @@ impl Discretization {
     /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
     /// is empty where K_u may change.
     #[must_use]
-    pub fn mechanical_products(&self, u: &[f64], w: &[f64], theta: &[f64]) -> [Vec<f64>; 4] {
+    pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [Vec<f64>; 4] {
         let (_, inertia) = self.inertia();
         let [mass_w, a_u, a_w, b_w] = mechanical_products(inertia, &self.a, &self.b, u, w);
         let springs = self.springs.as_ref();
@@ -386,8 +407,11 @@ impl Discretization {
         if self.is_linear() {
             return [mass_w, a_u, with(a_w, springs, w), b_w];
         }
-        let a_u = self.with_laws(a_u, &self.elasticity, u, theta);
-        [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, theta)]
+        if let Some([a, b]) = &warmed.forms {
+            return [mass_w, with(a_u, Some(a), u), Vec::new(), with(b_w, Some(b), w)];
+        }
+        let a_u = self.with_laws(a_u, &self.elasticity, u, warmed.theta);
+        [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
     }
 
     /// What the last bits of u and w make of a(u, ·) and b(w, ·).

@@ -138,7 +138,8 @@ fn drive(
     sinks: &mut [&mut dyn Sink],
 ) -> Result<Summary, RunError> {
     let begin = Instant::now();
-    let problem = &problem.interruptible(settings.interrupt.as_ref());
+    let solvers = from.as_ref().map_or(&[][..], |checkpoint| &checkpoint.kept.solvers);
+    let problem = &problem.interruptible(settings.interrupt.as_ref()).decided(solvers);
     let pool = pool(settings.threads)?;
     // Before the factors of the run, so that they are not in memory at once.
     let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));

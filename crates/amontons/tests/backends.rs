@@ -6,11 +6,13 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
 use amontons::inclusion::Rule;
-use amontons::linalg::{Backend, BlockMatrix, EXACT, Entry, Layout, Multigrid, Supernodal, System};
+use amontons::linalg::{Backend, BlockMatrix, Decided, EXACT, Entry, Layout, Multigrid, Supernodal, System};
 use amontons::material::{Isotropic, Material, StressState};
 use amontons::mesh::Block;
+use amontons::output::{Checkpoint, Memory, Work};
 use amontons::problem::Problem;
-use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::run::{self, Settings};
+use amontons::scheme::{BackwardEuler, Kept, Scheme, State};
 use amontons::verify::{BENCHMARKS, benchmark};
 
 /// In the plane, by what they are made of: friction, obstacles, quadratic cells, heat, revolution, the mean dilatation,
@@ -262,4 +264,31 @@ fn contact_at_gauss_points_takes_few_iterations() {
         assert!(difference <= 1e-8 * scale, "{stiffness}: {:.1e}", difference / scale);
         assert!(iterative.counts.krylov_iterations <= 600, "{} iterations", iterative.counts.krylov_iterations);
     }
+}
+
+/// A run that was begun with an iteration goes on with one, whatever would be chosen now, with the same reason and to
+/// the same bits.
+#[test]
+fn a_run_goes_on_with_the_solver_that_it_began_with() {
+    let (_, text) = BENCHMARKS.iter().find(|(file, _)| *file == "greco-plate").expect("a benchmark");
+    let problem = case::parse(&benchmark("greco-plate", text), &[]).expect("a case").problem;
+    assert!(problem.mesh.dim == 2, "in the plane a factor is chosen");
+    let settings = || Settings { certificate: false, ..Settings::default() };
+    let summary = run::run(&problem, &settings(), &mut []).expect("a run");
+    assert_eq!(summary.solver.backend, "direct");
+    let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned() };
+    let kept = Kept { solvers: vec![decided(2), decided(1)], ..Kept::default() };
+    let state = BackwardEuler::new(&problem).expect("a regular system").initial().expect("finite data");
+    let from = Checkpoint { state, report: None, work: Work::default(), kept, k: problem.k(), fallback: None };
+    let mut resumed = Memory::new().states_every(1);
+    let summary = run::resume(&problem, from, &settings(), &mut [&mut resumed]).expect("a run");
+    assert_eq!(
+        (summary.solver.backend.as_str(), summary.solver.backend_reason.as_str()),
+        ("iterative", "it had to be")
+    );
+    let asked = problem.with(|data| data.backend = Arc::new(Multigrid::default())).expect("valid data");
+    let mut whole = Memory::new().states_every(1);
+    run::run(&asked, &settings(), &mut [&mut whole]).expect("a run");
+    let last = |memory: &Memory| memory.states.last().map(|state| (state.u.clone(), state.theta.clone()));
+    assert_eq!(last(&resumed), last(&whole));
 }

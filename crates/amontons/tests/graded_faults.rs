@@ -57,8 +57,8 @@ spoiled! {
         "--set material.density=\"1 + t\": material.density: found `t` in an expression, or a table in time, expected an expression in x, y: it is the same at all times";
     a_table_in_time_in_a_material: "material.heat_capacity={ times = [0, 1], values = [1, 2] }"
         "--set material.heat_capacity={ times = [0, 1], values = [1, 2] }: material.heat_capacity: found `t` in an expression, or a table in time, expected an expression in x, y: it is the same at all times";
-    time_in_a_stiffness: "contact.normal.stiffness=\"100*(1 + t)\""
-        "--set contact.normal.stiffness=\"100*(1 + t)\": contact.normal.stiffness: found `t` in an expression, or a table in time, expected an expression in x, y: it is the same at all times";
+    a_stiffness_that_is_negative_at_one_time: "contact.normal.stiffness=\"100*(0.6 - t)\""
+        "--set contact.normal.stiffness=\"100*(0.6 - t)\": contact.normal.stiffness: found the value -15.000000000000002 at x = 0.0, y = 0.0, t = 0.75, expected a number ≥ 0 (stiffness c_ν of the contact in Pa/m)";
     negative_at_one_point: "material.elasticity.young=\"0.5 - 12*x*(1 - x)*y*(1 - y)\""
         "--set material.elasticity.young=\"0.5 - 12*x*(1 - x)*y*(1 - y)\": material.elasticity.young: found the value -0.25 at x = 0.5, y = 0.5, expected a number > 0 (Young's modulus E in Pa)";
     zero_at_one_point: "material.elasticity.young=\"(x - 0.5)^2 + (y - 0.5)^2\""

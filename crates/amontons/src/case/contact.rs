@@ -128,21 +128,15 @@ impl Build<'_> {
     }
 
     fn normal(&mut self, path: &str, raw: &raw::Normal, sites: &Sites) -> Arc<dyn NormalLaw> {
-        let path = format!("{path}.normal");
-        let (keyed, make) = laws::normal(raw);
-        let fields = keyed
-            .into_iter()
-            .map(|(key, coefficient)| self.steady_coefficient(&format!("{path}.{key}"), coefficient, sites))
-            .collect();
-        let plan = Plan::new(fields, make);
-        let made = if self.holds(&path, &plan, sites) { plan.at(&[0.0; 3], 0.0).ok() } else { None };
-        match made {
-            Some(law) if !plan.varies() => law,
-            None if !plan.varies() => Arc::new(Signorini),
-            _ => Arc::new(Graded::normal(sites.points(), move |x| {
-                plan.at(x, 0.0).unwrap_or_else(|_| Arc::new(Signorini))
-            })),
+        let (coefficients, make) = laws::normal(raw);
+        let nothing = || -> Arc<dyn NormalLaw> { Arc::new(Signorini) };
+        let Some(plan) = self.plan(&format!("{path}.normal"), coefficients, make, sites) else { return nothing() };
+        if !plan.varies() {
+            return plan.at(&[0.0; 3], 0.0).unwrap_or_else(|_| nothing());
         }
+        let times = self.times(plan.changes());
+        let at = move |x: &Point, t: f64| plan.at(x, t).unwrap_or_else(|_| Arc::new(Signorini));
+        Arc::new(Graded::normal_in_time(sites.points(), &times, at))
     }
 
     fn friction(&mut self, path: &str, raw: &raw::Friction, sites: &Sites) -> Arc<dyn FrictionLaw> {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::coefficient::Refusal;
-use super::raw::{Coefficient, Datum, Friction, HeatTerm, Normal, Wear};
+use super::raw::{Datum, Friction, HeatTerm, Normal, Wear};
 use crate::contact::{
     Adhesion, Archard, Bilateral, Capped, Compliance, ConstantConductance, Coulomb, Damped, FrictionLaw,
     FrictionalHeat, Frictionless, GapConduction, HeatLaw, HuntCrossley, NoSlip, NormalLaw, Orthotropic,
@@ -27,10 +27,10 @@ fn times(values: &[f64], factor: f64) -> Vec<f64> {
 }
 
 /// What a law of the pressure takes and makes.
-type NormalPlan<'a> = (Vec<(String, &'a Coefficient)>, Make<Arc<dyn NormalLaw>>);
+type NormalPlan<'a> = (Keyed<'a>, Make<Arc<dyn NormalLaw>>);
 
 fn normal_law<'a, L: NormalLaw + 'static>(
-    coefficients: &[(&str, &'a Coefficient)],
+    coefficients: &[(&str, &'a Datum)],
     law: impl Fn(&[f64]) -> L + Send + Sync + 'static,
 ) -> NormalPlan<'a> {
     (keyed(coefficients), Box::new(move |v| Ok(Arc::new(law(v)))))

@@ -20,8 +20,8 @@ pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
         raw::Mesh::Interval { n, .. } => vec![n],
         raw::Mesh::Rectangle { n, .. } | raw::Mesh::Disc { n, .. } | raw::Mesh::Ring { n, .. } => n.each().to_vec(),
         raw::Mesh::Box { n, .. } | raw::Mesh::Cylinder { n, .. } => n.each().to_vec(),
-        raw::Mesh::Blocks { .. } => Vec::new(),
         raw::Mesh::File { refine, .. } => vec![1 << refine],
+        raw::Mesh::Blocks { .. } => Vec::new(),
     }
 }
 

@@ -74,8 +74,13 @@ fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {
 /// The overrides that make a level of a case.
 fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<String>, StudyRequestError> {
     let steps = case.problem.steps;
-    // Every mesh has a number of cells.
-    let (first, across) = case.cells.split_first().map_or((1, &[][..]), |(first, across)| (*first, across));
+    let Some((&first, across)) = case.cells.split_first() else {
+        return if vary == Vary::Time {
+            Ok(vec![format!("time.steps={level}")])
+        } else {
+            refuse("a mesh of several blocks", "a mesh of one body, or one from a file")
+        };
+    };
     let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
         let (times, over) = (level.pow(power), first.pow(power));
         if (value * times).is_multiple_of(over) {

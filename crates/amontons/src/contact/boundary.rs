@@ -136,10 +136,12 @@ impl Contact {
     pub fn at_time(&self, t: f64) -> Option<Contact> {
         let wear = self.wear.as_ref().and_then(|law| law.at_time(t));
         let (friction, heat) = (self.friction.at_time(t), self.heat.at_time(t));
-        if friction.is_none() && heat.is_none() && wear.is_none() {
+        let normal = self.normal.at_time(t);
+        if normal.is_none() && friction.is_none() && heat.is_none() && wear.is_none() {
             return None;
         }
         Some(Contact {
+            normal: normal.unwrap_or_else(|| Arc::clone(&self.normal)),
             friction: friction.unwrap_or_else(|| Arc::clone(&self.friction)),
             heat: heat.unwrap_or_else(|| Arc::clone(&self.heat)),
             wear: wear.or_else(|| self.wear.clone()),

@@ -1,4 +1,4 @@
-//! Laws of contact whose coefficients vary over the side, and those of friction, heat and wear in time.
+//! Laws of contact whose coefficients vary over the side and in time.
 
 use std::sync::Arc;
 
@@ -16,7 +16,18 @@ impl Graded<dyn NormalLaw> {
         points: &[Point],
         at: impl Fn(&Point) -> Arc<dyn NormalLaw> + Send + Sync + 'static,
     ) -> Graded<dyn NormalLaw> {
-        Graded::over(points, &[0.0], move |x, _| at(x), |law| ([law.lipschitz().unwrap_or(NONE); 2], false))
+        Graded::normal_in_time(points, &[0.0], move |x, _| at(x))
+    }
+
+    /// The same of a law that changes with time, with L_ν the largest of the points and times. With less than two times
+    /// the law does not change.
+    #[must_use]
+    pub fn normal_in_time(
+        points: &[Point],
+        times: &[f64],
+        at: impl Fn(&Point, f64) -> Arc<dyn NormalLaw> + Send + Sync + 'static,
+    ) -> Graded<dyn NormalLaw> {
+        Graded::over(points, times, at, |law| ([law.lipschitz().unwrap_or(NONE); 2], false))
     }
 }
 
@@ -38,6 +49,9 @@ impl NormalLaw for Graded<dyn NormalLaw> {
     }
     fn graded(&self) -> Option<&Graded<dyn NormalLaw>> {
         Some(self)
+    }
+    fn at_time(&self, t: f64) -> Option<Arc<dyn NormalLaw>> {
+        Some(Arc::new(Graded::at_time(self, t)?))
     }
 }
 

@@ -209,11 +209,16 @@ fn refuted(
     None
 }
 
+/// Whether pressure or friction changes with time.
+fn in_time(contact: &Contact) -> bool {
+    contact.normal.at_time(0.0).is_some() || contact.friction.at_time(0.0).is_some()
+}
+
 /// L_τ of (H8), and where it is attained if laws vary over the side: pressure and friction together.
 pub(super) fn friction_lipschitz(contact: &Contact, points: &[Point]) -> (Option<f64>, Option<Point>) {
     let (normal, friction) = (contact.normal.graded(), contact.friction.graded());
     let whole = || contact.friction.lipschitz(contact.normal.lipschitz());
-    if (normal.is_none() && friction.is_none()) || contact.friction.at_time(0.0).is_some() {
+    if (normal.is_none() && friction.is_none()) || in_time(contact) {
         return (whole(), friction.map(|law| law.extremes()[1].x));
     }
     let of = |x: &Point| {
@@ -486,6 +491,8 @@ pub(super) fn beyond(test: &Test) -> Option<(&'static str, &'static str)> {
             "the pressure depends on the rate of the penetration, which (2.8) does not provide for",
             "contact.normal",
         ))
+    } else if test.contact.normal.at_time(0.0).is_some() {
+        Some(("the pressure depends on the time, which (2.8) does not provide for", "contact.normal"))
     } else if test.contact.friction.at_time(0.0).is_some() {
         Some(("the friction bound depends on the time, which (2.9) does not provide for", "contact.friction"))
     } else if test.friction_sees_slip() {

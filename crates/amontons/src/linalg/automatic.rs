@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use super::error::SolveError;
-use super::estimate::{Choice, Estimate, Workload};
+use super::estimate::{Choice, Decided, Estimate, Workload};
 use super::factor::{Backend, Factor};
 use super::multigrid::Multigrid;
 use super::sparse::{BlockMatrix, Graph};
@@ -19,6 +19,7 @@ pub struct Automatic {
     direct: Interruptible,
     multigrid: Multigrid,
     work: Workload,
+    before: Arc<[Decided]>,
 }
 
 impl Automatic {
@@ -37,7 +38,11 @@ impl Backend for Automatic {
     fn order(&self, matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         let graph: &Graph = matrix.graph();
         let ordering = layout.ordering(graph);
-        let choice = self.choice(&Estimate::of(graph, layout.free, layout.components, &ordering));
+        let estimate = Estimate::of(graph, layout.free, layout.components, &ordering);
+        let choice = match self.before.iter().find(|decided| decided.components == layout.components) {
+            Some(decided) => Choice::again(decided, &estimate, &self.work),
+            None => self.choice(&estimate),
+        };
         let unknowns = if choice.is_direct() {
             Unknowns::ordered(&ordering, layout)
         } else {
@@ -56,7 +61,11 @@ impl Backend for Automatic {
 
     fn interruptible(&self, flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
         let (direct, multigrid) = (Interruptible(Stop::when(flag)), Multigrid::stopped_by(flag));
-        Some(Arc::new(Automatic { direct, multigrid, work: self.work }))
+        Some(Arc::new(Automatic { direct, multigrid, work: self.work, before: Arc::clone(&self.before) }))
+    }
+
+    fn decided(&self, before: &[Decided]) -> Option<Arc<dyn Backend>> {
+        Some(Arc::new(Automatic { before: before.into(), ..self.clone() }))
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {

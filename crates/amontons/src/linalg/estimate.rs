@@ -145,7 +145,27 @@ pub struct Choice {
     pub iterative: Demand,
 }
 
+/// How systems with so many components per node were solved before a run was interrupted: it goes on in the same way,
+/// whatever memory is free then, so that its results keep their bits.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, serde::Deserialize)]
+pub struct Decided {
+    /// Components per node.
+    pub components: usize,
+    /// Whether by a factor.
+    pub direct: bool,
+    /// The reason that was given.
+    pub why: String,
+}
+
 impl Choice {
+    /// The same choice as before.
+    #[must_use]
+    pub fn again(decided: &Decided, estimate: &Estimate, work: &Workload) -> Choice {
+        let (direct, iterative) = (estimate.direct(work), estimate.iterative(work));
+        let solver = if decided.direct { "direct" } else { "iterative" };
+        Choice { solver, why: decided.why.clone(), direct, iterative }
+    }
+
     /// The faster of both that fits into so many bytes; the smaller one where neither does.
     #[must_use]
     pub fn new(estimate: &Estimate, work: &Workload, free: Option<f64>) -> Choice {

@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::condensed::Condensed;
 use super::error::SolveError;
-use super::estimate::{Choice, Estimate};
+use super::estimate::{Choice, Decided, Estimate};
 use super::sparse::BlockMatrix;
 use super::unknowns::{Layout, Unknowns};
 
@@ -30,6 +30,11 @@ pub trait Backend: Debug + Send + Sync {
     /// The same backend, ending its work with [`SolveError::Interrupted`] when the flag becomes true; none if it does
     /// not look at one.
     fn interruptible(&self, _flag: &Arc<AtomicBool>) -> Option<Arc<dyn Backend>> {
+        None
+    }
+
+    /// The same backend, solving as was decided before, where it chooses between ways to solve; else none.
+    fn decided(&self, _before: &[Decided]) -> Option<Arc<dyn Backend>> {
         None
     }
 

@@ -28,7 +28,7 @@ pub use condensed::{Condensed, EXACT, Entry, TangentKey};
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, largest};
 pub use error::SolveError;
-pub use estimate::{Choice, Demand, Estimate, Workload};
+pub use estimate::{Choice, Decided, Demand, Estimate, Workload};
 pub use factor::{Backend, Factor};
 pub use krylov::{Definite, Gradients, Krylov, conjugate_gradients, gmres};
 pub use multigrid::Multigrid;

@@ -165,8 +165,8 @@ columns! { History:
     PARTS = number("parts", Measure::Number, |row| row.report.parts as f64);
     CONTACT_CENTER = vector("contact_center", Measure::Length, |row| vector(&row.contact.center));
     FOUNDATION_TEMPERATURE = optional("foundation_temperature", Measure::Temperature, |row| row.foundation);
-    HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
     MODULUS_WORK = number("modulus_work", Measure::Energy, |row| row.ledger.modulus_work);
+    HEAT_PAIRS = number("heat_pairs", Measure::Energy, |row| row.ledger.heat_pairs);
     HEAT_FLOW = number("heat_flow", Measure::Power, |row| row.contact.heat_flow.unwrap_or(0.0));
     PRESSURE_MAX = number("pressure_max", Measure::Stress, |row| row.contact.pressure_max);
 }

@@ -24,7 +24,7 @@ pub(crate) use tables::first_warm;
 
 use crate::contact::{Contact, ContactBoundary, Side};
 use crate::field::Field;
-use crate::linalg::{Backend, Supernodal};
+use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
 use crate::mesh::{FacetSet, Mesh};
 use crate::units::{Extent, System, Units};
@@ -190,6 +190,13 @@ impl Problem {
     #[must_use]
     pub(crate) fn interruptible(&self, flag: Option<&Arc<AtomicBool>>) -> Problem {
         let backend = flag.and_then(|flag| self.backend.interruptible(flag));
+        Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
+    }
+
+    /// The same problem with linear systems solved as was decided before.
+    #[must_use]
+    pub(crate) fn decided(&self, before: &[Decided]) -> Problem {
+        let backend = if before.is_empty() { None } else { self.backend.decided(before) };
         Problem(ProblemData { backend: backend.unwrap_or_else(|| Arc::clone(&self.backend)), ..self.0.clone() })
     }
 

@@ -72,7 +72,7 @@ struct Energy {
     friction: f64,
     worn: f64,
     scheme: f64,
-    /// Work of the loads, the supports and the foundation; of heat; and of moduli that change with the temperature.
+    /// Work of the loads, the supports and the foundation; of heat; and of moduli and stiffnesses that change.
     load_work: f64,
     thermal_work: f64,
     modulus_work: f64,
@@ -86,7 +86,8 @@ impl Energy {
         let contact = contact(step, m);
         let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
         let compliance =
-            contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy);
+            contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
+                + contact.stiffening;
         Energy {
             kinetic: 0.5 * rho * dot(&m.w, &m.mass_w),
             elastic: stored.elastic,
@@ -97,7 +98,7 @@ impl Energy {
             scheme: inertial + stored.scheme + compliance,
             load_work: contact.load_work,
             thermal_work: k * dot(&m.w, &m.thermal),
-            modulus_work: stored.modulus,
+            modulus_work: stored.modulus + contact.stiffening,
         }
     }
 
@@ -117,9 +118,11 @@ impl Energy {
 }
 
 /// What the tractions on Γ_C store, dissipate and work in a step, J.
+#[derive(Default)]
 struct OnContact {
-    /// Stored in the compliance at its end.
+    /// Stored in the compliance at its end, and by what a stiffness that changes with time raises it.
     energy: f64,
+    stiffening: f64,
     friction: f64,
     /// Work of the pressure along the change of the penetration, wear included.
     pressing: f64,
@@ -131,12 +134,19 @@ struct OnContact {
 }
 
 fn contact(step: &Step, m: &Mechanics) -> OnContact {
-    let Step { problem, discrete, boundary, k, .. } = *step;
+    let Step { contacts, discrete, boundary, old, k, .. } = *step;
+    let changes = contacts.iter().any(|contact| contact.normal.at_time(step.t).is_some());
     let load_work = k * dot(&m.w, &m.load) + m.support_work;
-    let mut sum = OnContact { energy: 0.0, friction: 0.0, pressing: 0.0, damping: 0.0, worn: 0.0, load_work };
+    let mut sum = OnContact { load_work, ..OnContact::default() };
+    // The energy of the layer at the start of the step by the laws at its end.
+    let mut start = 0.0;
     for ((point, frame), state) in boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
-        let (normal, weight) = (&problem.contacts[point.contact].normal, k * point.weight);
+        let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
         let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
+        if changes {
+            let before = state.penetration - k * (w_nu - frame.gap_rate) + state.wear;
+            start += point.weight * normal.potential(&point.x, before);
+        }
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
         sum.energy += point.weight * normal.potential(&point.x, state.penetration);
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
@@ -148,6 +158,9 @@ fn contact(step: &Step, m: &Mechanics) -> OnContact {
             sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
         }
         sum.load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
+    }
+    if changes {
+        sum.stiffening = start - old.ledger.contact_energy;
     }
     sum
 }
@@ -232,7 +245,8 @@ fn softening(step: &Step, m: &Mechanics, theta: &[f64]) -> Option<Stored> {
         return None;
     }
     let energy = |u: &[f64], theta: &[f64]| discrete.stored_energy(u, theta);
-    let [from, to, elastic] = [energy(&old.u, &m.theta)?, energy(&m.u, &m.theta)?, energy(&m.u, theta)?];
+    let [to, elastic] = [energy(&m.u, &m.theta)?, energy(&m.u, theta)?];
+    let from = if m.theta == old.theta { before(step) } else { energy(&old.u, &m.theta)? };
     let change = difference(&m.u, &old.u);
     let scheme = if discrete.is_linearly_elastic() {
         0.5 * dot(&change, &discrete.apply_a(&change, &m.theta))

@@ -293,12 +293,12 @@ struct Tangent {
     fluxes: Vec<[f64; 4]>,
     friction: Vec<[Point; 2]>,
     normals: Vec<Point>,
-    /// Whether the power of friction enters the bodies whole, as at a pair.
-    rubs: Vec<bool>,
     /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative
     /// of conduction has beside its symmetric part.
     force_slope: Option<BlockMatrix>,
     heat_slope: Option<BlockMatrix>,
+    /// Whether the power of friction enters the bodies whole, as at a pair.
+    rubs: Vec<bool>,
 }
 
 impl Tangent {
@@ -322,11 +322,11 @@ impl Tangent {
             .collect();
         let friction = pass.mechanics.states.iter().map(|state| [state.q, state.slip]).collect();
         let normals = pass.mechanics.states.iter().map(|state| state.normal).collect();
-        let contacts = coupled.step.contacts;
-        let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
         let Mechanics { u, w, theta, .. } = &pass.mechanics;
         let force_slope = discrete.mechanical_slope(u, w, theta);
         let heat_slope = discrete.thermal_slope(&pass.heat.theta);
+        let contacts = coupled.step.contacts;
+        let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
         Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, rubs, force_slope, heat_slope })
     }
 

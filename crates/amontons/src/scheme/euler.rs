@@ -15,7 +15,7 @@ use super::{
 };
 use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
-use crate::linalg::{Backend, SolveError, System, dot};
+use crate::linalg::{Backend, Decided, SolveError, System, dot};
 use crate::problem::Problem;
 use crate::tensor;
 
@@ -66,8 +66,14 @@ impl Systems {
     ) -> Result<Systems, (&'static str, SolveError)> {
         let rest = vec![0.0; discrete.v.free.len()];
         let rule = Rule::backward_euler(k);
-        let mechanics =
-            || HalfStep::new(discrete.mechanical_tangent(rule, &rest, &rest, theta), discrete, &discrete.v, backend);
+        let mechanics = || {
+            HalfStep::new(
+                discrete.mechanical_tangent(rule, &rest, &rest, &discrete.warmed(theta)),
+                discrete,
+                &discrete.v,
+                backend,
+            )
+        };
         let heat = || HalfStep::new(discrete.thermal_tangent(rule, theta), discrete, &discrete.q, backend);
         let physics = problem.physics;
         let (mechanics, heat) = rayon::join(
@@ -86,8 +92,33 @@ impl Systems {
         self.mechanics.iter().chain(&self.heat).map(|half| &half.system)
     }
 
+    fn halves(&self) -> impl Iterator<Item = &HalfStep> {
+        self.mechanics.iter().chain(&self.heat)
+    }
+
     fn all_mut(&mut self) -> impl Iterator<Item = &mut System> {
         self.mechanics.iter_mut().chain(&mut self.heat).map(|half| &mut half.system)
+    }
+
+    /// Factorizes the matrices of these temperatures, one for each half-step, empty for those that stay.
+    fn recall<'a>(
+        &mut self,
+        discrete: &Discretization,
+        mut temperatures: impl Iterator<Item = &'a Vec<f64>>,
+    ) -> Result<(), (&'static str, SolveError)> {
+        let rest = vec![0.0; discrete.v.free.len()];
+        if let Some(half) = &mut self.mechanics
+            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
+        {
+            let tangent = discrete.mechanical_tangent(self.rule, &rest, &rest, &discrete.warmed(theta));
+            half.replace(tangent, theta).map_err(|source| ("mechanical", source))?;
+        }
+        if let Some(half) = &mut self.heat
+            && let Some(theta) = temperatures.next().filter(|theta| theta.len() == discrete.q.free.len())
+        {
+            half.replace(discrete.thermal_tangent(self.rule, theta), theta).map_err(|source| ("heat", source))?;
+        }
+        Ok(())
     }
 
     fn factorizations(&self) -> (usize, usize) {
@@ -452,11 +483,28 @@ impl Scheme for BackwardEuler {
 
     fn kept(&self) -> Kept {
         let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
-        Kept { halvings: self.halved.len(), tangents: all.map(|system| system.condensed().kept()).collect() }
+        let halves = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::halves);
+        let of = |half: &Option<HalfStep>, components: usize| {
+            let choice = half.as_ref()?.system.choice()?;
+            Some(Decided { components, direct: choice.is_direct(), why: choice.why.clone() })
+        };
+        let Systems { mechanics, heat, .. } = &self.systems;
+        let solvers = [of(mechanics, self.discrete.mesh.dim), of(heat, 1)].into_iter().flatten().collect();
+        Kept {
+            halvings: self.halved.len(),
+            temperatures: halves.map(|half| half.at.clone()).collect(),
+            tangents: all.map(|system| system.condensed().kept()).collect(),
+            solvers,
+        }
     }
 
     fn recall(&mut self, kept: &Kept) -> Result<(), SetupError> {
         self.halve(kept.halvings.min(HALVINGS)).map_err(|(part, source)| SetupError::Factor { part, source })?;
+        let mut temperatures = kept.temperatures.iter();
+        for systems in std::iter::once(&mut self.systems).chain(&mut self.halved) {
+            let recalled = systems.recall(&self.discrete, &mut temperatures);
+            recalled.map_err(|(part, source)| SetupError::Factor { part, source })?;
+        }
         let all = std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut);
         all.zip(&kept.tangents).for_each(|(system, kept)| system.condensed_mut().recall(kept));
         Ok(())

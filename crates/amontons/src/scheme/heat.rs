@@ -6,7 +6,6 @@ use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
-use std::sync::Arc;
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -126,7 +125,7 @@ impl Begun {
         given: &Given,
         states: &[PointState],
     ) -> Result<(Exchange, usize), StepError> {
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&self.theta);
         let solved = system
             .expand(std::mem::take(&mut self.reduced), &mut self.theta, |condensed, r| {
@@ -171,7 +170,7 @@ impl Begun {
             }
             if renewal.is_due(ratio) {
                 let tangent = step.discrete.thermal_tangent(step.rule, &self.theta);
-                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
+                half.replace(tangent, &self.theta).map_err(|source| step.singular(source))?;
                 mixing = Mixing::default();
             } else {
                 self.theta = mixing.next(&start, &self.theta);
@@ -273,7 +272,7 @@ fn through(step: &Step, exchange: &Exchange) -> (f64, f64) {
 impl Heat {
     /// Factorizes the symmetric part of the tangent of (4.2) as it is at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
-        half.system.replace(&Arc::new(step.discrete.thermal_tangent(step.rule, &self.theta)))
+        half.replace(step.discrete.thermal_tangent(step.rule, &self.theta), &self.theta)
     }
 
     /// The derivative of χ in θ at the solution: the entries it adds to S.

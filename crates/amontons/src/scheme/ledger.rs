@@ -34,7 +34,8 @@ pub struct Ledger {
     pub load_work: f64,
     /// Σ k m(θ, w).
     pub thermal_work: f64,
-    /// Work of moduli that change with the temperature: the energy that the body gains by it at a fixed strain.
+    /// Work of moduli that change with the temperature and of contact stiffnesses that change with time: the energy
+    /// that body and layer gain by it at a fixed strain and penetration.
     #[serde(default)]
     pub modulus_work: f64,
     /// What backward Euler dissipates: Σ ½ρ‖Δw‖² + ½a(Δu, Δu) + ψ; negative only if ψ is.

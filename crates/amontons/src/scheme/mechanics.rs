@@ -3,10 +3,10 @@
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Step, on_degrees, without_contact};
 use super::{State, StepError};
+use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{Entry, SolveError, max_abs};
 use crate::tensor::Point;
-use std::sync::Arc;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
@@ -91,7 +91,7 @@ impl Given {
         multipliers: &Multipliers,
     ) -> Result<bool, SolveError> {
         let [from, to] = [&step.old.w, w].map(|w| half.system.kept_of(w));
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
             on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
         })
@@ -127,9 +127,10 @@ impl Mechanics {
     ) -> Result<Mechanics, StepError> {
         let discrete = step.discrete;
         let is_linear = discrete.is_linear();
+        let warmed = discrete.warmed(theta);
         let Begun { mut now, load, given } =
-            from.map_or_else(|| Begun::new(step, theta), |from| Begun::from(step, from, theta));
-        let equation = Equation::new(step, load, given, theta)?;
+            from.map_or_else(|| Begun::new(step, &warmed), |from| Begun::from(step, from, &warmed));
+        let equation = Equation::new(step, load, given, (theta, warmed))?;
         let (mut newton, mut passes) = (0, 0);
         let (mut previous, mut renewal) = (f64::INFINITY, Renewal::default());
         // K_u is a matrix of the temperature.
@@ -137,8 +138,10 @@ impl Mechanics {
         let mut is_stale = !is_linear && !softens;
         loop {
             if is_stale {
-                let tangent = discrete.mechanical_tangent(step.rule, &step.displacement(&now.w), &now.w, theta);
-                half.system.replace(&Arc::new(tangent)).map_err(|source| step.singular(source))?;
+                let u = step.displacement(&now.w);
+                let tangent = discrete.mechanical_tangent(step.rule, &u, &now.w, &equation.warmed);
+                let at = if softens { theta } else { &[] };
+                half.replace(tangent, at).map_err(|source| step.singular(source))?;
             }
             let (w, multipliers, iterations) = equation.pass(half, &now)?;
             newton += iterations;
@@ -162,8 +165,9 @@ impl Mechanics {
 
     /// Factorizes K_u as it is at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
-        let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &self.theta);
-        half.system.replace(&Arc::new(tangent))
+        let warmed = step.discrete.warmed(&self.theta);
+        let tangent = step.discrete.mechanical_tangent(step.rule, &self.u, &self.w, &warmed);
+        half.replace(tangent, &self.theta)
     }
 
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
@@ -191,7 +195,7 @@ impl Mechanics {
     /// sees.
     pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Vec<Entry>, Vec<PointDerivative>) {
         let w = half.system.kept_of(&self.w);
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         self.given
             .on_boundary(step, on_contact)
             .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
@@ -202,15 +206,21 @@ impl Mechanics {
 struct Equation<'a> {
     step: &'a Step<'a>,
     load: Vec<f64>,
-    /// The temperature of the body, and m(θ, ·).
+    /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
+    warmed: Warmed<'a>,
     thermal: Vec<f64>,
     given: Given,
 }
 
 impl<'a> Equation<'a> {
     /// With the temperature `theta` in m and in the laws of the body and of contact.
-    fn new(step: &'a Step, load: Vec<f64>, mut given: Given, theta: &'a [f64]) -> Result<Equation<'a>, StepError> {
+    fn new(
+        step: &'a Step,
+        load: Vec<f64>,
+        mut given: Given,
+        (theta, warmed): (&'a [f64], Warmed<'a>),
+    ) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_at(theta);
         let foundation: Vec<f64> = given
             .frames
@@ -218,7 +228,7 @@ impl<'a> Equation<'a> {
             .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
             .collect();
         step.finite(&foundation, "the foundation")?;
-        Ok(Equation { step, load, theta, thermal: step.discrete.thermal_force(theta), given })
+        Ok(Equation { step, load, theta, warmed, thermal: step.discrete.thermal_force(theta), given })
     }
 
     /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
@@ -243,7 +253,7 @@ impl<'a> Equation<'a> {
         let step = self.step;
         let right = self.right(now);
         step.finite(&right, "the data")?;
-        let HalfStep { system, on_contact } = half;
+        let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&now.w);
         let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
         let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
@@ -264,7 +274,7 @@ impl<'a> Equation<'a> {
     fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced, StepError> {
         let Step { discrete, products, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
-        let iterate = Iterate::new(self.step, w, multipliers, self.theta);
+        let iterate = Iterate::new(self.step, w, multipliers, &self.warmed);
         let (force, contact_force) = contact_forces(self.step, &states);
         let mut rest: Vec<f64> =
             self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
@@ -313,7 +323,7 @@ impl<'a> Equation<'a> {
         end: Balanced,
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
-        let Equation { step, load, theta, thermal, given } = self;
+        let Equation { step, load, theta, thermal, given, .. } = self;
         let Balanced { iterate, states, residual, scale, driven, contact, force, support_work } = end;
         step.accept([residual, scale, driven, contact], "mechanics", || {
             step.discrete.mechanical_round_off(&step.sizes(&iterate.w), &iterate.w, theta)
@@ -374,8 +384,8 @@ struct Balanced {
 }
 
 impl Iterate {
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, theta: &[f64]) -> Iterate {
-        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w, theta);
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Iterate {
+        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w, warmed);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
 }
@@ -389,7 +399,7 @@ struct Begun {
 
 impl Begun {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
-    fn new(step: &Step, theta: &[f64]) -> Begun {
+    fn new(step: &Step, warmed: &Warmed) -> Begun {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
         let mut w = vec![0.0; load.len()];
@@ -409,16 +419,16 @@ impl Begun {
             let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
-            Iterate::new(step, w, multipliers, theta)
+            Iterate::new(step, w, multipliers, warmed)
         };
         Begun { now, load, given }
     }
 
     /// At a solution of the same step.
-    fn from(step: &Step, m: &Mechanics, theta: &[f64]) -> Begun {
+    fn from(step: &Step, m: &Mechanics, warmed: &Warmed) -> Begun {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         if step.discrete.softens() {
-            let now = Iterate::new(step, w.clone(), multipliers.clone(), theta);
+            let now = Iterate::new(step, w.clone(), multipliers.clone(), warmed);
             return Begun { now, load: load.clone(), given: given.clone() };
         }
         let [w, mass_w, a_u, a_w, b_w, relaxing] = [w, mass_w, a_u, a_w, b_w, relaxing].map(Clone::clone);

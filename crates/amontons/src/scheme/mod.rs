@@ -23,7 +23,7 @@ use std::sync::Arc;
 
 use crate::contact::Flux;
 use crate::inclusion::{Multipliers, NotConverged, PointState};
-use crate::linalg::{Backend, SolveError, TangentKey};
+use crate::linalg::{Backend, Decided, SolveError, TangentKey};
 use crate::problem::{Coupling, Faults, Problem, Uncovered};
 use crate::tensor::Point;
 
@@ -321,14 +321,19 @@ pub enum SetupError {
     Data(#[from] Faults),
 }
 
-/// Factorizations that a scheme keeps between steps, so that the counts of a run that goes on are those of one without
-/// a break.
+/// Factorizations that a scheme keeps between steps and how it solves its systems, so that bits and counts of a run that
+/// goes on are those of one without a break.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Kept {
     /// How many of the step lengths k/2, k/4, … have matrices.
     pub halvings: usize,
+    /// The temperature of each system whose matrix was factorized anew for it; empty for others.
+    #[serde(default)]
+    pub temperatures: Vec<Vec<f64>>,
     /// The tangents on Γ_C of each system.
     pub tangents: Vec<Vec<TangentKey>>,
+    /// How systems are solved, where the program has chosen.
+    pub solvers: Vec<Decided>,
 }
 
 /// Makes the scheme that steps a problem through time, with the backend that solves its linear systems: the setting

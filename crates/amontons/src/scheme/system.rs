@@ -232,7 +232,7 @@ pub(super) struct Products {
 impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
-        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &state.theta);
+        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &discrete.warmed(&state.theta));
         let (mass_theta, d_theta) = (discrete.stored_heat(&state.theta), discrete.apply_d(&state.theta));
         Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
@@ -244,9 +244,18 @@ pub(super) struct HalfStep {
     pub system: System,
     /// Unknown of each degree of freedom of the contact nodes among those that are kept, none where prescribed.
     pub on_contact: Vec<Option<u32>>,
+    /// The temperature that the matrix was factorized anew at; empty where it is that of the start, or does not matter.
+    pub at: Vec<f64>,
 }
 
 impl HalfStep {
+    /// Factorizes the matrix of a temperature; empty for one that does not matter.
+    pub fn replace(&mut self, matrix: BlockMatrix, theta: &[f64]) -> Result<(), SolveError> {
+        self.system.replace(&Arc::new(matrix))?;
+        self.at = theta.to_vec();
+        Ok(())
+    }
+
     /// Factorizes a matrix with the contact unknowns last.
     pub fn new(
         matrix: BlockMatrix,
@@ -259,7 +268,7 @@ impl HalfStep {
         let position = system.unknowns().positions(space.free.len());
         let dofs = contact.iter().flat_map(|&node| (0..components).map(move |c| node as usize * components + c));
         let on_contact = dofs.map(|dof| position[dof]).collect();
-        Ok(HalfStep { system, on_contact })
+        Ok(HalfStep { system, on_contact, at: Vec::new() })
     }
 }
 

@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Coefficient, Datum, Geometry, Obstacle};
+use super::{Datum, Geometry, Obstacle};
 
 /// Contact of one side: `[contact]`; of several: `[[contact]]`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
@@ -141,7 +141,7 @@ pub(in crate::case) enum Wear {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
     },
@@ -166,16 +166,16 @@ pub(in crate::case) enum Normal {
     Compliance {
         /// Stiffness c_ν of the contact in Pa/m.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
     },
     /// Power law: p_ν(r) = stiffness · max(r, 0)^exponent.
     Power {
         /// Factor c of the power law in Pa/m^exponent.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Exponent m of the penetration; 1.5 for a sphere.
         #[schemars(extend("minimum" = 1))]
-        exponent: Coefficient,
+        exponent: Datum,
     },
     /// Table of pressures over penetrations, linear between its points and extrapolated beyond the last one.
     Table {
@@ -186,16 +186,16 @@ pub(in crate::case) enum Normal {
         /// Factor of the values.
         #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
-        factor: Coefficient,
+        factor: Datum,
     },
     /// Compliant layer on a rigid stop: compliance up to the penetration `depth`, no further penetration.
     Stop {
         /// Stiffness of the layer in Pa/m.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Penetration in m at which the stop is reached.
         #[schemars(extend("minimum" = 0))]
-        depth: Coefficient,
+        depth: Datum,
     },
     /// Signorini's conditions: a rigid foundation without penetration and without tension.
     Signorini,
@@ -205,52 +205,52 @@ pub(in crate::case) enum Normal {
     Damped {
         /// Stiffness of the spring in Pa/m.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Damping of the dashpot in Pa s/m.
         #[schemars(extend("minimum" = 0))]
-        damping: Coefficient,
+        damping: Datum,
     },
     /// Hunt and Crossley's law: stiffness · max(r, 0)^exponent · max(1 + damping · ṙ, 0).
     HuntCrossley {
         /// Factor c of the power law in Pa/m^exponent.
         #[schemars(extend("minimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Exponent m of the penetration.
         #[serde(default = "one")]
         #[schemars(extend("minimum" = 1))]
-        exponent: Coefficient,
+        exponent: Datum,
         /// Damping a in s/m.
         #[schemars(extend("minimum" = 0))]
-        damping: Coefficient,
+        damping: Datum,
     },
     /// Softening layer: linear up to the peak pressure, then decreasing to the residual pressure.
     Softening {
         /// Stiffness up to the peak in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Peak pressure in Pa.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        peak: Coefficient,
+        peak: Datum,
         /// Slope in Pa/m at which the pressure decreases after the peak.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        softening: Coefficient,
+        softening: Datum,
         /// Residual pressure in Pa, at most the peak.
         #[serde(default)]
         #[schemars(extend("minimum" = 0))]
-        residual: Coefficient,
+        residual: Datum,
     },
     /// Adhesive layer: p = stiffness · r, also in tension, until −p reaches the strength.
     Adhesion {
         /// Stiffness of the layer in Pa/m.
         #[schemars(extend("exclusiveMinimum" = 0))]
-        stiffness: Coefficient,
+        stiffness: Datum,
         /// Tensile strength in Pa.
         #[schemars(extend("minimum" = 0))]
-        strength: Coefficient,
+        strength: Datum,
         /// Further opening in m over which the tension decreases to zero; 0: at once.
         #[serde(default)]
         #[schemars(extend("minimum" = 0))]
-        release: Coefficient,
+        release: Datum,
     },
 }
 
@@ -307,7 +307,7 @@ pub(in crate::case) enum Friction {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
@@ -324,7 +324,7 @@ pub(in crate::case) enum Friction {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
@@ -340,7 +340,7 @@ pub(in crate::case) enum Friction {
         #[schemars(inner(range(min = 0.0)))]
         coefficient: Vec<f64>,
         /// Factor of the values.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
         /// Shear strength in Pa: upper limit of the friction bound.
@@ -466,7 +466,7 @@ heat_laws! {
         #[schemars(extend("minimum" = 0))]
         coefficient: Datum,
         /// Exponent of the pressure.
-        #[serde(default = "one_datum")]
+        #[serde(default = "one")]
         #[schemars(extend("exclusiveMinimum" = 0))]
         exponent: Datum,
         /// Truncation L of the temperature difference in φ_L, in K; without it φ_L(s) = s.
@@ -503,11 +503,7 @@ heat_laws! {
     },
 }
 
-fn one() -> Coefficient {
-    Coefficient::Number(1.0)
-}
-
-fn one_datum() -> Datum {
+fn one() -> Datum {
     Datum::Number(1.0)
 }
 

@@ -11,7 +11,6 @@ mod stop;
 mod table;
 
 use std::fmt::Debug;
-#[cfg(test)]
 use std::sync::Arc;
 
 use crate::field::Graded;
@@ -75,6 +74,10 @@ pub trait NormalLaw: Debug + Send + Sync {
     }
     /// The law as one whose coefficients vary over the side, if it is one.
     fn graded(&self) -> Option<&Graded<dyn NormalLaw>> {
+        None
+    }
+    /// The law at a time in s; none if it does not change with time.
+    fn at_time(&self, _t: f64) -> Option<Arc<dyn NormalLaw>> {
         None
     }
     /// The kind of graph.
