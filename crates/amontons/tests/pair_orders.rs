@@ -117,9 +117,9 @@ fn errors(problem: &Problem, state: &State, report: &StepReport) -> BTreeMap<&'s
         let [xx, yy, xy] = strain(x, 0.5);
         let exact = [-(LAME[0] * (xx + yy) + LAME[1] * yy), LAME[1] * xy];
         pressure += point.weight * (state.pressure - exact[0]).powi(2);
-        // σ_xy is −q·(n × e_z) times the direction of the normal.
+        // σν = −p ν − q on the side of the point: σ_xy ν_y = −q_x.
         let q = -state.q[0] * point.normal[1];
-        friction += point.weight * (q.abs() - exact[1].abs()).powi(2);
+        friction += point.weight * (q - exact[1]).powi(2);
         let out = point.normal[1] * -CONDUCTIVITY[1] * (PI * x).cos();
         flux += point.weight * (report.contact.flux[i].value - out).powi(2);
     }

@@ -249,6 +249,9 @@ fn steps_agree_with_two_independent_programs() {
             let scale = scales.entry(group(quantity)).or_default();
             *scale = scale.max(value.abs());
         }
+        // In a steady state the amounts cancel: what passes the pair in a step is their scale.
+        let passed = scales.get("powers").copied().unwrap_or(0.0) * run.case.problem.k();
+        scales.entry("heat".to_owned()).and_modify(|scale| *scale = scale.max(passed));
         let mut compared = 0;
         for (step, values) in &expected {
             for (quantity, value) in values.iter().filter(|(quantity, _)| tells(&run, quantity)) {
@@ -327,7 +330,10 @@ fn assert_nodes(name: &str, run: &Run, nodes: &[BTreeMap<String, String>], scale
             near("penetration", point.penetration, number(row, "penetration"), displacement);
             near("pressure", point.pressure, number(row, "pressure"), pressure);
             near("heat flux", point.heat, number(row, "heat_flux"), flux);
-            near("power of friction", point.power, number(row, "friction_power"), power.max(pressure * velocity));
+            // A case without heat has no powers in the table.
+            if !row["friction_power"].is_empty() {
+                near("power of friction", point.power, number(row, "friction_power"), power);
+            }
             if dim == 2 {
                 let along = |v: &[f64; 3]| point.normal[0] * v[1] - point.normal[1] * v[0];
                 near("friction", along(&point.q), number(row, "friction_1"), pressure);
