@@ -118,7 +118,7 @@ impl Laws {
             ..seen
         };
         // In the plane a node that is held along its tangent has nothing to tie.
-        let in_space = site.row.basis[2] != [0.0; 3];
+        let in_space = site.row.basis[2].iter().any(|c| *c != 0.0);
         let is_smooth = site.is_smooth && !(in_space && contact.friction.never_slips());
         let s = if is_smooth { Bound::default() } else { contact.friction.bound(&seen) };
         let [nu, t1, t2] = &site.row.basis;

@@ -327,7 +327,7 @@ impl Tangent {
         let heat_slope = discrete.thermal_slope(&pass.heat.theta);
         let contacts = coupled.step.contacts;
         let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
-        Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, rubs, force_slope, heat_slope })
+        Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, force_slope, heat_slope, rubs })
     }
 
     /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the
