@@ -321,8 +321,8 @@ pub enum SetupError {
     Data(#[from] Faults),
 }
 
-/// Factorizations that a scheme keeps between steps and how it solves its systems, so that bits and counts of a run that
-/// goes on are those of one without a break.
+/// Factorizations that a scheme keeps between steps and how it solves its systems, so that bits and counts of a run
+/// that goes on are those of one without a break.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Kept {
     /// How many of the step lengths k/2, k/4, … have matrices.

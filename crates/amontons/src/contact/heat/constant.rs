@@ -31,7 +31,7 @@ impl HeatLaw for ConstantConductance {
 #[cfg(test)]
 pub(super) fn samples() -> Vec<(std::sync::Arc<dyn HeatLaw>, f64)> {
     vec![
-        (std::sync::Arc::new(ConstantConductance { conductance: 3.0, truncation: None }), -1e-3),
+        (std::sync::Arc::new(ConstantConductance { conductance: 3.0, truncation: None }), 1e-3),
         (std::sync::Arc::new(ConstantConductance { conductance: 0.5, truncation: Some(2.0) }), 1e-3),
     ]
 }
