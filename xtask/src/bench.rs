@@ -162,9 +162,9 @@ fn amontons(
     let mut sets = vec![format!("mesh.n={n}"), "output.every=0".to_owned()];
     sets.extend(steps.map(|steps| format!("time.steps={steps}")));
     let with_sets = |command: &mut Command| {
-        sets.iter().for_each(|set| {
+        for set in &sets {
             command.args(["--set", set]);
-        });
+        }
     };
     let mut check = Command::new(&program);
     check.arg("check").arg(path).args(["--format", "json"]);

@@ -131,15 +131,12 @@ impl Sweep<'_> {
             // Results of another case are refused where the folder is made.
             _ => None,
         };
-        let result = match checkpoint {
-            Some(checkpoint) => {
-                let mut results = Folder::reopen(folder, options)?;
-                run::resume(&case.problem, checkpoint, &settings, &mut [&mut results, &mut count])
-            }
-            None => {
-                let mut results = Folder::create(folder, options)?;
-                run::run(&case.problem, &settings, &mut [&mut results, &mut count])
-            }
+        let result = if let Some(checkpoint) = checkpoint {
+            let mut results = Folder::reopen(folder, options)?;
+            run::resume(&case.problem, checkpoint, &settings, &mut [&mut results, &mut count])
+        } else {
+            let mut results = Folder::create(folder, options)?;
+            run::run(&case.problem, &settings, &mut [&mut results, &mut count])
         };
         let result = result.map_err(|error| {
             let again = "the same command goes on where it stopped";

@@ -163,8 +163,8 @@ fn meshes_of_every_kind() {
             "bottom inner outer top",
             vec![1, 6, 2],
         ),
-        ("file = \"bar.msh\"", "left", 2, 6, "left right", vec![]),
-        ("kind = \"file\"\nfile = \"bar.msh\"\nscale = 1e-3", "left", 2, 6, "left right", vec![]),
+        ("file = \"bar.msh\"", "left", 2, 6, "left right", vec![1]),
+        ("kind = \"file\"\nfile = \"bar.msh\"\nscale = 1e-3", "left", 2, 6, "left right", vec![1]),
     ] {
         let case = read(body(mesh, dim).replace("on = \"left\"", &format!("on = \"{on}\"")));
         let found = &case.problem.mesh;

@@ -197,7 +197,7 @@ spoiled! {
     unknown_extension: "values = [0, 1]" => "values = [0, 1], extend = \"linear\""
         "sides.toml:35:56: boundary[3].pressure.extend: found \"linear\", expected \"none\" or \"hold\" (extrapolation outside the times)";
     unknown_key_of_a_table: "values = [0, 1]" => "valeus = [0, 1]"
-        "sides.toml:35:30: boundary[3].pressure.valeus: found an unknown key, expected one of column, data, extend, factor, file, table, time, times, values; did you mean `values`?";
+        "sides.toml:35:30: boundary[3].pressure.valeus: found an unknown key, expected one of column, data, extend, factor, file, table, temperature, time, times, value, values; did you mean `values`?";
     table_of_initial_data: "[load]" => "[initial]\ntemperature = { times = [0, 2], values = [0, 1] }\n[load]"
         "sides.toml:18:15: initial.temperature: found a table, expected a number or an expression in x, y, z, t (temperature θ₀ in K)";
     table_of_a_coefficient: "coefficient = 2.0" => "coefficient = { times = [0, 2], values = [0, 1] }"

@@ -55,7 +55,7 @@ spoiled! {
     a_value_missing: "material.heat_capacity" "{ temperature = [0, 20], value = [1] }"
         "KEY.value: found 1 values for 2 temperatures, expected one value per temperature";
     no_rows: "material.heat_capacity" "{ temperature = [], value = [] }"
-        "KEY: found a table without rows, expected at least one";
+        "KEY.temperature: found no temperatures, expected at least one";
     a_value_that_is_not_finite: "material.elasticity.young" "{ temperature = [0, 20], value = [1, inf] }"
         "KEY.value[1]: found inf, expected a number (values of the coefficient, one per temperature)";
     a_temperature_that_is_not_finite: "material.elasticity.young" "{ temperature = [0, nan], value = [1, 2] }"

@@ -253,7 +253,10 @@ impl Build<'_> {
 
     fn refuse_table(&mut self, path: &str, error: &TableError) {
         match error {
-            TableError::Empty => self.note(path, At::Value, "a table without rows", "at least one", None),
+            TableError::Empty { over } => {
+                let key = if *over == "time" { "times" } else { "temperature" };
+                self.note(&format!("{path}.{key}"), At::Value, format!("no {over}s"), "at least one", None);
+            }
             TableError::Lengths { over, count, values } => {
                 let key = if *over == "time" { "values" } else { "value" };
                 let found = format!("{values} values for {count} {over}s");

@@ -9,8 +9,11 @@ use crate::tensor::Point;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TableError {
     /// There are no rows.
-    #[error("the table has no rows, expected at least one")]
-    Empty,
+    #[error("the table has no {over}s, expected at least one")]
+    Empty {
+        /// `time` or `temperature`.
+        over: &'static str,
+    },
     /// Arguments and values are not paired.
     #[error("the table has {count} {over}s and {values} values, expected one value per {over}")]
     Lengths {
@@ -57,7 +60,7 @@ impl TableError {
             return Err(TableError::Lengths { over, count: at.len(), values: values.len() });
         }
         if at.is_empty() {
-            return Err(TableError::Empty);
+            return Err(TableError::Empty { over });
         }
         if let Some(i) = (0..at.len()).find(|&i| !(at[i].is_finite() && values[i].is_finite())) {
             return Err(TableError::NotFinite { over, row: i + 1, at: at[i], value: values[i] });

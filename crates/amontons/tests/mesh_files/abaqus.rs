@@ -168,9 +168,13 @@ fn a_curved_cell_of_eight_nodes_stays_as_it_is() {
     }
 }
 
+/// Outward normals and areas of faces.
+type Faces = Vec<([f64; 3], f64)>;
+
 /// Outward normals of the faces S1, S2, … of one cell of each type, as the manual numbers them ("Element faces" of each
 /// family), and their areas.
 #[test]
+#[allow(clippy::too_many_lines, reason = "the faces of five elements")]
 fn faces_are_those_of_the_manual() {
     let h = 0.5_f64.sqrt();
     let t = 1.0 / 3.0_f64.sqrt();
@@ -178,7 +182,6 @@ fn faces_are_those_of_the_manual() {
         "1, 0,0\n2, 1,0\n3, 0,1\n4, 1,1\n",
         "1, 0,0,0\n2, 1,0,0\n3, 0,1,0\n4, 0,0,1\n5, 1,1,0\n6, 1,0,1\n7, 1,1,1\n8, 0,1,1\n",
     );
-    type Faces = Vec<([f64; 3], f64)>;
     let cells: [(&str, &str, &str, Faces); 5] = [
         ("CAX3", plane, "1,2,3", vec![([0.0, -1.0, 0.0], 1.0), ([h, h, 0.0], 1.0 / h), ([-1.0, 0.0, 0.0], 1.0)]),
         (
@@ -275,6 +278,7 @@ fn what_is_no_part_of_the_mesh_is_named() {
 }
 
 #[test]
+#[allow(clippy::too_many_lines, reason = "one entry per fault")]
 fn every_fault_is_told_with_its_line() {
     let nodes = "*NODE\n1,0,0\n2,1,0\n3,0,1\n";
     let cell = "*ELEMENT, TYPE=CPS3, ELSET=E\n1,1,2,3\n";

@@ -70,7 +70,9 @@ impl Sets {
             sets.bodies.push(Body { name, part, first_node, nodes, cells });
             first_node += more;
             let body = sets.bodies.len() - 1;
-            own.into_iter().for_each(|set| sets.add(Some(body), set));
+            for set in own {
+                sets.add(Some(body), set);
+            }
         }
         for set in of_assembly {
             sets.add(None, set);
@@ -200,13 +202,12 @@ impl Sets {
             if names.iter().any(|other| other.eq_ignore_ascii_case(&outside)) {
                 continue;
             }
-            let facets = match has {
-                Has::Faces => self.faces(*body, name, &boundary)?,
-                _ => {
-                    let nodes: HashSet<u32> = self.node_numbers(*body, *has, name, 0)?.into_iter().collect();
-                    let inside = |facet: &&FacetOf| facet.nodes.iter().all(|node| nodes.contains(node));
-                    boundary.facets.iter().filter(inside).cloned().collect()
-                }
+            let facets = if *has == Has::Faces {
+                self.faces(*body, name, &boundary)?
+            } else {
+                let nodes: HashSet<u32> = self.node_numbers(*body, *has, name, 0)?.into_iter().collect();
+                let inside = |facet: &&FacetOf| facet.nodes.iter().all(|node| nodes.contains(node));
+                boundary.facets.iter().filter(inside).cloned().collect()
             };
             if facets.is_empty() {
                 continue;
