@@ -163,6 +163,18 @@ fn results_are_replaced_only_by_force_and_by_a_run_that_has_started_well() {
     assert_same_results(&out, &anew);
 }
 
+/// A run that writes its first snapshot at its end finds the folder for it, whatever was in the place before.
+#[test]
+fn a_run_without_early_snapshots_replaces_another() {
+    let folder = tempdir().expect("a folder");
+    let out = folder.path().join("results");
+    for every in ["output.every=1", "output.every=0", "output.every=0"] {
+        assert_code(&run_paper(&out, 5, &["--force", "--set", every]), 0);
+        assert!(out.join("fields/step_0000005.vtu").is_file(), "{every}");
+    }
+    assert_eq!(fs::read_dir(out.join("fields")).expect("a folder").count(), 1);
+}
+
 /// Nothing is removed or replaced that is not of a run.
 #[test]
 fn files_of_others_are_neither_removed_nor_replaced() {

@@ -213,7 +213,7 @@ mod tests {
             TimeTable::new(times.to_vec(), values.to_vec()).map(|_| ()).map_err(|e| e.to_string())
         };
         let told = |message: &str| Err(message.to_owned());
-        assert_eq!(of(&[], &[]), told("the table has no rows, expected at least one"));
+        assert_eq!(of(&[], &[]), told("the table has no times, expected at least one"));
         assert_eq!(of(&[0.0], &[]), told("the table has 1 times and 0 values, expected one value per time"));
         assert_eq!(
             of(&[0.0, f64::NAN], &[1.0, 2.0]),

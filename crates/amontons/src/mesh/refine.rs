@@ -104,7 +104,7 @@ impl Nodes {
             return cell[own];
         }
         let mut values = [0.0; crate::element::MAX_NODES];
-        (parent.shape_functions)(at, &mut values);
+        (parent.shape_functions)(at, &mut values[..parent.nodes.len()]);
         let shares = cell.iter().zip(values);
         let mut weights: Weights = shares
             .clone()
@@ -138,7 +138,7 @@ fn placed(shape: Shape, vertices: usize, corners: &[Point], at: &Point) -> Point
     if let Some(own) = linear.nodes.iter().position(near) {
         return corners[own];
     }
-    (linear.shape_functions)(at, &mut values);
+    (linear.shape_functions)(at, &mut values[..vertices]);
     std::array::from_fn(|d| corners.iter().zip(values).map(|(corner, value)| value * corner[d]).sum())
 }
 

@@ -131,9 +131,13 @@ fn remove_temporary(root: &Path) -> Result<(), OutputError> {
 /// The manifest is moved as soon as the files of the run before are gone: a staging folder without one tells
 /// [`settle`] that a crash came in between.
 pub(super) fn replace(root: &Path, earlier: &Manifest) -> Result<(), OutputError> {
+    let staging = root.join(STAGING);
+    // The new run writes into its folders later on, also into those that are empty so far.
+    let folders: Vec<&str> = FOLDERS.into_iter().filter(|folder| staging.join(folder).is_dir()).collect();
     remove(root, earlier, false)?;
-    move_file(&root.join(STAGING).join(manifest::FILE), &root.join(manifest::FILE))?;
-    settle(root)
+    move_file(&staging.join(manifest::FILE), &root.join(manifest::FILE))?;
+    settle(root)?;
+    folders.into_iter().try_for_each(|folder| create_folder(&root.join(folder)))
 }
 
 /// Brings a folder in order in which a run was killed: while it wrote a file, or took the place of another run.
