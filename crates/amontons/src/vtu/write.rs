@@ -46,10 +46,9 @@ impl<'a> Written<'a> {
             Values::Codes(values) => ("UInt8", values.clone()),
         };
         let Written { name, components, .. } = self;
-        write!(
-            out,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" format=\"binary\">"
-        )?;
+        // Readers make columns of scalars that say that they have one component.
+        let components = if *components == 1 { String::new() } else { format!(" NumberOfComponents=\"{components}\"") };
+        write!(out, "<DataArray type=\"{kind}\" Name=\"{name}\"{components} format=\"binary\">")?;
         let (header, data) = packed(&bytes);
         out.write_all(STANDARD.encode(header).as_bytes())?;
         out.write_all(STANDARD.encode(data).as_bytes())?;
