@@ -131,3 +131,46 @@ fn a_run_that_fails_does_not_end_the_sweep() {
 fn json_of_first_line(text: &str) -> serde_json::Value {
     serde_json::Deserializer::from_str(text).into_iter().next().expect("a value").expect("JSON")
 }
+
+/// Interrupted in the middle, the same command goes on, and its table and runs are those of a sweep without a break.
+#[test]
+#[cfg(unix)]
+fn an_interrupted_sweep_goes_on() {
+    let folder = tempdir().expect("a folder");
+    let [whole, broken] = ["whole", "broken"].map(|name| folder.path().join(name));
+    let paper = paper();
+    let command = |out: &Path| {
+        amontons(&[
+            "run",
+            &paper,
+            "--set",
+            "mesh.n=8",
+            "--set",
+            "time.steps=6000",
+            "--no-certificate",
+            "--quiet",
+            "--out",
+            out.to_str().expect("text"),
+            "--each",
+            "contact.friction.coefficient=0.1,0.2,0.3",
+            "--jobs",
+            "2",
+        ])
+    };
+    let mut running = command(&broken).spawn().expect("a program");
+    // The first runs have begun and none is done.
+    let first = broken.join("coefficient=0.1/checkpoint/state.bin");
+    while !first.is_file() {
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    let told = std::process::Command::new("kill").args(["-INT", &running.id().to_string()]).status();
+    assert!(told.expect("kill").success());
+    assert_eq!(running.wait().expect("an end").code(), Some(130));
+    assert!(read(&broken.join("sweep.csv")).contains(",interrupted,"));
+    assert_code(&output(&mut command(&broken)), 0);
+    assert_code(&output(&mut command(&whole)), 0);
+    for run in ["coefficient=0.1", "coefficient=0.2", "coefficient=0.3"] {
+        common::assert_same_results(&whole.join(run), &broken.join(run));
+    }
+    assert_eq!(read(&whole.join("sweep.svg")), read(&broken.join("sweep.svg")));
+}

@@ -7,43 +7,14 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use amontons::case::{self, Files, Source};
-use common::told;
-
-const CASE: &str = r#"
-name = "graded"
-[mesh]
-kind = "rectangle"
-size = [1.0, 1.0]
-n = 2
-diagonal = "right"
-[time]
-end = 1.0
-steps = 4
-[material]
-density = 1.0
-heat_capacity = 1.0
-conductivity = 1.0
-expansion = 0.3
-coupling = 0.2
-elasticity = { law = "isotropic", young = 10.0, poisson = 0.3, stress_state = "plane-strain" }
-viscosity = { law = "lame", first = 0.1, second = 0.2 }
-[contact]
-on = "bottom"
-normal = { law = "compliance", stiffness = 100 }
-friction = { law = "coulomb", coefficient = 0.3 }
-heat = { law = "ramp", conductance = 1, width = 1e-3, foundation_temperature = 0.5 }
-[[boundary]]
-on = "top"
-displacement = [0, 0]
-temperature = 0
-"#;
+use common::{SMALL, told};
 
 /// A test each: `name: "KEY=VALUE" "message";`
 macro_rules! spoiled {
     ($($name:ident: $set:literal $line:literal;)*) => {
         $(#[test]
         fn $name() {
-            assert_eq!(told(&Source::new("graded.toml", CASE), &[$set]), $line);
+            assert_eq!(told(&Source::new("graded.toml", SMALL), &[$set]), $line);
         })*
     };
 }
@@ -104,7 +75,7 @@ spoiled! {
 /// What is said of data of a mesh file.
 fn of_file(set: &str, file: &str, bytes: &str) -> String {
     let files = BTreeMap::from([(file.to_owned(), Arc::from(bytes.as_bytes()))]);
-    let source = Source { files: Files::Memory(files), ..Source::new("graded.toml", CASE) };
+    let source = Source { files: Files::Memory(files), ..Source::new("graded.toml", SMALL) };
     case::parse(&source, &[set.to_owned()]).map_or_else(|error| error.to_string(), |_| "no fault".to_owned())
 }
 

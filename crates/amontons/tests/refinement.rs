@@ -82,10 +82,40 @@ fn bodies() -> Vec<Mesh> {
     ]
 }
 
+/// The mesh turned by a random rotation in space (of a plane body in its plane), with its nodes in another order.
+fn turned(mesh: &Mesh, seed: u64) -> Mesh {
+    let mut state = seed;
+    let mut random = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as f64 / (1u64 << 31) as f64
+    };
+    let mut points = mesh.points.clone();
+    for (i, j) in [(0, 1), (1, 2), (0, 2)].into_iter().take(if mesh.dim < 3 { mesh.dim - 1 } else { 3 }) {
+        let (sin, cos) = (6.0 * random()).sin_cos();
+        for p in &mut points {
+            (p[i], p[j]) = (cos * p[i] - sin * p[j], sin * p[i] + cos * p[j]);
+        }
+    }
+    let mut order: Vec<u32> = (0..points.len() as u32).collect();
+    for i in (1..order.len()).rev() {
+        order.swap(i, (random() * (i as f64 + 1.0)) as usize);
+    }
+    let mut turned = mesh.clone();
+    for (old, &new) in order.iter().enumerate() {
+        turned.points[new as usize] = points[old];
+    }
+    let sides = turned.facets.values_mut().flat_map(|set| &mut set.blocks).flat_map(|block| &mut block.nodes);
+    for node in turned.blocks.iter_mut().flat_map(|block| &mut block.nodes).chain(sides) {
+        *node = order[*node as usize];
+    }
+    turned
+}
+
 /// The body, its regions and its sides keep their measures and the flux of x through them; cells fit their neighbours.
 #[test]
 fn a_refined_mesh_is_the_same_body() {
-    for mesh in bodies() {
+    let turned = bodies().into_iter().zip(1..).map(|(mesh, seed)| turned(&mesh, seed));
+    for mesh in bodies().into_iter().chain(turned) {
         let name = mesh.blocks[0].element.name;
         let mut finer = mesh.clone();
         for _ in 0..2 {

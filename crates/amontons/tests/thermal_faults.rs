@@ -4,36 +4,7 @@
 mod common;
 
 use amontons::case::Source;
-use common::told;
-
-const CASE: &str = r#"
-name = "thermal"
-[mesh]
-kind = "rectangle"
-size = [1.0, 1.0]
-n = 2
-diagonal = "right"
-[time]
-end = 1.0
-steps = 4
-[material]
-density = 1.0
-heat_capacity = 1.0
-conductivity = 1.0
-expansion = 0.3
-coupling = 0.2
-elasticity = { law = "isotropic", young = 10.0, poisson = 0.3, stress_state = "plane-strain" }
-viscosity = { law = "lame", first = 0.1, second = 0.2 }
-[contact]
-on = "bottom"
-normal = { law = "compliance", stiffness = 100 }
-friction = { law = "coulomb", coefficient = 0.3 }
-heat = { law = "ramp", conductance = 1, width = 1e-3, foundation_temperature = 0.5 }
-[[boundary]]
-on = "top"
-displacement = [0, 0]
-temperature = 0
-"#;
+use common::{SMALL, told};
 
 /// A test each: `name: "KEY" "VALUE" "message behind the place"`.
 macro_rules! spoiled {
@@ -42,7 +13,7 @@ macro_rules! spoiled {
         fn $name() {
             let set = format!("{}={}", $key, $value);
             let expected = $line.replacen("KEY", $key, 1);
-            let found = told(&Source::new("thermal.toml", CASE), &[&set]);
+            let found = told(&Source::new("thermal.toml", SMALL), &[&set]);
             let found = found.strip_prefix(&format!("--set {set}: ")).unwrap_or(&found);
             assert_eq!(found, expected);
         })*

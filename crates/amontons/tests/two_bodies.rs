@@ -5,13 +5,12 @@ mod common;
 
 use std::collections::BTreeMap;
 
-use amontons::case::{self, Case};
+use amontons::case::Case;
 use amontons::contact::{ContactPoint, Status};
 use amontons::output::{Memory, Outcome, Summary};
 use amontons::run::{self, Settings};
 use amontons::scheme::{Discretization, Ledger, State, StepReport};
 use amontons::tensor::length;
-use amontons::verify::verify_case;
 
 /// Deviation allowed, relative to the scale of a group of quantities.
 const TOLERANCE: f64 = 1e-8;
@@ -352,27 +351,5 @@ fn assert_nodes(name: &str, run: &Run, nodes: &[BTreeMap<String, String>], scale
 /// `[verify]` of every case, closed forms among them, and heat that leaves one body and enters the other.
 #[test]
 fn every_case_verifies() {
-    let folder = common::file(&format!("{FOLDER}/cases"));
-    let mut count = 0;
-    for entry in std::fs::read_dir(folder).expect("the cases") {
-        let path = entry.expect("an entry").path();
-        if path.extension().is_none_or(|extension| extension != "toml") {
-            continue;
-        }
-        let source = case::source(&path).expect("a readable case");
-        let settings = Settings { certificate: false, ..Settings::default() };
-        let verdicts = verify_case(&source, &[], &settings).unwrap_or_else(|error| panic!("{}: {error}", source.name));
-        for verdict in &verdicts {
-            assert!(
-                verdict.holds,
-                "{}: {} is {:e}, expected {:e}",
-                path.display(),
-                verdict.what,
-                verdict.computed,
-                verdict.reference
-            );
-        }
-        count += usize::from(!verdicts.is_empty());
-    }
-    assert_eq!(count, 23);
+    assert_eq!(common::verified(&common::file(&format!("{FOLDER}/cases"))), 23);
 }

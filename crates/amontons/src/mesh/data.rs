@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::locator::{At, Grid, Locator};
 use super::read::MeshFileError;
-use super::skin::Skin;
+use super::surface::SurfaceLocator;
 use super::{Block, Mesh, gmsh, vtu};
 use crate::field::Field;
 use crate::tensor::Point;
@@ -15,7 +15,7 @@ pub struct MeshData {
     mesh: Mesh,
     grid: Arc<Grid>,
     /// The cells as those of a surface, if they are that.
-    skin: Option<Skin>,
+    surface: Option<SurfaceLocator>,
     values: Values,
 }
 
@@ -47,7 +47,7 @@ impl MeshData {
             axisymmetric: false,
         };
         let grid = Arc::new(Grid::new(&mesh));
-        Ok(MeshData { mesh, grid, skin: None, values })
+        Ok(MeshData { mesh, grid, surface: None, values })
     }
 
     /// The dimension of the cells.
@@ -60,15 +60,15 @@ impl MeshData {
     /// the point of the surface that it lies above, if that is near.
     #[must_use]
     pub fn on_surface(self) -> MeshData {
-        MeshData { skin: Some(Skin::new(&self.mesh)), ..self }
+        MeshData { surface: Some(SurfaceLocator::new(&self.mesh)), ..self }
     }
 
     /// The value at a point; NaN outside the mesh. On the boundary of cells with values of their own it is the mean of
     /// those that meet there.
     #[must_use]
     pub fn value(&self, x: &Point) -> f64 {
-        if let Some(skin) = &self.skin {
-            return self.above(&skin.below(&self.mesh, x));
+        if let Some(surface) = &self.surface {
+            return self.above(&surface.below(&self.mesh, x));
         }
         let locator = Locator::of(&self.mesh, Arc::clone(&self.grid));
         match &self.values {

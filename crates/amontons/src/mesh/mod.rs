@@ -15,7 +15,7 @@ mod read;
 mod refine;
 mod round;
 mod sites;
-mod skin;
+mod surface;
 mod topology;
 pub mod vtu;
 

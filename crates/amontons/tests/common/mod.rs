@@ -5,7 +5,39 @@ use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};
 use amontons::problem::{Problem, ProblemData};
+use amontons::run::Settings;
 use amontons::scheme::{BackwardEuler, Scheme, State};
+use amontons::verify::{Verdict, verify_case};
+
+/// A square with every term, of few cells, for spoiled data.
+pub const SMALL: &str = r#"
+name = "small"
+[mesh]
+kind = "rectangle"
+size = [1.0, 1.0]
+n = 2
+diagonal = "right"
+[time]
+end = 1.0
+steps = 4
+[material]
+density = 1.0
+heat_capacity = 1.0
+conductivity = 1.0
+expansion = 0.3
+coupling = 0.2
+elasticity = { law = "isotropic", young = 10.0, poisson = 0.3, stress_state = "plane-strain" }
+viscosity = { law = "lame", first = 0.1, second = 0.2 }
+[contact]
+on = "bottom"
+normal = { law = "compliance", stiffness = 100 }
+friction = { law = "coulomb", coefficient = 0.3 }
+heat = { law = "ramp", conductance = 1, width = 1e-3, foundation_temperature = 0.5 }
+[[boundary]]
+on = "top"
+displacement = [0, 0]
+temperature = 0
+"#;
 
 /// A file of the repository.
 pub fn file(path: &str) -> PathBuf {
@@ -95,4 +127,24 @@ pub fn disturb(state: &mut State, problem: &Problem, scheme: &BackwardEuler, ran
     for q in &mut state.multipliers.q {
         q[0] = 10.0 * random.number();
     }
+}
+
+/// Runs all cases of a folder; every value of their `[expected]` and `[verify]` holds. The number of cases that have
+/// some.
+pub fn verified(folder: &Path) -> usize {
+    let mut count = 0;
+    for entry in std::fs::read_dir(folder).expect("a folder of cases").flatten() {
+        let path = entry.path();
+        if path.extension().is_none_or(|extension| extension != "toml") {
+            continue;
+        }
+        let source = case::source(&path).expect("a readable case");
+        let settings = Settings { certificate: false, ..Settings::default() };
+        let verdicts = verify_case(&source, &[], &settings).unwrap_or_else(|error| panic!("{}: {error}", source.name));
+        for Verdict { holds, what, computed, reference, .. } in &verdicts {
+            assert!(holds, "{}: {what} is {computed:e}, expected {reference:e}", path.display());
+        }
+        count += usize::from(!verdicts.is_empty());
+    }
+    count
 }

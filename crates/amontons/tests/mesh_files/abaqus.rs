@@ -8,7 +8,7 @@ use amontons::mesh::{Diagonal, Elements, FacetSet, Mesh, Skipped, inp};
 use amontons::tensor::Point;
 
 use super::files::read as file;
-use super::{assert_same, region, side};
+use super::{assert_same, prisms, region, side, two_regions};
 
 /// Type of Abaqus and number of its nodes for an element.
 fn kind(element: &Element, incomplete: bool) -> (&'static str, usize) {
@@ -90,18 +90,9 @@ fn sorted(mesh: &Mesh) -> Mesh {
 
 #[test]
 fn elements_of_every_type_read_back_to_the_same_mesh() {
-    let mut two_regions = Mesh::rectangle([2.0, 1.0], [4, 3], Diagonal::Right).expect("a mesh");
-    let mut upper = two_regions.blocks[0].clone();
-    upper.region = 1;
-    upper.nodes = two_regions.blocks[0].nodes.split_off(36);
-    two_regions.blocks.push(upper);
-    two_regions.regions = vec!["back plate".to_owned(), "pad".to_owned()];
-    let prisms = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)
-        .expect("a mesh")
-        .extruded(1.0, 2, ["low", "high"])
-        .expect("a mesh");
+    let prisms = prisms();
     let bodies = [
-        two_regions,
+        two_regions(),
         Mesh::rectangle_of(Elements::P2, [1.0, 2.0], [3, 2], Diagonal::Crossed).expect("a mesh"),
         Mesh::rectangle_of(Elements::Q1, [1.0, 2.0], [3, 2], Diagonal::Right).expect("a mesh"),
         Mesh::rectangle_of(Elements::Q2, [1.0, 2.0], [4, 2], Diagonal::Right).expect("a mesh"),

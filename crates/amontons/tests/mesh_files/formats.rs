@@ -3,21 +3,12 @@
 use amontons::mesh::{Diagonal, Elements, Mesh, gmsh};
 
 use super::writer::{Format, write};
-use super::{assert_same, region, side};
+use super::{assert_same, prisms, region, side, two_regions};
 
 fn bodies() -> Vec<Mesh> {
-    let mut two_regions = Mesh::rectangle([2.0, 1.0], [4, 3], Diagonal::Right).expect("a mesh");
-    let mut upper = two_regions.blocks[0].clone();
-    upper.region = 1;
-    upper.nodes = two_regions.blocks[0].nodes.split_off(36);
-    two_regions.blocks.push(upper);
-    two_regions.regions = vec!["back plate".to_owned(), "pad".to_owned()];
-    let linear_prisms = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right)
-        .expect("a mesh")
-        .extruded(1.0, 2, ["low", "high"])
-        .expect("a mesh");
+    let linear_prisms = prisms();
     vec![
-        two_regions,
+        two_regions(),
         Mesh::interval(1.5, 5, Elements::P1).expect("a mesh"),
         Mesh::interval(1.5, 5, Elements::P2).expect("a mesh"),
         Mesh::rectangle_of(Elements::P2, [1.0, 2.0], [3, 2], Diagonal::Crossed).expect("a mesh"),

@@ -17,8 +17,25 @@ mod messages;
 mod writer;
 
 use amontons::element::ShapeTable;
-use amontons::mesh::{CellMap, FacetMap, FacetSet, Mesh};
+use amontons::mesh::{CellMap, Diagonal, FacetMap, FacetSet, Mesh};
 use amontons::tensor::{Point, dot};
+
+/// A rectangle of triangles in two regions.
+fn two_regions() -> Mesh {
+    let mut mesh = Mesh::rectangle([2.0, 1.0], [4, 3], Diagonal::Right).expect("a mesh");
+    let mut upper = mesh.blocks[0].clone();
+    upper.region = 1;
+    upper.nodes = mesh.blocks[0].nodes.split_off(36);
+    mesh.blocks.push(upper);
+    mesh.regions = vec!["back plate".to_owned(), "pad".to_owned()];
+    mesh
+}
+
+/// A cube of linear prisms.
+fn prisms() -> Mesh {
+    let section = Mesh::rectangle([1.0, 1.0], [2, 2], Diagonal::Right).expect("a mesh");
+    section.extruded(1.0, 2, ["low", "high"]).expect("a mesh")
+}
 
 /// ∫ 1 and ∫ x over the cells of a region.
 fn region(mesh: &Mesh, name: &str) -> (f64, f64) {

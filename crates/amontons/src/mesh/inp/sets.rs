@@ -225,21 +225,28 @@ impl Sets {
 
     /// The facets that one cell of the highest dimension has.
     fn boundary(&self, dim: usize) -> Result<Boundary, MeshFileError> {
-        let mut count: HashMap<Key, usize> = HashMap::new();
-        let mut all = Vec::new();
+        let mut count: HashMap<Key, u32> = HashMap::new();
+        self.each_facet(dim, |_, facet| *count.entry(facet.key()).or_insert(0) += 1)?;
+        let mut boundary = Boundary { of_cell: Vec::new(), facets: Vec::new() };
+        self.each_facet(dim, |cell, facet| {
+            if count.get(&facet.key()) == Some(&1) {
+                boundary.facets.push(facet.clone());
+                boundary.of_cell.push((cell, facet));
+            }
+        })?;
+        Ok(boundary)
+    }
+
+    /// Looks at all facets of the cells of a dimension.
+    fn each_facet(&self, dim: usize, mut look: impl FnMut(CellOf, FacetOf)) -> Result<(), MeshFileError> {
         for (body, cell) in self.cells().filter(|&(body, cell)| self.cell(body, cell).solid.kind.dim == dim) {
             let nodes = self.nodes(body, cell)?;
-            for facet in self.cell(body, cell).solid.kind.element.map_or(&[][..], |element| element.facets) {
-                let facet = FacetOf::new(facet, &nodes, self.cell(body, cell).line);
-                *count.entry(facet.key()).or_insert(0) += 1;
-                all.push(((body, cell), facet));
+            let Cell { solid, line, .. } = self.cell(body, cell);
+            for facet in solid.kind.element.map_or(&[][..], |element| element.facets) {
+                look((body, cell), FacetOf::new(facet, &nodes, *line));
             }
         }
-        let outer: HashSet<Key> = count.into_iter().filter(|(_, count)| *count == 1).map(|(key, _)| key).collect();
-        let is_outer = |facet: &FacetOf| outer.contains(&facet.key());
-        let of_cell: Vec<(CellOf, FacetOf)> = all.into_iter().filter(|(_, facet)| is_outer(facet)).collect();
-        let facets = of_cell.iter().map(|(_, facet)| facet.clone()).collect();
-        Ok(Boundary { of_cell, facets })
+        Ok(())
     }
 
     /// The facets of a surface: of labelled faces, and of all free faces of elements without a label.
@@ -295,26 +302,40 @@ impl Sets {
         }
     }
 
-    /// Elements of a set.
-    fn elements(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<CellOf>, MeshFileError> {
+    /// What the entries of a set stand for, in their order.
+    fn resolved<T>(
+        &self,
+        (body, has, name): (Option<usize>, Has, &str),
+        resolve: impl Fn(Option<usize>, &Item) -> Result<Vec<T>, MeshFileError>,
+    ) -> Result<Vec<T>, MeshFileError> {
         let mut found = Vec::new();
         for set in self.known.get(&(body, has, name.to_uppercase())).into_iter().flatten() {
             let scope = self.scope(body, set.instance.as_deref());
             for item in &set.items {
-                match item {
-                    Item::Range(first, last, step) => {
-                        let Some(b) = scope else { continue };
-                        let mut cells: Vec<CellOf> =
-                            within(&self.bodies[b].cells, *first, *last, *step).map(|cell| (b, *cell)).collect();
-                        cells.sort_unstable();
-                        found.extend(cells);
-                    }
-                    Item::Named { line, name, .. } => found.extend(self.named_elements(scope, *line, name, depth)?),
-                    Item::NodesOf { .. } => {}
-                }
+                found.extend(resolve(scope, item)?);
             }
         }
         Ok(found)
+    }
+
+    /// The scope in which a set is defined that an entry of a scope names.
+    fn home(&self, scope: Option<usize>, has: Has, name: &str) -> Option<Option<usize>> {
+        [scope, None].into_iter().find(|body| self.known.contains_key(&(*body, has, name.to_uppercase())))
+    }
+
+    /// Elements of a set.
+    fn elements(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<CellOf>, MeshFileError> {
+        self.resolved((body, has, name), |scope, item| match item {
+            Item::Range(first, last, step) => {
+                let Some(body) = scope else { return Ok(Vec::new()) };
+                let mut cells: Vec<CellOf> =
+                    within(&self.bodies[body].cells, *first, *last, *step).map(|cell| (body, *cell)).collect();
+                cells.sort_unstable();
+                Ok(cells)
+            }
+            Item::Named { line, name, .. } => self.named_elements(scope, *line, name, depth),
+            Item::NodesOf { .. } => Ok(Vec::new()),
+        })
     }
 
     /// Elements that an entry names: by number, or as a set.
@@ -330,36 +351,28 @@ impl Sets {
             // Numbers of elements that are no parts of bodies are left out with these.
             return Ok(self.bodies[body].cells.get(&number).map(|&cell| (body, cell)).into_iter().collect());
         }
-        for body in [scope, None] {
-            if self.known.contains_key(&(body, Has::Elements, name.to_uppercase())) && depth < DEEPEST {
-                return self.elements(body, Has::Elements, name, depth + 1);
-            }
+        match self.home(scope, Has::Elements, name).filter(|_| depth < DEEPEST) {
+            Some(body) => self.elements(body, Has::Elements, name, depth + 1),
+            None => Err(unknown(line, format!("the element set {name:?}"), "a set that the file defines")),
         }
-        Err(unknown(line, format!("the element set {name:?}"), "a set that the file defines"))
     }
 
     /// Nodes of a set, by their numbers among all.
     fn node_numbers(&self, body: Option<usize>, has: Has, name: &str, depth: usize) -> Result<Vec<u32>, MeshFileError> {
-        let mut found = Vec::new();
-        for set in self.known.get(&(body, has, name.to_uppercase())).into_iter().flatten() {
-            let scope = self.scope(body, set.instance.as_deref());
-            for item in &set.items {
-                match item {
-                    Item::Range(first, last, step) => {
-                        let Some(b) = scope else { continue };
-                        let Body { nodes, first_node, .. } = &self.bodies[b];
-                        found.extend(within(nodes, *first, *last, *step).map(|node| first_node + node));
-                    }
-                    Item::Named { line, name, .. } => found.extend(self.named_nodes(scope, *line, name, depth)?),
-                    Item::NodesOf { line, name } => {
-                        for (body, cell) in self.named_elements(scope, *line, name, depth)? {
-                            found.extend(self.nodes(body, cell)?);
-                        }
-                    }
-                }
+        self.resolved((body, has, name), |scope, item| match item {
+            Item::Range(first, last, step) => {
+                let Some(Body { nodes, first_node, .. }) = scope.map(|body| &self.bodies[body]) else {
+                    return Ok(Vec::new());
+                };
+                Ok(within(nodes, *first, *last, *step).map(|node| first_node + node).collect())
             }
-        }
-        Ok(found)
+            Item::Named { line, name, .. } => self.named_nodes(scope, *line, name, depth),
+            Item::NodesOf { line, name } => {
+                let cells = self.named_elements(scope, *line, name, depth)?;
+                let nodes = cells.into_iter().map(|(body, cell)| self.nodes(body, cell));
+                Ok(nodes.collect::<Result<Vec<_>, _>>()?.concat())
+            }
+        })
     }
 
     /// Nodes that an entry names: by number, or as a set.
@@ -377,12 +390,10 @@ impl Sets {
             let node = nodes.get(&tag).ok_or(MeshFileError::UnknownNode { at, tag, nodes: part.tags.len() })?;
             return Ok(vec![first_node + node]);
         }
-        for body in [scope, None] {
-            if self.known.contains_key(&(body, Has::Nodes, name.to_uppercase())) && depth < DEEPEST {
-                return self.node_numbers(body, Has::Nodes, name, depth + 1);
-            }
+        match self.home(scope, Has::Nodes, name).filter(|_| depth < DEEPEST) {
+            Some(body) => self.node_numbers(body, Has::Nodes, name, depth + 1),
+            None => Err(unknown(line, format!("the node set {name:?}"), "a set that the file defines")),
         }
-        Err(unknown(line, format!("the node set {name:?}"), "a set that the file defines"))
     }
 }
 

@@ -13,15 +13,15 @@ const BESIDE: f64 = -0.1;
 
 /// The cells of a mesh of one dimension less than its space.
 #[derive(Debug)]
-pub(super) struct Skin {
+pub(super) struct SurfaceLocator {
     grid: Grid,
     /// Distance up to which points belong to it, m.
     near: f64,
 }
 
-impl Skin {
+impl SurfaceLocator {
     /// Sorts the cells of a mesh.
-    pub fn new(mesh: &Mesh) -> Skin {
+    pub fn new(mesh: &Mesh) -> SurfaceLocator {
         let mut largest: f64 = 0.0;
         for block in &mesh.blocks {
             for cell in block.cells() {
@@ -30,7 +30,7 @@ impl Skin {
                 largest = cell.iter().map(to).fold(largest, f64::max);
             }
         }
-        Skin { grid: Grid::of(mesh, mesh.dim + 1), near: NEAR * largest }
+        SurfaceLocator { grid: Grid::of(mesh, mesh.dim + 1), near: NEAR * largest }
     }
 
     /// The cells below a point, with the reference coordinates: the nearest, and others that meet it there.
