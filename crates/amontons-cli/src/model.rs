@@ -85,13 +85,14 @@ pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
     let [low, high] = &model.bounds;
     let extents: Vec<String> = low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect();
     rows.push(row("bounding box", &extents.join(" × ")));
-    let sizes = |what: &str, parts: &str, measure: &str, of: &Size| {
-        row(&format!("{what} \"{}\"", of.name), &format!("{} {parts}, {measure} {:.5e}", of.count, of.measure))
+    let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
+    let sizes = |what: &str, part: &str, measure: &str, of: &Size| {
+        row(&format!("{what} \"{}\"", of.name), &format!("{}, {measure} {:.5e}", counted(of.count, part), of.measure))
     };
-    rows.extend(model.regions.iter().map(|region| sizes("region", "cells", "volume", region)));
-    rows.extend(model.sides.iter().map(|side| sizes("side", "facets", "area", side)));
+    rows.extend(model.regions.iter().map(|region| sizes("region", "cell", "volume", region)));
+    rows.extend(model.sides.iter().map(|side| sizes("side", "facet", "area", side)));
     if model.unnamed_facets > 0 {
-        rows.push(row("in no side", &format!("{} facets of the boundary", model.unnamed_facets)));
+        rows.push(row("in no side", &format!("{} of the boundary", counted(model.unnamed_facets, "facet"))));
     }
     let (quality, at) = model.quality;
     let at: Vec<String> = at[..model.dimension.min(3)].iter().map(|x| format!("{x:.5e}")).collect();

@@ -418,7 +418,10 @@ fn a_mesh_from_a_file_is_halved() {
     };
     let thirds = case::StudyRequest { levels: vec![2, 3], ..request.clone() };
     let error = case::study(&source(body("file = \"bar.msh\"", 2)), &[], &thirds).unwrap_err().to_string();
-    assert_eq!(error, "level 3 of a mesh from a file, expected levels 1, 2, 4, …: the parts of each edge");
+    assert_eq!(
+        error,
+        "level 3 of a mesh from a file, expected powers of two (1, 2, 4, …), the number of parts of each edge"
+    );
     let halves = case::study(&source(body("file = \"bar.msh\"", 2)), &[], &request).unwrap();
     let coarse = case::parse(&source(body("file = \"bar.msh\"", 2)), &[]).unwrap().problem.mesh.cell_count();
     assert_eq!(halves.levels[0].problem.mesh.cell_count(), coarse << halves.levels[0].problem.mesh.dim);

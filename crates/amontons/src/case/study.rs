@@ -97,7 +97,10 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
             return if level.is_power_of_two() {
                 Ok(format!("mesh.refine={}", level.ilog2()))
             } else {
-                refuse(format!("level {level} of a mesh from a file"), "levels 1, 2, 4, …: the parts of each edge")
+                refuse(
+                    format!("level {level} of a mesh from a file"),
+                    "powers of two (1, 2, 4, …), the number of parts of each edge",
+                )
             };
         }
         let mut cells = vec![level.to_string()];

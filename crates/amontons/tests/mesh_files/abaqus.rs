@@ -294,7 +294,7 @@ fn every_fault_is_told_with_its_line() {
         ),
         (
             format!("{nodes}*ELEMENT, TYPE=C3D27\n1,1,2,3\n"),
-            "line 5: found element type C3D27, expected one of bodies of 2 or 3 nodes on a line, 3, 4, 6 or 8 in the plane, 4, 5, 6, 8, 10, 15 or 20 in space; try the first order or, for the second, change Mesh.SecondOrderIncomplete",
+            "line 5: found element type C3D27, expected one of bodies of 2 or 3 nodes on a line, 3, 4, 6 or 8 in the plane, 4, 5, 6, 8, 10, 15 or 20 in space; try elements of the first order",
         ),
         (
             format!("{nodes}{cell}*NSET, NSET=N, GENERATE\n3,1,1\n"),
@@ -326,7 +326,7 @@ fn every_fault_is_told_with_its_line() {
         ),
         (
             nodes.to_owned(),
-            "found 3 nodes and 0 points as elements, expected at least one cell; try to mesh before saving, and to give the body a physical group",
+            "found 3 nodes and 0 points as elements, expected at least one cell; try to mesh before saving, in Gmsh with a physical group for the body",
         ),
     ];
     for (text, expected) in faults {

@@ -143,7 +143,7 @@ fn elements_that_the_library_has_not_are_named() {
         .to_string();
     assert_eq!(
         error,
-        "found 13 nodes and 1 points as elements, expected at least one cell; try to mesh before saving, and to give the body a physical group"
+        "found 13 nodes and 1 points as elements, expected at least one cell; try to mesh before saving, in Gmsh with a physical group for the body"
     );
 }
 

@@ -269,7 +269,7 @@ impl MeshFileError {
             }
             MeshFileError::ElementType { .. } => "one of Gmsh's types 1 to 19; try Mesh.ElementOrder = 1 or 2",
             MeshFileError::Element { known, .. } => {
-                let hint = "try the first order or, for the second, change Mesh.SecondOrderIncomplete";
+                let hint = "try elements of the first order";
                 return Some(format!("one of {known}; {hint}"));
             }
             MeshFileError::UnknownNode { nodes, .. } => {
@@ -284,7 +284,7 @@ impl MeshFileError {
                 return Some(format!("all or none; {hint}"));
             }
             MeshFileError::Empty { .. } => {
-                "at least one cell; try to mesh before saving, and to give the body a physical group"
+                "at least one cell; try to mesh before saving, in Gmsh with a physical group for the body"
             }
             MeshFileError::NotFlat { plane, .. } => {
                 let hint = format!("try a physical group for the volume, or to rotate the body into the {plane}");
