@@ -1,5 +1,6 @@
 //! What several tests need: the paper's case with overrides, and relative differences.
 #![allow(dead_code, reason = "each test uses its part")]
+#![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 use std::path::{Path, PathBuf};
 

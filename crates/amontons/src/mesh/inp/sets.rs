@@ -318,9 +318,19 @@ impl Sets {
         Ok(found)
     }
 
-    /// The scope in which a set is defined that an entry of a scope names.
-    fn home(&self, scope: Option<usize>, has: Has, name: &str) -> Option<Option<usize>> {
-        [scope, None].into_iter().find(|body| self.known.contains_key(&(*body, has, name.to_uppercase())))
+    /// The scope in which a set is defined that an entry of a scope names, `depth` sets deep.
+    fn home(
+        &self,
+        (scope, line, depth): (Option<usize>, usize, usize),
+        has: Has,
+        name: &str,
+    ) -> Result<Option<usize>, MeshFileError> {
+        let known = |body: &Option<usize>| self.known.contains_key(&(*body, has, name.to_uppercase()));
+        let home = if depth < DEEPEST { [scope, None].into_iter().find(known) } else { None };
+        home.ok_or_else(|| {
+            let kind = if has == Has::Nodes { "node" } else { "element" };
+            unknown(line, format!("the {kind} set {name:?}"), "a set that the file defines")
+        })
     }
 
     /// Elements of a set.
@@ -351,10 +361,8 @@ impl Sets {
             // Numbers of elements that are no parts of bodies are left out with these.
             return Ok(self.bodies[body].cells.get(&number).map(|&cell| (body, cell)).into_iter().collect());
         }
-        match self.home(scope, Has::Elements, name).filter(|_| depth < DEEPEST) {
-            Some(body) => self.elements(body, Has::Elements, name, depth + 1),
-            None => Err(unknown(line, format!("the element set {name:?}"), "a set that the file defines")),
-        }
+        let body = self.home((scope, line, depth), Has::Elements, name)?;
+        self.elements(body, Has::Elements, name, depth + 1)
     }
 
     /// Nodes of a set, by their numbers among all.
@@ -390,10 +398,8 @@ impl Sets {
             let node = nodes.get(&tag).ok_or(MeshFileError::UnknownNode { at, tag, nodes: part.tags.len() })?;
             return Ok(vec![first_node + node]);
         }
-        match self.home(scope, Has::Nodes, name).filter(|_| depth < DEEPEST) {
-            Some(body) => self.node_numbers(body, Has::Nodes, name, depth + 1),
-            None => Err(unknown(line, format!("the node set {name:?}"), "a set that the file defines")),
-        }
+        let body = self.home((scope, line, depth), Has::Nodes, name)?;
+        self.node_numbers(body, Has::Nodes, name, depth + 1)
     }
 }
 
