@@ -135,17 +135,29 @@ fn tables_over_the_temperature_go_on_to_the_same_bits() {
         "material.viscosity.second={ temperature = [-20, 20], value = [15, 4] }",
         "contact.heat.foundation_temperature=10",
     ];
-    let set: Vec<&str> = tables.iter().flat_map(|&table| ["--set", table]).collect();
+    let solver = goes_on(&tables);
+    assert!(solver["factorizations"].as_u64().expect("a count") > 2);
+}
+
+/// So does one with the strains of springs at the points of the cells, beside a spring of the nodes.
+#[test]
+fn branches_of_both_kinds_go_on_to_the_same_bits() {
+    goes_on(&["material.prony=[{ ratio = 1, time = '0.1 + x' }, { ratio = 0.5, time = 0.2 }]"]);
+}
+
+/// A run with these settings that was broken off goes on to the bits of one that was not; the counts of its solver.
+fn goes_on(overrides: &[&str]) -> serde_json::Value {
+    let set: Vec<&str> = overrides.iter().flat_map(|&value| ["--set", value]).collect();
     let folder = tempdir().expect("a folder");
     let whole = folder.path().join("whole");
     assert_code(&run_paper(&whole, STEPS, &set), 0);
-    assert!(summary(&whole)["solver"]["factorizations"].as_u64().expect("a count") > 2);
     for step in [1, STEPS / 2, STEPS - 1] {
         let broken = folder.path().join(format!("broken-{step}"));
-        interrupted(&small_case_with(&tables), &broken, step);
+        interrupted(&small_case_with(overrides), &broken, step);
         assert_code(&resume(&broken, &[]), 0);
         assert_same_results(&whole, &broken);
     }
+    summary(&whole)["solver"].clone()
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Problem 4.1 on a mesh: spaces, matrices, loads and the contact boundary.
 
+mod relaxation;
+
 use std::sync::Arc;
 
 use crate::contact::ContactBoundary;
@@ -12,6 +14,8 @@ use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::{Sym, SymMap, safe_scale};
+pub use relaxation::Relaxation;
+pub(crate) use relaxation::Relaxed;
 
 /// Everything about the discrete problem that does not change with time.
 #[derive(Debug)]
@@ -39,7 +43,7 @@ pub struct Discretization {
     viscosity: Vec<Arc<dyn TensorLaw>>,
     /// What depends on the temperature.
     warm: Warm,
-    /// Branches that relax, by their time.
+    /// Branches that relax, by their time; see [`Relaxation`].
     pub branches: Vec<Relaxation>,
     /// d; where 𝓚 depends on the temperature at that nearest to 0.
     pub d: BlockMatrix,
@@ -59,24 +63,6 @@ pub struct Discretization {
     pub q_h: forms::Load,
     /// Γ_C; without nodes where there is no contact.
     pub boundary: Arc<ContactBoundary>,
-}
-
-/// All branches of the body with one relaxation time τ. Where the springs have the strain ε(z), their stress is 𝓖ε(z),
-/// and ż + z/τ = u̇ is the equation of every one of them: one field z serves the body.
-#[derive(Debug)]
-pub struct Relaxation {
-    /// τ in s.
-    pub time: f64,
-    /// ∫ 𝓖ε(·):ε(·).
-    pub form: BlockMatrix,
-}
-
-impl Relaxation {
-    /// 1/(1 + γ/τ), what a step leaves of z: z_n = (z̄ + γ w_n)/(1 + γ/τ).
-    #[must_use]
-    pub fn factor(&self, rule: Rule) -> f64 {
-        1.0 / (1.0 + rule.gamma / self.time)
-    }
 }
 
 /// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
@@ -181,7 +167,7 @@ impl Discretization {
             elasticity: others(|m| &m.elasticity),
             viscosity: others(|m| &m.viscosity),
             warm: Warm::new(materials),
-            branches: branches(problem, &graph),
+            branches: Relaxation::of(problem, &graph),
             d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)),
             m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)),
             e: forms::e(&mesh, &graph, &tensors(|m| &m.coupling)),
@@ -248,12 +234,12 @@ impl Discretization {
         let mut matrix = self.b.clone();
         let (rho, inertia) = self.inertia();
         let boundary = [(gamma, self.springs.as_ref()), (1.0, self.dashpots.as_ref()), (rho / delta, Some(inertia))];
-        let branches = self.branches.iter().map(|branch| (gamma * branch.factor(rule), Some(&branch.form)));
-        for (factor, form) in [(gamma, Some(&self.a))].into_iter().chain(boundary).chain(branches) {
+        for (factor, form) in [(gamma, Some(&self.a))].into_iter().chain(boundary) {
             if let Some(form) = form {
                 matrix.add_scaled(factor, form);
             }
         }
+        self.branches.iter().for_each(|branches| branches.add_stiffness(rule, &mut matrix));
         matrix
     }
 
@@ -487,41 +473,6 @@ impl Discretization {
 
 /// The law of regions that have none of their own in a form.
 static ZERO: material::Branch = material::Branch::new(SymMap([[0.0; 6]; 6]), f64::INFINITY);
-
-/// The branches of all materials, those with one relaxation time together.
-fn branches(problem: &Problem, graph: &Arc<Graph>) -> Vec<Relaxation> {
-    let of = |material: &Material, time: f64| -> Vec<material::Branch> {
-        let all = material.prony.as_ref().map_or(&[][..], |prony| prony.branches());
-        all.iter().filter(|branch| branch.time.to_bits() == time.to_bits()).cloned().collect()
-    };
-    let form = |time: f64| {
-        let by_region: Vec<Vec<material::Branch>> = problem.materials.iter().map(|m| of(m, time)).collect();
-        let assemble = |springs: &[&material::Branch]| {
-            let laws: Vec<&dyn TensorLaw> = springs.iter().map(|law| *law as &dyn TensorLaw).collect();
-            forms::tensor_form(&problem.mesh, graph, &laws, problem.dilatation)
-        };
-        let uniform = |branches: &Vec<material::Branch>| {
-            let mut sum = ZERO.clone();
-            for branch in branches.iter().filter(|branch| branch.graded().is_none()) {
-                for (sum, entry) in sum.modulus.0.iter_mut().flatten().zip(branch.modulus.0.iter().flatten()) {
-                    *sum += entry;
-                }
-            }
-            sum
-        };
-        let springs: Vec<material::Branch> = by_region.iter().map(uniform).collect();
-        let mut form = assemble(&springs.iter().collect::<Vec<_>>());
-        // Springs that vary in space, one per region at a time.
-        let graded: Vec<Vec<&material::Branch>> =
-            by_region.iter().map(|branches| branches.iter().filter(|b| b.graded().is_some()).collect()).collect();
-        for number in 0..graded.iter().map(Vec::len).max().unwrap_or(0) {
-            let springs: Vec<_> = graded.iter().map(|all| all.get(number).copied().unwrap_or(&ZERO)).collect();
-            form.add_scaled(1.0, &assemble(&springs));
-        }
-        form
-    };
-    problem.relaxation_times().into_iter().map(|time| Relaxation { time, form: form(time) }).collect()
-}
 
 fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {
     laws.iter().map(AsRef::as_ref).collect()

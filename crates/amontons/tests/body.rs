@@ -5,35 +5,18 @@ mod common;
 
 use std::sync::Arc;
 
-use amontons::material::{
-    Carreau, Hencky, Isotropic, Prony, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced,
-};
+use amontons::material::{Carreau, Hencky, Isotropic, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
 use amontons::output::Memory;
-use amontons::problem::{BoundaryCondition, Problem, ProblemData};
+use amontons::problem::Problem;
 use amontons::run::{self, Settings};
 use amontons::scheme::State;
-use common::{case, changed, checked, largest, paper};
+use common::{changed, checked, largest, paper, rod};
 
 fn solve(problem: &Problem) -> Memory {
     let mut memory = Memory::new().states_every(1).reports();
     let settings = Settings { certificate: false, ..Settings::default() };
     run::run(problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
     memory
-}
-
-/// A rod of length 1 and height 1/4 in plane stress, on rollers at its left and lower side, pulled at its right end by
-/// the traction `pull`; without inertia and contact.
-fn rod(steps: usize, pull: f64) -> ProblemData {
-    let overrides = [format!("time.steps={steps}"), "time.end=1".to_owned()];
-    let mut problem = case("crates/amontons/benchmarks/kelvin-voigt-rod.toml", &overrides).problem.into_data();
-    let roller = |on: &str, free: usize| {
-        let displacement = Some((0..2).map(|c| if c == free { None } else { Some(0.0.into()) }).collect());
-        BoundaryCondition { displacement, ..BoundaryCondition::on(on) }
-    };
-    let pulled = BoundaryCondition::on("right").traction([pull, 0.0]);
-    problem.boundary = vec![roller("left", 1), roller("bottom", 0), pulled];
-    problem.contacts.clear();
-    problem
 }
 
 fn hencky(bulk: f64, shear: impl ShearLaw + 'static, state: StressState) -> Arc<dyn TensorLaw> {
@@ -147,62 +130,4 @@ fn contact_is_solved_inside_newton_over_the_body() {
             assert!(amontons::tensor::length(&point.q) <= point.bound * (1.0 + 1e-9) + 1e-12);
         }
     }
-}
-
-/// A rod with Maxwell branches held at a strain ε from t = 0⁺: the branch strains are ε (1 + k/τ)^(−n), so the reaction
-/// is known to round-off; as the steps are refined it comes to E ε (1 + Σ g exp(−t/τ)) at first order.
-#[test]
-fn stress_relaxes_by_the_prony_series() {
-    let pairs = [(0.5, 0.2), (2.0, 1.5)];
-    let (young, strain) = (2.0, 0.01);
-    let end = |steps: usize| {
-        let mut problem = rod(steps, 0.0);
-        problem.boundary[2].traction = None;
-        problem.boundary[2].displacement = Some(vec![Some(strain.into()), None]);
-        problem.materials[0].viscosity = Arc::new(Isotropic::lame(2, 0.0, 0.0, StressState::PlaneStress));
-        problem.materials[0].prony =
-            Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &pairs).expect("branches"));
-        let problem = checked(problem);
-        let memory = solve(&problem);
-        let k = problem.k();
-        for states in memory.states.windows(2) {
-            let [old, new] = [&states[0], &states[1]];
-            // The springs of all branches have the strain ε(z), z = u (1 + k/τ)^(−n).
-            for (z, (_, time)) in new.branches.iter().zip(pairs) {
-                let left = (1.0 + k / time).powi(-(new.step as i32));
-                assert!(z.iter().zip(&new.u).all(|(z, u)| (z - left * u).abs() < 1e-12 * strain));
-            }
-            let stored: f64 = pairs.iter().map(|(g, time)| g * (1.0 + k / time).powi(-2 * new.step as i32)).sum();
-            let energy = 0.25 * 0.5 * young * strain * strain * (1.0 + stored);
-            assert!((new.ledger.elastic / energy - 1.0).abs() < 1e-9, "{:e}, expected {energy:e}", new.ledger.elastic);
-            assert!(new.ledger.viscous_dissipation >= old.ledger.viscous_dissipation);
-            assert!(new.ledger.relative_closing_error().abs() < 1e-12);
-        }
-        let last = memory.states.last().expect("a state");
-        // The dissipated energy of the limit: Σ g E ε²/2 (1 − exp(−2t/τ)) of the volume, without that of the sudden
-        // load.
-        last.ledger.viscous_dissipation
-    };
-    let exact: f64 =
-        pairs.iter().map(|(g, time)| 0.25 * 0.5 * g * young * strain * strain * (1.0 - f64::exp(-2.0 / time))).sum();
-    let errors = [64, 128, 256].map(|steps| (end(steps) - exact).abs());
-    for pair in errors.windows(2) {
-        assert!(((pair[0] / pair[1]).log2() - 1.0).abs() < 0.1, "{errors:?}");
-    }
-}
-
-/// The branches couple with contact: the paper's problem with a branch as stiff as the body keeps both identities.
-#[test]
-fn branches_and_contact_keep_the_identities() {
-    let mut problem = paper(&["mesh.n=8", "time.steps=32"]).problem.into_data();
-    problem.materials[0].prony =
-        Some(Prony::ratios(problem.materials[0].elasticity.as_ref(), &[(3.0, 0.1), (1.0, 10.0)]).expect("branches"));
-    let memory = solve(&checked(problem));
-    for state in &memory.states {
-        assert!(
-            state.ledger.relative_closing_error().abs() < 1e-12
-                && state.ledger.relative_heat_closing_error().abs() < 1e-12
-        );
-    }
-    assert!(memory.reports.iter().all(|report| report.residual < 1e-10));
 }

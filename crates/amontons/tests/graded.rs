@@ -67,14 +67,15 @@ fn regions_are_what_functions_with_jumps_are() {
         let sheet = StressState::PlaneStress;
         let elastic = move |factor: f64| Isotropic::elastic(2, 2.0 * factor, 0.1 * factor, sheet);
         let viscous = move |factor: f64| Isotropic::lame(2, 10.0 * factor, 10.0, sheet);
-        let branches = |law: &dyn TensorLaw| Prony::ratios(law, &[(0.5, 0.3), (1.0, 0.1)]).unwrap();
+        let branches =
+            |law: &dyn TensorLaw, factor: f64| Prony::ratios(law, &[(0.5, 0.3 * factor), (1.0, 0.1)]).unwrap();
         let tensor = |factor: f64| Sym([1.0, factor, 0.2, 0.0, 0.0, 0.0]);
         let regions = changed(&problem, |data| {
             data.mesh = Arc::clone(&mesh);
             let mut both = [data.materials[0].clone(), data.materials[0].clone()];
             for (material, factor) in both.iter_mut().zip([of(false), of(true)]) {
                 (material.elasticity, material.viscosity) = (Arc::new(elastic(factor)), Arc::new(viscous(factor)));
-                material.prony = Some(branches(&elastic(factor)));
+                material.prony = Some(branches(&elastic(factor), factor));
                 (material.density, material.heat_capacity) = (factor.into(), (2.0 * factor).into());
                 material.expansion = tensor(factor).into();
                 material.coupling = tensor(factor).into();
@@ -88,8 +89,9 @@ fn regions_are_what_functions_with_jumps_are() {
             let points = mesh.sites(None);
             let law = Graded::elastic(&points, move |x| Arc::new(elastic(at(x))));
             let material = &mut data.materials[0];
-            material.prony = Some(branches(&law));
             material.elasticity = Arc::new(law);
+            let pairs = [(0.5.into(), Coefficient::varying(move |x| 0.3 * at(x))), (1.0.into(), 0.1.into())];
+            material.prony = Some(Prony::varying(&material.elasticity, &pairs, &points).unwrap());
             material.viscosity = Arc::new(Graded::elastic(&points, move |x| Arc::new(viscous(at(x)))));
             material.density = Coefficient::varying(at);
             material.heat_capacity = Coefficient::varying(move |x| 2.0 * at(x));
@@ -160,7 +162,7 @@ const LAWS: [(&str, &[(&str, &str)]); 9] = [
     (
         "branches",
         &[
-            ("material.prony", "[{ ratio = 0.5N, time = 0.2 }, { ratio = 0.25N, time = 0.2 }]"),
+            ("material.prony", "[{ ratio = 0.5N, time = 0.2N }, { ratio = 0.25N, time = 0.2 }]"),
             ("material.elasticity.young", "2N"),
         ],
     ),

@@ -64,6 +64,8 @@ spoiled! {
         "--set contact.normal={ law = 'softening', stiffness = 10, peak = 1, softening = 1, residual = '2*x' }: contact.normal.residual: found 2.0 at x = 1.0, y = 0.0, expected at most the peak, 1.0";
     branches_of_a_ratio_that_is_negative: "material.prony=[{ ratio = 'x - 0.2', time = 1 }]"
         "--set material.prony=[{ ratio = 'x - 0.2', time = 1 }]: material.prony[0].ratio: found the value -0.2 at x = 0.0, y = 0.0, expected a number > 0 (modulus of the branch divided by that of 𝓔, the long-term modulus)";
+    a_relaxation_time_that_is_negative_at_a_side: "material.prony=[{ ratio = 1, time = 'x - 0.2' }]"
+        "--set material.prony=[{ ratio = 1, time = 'x - 0.2' }]: material.prony[0].time: found the value -0.2 at x = 0.0, y = 0.0, expected a number > 0 (relaxation time in s)";
     a_syntax_error_inside: "material.elasticity.young=\"10 + *x\""
         "--set material.elasticity.young=\"10 + *x\": material.elasticity.young: found `*`, expected a number, a variable, a function or `(`";
     data_of_a_generated_mesh: "material.density={ data = \"density\" }"

@@ -199,13 +199,13 @@ impl Builder<'_, '_, '_> {
             self.note("prony", "branches besides an elasticity over the temperature".to_owned(), expected, None);
             return None;
         }
-        let ratios: Vec<field::Coefficient<f64>> = raw
-            .iter()
-            .enumerate()
-            .map(|(i, branch)| self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio.clone().into())))
-            .collect();
-        let varies = elasticity.graded().is_some() || ratios.iter().any(field::Coefficient::varies);
-        let pairs: Vec<_> = ratios.into_iter().zip(raw).map(|(ratio, branch)| (ratio, branch.time)).collect();
+        let mut pairs = Vec::new();
+        for (i, branch) in raw.iter().enumerate() {
+            let ratio = self.number(&format!("prony[{i}].ratio"), Some(&branch.ratio.clone().into()));
+            let time = self.number(&format!("prony[{i}].time"), Some(&branch.time.clone().into()));
+            pairs.push((ratio, time));
+        }
+        let varies = elasticity.graded().is_some() || pairs.iter().any(|(g, tau)| g.varies() || tau.varies());
         let points = if varies { self.sites.points() } else { &[] };
         match Prony::varying(elasticity, &pairs, points) {
             Ok(prony) => Some(prony),

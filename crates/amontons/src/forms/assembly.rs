@@ -23,6 +23,9 @@ pub(super) struct Cell<'a> {
     pub map: CellMap<'a>,
     pub nodes: &'a [u32],
     pub region: usize,
+    /// Number of the cell's first point, and of the point, among those of all cells in their order.
+    first: usize,
+    pub point: usize,
     /// Number of basis fields N_j e_c: nodes times d.
     pub fields: usize,
     /// Components 11 · 22, 12 · 33 … of the strain of each basis field N_j e_c, in order (j, c), one row per component:
@@ -48,6 +51,8 @@ impl<'a> Cell<'a> {
             map: CellMap::new(mesh, table),
             nodes: &[],
             region: block.region,
+            first: 0,
+            point: 0,
             fields,
             strains: if strains.is_some() { vec![0.0; components * fields] } else { Vec::new() },
             mean: if strains == Some(Dilatation::Mean) { vec![0.0; fields] } else { Vec::new() },
@@ -62,6 +67,7 @@ impl<'a> Cell<'a> {
         }
         for (q, weight) in self.table.weights.iter().enumerate() {
             self.map.at(self.nodes, q);
+            self.point = self.first + q;
             if !self.strains.is_empty() {
                 self.strain();
                 if !self.mean.is_empty() {
@@ -180,6 +186,7 @@ pub(super) fn by_cells(
     form: impl Fn(&mut Cell, &mut [f64]) + Sync,
     mut add: impl FnMut(&[u32], usize, &[f64]),
 ) {
+    let mut points = 0;
     for block in &mesh.blocks {
         let table = ShapeTable::new(block.element, degree(block.element));
         let (n, size) = (block.element.nodes.len(), size(block.element));
@@ -187,17 +194,20 @@ pub(super) fn by_cells(
         let mut kept = vec![0.0; size * together.min(block.len())];
         for nodes in block.nodes.chunks(n * together) {
             let kept = &mut kept[..nodes.len() / n * size];
-            kept.par_chunks_mut(TASK * size).zip(nodes.par_chunks(TASK * n)).for_each_init(
+            kept.par_chunks_mut(TASK * size).zip(nodes.par_chunks(TASK * n)).enumerate().for_each_init(
                 || Cell::new(mesh, block, &table, strains),
-                |cell, (kept, nodes)| {
+                |cell, (task, (kept, nodes))| {
                     kept.fill(0.0);
+                    cell.first = points + task * TASK * table.len();
                     for (out, nodes) in kept.chunks_exact_mut(size).zip(nodes.chunks_exact(n)) {
                         cell.nodes = nodes;
                         form(cell, out);
+                        cell.first += table.len();
                     }
                 },
             );
             add(nodes, n, kept);
+            points += nodes.len() / n * table.len();
         }
     }
 }

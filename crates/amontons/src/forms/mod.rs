@@ -28,6 +28,7 @@
 mod assembly;
 mod boundary;
 mod load;
+mod points;
 mod state;
 mod stiffness;
 mod thermal;
@@ -38,6 +39,7 @@ pub use crate::material::Dilatation;
 pub use boundary::{convection, dashpots, springs};
 pub(crate) use load::data_degree;
 pub use load::{Load, f, q};
+pub(crate) use points::StrainPoints;
 pub use state::{energy, residual, tangent};
 pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};
 
@@ -104,7 +106,7 @@ pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> Block
 /// [`a`] or [`b`] with a choice of the strain.
 #[must_use]
 pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation) -> BlockMatrix {
-    stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| law.tangent(&cell.map.position, &Sym::ZERO))
+    stiffness::assemble(mesh, graph, dilatation, laws, &[], |law, cell| law.tangent(&cell.map.position, &Sym::ZERO))
 }
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.

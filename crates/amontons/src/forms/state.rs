@@ -114,7 +114,7 @@ pub fn tangent(
     u: &[f64],
     theta: &[f64],
 ) -> BlockMatrix {
-    stiffness::assemble(mesh, graph, dilatation, laws, |law, cell| {
+    stiffness::assemble(mesh, graph, dilatation, laws, &[], |law, cell| {
         // Where all laws are linear, strains are not needed, and not there.
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
         local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))

@@ -32,12 +32,14 @@ impl Stiffness {
     }
 }
 
-/// The matrix of laws with `tangent` at each point; laws that are linear and the same everywhere are asked once.
+/// The matrix of laws with `tangent` at each point; laws that are linear and the same everywhere are asked once. With a
+/// factor at each point of the cells, if there are some.
 pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,
     dilatation: Dilatation,
     laws: &[&dyn TensorLaw],
+    factor: &[f64],
     tangent: impl Fn(&dyn TensorLaw, &Cell) -> SymMap + Sync,
 ) -> BlockMatrix {
     let known: Vec<Option<Stiffness>> = laws
@@ -66,6 +68,7 @@ pub(super) fn assemble(
             cell.integrate(|cell, weight| {
                 let here = if known.is_none() { Some(Stiffness::new(&tangent(law, cell), mesh.dim)) } else { None };
                 let Some(map) = known.or(here.as_ref()) else { return };
+                let weight = factor.get(cell.point).map_or(weight, |factor| weight * factor);
                 match (by_gradients, mesh.dim) {
                     (true, 1) => by_pairs::<1>(&cell.map.gradients, weight, map, is_symmetric, out),
                     (true, 2) => by_pairs::<2>(&cell.map.gradients, weight, map, is_symmetric, out),

@@ -195,6 +195,11 @@ impl Material {
         Material { viscosity: Arc::new(law), ..self }
     }
 
+    /// The branches whose relaxation time varies in space, in their order.
+    pub fn varying_branches(&self) -> impl Iterator<Item = &Branch> {
+        self.prony.as_ref().map_or(&[][..], Prony::branches).iter().filter(|branch| branch.time_varies())
+    }
+
     /// (2.1): σ = 𝓔ε(u) + 𝓥ε(u̇) − θ𝓜, without the stress of `prony`, which depends on the past.
     #[must_use]
     pub fn stress(&self, x: &Point, strain: &Sym, strain_rate: &Sym, theta: f64) -> Sym {

@@ -25,6 +25,8 @@ use crate::tensor::{Point, Sym, SymMap};
 ///        work                    stored                   dissipated                      dissipated by the scheme
 /// ```
 ///
+/// Both 𝓖_i and τ_i may vary in space.
+///
 /// In plane stress each branch is reduced on its own, which is exact where all have the Poisson ratio of 𝓔
 /// ([`Prony::ratios`]).
 #[derive(Clone, Debug)]
@@ -37,23 +39,38 @@ pub struct Prony {
 pub struct Branch {
     /// 𝓖_i in Pa; where it varies in space, that of one point.
     pub modulus: SymMap,
-    /// τ_i in s.
+    /// τ_i in s; where it varies in space, the least.
     pub time: f64,
     /// 𝓖_i where it varies in space.
     graded: Option<Graded<dyn TensorLaw>>,
+    /// τ_i where it varies in space, with the largest.
+    times: Option<(Coefficient<f64>, f64)>,
 }
 
 impl Branch {
     /// The branch with this spring, the same everywhere.
     #[must_use]
     pub const fn new(modulus: SymMap, time: f64) -> Branch {
-        Branch { modulus, time, graded: None }
+        Branch { modulus, time, graded: None, times: None }
     }
 
     /// The branch as it is at a point.
     #[must_use]
     pub fn at(&self, x: &Point) -> Branch {
-        Branch::new(self.tangent(x, &Sym::ZERO), self.time)
+        let time = self.times.as_ref().map_or(self.time, |(time, _)| time.at(x));
+        Branch::new(self.tangent(x, &Sym::ZERO), time)
+    }
+
+    /// Whether τ_i varies in space.
+    #[must_use]
+    pub fn time_varies(&self) -> bool {
+        self.times.is_some()
+    }
+
+    /// The least and the largest τ_i in s.
+    #[must_use]
+    pub fn times(&self) -> [f64; 2] {
+        [self.time, self.times.as_ref().map_or(self.time, |(_, most)| *most)]
     }
 
     /// 1/(1 + k/τ): what a step of length k leaves of the spring's strain.
@@ -97,6 +114,16 @@ fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
     Arc::new(Branch::new(scaled(law.tangent(x, &Sym::ZERO), ratio), f64::INFINITY))
 }
 
+/// The least and the largest value over points; not a number if one is not.
+fn bounds(coefficient: &Coefficient<f64>, points: &[Point]) -> [f64; 2] {
+    if let Some(value) = coefficient.constant() {
+        return [value; 2];
+    }
+    points.iter().map(|x| coefficient.at(x)).fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
+        if (least + value).is_nan() { [f64::NAN; 2] } else { [least.min(value), most.max(value)] }
+    })
+}
+
 /// The energy identity of one step of all branches, in J/m³: `work = stored + dissipated + scheme`.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Balance {
@@ -132,7 +159,7 @@ impl Prony {
             let time = in_range("a relaxation time", time, "a positive number", time > 0.0)?;
             let graded = law.graded().cloned();
             let x = graded.as_ref().map_or([0.0; 3], |law| law.extremes()[0].x);
-            Ok(Branch { modulus: law.tangent(&x, &Sym::ZERO), time, graded })
+            Ok(Branch { modulus: law.tangent(&x, &Sym::ZERO), time, graded, times: None })
         };
         Ok(Prony { terms: terms.iter().map(term).collect::<Result<_, _>>()? })
     }
@@ -152,29 +179,32 @@ impl Prony {
         Ok(prony)
     }
 
-    /// Branches 𝓖_i = g_i(x) 𝓔 whose ratios vary in space, with their bounds over points; see [`Prony::ratios`].
+    /// Branches 𝓖_i = g_i(x) 𝓔 by pairs (g_i, τ_i) of which some vary in space, with their bounds over points; see
+    /// [`Prony::ratios`].
     ///
     /// # Errors
     /// As [`Prony::ratios`], at one of the points.
     pub fn varying(
         elasticity: &Arc<dyn TensorLaw>,
-        pairs: &[(Coefficient<f64>, f64)],
+        pairs: &[(Coefficient<f64>, Coefficient<f64>)],
         points: &[Point],
     ) -> Result<Prony, LawError> {
-        let constant = pairs.iter().map(|(ratio, time)| Some((ratio.constant()?, *time))).collect::<Option<Vec<_>>>();
-        if let Some(pairs) = constant.filter(|_| elasticity.graded().is_none()) {
-            return Prony::ratios(elasticity.as_ref(), &pairs);
-        }
-        let mut laws = Vec::new();
+        let mut prony = Prony { terms: Vec::new() };
         for (ratio, time) in pairs {
-            for x in points {
-                let ratio = ratio.at(x);
-                in_range("the ratio of a branch", ratio, "a positive number", ratio > 0.0)?;
-            }
-            let (law, ratio) = (Arc::clone(elasticity), ratio.clone());
-            laws.push((Graded::elastic(points, move |x| spring(law.as_ref(), x, ratio.at(x))), *time));
+            let [least, most] = bounds(time, points);
+            let branch = if let Some(ratio) = ratio.constant().filter(|_| elasticity.graded().is_none()) {
+                Prony::ratios(elasticity.as_ref(), &[(ratio, least)])?
+            } else {
+                let least_ratio = bounds(ratio, points)[0];
+                in_range("the ratio of a branch", least_ratio, "a positive number", least_ratio > 0.0)?;
+                let (law, ratio) = (Arc::clone(elasticity), ratio.clone());
+                let law = Graded::elastic(points, move |x| spring(law.as_ref(), x, ratio.at(x)));
+                Prony::new(&[(&law, least)])?
+            };
+            let times = time.constant().is_none().then(|| (time.clone(), most));
+            prony.terms.extend(branch.terms.into_iter().map(|branch| Branch { times: times.clone(), ..branch }));
         }
-        Prony::new(&laws.iter().map(|(law, time)| (law as &dyn TensorLaw, *time)).collect::<Vec<_>>())
+        Ok(prony)
     }
 
     /// The branches as they are at a point; what follows is of branches that are the same everywhere.

@@ -36,7 +36,7 @@ impl Cost {
         let (v, q) = (problem.displacement_space(), problem.temperature_space());
         let (mechanics, heat) = rayon::join(|| of_system(problem, &graph, &v), || of_system(problem, &graph, &q));
         let (dim, pairs) = (problem.mesh.dim, graph.pairs() as f64);
-        let relaxing = problem.relaxation_times().len();
+        let relaxing = problem.relaxation_times().len() + problem.varying_branches();
         // a, b and the branches of d × d blocks; m and e of d × 1; mass and d of 1 × 1.
         let forms = ((2 + relaxing) * dim * dim + 2 * dim + 2) as f64 * pairs;
         // The mass acts on w and θ, each form once; every number is multiplied and added.

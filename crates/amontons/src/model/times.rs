@@ -9,7 +9,7 @@ use super::supports::{holds_temperature, rigid_motions};
 use crate::field::Coefficient;
 use crate::forms;
 use crate::linalg::{BlockMatrix, Graph, Layout, Quotient, System, largest};
-use crate::material::{Material, TensorLaw};
+use crate::material::{Branch, Material, TensorLaw};
 use crate::mesh::defects::components;
 use crate::problem::Problem;
 use crate::space::Space;
@@ -26,7 +26,7 @@ pub struct Times {
     /// Least and largest ratio of viscosity to elasticity, the time in which a Kelvin–Voigt body follows its load. None
     /// without viscosity.
     pub retardation: Option<[f64; 2]>,
-    /// Relaxation times of the branches.
+    /// Relaxation times of the branches; of one that varies over the body its least and largest.
     pub relaxation: Vec<f64>,
 }
 
@@ -50,9 +50,17 @@ impl Times {
             first_period,
             heat,
             retardation: (retardation[1] > 0.0).then_some(retardation),
-            relaxation: problem.relaxation_times(),
+            relaxation: relaxation(problem),
         }
     }
+}
+
+fn relaxation(problem: &Problem) -> Vec<f64> {
+    let varying = problem.materials.iter().flat_map(Material::varying_branches).flat_map(Branch::times);
+    let mut times: Vec<f64> = problem.relaxation_times().into_iter().chain(varying).collect();
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
 }
 
 fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {

@@ -1,11 +1,13 @@
 //! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
 
+use super::fit::Fit;
 use crate::element::{Element, ShapeTable};
+use crate::forms::StrainPoints;
 use crate::linalg::max_abs;
 use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
-use crate::mesh::{CellMap, Mesh};
+use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
-use crate::quadrature::Rule;
+use crate::quadrature::{self, Rule};
 use crate::scheme::State;
 use crate::tensor::{Point, Sym, safe_scale};
 
@@ -38,6 +40,9 @@ pub(super) struct Tables {
     pub points: Vec<ShapeTable>,
     /// The points of the means of the dilatation, where it is taken so.
     means: Vec<ShapeTable>,
+    /// By block and point the weights of the points of the cell at which strains of springs are kept; empty where none
+    /// are. They are those of a linear function fitted to their values.
+    fits: Vec<Vec<Vec<f64>>>,
 }
 
 impl Tables {
@@ -45,8 +50,15 @@ impl Tables {
     pub fn new(problem: &Problem, rule: impl Fn(&Element) -> Rule) -> Tables {
         let mesh = &problem.mesh;
         let points = mesh.blocks.iter().map(|block| ShapeTable::of_rule(block.element, rule(block.element))).collect();
+        let has_fits = problem.varying_branches() > 0;
+        let fits = mesh.blocks.iter().filter(|_| has_fits).map(|block| {
+            let kept = quadrature::rule(block.element.shape, mesh.gradient_products(block.element)).points;
+            let (fit, _) = Fit::new(mesh.dim, 1, &block.element.centre(), &kept);
+            rule(block.element).points.iter().map(|x| fit.weights(x)).collect()
+        });
         let means = mesh.blocks.iter().filter(|_| problem.dilatation == Dilatation::Mean);
         Tables {
+            fits: fits.collect(),
             points,
             means: means.map(|block| ShapeTable::new(block.element, strain_degree(mesh, block.element))).collect(),
         }
@@ -63,8 +75,15 @@ pub(super) struct Evaluator<'a> {
     problem: &'a Problem,
     state: &'a State,
     material: Option<&'a Material>,
-    /// 𝓖 of each branch of the material that relaxes, with the displacement whose strain is that of its springs.
+    /// 𝓖 of each branch of the material that relaxes, with its state.
     branches: Vec<(&'a Branch, &'a [f64])>,
+    /// Nodes of the cells of the block, with their number a cell.
+    nodes: (&'a [u32], usize),
+    /// The points at which strains of springs are kept, the number of the first of the block, and their weights by
+    /// point of the table.
+    kept: StrainPoints<'a>,
+    first: usize,
+    fits: &'a [Vec<f64>],
     map: CellMap<'a>,
     /// The points of the means of the dilatation, with their weights.
     mean: Option<(CellMap<'a>, &'a [f64])>,
@@ -75,28 +94,28 @@ impl<'a> Evaluator<'a> {
     pub fn new(problem: &'a Problem, state: &'a State, tables: &'a Tables, block: usize) -> Evaluator<'a> {
         let mesh = &problem.mesh;
         let material = problem.material_of(mesh.blocks[block].region);
-        let times = problem.relaxation_times();
-        let springs = |branch: &Branch| {
-            times
-                .iter()
-                .zip(&state.branches)
-                .find(|(time, _)| time.to_bits() == branch.time.to_bits())
-                .map(|(_, z)| &z[..])
-        };
-        let branches = material.and_then(|m| m.prony.as_ref()).map_or(&[][..], Prony::branches).iter();
+        let kept = StrainPoints { mesh, dilatation: problem.dilatation };
+        let points_of =
+            |block: &Block| block.len() * tables.fits.first().map_or(0, |_| kept.table(block.element).len());
         Evaluator {
             problem,
             state,
             material,
-            branches: branches.filter_map(|branch| Some((branch, springs(branch)?))).collect(),
+            branches: material.map_or_else(Vec::new, |material| branches(problem, material, state)),
+            nodes: (&mesh.blocks[block].nodes, mesh.blocks[block].element.nodes.len()),
+            kept,
+            first: mesh.blocks[..block].iter().map(points_of).sum(),
+            fits: tables.fits.get(block).map_or(&[], Vec::as_slice),
             map: CellMap::new(mesh, &tables.points[block]),
             mean: tables.means.get(block).map(|table| (CellMap::new(mesh, table), &table.weights[..])),
         }
     }
 
-    /// At point `q` of the table in the cell with these nodes: strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖ε(z) − θ𝓜 with the
-    /// branches that relax, heat flux.
-    pub fn at(&mut self, cell: &[u32], q: usize) -> PointValues {
+    /// At point `q` of the table in a cell of the block: strain, stress σ = 𝓔ε(u) + 𝓥ε(w) + Σ 𝓖e − θ𝓜 with the strains
+    /// e of the branches that relax, heat flux.
+    pub fn at(&mut self, number: usize, q: usize) -> PointValues {
+        let (nodes, n) = self.nodes;
+        let cell = &nodes[number * n..(number + 1) * n];
         self.map.at(cell, q);
         let (mut theta, mut gradient) = (0.0, [0.0; 3]);
         for ((&node, value), g) in cell.iter().zip(self.map.values()).zip(&self.map.gradients) {
@@ -110,8 +129,8 @@ impl<'a> Evaluator<'a> {
         let Some(material) = self.material else { return PointValues { strain, ..PointValues::default() } };
         let mut stress = material.stress(&self.map.position, &strain, &rate, theta);
         for b in 0..self.branches.len() {
-            let (branch, z) = self.branches[b];
-            let strain = self.strain(cell, z);
+            let (branch, state) = self.branches[b];
+            let strain = if branch.time_varies() { self.fitted(number, q, state) } else { self.strain(cell, state) };
             stress += branch.value(&self.map.position, &strain);
         }
         PointValues {
@@ -123,6 +142,14 @@ impl<'a> Evaluator<'a> {
                 .apply(&gradient)
                 .map(|q| 0.0 - q),
         }
+    }
+
+    /// The strain of a spring from those that are kept at the points of a cell.
+    fn fitted(&self, number: usize, q: usize, state: &[f64]) -> Sym {
+        let weights = &self.fits[q];
+        let first = self.first + number * weights.len();
+        let kept = weights.iter().enumerate().map(|(i, weight)| *weight * self.kept.kept(state, first + i));
+        kept.fold(Sym::ZERO, |sum, term| sum + term)
     }
 
     /// The strain of a field that the forms see.
@@ -143,6 +170,21 @@ impl<'a> Evaluator<'a> {
     }
 }
 
+/// The branches of a material with their state, which are kept in the order of [`crate::discretization`]: by time, then
+/// those whose time varies.
+fn branches<'a>(problem: &Problem, material: &'a Material, state: &'a State) -> Vec<(&'a Branch, &'a [f64])> {
+    let (times, mut varying) = (problem.relaxation_times(), 0);
+    let mut number = |branch: &Branch| {
+        if branch.time_varies() {
+            varying += 1;
+            return Some(times.len() + varying - 1);
+        }
+        times.iter().position(|time| time.to_bits() == branch.time.to_bits())
+    };
+    let all = material.prony.as_ref().map_or(&[][..], Prony::branches).iter();
+    all.filter_map(|branch| Some((branch, &state.branches.get(number(branch)?)?[..]))).collect()
+}
+
 /// Values at the centre of every cell, block by block.
 #[must_use]
 pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
@@ -150,7 +192,7 @@ pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
     let mut values = Vec::with_capacity(problem.mesh.cell_count());
     for (b, block) in problem.mesh.blocks.iter().enumerate() {
         let mut evaluator = Evaluator::new(problem, state, &tables, b);
-        values.extend(block.cells().map(|cell| evaluator.at(cell, 0)));
+        values.extend((0..block.len()).map(|cell| evaluator.at(cell, 0)));
     }
     values
 }

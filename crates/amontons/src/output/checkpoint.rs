@@ -347,8 +347,8 @@ impl Checkpoint {
         same("velocities", self.state.w.len(), nodes * dim)?;
         same("temperatures", self.state.theta.len(), nodes)?;
         same("branches", self.state.branches.len(), discretization.branches.len())?;
-        for branch in &self.state.branches {
-            same("displacements of a branch", branch.len(), nodes * dim)?;
+        for (kept, branch) in self.state.branches.iter().zip(&discretization.branches) {
+            same("numbers of a branch", kept.len(), branch.size(nodes * dim))?;
         }
         let points = discretization.boundary.points.len();
         for kept in [

@@ -14,6 +14,7 @@ pub mod columns;
 mod csv;
 mod earlier;
 mod files;
+mod fit;
 mod folder;
 mod identity;
 mod inputs;

@@ -16,6 +16,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::cells::{Evaluator, PointValues, Tables};
+use super::fit::Fit;
 use crate::element::Element;
 use crate::mesh::Mesh;
 use crate::problem::Problem;
@@ -29,10 +30,11 @@ pub(super) type Sample = (u32, u32, u32);
 /// A value at a node as a sum over sampling points, in ascending order.
 pub(super) type Stencil = Vec<(Sample, f64)>;
 
+/// Sampling points with the polynomial that is fitted to their values.
+type Patch = (Vec<Sample>, Fit);
+
 /// Most often that a patch without inner vertices grows by its neighbours.
 const GROWTH: usize = 2;
-/// A column is dependent on those before it if less than this share of it is not theirs.
-const DEPENDENT: f64 = 1e-7;
 
 /// Values at the nodes of each region.
 #[derive(Clone, Debug, Default)]
@@ -107,9 +109,8 @@ impl StressRecovery {
         let mut values: Vec<Sym> = Vec::new();
         for (b, block) in problem.mesh.blocks.iter().enumerate() {
             let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
-            values.extend(
-                block.cells().flat_map(|cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>()),
-            );
+            let stresses = |cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>();
+            values.extend((0..block.len()).flat_map(stresses));
         }
         let value = |(sample, weight): &(usize, f64)| *weight * values.get(*sample).copied().unwrap_or(Sym::ZERO);
         let at = |(node, stencil): &(u32, Vec<(usize, f64)>)| {
@@ -126,13 +127,8 @@ pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, sample
         let Some(block) = part.first().map(|s| s.0 as usize).filter(|&b| b < problem.mesh.blocks.len()) else {
             continue;
         };
-        let (mut evaluator, n) =
-            (Evaluator::new(problem, state, tables, block), problem.mesh.blocks[block].element.nodes.len());
-        let nodes = &problem.mesh.blocks[block].nodes;
-        values.extend(
-            part.iter()
-                .map(|&(_, cell, q)| evaluator.at(&nodes[cell as usize * n..(cell as usize + 1) * n], q as usize)),
-        );
+        let mut evaluator = Evaluator::new(problem, state, tables, block);
+        values.extend(part.iter().map(|&(_, cell, q)| evaluator.at(cell as usize, q as usize)));
     }
     values
 }
@@ -249,7 +245,8 @@ impl<'m> Recovery<'m> {
 
     /// The value at a node of a region.
     pub fn stencil(&self, region: usize, node: u32) -> Stencil {
-        let fits: Vec<Fit> = self.centres(region, node).into_iter().map(|centre| self.patch(region, centre)).collect();
+        let fits: Vec<Patch> =
+            self.centres(region, node).into_iter().map(|centre| self.patch(region, centre)).collect();
         self.mean(region, node, &fits.iter().collect::<Vec<_>>())
     }
 
@@ -260,7 +257,7 @@ impl<'m> Recovery<'m> {
         let mut all: Vec<u32> = centres.iter().flatten().copied().collect();
         all.sort_unstable();
         all.dedup();
-        let fits: Vec<Fit> = all.par_iter().map(|&centre| self.patch(region, centre)).collect();
+        let fits: Vec<Patch> = all.par_iter().map(|&centre| self.patch(region, centre)).collect();
         let fit = |centre: &u32| all.binary_search(centre).ok().and_then(|place| fits.get(place));
         nodes
             .par_iter()
@@ -270,16 +267,16 @@ impl<'m> Recovery<'m> {
     }
 
     /// The fit around a vertex inside a region.
-    fn patch(&self, region: usize, centre: u32) -> Fit {
+    fn patch(&self, region: usize, centre: u32) -> Patch {
         self.fit(&self.around(region, centre).collect(), centre).0
     }
 
     /// The mean of some fits at a node; without any, a fit around the node itself.
-    fn mean(&self, region: usize, node: u32, fits: &[&Fit]) -> Stencil {
+    fn mean(&self, region: usize, node: u32, fits: &[&Patch]) -> Stencil {
         let x = &self.mesh.points[node as usize];
         let mut sum: BTreeMap<Sample, f64> = BTreeMap::new();
-        let mut add = |fit: &Fit, share: f64| {
-            for (sample, weight) in fit.samples.iter().zip(fit.weights(x)) {
+        let mut add = |(samples, fit): &Patch, share: f64| {
+            for (sample, weight) in samples.iter().zip(fit.weights(x)) {
                 *sum.entry(*sample).or_default() += share * weight;
             }
         };
@@ -294,7 +291,7 @@ impl<'m> Recovery<'m> {
 
     /// The fit around a node without an inner vertex near it: over its cells and, until their points determine the
     /// polynomial, their neighbours.
-    fn own_fit(&self, region: usize, node: u32) -> Fit {
+    fn own_fit(&self, region: usize, node: u32) -> Patch {
         let mut cells: BTreeSet<(u32, u32)> = self.around(region, node).collect();
         let mut fit = self.fit(&cells, node);
         for _ in 0..GROWTH {
@@ -308,7 +305,7 @@ impl<'m> Recovery<'m> {
     }
 
     /// The fit over some cells about a node, and whether their points determine it.
-    fn fit(&self, cells: &BTreeSet<(u32, u32)>, about: u32) -> (Fit, bool) {
+    fn fit(&self, cells: &BTreeSet<(u32, u32)>, about: u32) -> (Patch, bool) {
         let (mut samples, mut points) = (Vec::new(), Vec::new());
         let mut values = Vec::new();
         for &cell in cells {
@@ -327,86 +324,7 @@ impl<'m> Recovery<'m> {
             }
         }
         let degree = cells.iter().map(|cell| self.element(cell.0).degree).min().unwrap_or(1);
-        Fit::new(self.mesh.dim, degree, &self.mesh.points[about as usize], samples, &points)
+        let (fit, is_determined) = Fit::new(self.mesh.dim, degree, &self.mesh.points[about as usize], &points);
+        ((samples, fit), is_determined)
     }
-}
-
-/// A polynomial fitted to values at points: the columns of its matrix, made orthonormal one after the other.
-struct Fit {
-    samples: Vec<Sample>,
-    origin: Point,
-    /// Reciprocal lengths of the patch by direction: the matrix has no units.
-    scale: Point,
-    exponents: Vec<[i32; 3]>,
-    /// By column that does not depend on those before it: its number, itself, and its parts along the columns before
-    /// and itself.
-    columns: Vec<(usize, Vec<f64>, Vec<f64>)>,
-}
-
-impl Fit {
-    /// A fit of all polynomials of a degree; columns that depend on those before them are left out, and the result says
-    /// whether there are none.
-    fn new(dim: usize, degree: usize, origin: &Point, samples: Vec<Sample>, points: &[Point]) -> (Fit, bool) {
-        let extent = |d: usize| points.iter().fold(0.0f64, |most, p| most.max((p[d] - origin[d]).abs()));
-        let scale = std::array::from_fn(|d| Some(extent(d)).filter(|e| *e > 0.0).map_or(1.0, f64::recip));
-        let mut fit = Fit { samples, origin: *origin, scale, exponents: exponents(dim, degree), columns: Vec::new() };
-        let rows: Vec<Vec<f64>> = points.iter().map(|x| fit.monomials(x)).collect();
-        for m in 0..fit.exponents.len() {
-            let mut column: Vec<f64> = rows.iter().map(|row| row[m]).collect();
-            let whole = norm(&column);
-            let mut parts = vec![0.0; fit.columns.len()];
-            // Twice is enough (Kahan, Parlett).
-            for _ in 0..2 {
-                for (part, (_, other, _)) in parts.iter_mut().zip(&fit.columns) {
-                    let along: f64 = column.iter().zip(other).map(|(a, b)| a * b).sum();
-                    *part += along;
-                    column.iter_mut().zip(other).for_each(|(a, b)| *a -= along * b);
-                }
-            }
-            let rest = norm(&column);
-            if rest > DEPENDENT * whole {
-                for a in &mut column {
-                    *a /= rest;
-                }
-                parts.push(rest);
-                fit.columns.push((m, column, parts));
-            }
-        }
-        let is_determined = fit.columns.len() == fit.exponents.len();
-        (fit, is_determined)
-    }
-
-    fn monomials(&self, x: &Point) -> Vec<f64> {
-        let y: Point = std::array::from_fn(|d| (x[d] - self.origin[d]) * self.scale[d]);
-        self.exponents.iter().map(|e| (0..3).map(|d| y[d].powi(e[d])).product()).collect()
-    }
-
-    /// Weights of the samples in the value of the polynomial at a point: with the columns QR they are Q R⁻ᵀ p(x).
-    fn weights(&self, x: &Point) -> Vec<f64> {
-        let p = self.monomials(x);
-        let mut solved: Vec<f64> = Vec::new();
-        let mut weights = vec![0.0; self.samples.len()];
-        for (m, column, parts) in &self.columns {
-            let known: f64 = parts.iter().zip(&solved).map(|(part, s)| part * s).sum();
-            let s = (p[*m] - known) / parts.last().copied().unwrap_or(1.0);
-            weights.iter_mut().zip(column).for_each(|(w, q)| *w += s * q);
-            solved.push(s);
-        }
-        weights
-    }
-}
-
-/// Exponents of the monomials up to a degree, the lower degrees first.
-fn exponents(dim: usize, degree: usize) -> Vec<[i32; 3]> {
-    let most = |d: usize| if d < dim { degree as i32 } else { 0 };
-    let mut all: Vec<[i32; 3]> = (0..=most(0))
-        .flat_map(|a| (0..=most(1)).flat_map(move |b| (0..=most(2)).map(move |c| [a, b, c])))
-        .filter(|e| e.iter().sum::<i32>() <= degree as i32)
-        .collect();
-    all.sort_by_key(|e| e.iter().sum::<i32>());
-    all
-}
-
-fn norm(v: &[f64]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }

@@ -262,14 +262,20 @@ impl ProblemData {
         self.materials.get(region).or(self.materials.last())
     }
 
-    /// The relaxation times of all materials, s, ascending, each once.
+    /// The relaxation times of all materials that are the same everywhere, s, ascending, each once.
     #[must_use]
     pub fn relaxation_times(&self) -> Vec<f64> {
         let branches = self.materials.iter().filter_map(|material| material.prony.as_ref()).flat_map(Prony::branches);
-        let mut times: Vec<f64> = branches.map(|branch| branch.time).collect();
+        let mut times: Vec<f64> = branches.filter(|b| !b.time_varies()).map(|b| b.time).collect();
         times.sort_by(f64::total_cmp);
         times.dedup();
         times
+    }
+
+    /// The largest number of branches of a material whose relaxation time varies over the body.
+    #[must_use]
+    pub fn varying_branches(&self) -> usize {
+        self.materials.iter().map(|material| material.varying_branches().count()).max().unwrap_or(0)
     }
 
     /// The place of a contact in the case file: `contact`, or `contact[1]` where there are several.

@@ -5,6 +5,7 @@ use super::heat::{Amounts, Heat};
 use super::mechanics::Mechanics;
 use super::system::{Step, difference};
 use crate::contact::GraphKind;
+use crate::discretization::Relaxed;
 use crate::linalg::dot;
 use crate::tensor;
 
@@ -217,12 +218,11 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
         let elastic = discrete.stored_energy(&m.u, &m.theta).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }
     };
-    // q_n:(ε_n − ε_{n−1}) = [½ z:𝓖z] + (k/τ) z_n:𝓖z_n + ½ Δz:𝓖Δz in every branch.
     for ((branch, new), old) in discrete.branches.iter().zip(&m.branches).zip(&old.branches) {
-        let (force, change) = (branch.form.apply(new), difference(new, old));
-        branches += 0.5 * dot(new, &force);
-        sum.relaxed += k / branch.time * dot(new, &force);
-        sum.scheme += 0.5 * dot(&change, &branch.form.apply(&change));
+        let Relaxed { stored, dissipated, scheme } = branch.balance(old, new, k);
+        branches += stored;
+        sum.relaxed += dissipated;
+        sum.scheme += scheme;
     }
     sum.elastic += branches;
     sum
@@ -231,7 +231,7 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
 /// The energy of the body at the start of a step without that of the branches.
 fn before(step: &Step) -> f64 {
     let branches = step.old.branches.iter().zip(&step.discrete.branches);
-    step.old.ledger.elastic - branches.map(|(z, b)| 0.5 * dot(z, &b.form.apply(z))).sum::<f64>()
+    step.old.ledger.elastic - branches.map(|(state, branch)| branch.energy(state)).sum::<f64>()
 }
 
 /// The same of laws that depend on the temperature; none where none does, or where one has no potential.

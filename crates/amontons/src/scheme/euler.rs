@@ -414,7 +414,7 @@ impl Scheme for BackwardEuler {
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
-        let branches = vec![vec![0.0; u.len()]; self.discrete.branches.len()];
+        let branches = self.discrete.branches.iter().map(|branch| vec![0.0; branch.size(u.len())]).collect();
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, boundary);
         let mut contact_energy = 0.0;

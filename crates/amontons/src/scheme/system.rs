@@ -70,20 +70,17 @@ impl Step<'_> {
         self.bar.u.iter().zip(w).map(|(u, w)| u.abs() + self.rule.gamma * w.abs()).collect()
     }
 
-    /// z_n = (z̄ + γ w)/(1 + γ/τ) of each branch that relaxes.
+    /// The state of the branches that relax.
     pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
-        let gamma = self.rule.gamma;
         let branches = self.discrete.branches.iter().zip(self.bar.branches);
-        branches
-            .map(|(branch, z)| z.iter().zip(w).map(|(z, w)| branch.factor(self.rule) * (z + gamma * w)).collect())
-            .collect()
+        branches.map(|(branch, bar)| branch.step(self.rule, bar, w)).collect()
     }
 
-    /// Σ ∫ 𝓖ε(z_n):ε(·) of the branches; empty without.
+    /// Σ ∫ 𝓖e_n:ε(·) of the branches with the strains e_n of their springs; empty without.
     pub fn relaxing(&self, w: &[f64]) -> Vec<f64> {
         let mut sum = Vec::new();
         for (branch, z) in self.discrete.branches.iter().zip(self.branches(w)) {
-            let force = branch.form.apply(&z);
+            let force = branch.force(&z);
             if sum.is_empty() {
                 sum = force;
             } else {

@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};
-use amontons::problem::{Problem, ProblemData};
+use amontons::problem::{BoundaryCondition, Problem, ProblemData};
 use amontons::run::Settings;
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use amontons::verify::{Verdict, verify_case};
@@ -128,6 +128,21 @@ pub fn disturb(state: &mut State, problem: &Problem, scheme: &BackwardEuler, ran
     for q in &mut state.multipliers.q {
         q[0] = 10.0 * random.number();
     }
+}
+
+/// A rod of length 1 and height 1/4 in plane stress, on rollers at its left and lower side, pulled at its right end by
+/// the traction `pull`; without inertia and contact.
+pub fn rod(steps: usize, pull: f64) -> ProblemData {
+    let overrides = [format!("time.steps={steps}"), "time.end=1".to_owned()];
+    let mut problem = case("crates/amontons/benchmarks/kelvin-voigt-rod.toml", &overrides).problem.into_data();
+    let roller = |on: &str, free: usize| {
+        let displacement = Some((0..2).map(|c| if c == free { None } else { Some(0.0.into()) }).collect());
+        BoundaryCondition { displacement, ..BoundaryCondition::on(on) }
+    };
+    let pulled = BoundaryCondition::on("right").traction([pull, 0.0]);
+    problem.boundary = vec![roller("left", 1), roller("bottom", 0), pulled];
+    problem.contacts.clear();
+    problem
 }
 
 /// Runs all cases of a folder; every value of their `[expected]` and `[verify]` holds. The number of cases that have

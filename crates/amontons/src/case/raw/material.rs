@@ -287,7 +287,7 @@ pub(in crate::case) struct Branch {
     pub ratio: Steady,
     /// Relaxation time in s.
     #[schemars(extend("exclusiveMinimum" = 0))]
-    pub time: f64,
+    pub time: Steady,
 }
 
 /// How the dilatation (change of volume) of a cell is computed.

@@ -99,7 +99,7 @@ impl Fields {
             step: 0,
             t: 0.0,
             multipliers: Multipliers::default(),
-            branches: vec![zero(); discretization.branches.len()],
+            branches: discretization.branches.iter().map(|branch| vec![0.0; branch.size(nodes * self.dim)]).collect(),
             surface: Accumulated::default(),
             ledger: Ledger::default(),
             counts: Counts::default(),

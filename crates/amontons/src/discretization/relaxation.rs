@@ -1,0 +1,180 @@
+//! Stress that relaxes: the Maxwell branches of all materials on a mesh, with the state that they keep.
+
+use std::sync::Arc;
+
+use super::ZERO;
+use crate::forms::{self, StrainPoints};
+use crate::inclusion::Rule;
+use crate::linalg::{BlockMatrix, Graph, dot};
+use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
+use crate::mesh::Mesh;
+use crate::problem::Problem;
+
+/// Branches of the body that keep one state.
+///
+/// The spring of a branch has the strain e with ė + e/τ = ε(u̇). Where τ is the same everywhere e = ε(z) is the strain
+/// of a field z with ż + z/τ = u̇, and one z at the nodes serves all branches of this time. Where τ varies e is the
+/// strain of no field, and is kept at the points of the cells at which the forms need it.
+#[derive(Debug)]
+pub struct Relaxation(Kind);
+
+#[derive(Debug)]
+enum Kind {
+    /// One τ in s, with ∫ 𝓖ε(·):ε(·).
+    Same { time: f64, form: BlockMatrix },
+    /// The springs by region, and τ in s at the points of the cells.
+    Varying { mesh: Arc<Mesh>, dilatation: Dilatation, graph: Arc<Graph>, springs: Vec<Branch>, times: Vec<f64> },
+}
+
+/// What the energy identity needs to know of branches over a step, J.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Relaxed {
+    /// Energy of the springs at the end.
+    pub stored: f64,
+    /// Dissipated by the dashpots.
+    pub dissipated: f64,
+    /// Dissipated by the scheme.
+    pub scheme: f64,
+}
+
+impl Relaxation {
+    /// The branches of all materials: those with one relaxation time together, ascending, then those whose time varies.
+    pub(super) fn of(problem: &Problem, graph: &Arc<Graph>) -> Vec<Relaxation> {
+        let mesh = &problem.mesh;
+        let same = problem.relaxation_times().into_iter().map(|time| {
+            let is_its = |branch: &&Branch| !branch.time_varies() && branch.time.to_bits() == time.to_bits();
+            let of = |m: &Material| branches_of(m).iter().filter(is_its).cloned().collect::<Vec<_>>();
+            Relaxation(Kind::Same { time, form: form(problem, graph, problem.materials.iter().map(of).collect()) })
+        });
+        let varying = (0..problem.varying_branches()).map(|number| {
+            let of = |m: &Material| m.varying_branches().nth(number).unwrap_or(&ZERO).clone();
+            let springs: Vec<Branch> = problem.materials.iter().map(of).collect();
+            let points = StrainPoints { mesh, dilatation: problem.dilatation };
+            let times = points.values(|region, x| {
+                springs.get(region).or(springs.last()).map_or(f64::INFINITY, |spring| spring.at(x).time)
+            });
+            let (mesh, graph, dilatation) = (Arc::clone(mesh), Arc::clone(graph), problem.dilatation);
+            Relaxation(Kind::Varying { mesh, dilatation, graph, springs, times })
+        });
+        same.chain(varying).collect()
+    }
+
+    /// Numbers of the state: those of a displacement with `fields` components in all, or of strains at the points.
+    #[must_use]
+    pub fn size(&self, fields: usize) -> usize {
+        match &self.0 {
+            Kind::Same { .. } => fields,
+            Kind::Varying { mesh, dilatation, times, .. } => {
+                StrainPoints { mesh, dilatation: *dilatation }.components() * times.len()
+            }
+        }
+    }
+
+    /// The state z_n = (z̄ + γ w_n)/(1 + γ/τ), or that of strains, e_n = (ē + γ ε(w_n))/(1 + γ/τ).
+    #[must_use]
+    pub fn step(&self, rule: Rule, bar: &[f64], w: &[f64]) -> Vec<f64> {
+        let gamma = rule.gamma;
+        match &self.0 {
+            Kind::Same { time, .. } => bar.iter().zip(w).map(|(z, w)| factor(rule, *time) * (z + gamma * w)).collect(),
+            Kind::Varying { mesh, dilatation, times, .. } => {
+                let points = StrainPoints { mesh, dilatation: *dilatation };
+                let mut strains = points.strains(w);
+                let count = points.components();
+                for ((e, bar), time) in strains.chunks_exact_mut(count).zip(bar.chunks_exact(count)).zip(times) {
+                    e.iter_mut().zip(bar).for_each(|(e, bar)| *e = factor(rule, *time) * (bar + gamma * *e));
+                }
+                strains
+            }
+        }
+    }
+
+    /// ∫ 𝓖e:ε(·) of a state.
+    #[must_use]
+    pub fn force(&self, state: &[f64]) -> Vec<f64> {
+        match &self.0 {
+            Kind::Same { form, .. } => form.apply(state),
+            Kind::Varying { mesh, dilatation, springs, .. } => {
+                StrainPoints { mesh, dilatation: *dilatation }.force(&laws(springs), state)
+            }
+        }
+    }
+
+    /// Adds γ/(1 + γ/τ) ∫ 𝓖ε(·):ε(·), the derivative of [`Relaxation::force`] by w_n.
+    pub(super) fn add_stiffness(&self, rule: Rule, matrix: &mut BlockMatrix) {
+        match &self.0 {
+            Kind::Same { time, form } => matrix.add_scaled(rule.gamma * factor(rule, *time), form),
+            Kind::Varying { mesh, dilatation, graph, springs, times } => {
+                let factors: Vec<f64> = times.iter().map(|time| factor(rule, *time)).collect();
+                let points = StrainPoints { mesh, dilatation: *dilatation };
+                matrix.add_scaled(rule.gamma, &points.form(graph, &laws(springs), &factors));
+            }
+        }
+    }
+
+    /// Energy ½ ∫ e:𝓖e of the springs, J.
+    pub(crate) fn energy(&self, state: &[f64]) -> f64 {
+        match &self.0 {
+            Kind::Same { form, .. } => 0.5 * dot(state, &form.apply(state)),
+            Kind::Varying { .. } => 0.5 * self.products(state)[0],
+        }
+    }
+
+    /// The terms of q_n:(ε_n − ε_{n−1}) = [½ e:𝓖e] + (k/τ) e_n:𝓖e_n + ½ Δe:𝓖Δe over a step of length k.
+    pub(crate) fn balance(&self, old: &[f64], new: &[f64], k: f64) -> Relaxed {
+        let change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+        match &self.0 {
+            Kind::Same { time, form } => {
+                let product = dot(new, &form.apply(new));
+                let scheme = 0.5 * dot(&change, &form.apply(&change));
+                Relaxed { stored: 0.5 * product, dissipated: k / time * product, scheme }
+            }
+            Kind::Varying { .. } => {
+                let ([product, rate], scheme) = (self.products(new), 0.5 * self.products(&change)[0]);
+                Relaxed { stored: 0.5 * product, dissipated: k * rate, scheme }
+            }
+        }
+    }
+
+    /// ∫ e:𝓖e and ∫ e:𝓖e/τ of strains at the points.
+    fn products(&self, strains: &[f64]) -> [f64; 2] {
+        let Kind::Varying { mesh, dilatation, springs, times, .. } = &self.0 else { return [0.0; 2] };
+        let rates: Vec<f64> = times.iter().map(|time| 1.0 / time).collect();
+        StrainPoints { mesh, dilatation: *dilatation }.products(&laws(springs), strains, &rates)
+    }
+}
+
+/// 1/(1 + γ/τ), what a step leaves of the strain of a spring.
+fn factor(rule: Rule, time: f64) -> f64 {
+    1.0 / (1.0 + rule.gamma / time)
+}
+
+fn branches_of(material: &Material) -> &[Branch] {
+    material.prony.as_ref().map_or(&[], Prony::branches)
+}
+
+fn laws(springs: &[Branch]) -> Vec<&dyn TensorLaw> {
+    springs.iter().map(|spring| spring as &dyn TensorLaw).collect()
+}
+
+/// ∫ 𝓖ε(·):ε(·) with the sum of the springs of each region.
+fn form(problem: &Problem, graph: &Arc<Graph>, by_region: Vec<Vec<Branch>>) -> BlockMatrix {
+    let assemble = |springs: &[Branch]| forms::tensor_form(&problem.mesh, graph, &laws(springs), problem.dilatation);
+    let uniform = |branches: &Vec<Branch>| {
+        let mut sum = ZERO.clone();
+        for branch in branches.iter().filter(|branch| branch.graded().is_none()) {
+            for (sum, entry) in sum.modulus.0.iter_mut().flatten().zip(branch.modulus.0.iter().flatten()) {
+                *sum += entry;
+            }
+        }
+        sum
+    };
+    let mut form = assemble(&by_region.iter().map(uniform).collect::<Vec<_>>());
+    // Springs that vary in space, one per region at a time.
+    let graded = |branches: Vec<Branch>| branches.into_iter().filter(|b| b.graded().is_some()).collect();
+    let graded: Vec<Vec<Branch>> = by_region.into_iter().map(graded).collect();
+    for number in 0..graded.iter().map(Vec::len).max().unwrap_or(0) {
+        let springs: Vec<Branch> = graded.iter().map(|all| all.get(number).unwrap_or(&ZERO).clone()).collect();
+        form.add_scaled(1.0, &assemble(&springs));
+    }
+    form
+}
