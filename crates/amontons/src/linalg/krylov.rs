@@ -9,6 +9,8 @@ use super::sparse::dot;
 pub struct Krylov {
     /// The solution found.
     pub x: Vec<f64>,
+    /// Its components along the vectors to which the product was applied, in their order.
+    pub components: Vec<f64>,
     /// Products made.
     pub iterations: usize,
     /// ‖b − A x‖ / ‖b‖ of the recurrence.
@@ -29,7 +31,8 @@ pub fn gmres<E>(
 ) -> Result<Krylov, E> {
     let norm = dot(b, b).sqrt();
     if norm == 0.0 || !norm.is_finite() {
-        return Ok(Krylov { x: vec![0.0; b.len()], iterations: 0, residual: if norm == 0.0 { 0.0 } else { norm } });
+        let residual = if norm == 0.0 { 0.0 } else { norm };
+        return Ok(Krylov { x: vec![0.0; b.len()], components: Vec::new(), iterations: 0, residual });
     }
     let mut basis: Vec<Vec<f64>> = vec![b.iter().map(|b| b / norm).collect()];
     // The triangular factor of the Hessenberg matrix by columns, its rotations, and the rotated right-hand side.
@@ -80,7 +83,7 @@ pub fn gmres<E>(
     for (y, v) in y.iter().zip(&basis) {
         x.iter_mut().zip(v).for_each(|(x, v)| *x += y * v);
     }
-    Ok(Krylov { x, iterations: size, residual: rotated[size].abs() / norm })
+    Ok(Krylov { x, components: y, iterations: size, residual: rotated[size].abs() / norm })
 }
 
 /// What a method of conjugate gradients has seen of a matrix.
@@ -107,7 +110,8 @@ pub struct Gradients {
 
 /// Solves A x = b, A symmetric positive definite, by conjugate gradients with a preconditioner that may vary a little
 /// from product to product, as one in lower precision does (Notay, SIAM J. Sci. Comput. 22 (2000) 1444). Ends when the
-/// residual is `tolerance` times that of x = 0, after `limit` products, or at an energy that is not positive.
+/// `norm` of the residual is `tolerance` times that of x = 0, after `limit` products, or at an energy that is not
+/// positive.
 ///
 /// # Errors
 /// When a product cannot be computed.
@@ -115,10 +119,10 @@ pub fn conjugate_gradients<E>(
     mut apply: impl FnMut(&[f64]) -> Result<Vec<f64>, E>,
     mut precondition: impl FnMut(&[f64]) -> Vec<f64>,
     b: &[f64],
-    tolerance: f64,
-    limit: usize,
+    norm: impl Fn(&[f64]) -> f64,
+    (tolerance, limit): (f64, usize),
 ) -> Result<Gradients, E> {
-    let whole = dot(b, b).sqrt();
+    let whole = norm(b);
     let mut made = Gradients { x: vec![0.0; b.len()], iterations: 0, residual: 1.0, definite: Definite::Seen };
     if whole == 0.0 || !whole.is_finite() {
         made.residual = if whole == 0.0 { 0.0 } else { whole };
@@ -139,7 +143,7 @@ pub fn conjugate_gradients<E>(
         made.x.par_iter_mut().zip(&direction).for_each(|(x, d)| *x += alpha * d);
         let before = rest.clone();
         rest.par_iter_mut().zip(&image).for_each(|(r, image)| *r -= alpha * image);
-        made.residual = dot(&rest, &rest).sqrt() / whole;
+        made.residual = norm(&rest) / whole;
         if made.residual <= tolerance {
             break;
         }

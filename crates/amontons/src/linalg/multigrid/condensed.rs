@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::local::Local;
 use super::precondition::{Body, Preconditioner};
 use crate::linalg::condensed::{Condensed, Entry};
 use crate::linalg::error::SolveError;
@@ -11,9 +12,13 @@ use crate::linalg::stop::Stop;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 
-/// Products between two looks at the true residual, and how often it is looked at.
-const PRODUCTS: usize = 60;
+/// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps a vector
+/// of each, [`NUMBERS`] in all where that is not too few.
+const PRODUCTS: [usize; 2] = [60, 400];
+const NUMBERS: usize = 1 << 24;
 const LOOKS: usize = 10;
+/// How much more than what was asked for may be left.
+const NEARLY: f64 = 1.5;
 /// Share of b above which what is left is that of a singular matrix.
 const LEFT: f64 = 1e-2;
 /// Residual at which a matrix has been found positive definite: all of its extreme eigenvalues have been seen.
@@ -24,8 +29,9 @@ const SEEN: f64 = 1e-10;
 pub(super) struct Iterative {
     matrix: Arc<BlockMatrix>,
     unknowns: Unknowns,
-    /// Whether a degree of freedom is unknown.
+    /// Whether a degree of freedom is unknown, and which unknown it is.
     free: Vec<bool>,
+    positions: Vec<Option<u32>>,
     scale: Vec<f64>,
     turns: Vec<Turn>,
     preconditioner: Option<Preconditioner>,
@@ -49,11 +55,13 @@ impl Iterative {
             own.iter().sum::<f64>() / own.len().max(1) as f64
         };
         let scale = unknowns.dofs.iter().map(mean).collect();
+        let positions = unknowns.positions(free.len());
         let (matrix, unknowns) = (Arc::clone(matrix), unknowns.clone());
         Iterative {
             matrix,
             unknowns,
             free,
+            positions,
             scale,
             turns: Vec::new(),
             preconditioner: None,
@@ -136,28 +144,104 @@ impl Iterative {
         }
     }
 
+    /// What contact touches, if it touches something.
+    fn touched(&self) -> Option<&Local> {
+        self.preconditioner.as_ref().and_then(Preconditioner::local)
+    }
+
+    /// Values by degree of freedom as values by unknown.
+    fn by_unknown(&self, values: Vec<(u32, f64)>) -> impl Iterator<Item = (usize, f64)> {
+        values.into_iter().filter_map(|(dof, value)| Some((self.positions[dof as usize]? as usize, value)))
+    }
+
+    /// A residual as it counts: where contact acts, the displacement that it means times the stiffness of K.
+    fn weighed(&self, r: &[f64]) -> Vec<f64> {
+        let mut weighed = r.to_vec();
+        if let Some(local) = self.touched() {
+            let solution = self.by_unknown(local.solution(&self.spread(r)));
+            solution.for_each(|(unknown, x)| weighed[unknown] = self.scale[unknown] * x);
+        }
+        weighed
+    }
+
+    /// The residual of one that is weighed.
+    fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
+        let mut r = weighed.to_vec();
+        if let Some(local) = self.touched() {
+            let x: Vec<f64> = weighed.iter().zip(&self.scale).map(|(weighed, scale)| weighed / scale).collect();
+            let load = self.by_unknown(local.load(&self.spread(&x)));
+            load.for_each(|(unknown, load)| r[unknown] = load);
+        }
+        r
+    }
+
+    /// Solves once more for what is left where contact acts.
+    fn settle(&self, rest: &[f64], x: &mut [f64]) {
+        if let Some(local) = self.touched() {
+            let solution = self.by_unknown(local.solution(&self.spread(rest)));
+            solution.for_each(|(unknown, change)| x[unknown] += change);
+        }
+    }
+
+    /// b − (S + J) x.
+    fn leave(&self, entries: &[Entry], b: &[f64], x: &[f64], rest: &mut [f64]) {
+        rest.iter_mut().zip(b).zip(self.sum(entries, x)).for_each(|((rest, b), sum)| *rest = b - sum);
+    }
+
+    /// GMRES with a preconditioner that is not quite linear, as one in single precision: what it makes of each vector
+    /// is kept (Saad, SIAM J. Sci. Comput. 14 (1993) 461). The approximate solution, and the products made.
+    fn flexible(
+        &self,
+        product: impl Fn(&[f64]) -> Result<Vec<f64>, SolveError>,
+        rest: &[f64],
+        (goal, limit): (f64, usize),
+    ) -> Result<(Vec<f64>, usize), SolveError> {
+        let mut kept: Vec<Vec<f64>> = Vec::new();
+        let apply = |v: &[f64]| -> Result<Vec<f64>, SolveError> {
+            let made = self.precondition(&self.unweighed(v));
+            let image = self.weighed(&product(&made)?);
+            kept.push(made);
+            Ok(image)
+        };
+        let solved = gmres(apply, &self.weighed(rest), goal, limit)?;
+        let mut x = vec![0.0; rest.len()];
+        for (component, made) in solved.components.iter().zip(&kept) {
+            x.iter_mut().zip(made).for_each(|(x, made)| *x += component * made);
+        }
+        Ok((x, solved.iterations))
+    }
+
     /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves.
     fn iterate(&mut self, entries: &[Entry], b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
         let is_symmetric = is_symmetric(entries);
         let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
-        let whole = norm(b);
+        let whole = norm(&self.weighed(b));
+        let products = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
             let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(entries, v));
             let (change, made) = if is_symmetric {
-                let solved = conjugate_gradients(product, |r| self.precondition(r), &rest, goal, PRODUCTS)?;
+                let solved = conjugate_gradients(
+                    product,
+                    |r| self.precondition(r),
+                    &rest,
+                    |r| norm(&self.weighed(r)),
+                    (goal, products),
+                )?;
                 (solved.x, solved.iterations)
             } else {
-                let solved = gmres(|y: &[f64]| product(&self.precondition(y)), &rest, goal, PRODUCTS)?;
-                (self.precondition(&solved.x), solved.iterations)
+                self.flexible(product, &rest, (goal, products))?
             };
             self.iterations += made;
             x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
-            rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
-            let now = norm(&rest) / whole;
+            self.leave(entries, b, &x, &mut rest);
+            self.settle(&rest, &mut x);
+            self.leave(entries, b, &x, &mut rest);
+            let now = norm(&self.weighed(&rest)) / whole;
             let stalls = now > 0.5 * left || now.is_nan();
             left = now;
-            if left <= wanted || stalls {
+            // The recurrence and the true residual differ a little.
+            if left <= NEARLY * wanted || stalls {
                 break;
             }
         }
@@ -203,7 +287,7 @@ impl Condensed for Iterative {
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(entries, v));
-        let solved = conjugate_gradients(product, |r| self.precondition(r), &b, SEEN, PRODUCTS * LOOKS)?;
+        let solved = conjugate_gradients(product, |r| self.precondition(r), &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
         self.iterations += solved.iterations;
         match solved.definite {
             Definite::No => Ok(false),

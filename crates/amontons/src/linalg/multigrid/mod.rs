@@ -1,12 +1,13 @@
 //! Systems of large bodies by a Krylov iteration with algebraic multigrid: no factor, all unknowns are kept, S is K.
 //!
-//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`]). What contact holds more firmly
-//! than the cycle can is solved after it, degree by degree ([`precondition`]).
+//! The preconditioner is smoothed aggregation with rigid-body modes ([`hierarchy`], [`precondition`]) between two
+//! solutions on what contact touches ([`local`]).
 
 mod aggregate;
 mod blocks;
 mod condensed;
 mod hierarchy;
+mod local;
 mod precondition;
 mod surface;
 

@@ -1,5 +1,5 @@
 //! The preconditioner of K + J: a V-cycle with K and the forces of contact, cut off where they hold a degree of freedom
-//! firmly; what they hold is solved after it, degree by degree.
+//! firmly, between two solutions on what contact touches.
 //!
 //! The cycle is that of the axes of space, so that it need not be made anew when normals turn.
 
@@ -7,13 +7,14 @@ use std::collections::BTreeMap;
 
 use super::blocks::{Blocks, Rows};
 use super::hierarchy::{Hierarchy, Plan};
-use super::surface::{Surface, couples};
+use super::local::{Local, bases, blocks};
+use super::surface::couples;
 use crate::linalg::condensed::Entry;
 use crate::linalg::error::SolveError;
 use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::Stop;
 use crate::linalg::turn::Turn;
-use crate::tensor::Point;
+use crate::tensor::{Point, Sym};
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
 const FIRM: f64 = 100.0;
@@ -31,22 +32,8 @@ pub(super) struct Body<'a> {
 #[derive(Debug)]
 pub(super) struct Preconditioner {
     hierarchy: Hierarchy,
-    turns: Vec<Turn>,
-    held: Vec<Held>,
-    /// Entries from what is held onto the others: degree of freedom, number of what is held, value.
-    onto: Vec<Entry>,
-    /// In place of both where contact couples nodes.
-    surface: Option<Surface>,
-}
-
-/// A degree of freedom that contact holds.
-#[derive(Clone, Copy, Debug)]
-struct Held {
-    dof: u32,
-    /// Its vector in the axes of space.
-    vector: Point,
-    /// The entry of K + J on the diagonal.
-    diagonal: f64,
+    /// What contact touches, if it touches something.
+    local: Option<Local>,
 }
 
 impl Preconditioner {
@@ -56,7 +43,7 @@ impl Preconditioner {
         let (modes, count) = modes(body, components);
         let matrix = restricted(body);
         let hierarchy = Hierarchy::new(&Plan { matrix: &matrix, modes: &modes, count, takes_part: body.free, stop })?;
-        Ok(Preconditioner { hierarchy, turns: Vec::new(), held: Vec::new(), onto: Vec::new(), surface: None })
+        Ok(Preconditioner { hierarchy, local: None })
     }
 
     /// Takes up the entries of contact, which are by degree of freedom in the bases of `turns`.
@@ -65,112 +52,54 @@ impl Preconditioner {
     /// When contact couples nodes and K + J is singular on them.
     pub fn add(&mut self, body: &Body, entries: &[Entry], turns: &[Turn]) -> Result<(), SolveError> {
         let (n, _) = body.matrix.block_shape();
-        self.turns = turns.to_vec();
-        let bases: BTreeMap<usize, [Point; 3]> =
-            turns.iter().map(|turn| (turn.unknowns[0] as usize / n, turn.basis)).collect();
-        (self.held, self.onto, self.surface) = (Vec::new(), Vec::new(), None);
-        if couples(entries, n) {
-            self.surface = Some(Surface::new(body, entries, &bases)?);
-            self.hierarchy.add(&coupled(body, entries, &bases));
-        } else {
-            self.add_nodal(body, entries, &bases);
-        }
+        let bases = bases(turns, n);
+        let has_turns = !turns.is_empty();
+        self.local = if entries.is_empty() && !has_turns { None } else { Some(Local::new(body, entries, turns)?) };
+        let added = if couples(entries, n) { coupled(body, entries, &bases) } else { nodal(body, entries, &bases) };
+        self.hierarchy.add(&added);
         Ok(())
     }
 
-    /// The same of contact at nodes.
-    fn add_nodal(&mut self, body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) {
-        let (n, _) = body.matrix.block_shape();
-        let mut nodes: Vec<usize> = entries.iter().flat_map(|(i, j, _)| [*i as usize / n, *j as usize / n]).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let mut blocks = vec![0.0; nodes.len() * n * n];
-        for &(i, j, value) in entries.iter().filter(|(i, j, _)| *i as usize / n == *j as usize / n) {
-            if let Ok(at) = nodes.binary_search(&(i as usize / n)) {
-                blocks[(at * n + i as usize % n) * n + j as usize % n] += value;
-            }
-        }
-        for (&node, block) in nodes.iter().zip(blocks.chunks_exact_mut(n * n)) {
-            let basis = bases.get(&node).copied().unwrap_or(AXES);
-            let own = in_basis(&block_of(body.matrix, node, n), [&basis; 2], n, true);
-            let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
-            for c in (0..n).filter(|c| block[c * n + c] > firm) {
-                let diagonal = own[c * n + c] + block[c * n + c];
-                self.held.push(Held { dof: (node * n + c) as u32, vector: basis[c], diagonal });
-            }
-            cut(block, firm, n);
-            block.copy_from_slice(&in_basis(block, [&basis; 2], n, false));
-        }
-        for &(i, j, value) in entries.iter().filter(|(i, j, _)| i != j) {
-            let number = |dof: u32| self.held.binary_search_by_key(&dof, |held| held.dof);
-            if let (Ok(at), Err(_)) = (number(j), number(i)) {
-                self.onto.push((i, at as u32, value));
-            }
-        }
-        let rows = body.free.len() / n;
-        self.hierarchy.add(&Blocks::from_rows(rows, rows, [n, n], |range| {
-            let mut made = Rows::default();
-            let mut at = nodes.partition_point(|node| *node < range.start);
-            for i in range {
-                if nodes.get(at) == Some(&i) {
-                    made.columns.push(i as u32);
-                    made.values.extend(&blocks[at * n * n..][..n * n]);
-                    at += 1;
-                }
-                made.ends.push(made.columns.len() as u32);
-            }
-            made
-        }));
+    /// What contact touches, if it touches something.
+    pub fn local(&self) -> Option<&Local> {
+        self.local.as_ref()
     }
 
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
     pub fn apply(&self, matrix: &BlockMatrix, r: &[f64]) -> Vec<f64> {
-        let (n, _) = matrix.block_shape();
-        if let Some(surface) = &self.surface {
-            return surface.apply(|x| matrix.apply(x), |r| self.hierarchy.cycle(r), &self.turns, r);
-        }
-        let mut rest = r.to_vec();
-        for &(i, at, value) in &self.onto {
-            let held = &self.held[at as usize];
-            rest[i as usize] -= value * r[held.dof as usize] / held.diagonal;
-        }
-        for held in &self.held {
-            rest[held.dof as usize] = 0.0;
-        }
-        for turn in &self.turns {
-            turn.back(&mut rest);
-        }
-        let mut x = self.hierarchy.cycle(&rest);
-        if self.held.is_empty() && self.turns.is_empty() {
-            return x;
-        }
-        // What is held, solved with the others: K x along its vector is what they load it with.
-        for turn in &self.turns {
-            turn.forward(&mut x);
-        }
-        for held in &self.held {
-            x[held.dof as usize] = 0.0;
-        }
-        let mut straight = x.clone();
-        for turn in &self.turns {
-            turn.back(&mut straight);
-        }
-        for held in &self.held {
-            let mut load = r[held.dof as usize];
-            for (j, block) in matrix.row(held.dof as usize / n) {
-                for c in 0..n {
-                    let row: f64 = (0..n).map(|b| block[c * n + b] * straight[j * n + b]).sum();
-                    load -= held.vector[c] * row;
-                }
-            }
-            x[held.dof as usize] = load / held.diagonal;
-        }
-        x
+        let cycle = |r: &[f64]| self.hierarchy.cycle(r);
+        self.local.as_ref().map_or_else(|| cycle(r), |local| local.around(matrix, r, cycle))
     }
 }
 
+/// What contact at nodes adds to the levels.
+fn nodal(body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) -> Blocks<f64> {
+    let (n, _) = body.matrix.block_shape();
+    let cut: BTreeMap<usize, Vec<f64>> = blocks(entries, n)
+        .into_iter()
+        .map(|(node, block)| {
+            let basis = bases.get(&node).copied().unwrap_or(AXES);
+            let own = block_of(body.matrix, node, n);
+            let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
+            (node, in_basis(&cut(&block, firm, n), [&basis; 2], n, false))
+        })
+        .collect();
+    let rows = body.free.len() / n;
+    Blocks::from_rows(rows, rows, [n, n], |range| {
+        let mut made = Rows::default();
+        for i in range {
+            if let Some(block) = cut.get(&i) {
+                made.columns.push(i as u32);
+                made.values.extend(block);
+            }
+            made.ends.push(made.columns.len() as u32);
+        }
+        made
+    })
+}
+
 /// The block of a node on the diagonal.
-fn block_of(matrix: &BlockMatrix, node: usize, n: usize) -> Vec<f64> {
+pub(super) fn block_of(matrix: &BlockMatrix, node: usize, n: usize) -> Vec<f64> {
     matrix.row(node).find(|(j, _)| *j == node).map_or_else(|| vec![0.0; n * n], |(_, block)| block.to_vec())
 }
 
@@ -226,22 +155,13 @@ fn coupled(body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) 
     })
 }
 
-/// The symmetric part of a block of contact, with what is beyond `firm` cut off: rows and columns are scaled. What
-/// friction adds beside the diagonal is left to the iteration where it would make the block indefinite.
-fn cut(block: &mut [f64], firm: f64, n: usize) {
-    let scale: Vec<f64> = (0..n).map(|c| (firm / block[c * n + c].max(firm)).sqrt()).collect();
-    let of = |a: usize, b: usize| 0.5 * (block[a * n + b] + block[b * n + a]) * scale[a] * scale[b];
-    let cut: Vec<f64> = (0..n * n).map(|k| of(k / n, k % n)).collect();
-    let dominates = (0..n).all(|a| cut[a * n + a] >= (0..n).filter(|b| *b != a).map(|b| cut[a * n + b].abs()).sum());
-    for a in 0..n {
-        for b in 0..n {
-            block[a * n + b] = match (dominates, a == b) {
-                (true, _) => cut[a * n + b],
-                (false, true) => cut[a * n + b].max(0.0),
-                (false, false) => 0.0,
-            };
-        }
-    }
+/// The symmetric part of a block of contact with its principal values from zero to `firm`: what is beyond is cut off,
+/// and so is what friction makes indefinite.
+pub(super) fn cut(block: &[f64], firm: f64, n: usize) -> Vec<f64> {
+    let entry = |i: usize, j: usize| if i < n && j < n { block[i * n + j] } else { 0.0 };
+    let axes = Sym::from_fn(3, |i, j| 0.5 * (entry(i, j) + entry(j, i))).principal_axes();
+    let part = |i: usize, j: usize| axes.iter().map(|(value, v)| value.clamp(0.0, firm) * v[i] * v[j]).sum();
+    (0..n * n).map(|k| part(k / n, k % n)).collect()
 }
 
 /// The matrix on the unknowns, with the diagonal alone at the other degrees of freedom.

@@ -13,7 +13,6 @@ use faer::{Mat, prelude::Solve};
 use super::precondition::{AXES, Body, in_basis};
 use crate::linalg::condensed::Entry;
 use crate::linalg::error::SolveError;
-use crate::linalg::turn::Turn;
 use crate::tensor::Point;
 
 /// Whether entries couple different nodes of `n` degrees of freedom each.
@@ -25,9 +24,8 @@ pub(super) fn couples(entries: &[Entry], n: usize) -> bool {
 #[derive(Debug)]
 pub(super) struct Surface {
     dofs: Vec<u32>,
+    matrix: SparseColMat<usize, f64>,
     factors: Lu<usize, f64>,
-    entries: Vec<Entry>,
-    free: Vec<bool>,
 }
 
 impl Surface {
@@ -66,56 +64,23 @@ impl Surface {
         // On one thread: sums of several would be taken in another order.
         let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|_| singular())?;
         let factors = pool.install(|| matrix.sp_lu()).map_err(|_| singular())?;
-        Ok(Surface { dofs, factors, entries: entries.to_vec(), free: body.free.to_vec() })
+        Ok(Surface { dofs, matrix, factors })
     }
 
-    /// Adds (K + J)⁻¹ r on the surface to x.
-    fn add_solution(&self, r: &[f64], x: &mut [f64]) {
+    /// (K + J)⁻¹ r on the surface, by degree of freedom.
+    pub fn solution(&self, r: &[f64]) -> Vec<(u32, f64)> {
         let right = Mat::from_fn(self.dofs.len(), 1, |i, _| r[self.dofs[i] as usize]);
         let solved = self.factors.solve(&right);
-        for (i, &dof) in self.dofs.iter().enumerate() {
-            x[dof as usize] += solved[(i, 0)];
-        }
+        self.dofs.iter().enumerate().map(|(i, &dof)| (dof, solved[(i, 0)])).collect()
     }
 
-    /// r − (K + J) x on the free degrees of freedom, in the bases of `turns`.
-    fn rest(&self, body_product: impl Fn(&[f64]) -> Vec<f64>, turns: &[Turn], r: &[f64], x: &[f64]) -> Vec<f64> {
-        let mut straight = x.to_vec();
-        for turn in turns {
-            turn.back(&mut straight);
+    /// (K + J) x on the surface, by degree of freedom.
+    pub fn load(&self, x: &[f64]) -> Vec<(u32, f64)> {
+        let mut load = vec![0.0; self.dofs.len()];
+        for (j, &dof) in self.dofs.iter().enumerate() {
+            let column = self.matrix.row_idx_of_col(j).zip(self.matrix.val_of_col(j));
+            column.for_each(|(i, value)| load[i] += value * x[dof as usize]);
         }
-        let mut product = body_product(&straight);
-        for turn in turns {
-            turn.forward(&mut product);
-        }
-        for &(i, j, value) in &self.entries {
-            product[i as usize] += value * x[j as usize];
-        }
-        let of = |((r, product), free): ((&f64, &f64), &bool)| if *free { r - product } else { 0.0 };
-        r.iter().zip(&product).zip(&self.free).map(of).collect()
-    }
-
-    /// The surface, the body by `cycle`, and the surface again: a symmetric operator where J is symmetric.
-    pub fn apply(
-        &self,
-        product: impl Fn(&[f64]) -> Vec<f64>,
-        cycle: impl Fn(&[f64]) -> Vec<f64>,
-        turns: &[Turn],
-        r: &[f64],
-    ) -> Vec<f64> {
-        let mut x = vec![0.0; r.len()];
-        self.add_solution(r, &mut x);
-        let mut rest = self.rest(&product, turns, r, &x);
-        for turn in turns {
-            turn.back(&mut rest);
-        }
-        let mut change = cycle(&rest);
-        for turn in turns {
-            turn.forward(&mut change);
-        }
-        x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
-        let rest = self.rest(&product, turns, r, &x);
-        self.add_solution(&rest, &mut x);
-        x
+        self.dofs.iter().copied().zip(load).collect()
     }
 }
