@@ -179,6 +179,9 @@ fn done(summary: &Summary, out: &Path, common: &Common) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Relative residual above which what is left of a step is more than round-off.
+const ROUND_OFF: f64 = 1e-5;
+
 /// What to do about a run that has ended early.
 fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
@@ -194,6 +197,9 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
         summary.units.exact(summary.time, Measure::Time)
     );
     Some(match error {
+        RunError::Step { source: StepError::Residual { residual, .. }, .. } if *residual > ROUND_OFF => format!(
+            "{kept}; nothing holds the body against the load: it slides or turns without resistance; give it a support, a spring or friction that is strong enough, or a density, with which it moves"
+        ),
         RunError::Step { source: StepError::Residual { .. }, .. } => format!(
             "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
         ),

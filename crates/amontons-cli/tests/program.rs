@@ -289,3 +289,22 @@ fn a_folder_that_cannot_be_written_is_named() {
     assert_code(&printed, 4);
     assert_eq!(json(&printed)["error"]["exit_code"], 4);
 }
+
+/// A body that only contact without friction holds against a load along it: the load is named, not round-off.
+#[test]
+fn a_body_that_slides_without_resistance_is_told_apart_from_round_off() {
+    let folder = tempdir().expect("a folder");
+    let file = folder.path().join("slide.toml");
+    let case = "name = \"slide\"\n[mesh]\nkind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 4\n[time]\nend = 1.0\nsteps = 2\n\
+        [material]\ndensity = 0\n\
+        elasticity = { law = \"isotropic\", young = 10.0, poisson = 0.3, stress_state = \"plane-strain\" }\n\
+        [load]\nbody_force = [0.5, -1.0]\n[contact]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n\
+        [[boundary]]\non = \"left\"\ndisplacement = [\"free\", 0]\n";
+    fs::write(&file, case).expect("a file");
+    for solver in ["direct", "iterative"] {
+        let (out, set) = (folder.path().join(solver).display().to_string(), format!("solver.solver=\"{solver}\""));
+        let printed = output(&mut amontons(&["run", &file.display().to_string(), "--out", &out, "--set", &set]));
+        assert_code(&printed, 3);
+        assert!(stderr(&printed).contains("it slides or turns without resistance"), "{}", stderr(&printed));
+    }
+}

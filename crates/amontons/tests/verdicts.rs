@@ -5,6 +5,7 @@
 
 mod common;
 
+use amontons::case::{self, Source};
 use amontons::hypotheses::{Finding, findings, full};
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme};
@@ -171,6 +172,20 @@ fn where_contact_is_called_impossible_it_does_not_occur() {
         let [force, _, reached] = effect(&near);
         assert!(force == 0.0 && reached <= bound, "{overrides:?}: force {force:e}, u_ν = {reached:e}, bound {bound:e}");
     }
+}
+
+/// The condition on the step of a case without heat does not ask for an equation of heat.
+#[test]
+fn a_case_without_heat_has_a_condition_on_the_step() {
+    let text = "name = 'cold'\n[mesh]\nkind = 'rectangle'\nsize = [1.0, 1.0]\nn = 4\n[time]\nend = 1.0\nsteps = 64\n\
+        [material]\ndensity = 1.0\nelasticity = { law = 'isotropic', young = 10.0, poisson = 0.3, stress_state = 'plane-strain' }\n\
+        viscosity = { law = 'lame', first = 1.0, second = 1.0 }\n\
+        [[boundary]]\non = 'top'\ndisplacement = [0, 0]\n\
+        [contact]\non = 'bottom'\nnormal = { law = 'compliance', stiffness = 10 }\n\
+        friction = { law = 'coulomb', coefficient = 0.1 }\n";
+    let problem = case::parse(&Source::new("cold.toml", text), &[]).unwrap_or_else(|error| panic!("{error}")).problem;
+    let finding = find(&problem, "time-step");
+    assert!(finding.holds(), "{}", finding.message);
 }
 
 /// Models and whether Theorem 1 speaks of them.

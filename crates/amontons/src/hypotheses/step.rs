@@ -134,6 +134,9 @@ impl<'a> Step<'a> {
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
     fn heat_is_definite(&self, k: f64) -> Result<bool, SolveError> {
+        if !self.problem.physics.has_heat() {
+            return Ok(true);
+        }
         let matrix = self.discrete.thermal_matrix(Rule::backward_euler(k));
         is_positive_definite(self.problem, &self.discrete.q, &matrix, matrix.clone())
     }
