@@ -10,7 +10,9 @@ pub use coefficient::{Coefficient, InSpace, Thermal};
 pub use graded::{Graded, Instance};
 pub use table::{TableError, TimeTable};
 pub use thermal::TemperatureTable;
-pub(crate) use thermal::{common, reference};
+#[cfg(feature = "case")]
+pub(crate) use thermal::common;
+pub(crate) use thermal::reference;
 
 use std::fmt;
 use std::sync::Arc;

@@ -118,6 +118,7 @@ pub(crate) fn reference(temperatures: &[f64]) -> f64 {
 }
 
 /// The temperatures of several lists together, as far as all of them reach; empty if they have none in common.
+#[cfg(feature = "case")]
 pub(crate) fn common<'a>(lists: impl Iterator<Item = &'a [f64]> + Clone) -> Vec<f64> {
     let first = lists.clone().filter_map(|list| list.first().copied()).fold(f64::NEG_INFINITY, f64::max);
     let last = lists.clone().filter_map(|list| list.last().copied()).fold(f64::INFINITY, f64::min);
