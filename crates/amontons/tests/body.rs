@@ -6,18 +6,8 @@ mod common;
 use std::sync::Arc;
 
 use amontons::material::{Carreau, Hencky, Isotropic, ShearLaw, StressState, TensorLaw, VonMisesProjection, reduced};
-use amontons::output::Memory;
-use amontons::problem::Problem;
-use amontons::run::{self, Settings};
 use amontons::scheme::State;
-use common::{changed, checked, largest, paper, rod};
-
-fn solve(problem: &Problem) -> Memory {
-    let mut memory = Memory::new().states_every(1).reports();
-    let settings = Settings { certificate: false, ..Settings::default() };
-    run::run(problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
-    memory
-}
+use common::{changed, checked, largest, paper, rod, solve};
 
 fn hencky(bulk: f64, shear: impl ShearLaw + 'static, state: StressState) -> Arc<dyn TensorLaw> {
     reduced(Hencky::new(bulk, shear).expect("constants"), 2, state)

@@ -15,11 +15,11 @@ use amontons::linalg::dot;
 use amontons::mesh::{FacetBlock, FacetSet};
 use amontons::output::Memory;
 use amontons::problem::Problem;
-use amontons::run::{self, Settings, with_threads};
+use amontons::run::with_threads;
 use amontons::scheme::{BackwardEuler, Scheme, State, StepError, StepReport};
 use amontons::tensor::{self, Point};
 use amontons::verify::BENCHMARKS;
-use common::{checked, largest};
+use common::{checked, largest, solve};
 
 /// Units of length, time, mass and temperature in which a case is written.
 type Units = [f64; 4];
@@ -116,13 +116,6 @@ fn problem(text: &str, overrides: &[String]) -> Problem {
 fn benchmark(name: &str, overrides: &[String]) -> Problem {
     let (_, text) = BENCHMARKS.iter().find(|(known, _)| *known == name).expect("a benchmark");
     problem(text, overrides)
-}
-
-fn solve(problem: &Problem) -> Memory {
-    let mut memory = Memory::new().states_every(1).reports();
-    let settings = Settings { certificate: false, ..Settings::default() };
-    run::run(problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
-    memory
 }
 
 /// Steps with what was before and after, and the report.

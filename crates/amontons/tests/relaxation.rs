@@ -8,19 +8,11 @@ use std::sync::Arc;
 use amontons::field::Coefficient;
 use amontons::material::{Dilatation, Isotropic, Prony, StressState, TensorLaw};
 use amontons::mesh::{Diagonal, Elements, Mesh};
-use amontons::output::{Memory, cell_values, nodal_stress};
+use amontons::output::{cell_values, nodal_stress};
 use amontons::problem::{BoundaryCondition, Problem};
-use amontons::run::{self, Settings};
 use amontons::scheme::State;
 use amontons::tensor::{Point, Sym};
-use common::{case, changed, checked, largest, paper, rod};
-
-fn solve(problem: &Problem) -> Memory {
-    let mut memory = Memory::new().states_every(1).reports();
-    let settings = Settings { certificate: false, ..Settings::default() };
-    run::run(problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
-    memory
-}
+use common::{case, changed, checked, largest, paper, rod, solve};
 
 fn last(problem: &Problem) -> State {
     solve(problem).states.pop().expect("a state")

@@ -5,8 +5,9 @@
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case, Source};
+use amontons::output::Memory;
 use amontons::problem::{BoundaryCondition, Problem, ProblemData};
-use amontons::run::Settings;
+use amontons::run::{self, Settings};
 use amontons::scheme::{BackwardEuler, Scheme, State};
 use amontons::verify::{Verdict, verify_case};
 
@@ -143,6 +144,14 @@ pub fn rod(steps: usize, pull: f64) -> ProblemData {
     problem.boundary = vec![roller("left", 1), roller("bottom", 0), pulled];
     problem.contacts.clear();
     problem
+}
+
+/// A run with every state and report, without a certificate.
+pub fn solve(problem: &Problem) -> Memory {
+    let mut memory = Memory::new().states_every(1).reports();
+    let settings = Settings { certificate: false, ..Settings::default() };
+    run::run(problem, &settings, &mut [&mut memory]).unwrap_or_else(|error| panic!("{error}"));
+    memory
 }
 
 /// Runs all cases of a folder; every value of their `[expected]` and `[verify]` holds. The number of cases that have
