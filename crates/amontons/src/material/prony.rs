@@ -109,9 +109,34 @@ fn scaled(mut map: SymMap, factor: f64) -> SymMap {
     map
 }
 
+/// A spring at a point, with the constants that it has on the strains of its body.
+#[derive(Debug)]
+struct Spring {
+    modulus: SymMap,
+    constants: Constants,
+}
+
+impl TensorLaw for Spring {
+    fn value(&self, _x: &Point, xi: &Sym) -> Sym {
+        self.modulus.apply(xi)
+    }
+    fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
+        self.modulus
+    }
+    fn is_linear(&self) -> bool {
+        true
+    }
+    fn constants(&self) -> Constants {
+        self.constants
+    }
+}
+
 /// The spring at a point whose modulus is `ratio` times that of a linear law.
 fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
-    Arc::new(Branch::new(scaled(law.tangent(x, &Sym::ZERO), ratio), f64::INFINITY))
+    let Constants { monotonicity, lipschitz } =
+        law.graded().map_or_else(|| law.constants(), |graded| graded.at(x).constants());
+    let constants = Constants { monotonicity: ratio * monotonicity, lipschitz: ratio * lipschitz };
+    Arc::new(Spring { modulus: scaled(law.tangent(x, &Sym::ZERO), ratio), constants })
 }
 
 /// The least and the largest value over points; not a number if one is not.

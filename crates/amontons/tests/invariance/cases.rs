@@ -119,6 +119,10 @@ fn graded(name: &'static str, case: Case) -> Case {
         ("heat_capacity = <J/m3K|1>", "heat_capacity = <J/m3K|1 + 0.3*Y>"),
         ("young = <Pa|20>, poisson = 0.3", "young = <Pa|20 + 8*X*Y>, poisson = <1|0.3 - 0.1*X>"),
         ("first = <Pas|0.3>, second = <Pas|0.5>", "first = <Pas|0.3 + 0.1*Y>, second = <Pas|0.5 + 0.2*X>"),
+        (
+            "[load]\n",
+            "prony = [{ ratio = <1|0.5 + 0.2*X>, time = <s|0.1 + 0.2*Y> }, { ratio = 0.3, time = <s|0.2> }]\n[load]\n",
+        ),
         ("stiffness = <Pa/m|1e4>", "stiffness = <Pa/m|1e4*(1 + X)>"),
         ("coefficient = 0.2", "coefficient = <1|0.2 + 0.1*X + 0.1*T>"),
         ("conductance = <W/m2K|1>, width = <m|1e-4>", "conductance = <W/m2K|1 + X*T>, width = <m|1e-4*(1 + X)>"),
