@@ -98,6 +98,11 @@ impl Linear {
         Linear::of_map(&mandel(&voigt), orientation, dim, state)
     }
 
+    /// A map on the strains of a body, in Pa or Pa s, with the constants that it has there.
+    pub(super) fn with_constants(map: SymMap, constants: Constants) -> Linear {
+        Linear { map, constants }
+    }
+
     fn of_map(material: &SymMap, orientation: &Rotation, dim: usize, state: StressState) -> Result<Linear, LawError> {
         let eigenvalues = material.eigenvalues(3);
         let (least, most) = (eigenvalues[0], eigenvalues[5]);

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Constants, LawError, TensorLaw, in_range};
+use super::{Constants, LawError, Linear, TensorLaw, in_range};
 use crate::field::{Coefficient, Graded};
 use crate::tensor::{Point, Sym, SymMap};
 
@@ -109,41 +109,20 @@ fn scaled(mut map: SymMap, factor: f64) -> SymMap {
     map
 }
 
-/// A spring at a point, with the constants that it has on the strains of its body.
-#[derive(Debug)]
-struct Spring {
-    modulus: SymMap,
-    constants: Constants,
-}
-
-impl TensorLaw for Spring {
-    fn value(&self, _x: &Point, xi: &Sym) -> Sym {
-        self.modulus.apply(xi)
-    }
-    fn tangent(&self, _x: &Point, _xi: &Sym) -> SymMap {
-        self.modulus
-    }
-    fn is_linear(&self) -> bool {
-        true
-    }
-    fn constants(&self) -> Constants {
-        self.constants
-    }
-}
-
 /// The spring at a point whose modulus is `ratio` times that of a linear law.
 fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
     let Constants { monotonicity, lipschitz } =
         law.graded().map_or_else(|| law.constants(), |graded| graded.at(x).constants());
     let constants = Constants { monotonicity: ratio * monotonicity, lipschitz: ratio * lipschitz };
-    Arc::new(Spring { modulus: scaled(law.tangent(x, &Sym::ZERO), ratio), constants })
+    Arc::new(Linear::with_constants(scaled(law.tangent(x, &Sym::ZERO), ratio), constants))
 }
 
-/// The least and the largest value over points; not a number if one is not.
+/// The least and the largest value over points, of none at the origin; not a number if one is not.
 fn bounds(coefficient: &Coefficient<f64>, points: &[Point]) -> [f64; 2] {
     if let Some(value) = coefficient.constant() {
         return [value; 2];
     }
+    let points = if points.is_empty() { &[[0.0; 3]] } else { points };
     points.iter().map(|x| coefficient.at(x)).fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
         if (least + value).is_nan() { [f64::NAN; 2] } else { [least.min(value), most.max(value)] }
     })

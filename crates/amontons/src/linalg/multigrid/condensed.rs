@@ -12,8 +12,8 @@ use crate::linalg::stop::Stop;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 
-/// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps a vector
-/// of each, [`NUMBERS`] in all where that is not too few.
+/// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps two
+/// vectors of each, and makes no more than have [`NUMBERS`] entries, where that is not too few.
 const PRODUCTS: [usize; 2] = [60, 400];
 const NUMBERS: usize = 1 << 24;
 const LOOKS: usize = 10;

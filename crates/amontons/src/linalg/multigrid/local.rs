@@ -2,7 +2,9 @@
 //!
 //! Where contact holds a point, J is 2²⁷ times as stiff as K, and so large are the residual and the right-hand side
 //! there: beside them nothing else would count. A residual is therefore measured by the displacement that it means,
-//! (K + J)⁻¹ r on what contact touches, times the stiffness of K. And what an iteration leaves there is solved once
+//! L r on what contact touches, times the stiffness of K. L is (K + J)⁻¹ there where contact couples nodes, and node by
+//! node otherwise, with the block of K and half of what joins the node to others: K is at most twice these blocks, so
+//! that no solution overshoots so far that the preconditioner would be indefinite. And what an iteration leaves there is solved once
 //! more at its end, so that the forces of contact, which are made of J x, are as accurate as x.
 
 use std::collections::BTreeMap;
@@ -39,7 +41,7 @@ enum Solver {
     Surface(Box<Surface>),
 }
 
-/// The block of K + J of a node over its degrees of freedom that are unknown, and its inverse.
+/// The block of L⁻¹ of a node over its degrees of freedom that are unknown, and its inverse.
 #[derive(Debug)]
 struct Node {
     number: u32,
@@ -73,7 +75,7 @@ impl Local {
         Ok(Local { solver, entries, turns, nodes, reach, free })
     }
 
-    /// (K + J)⁻¹ r on what contact touches, by degree of freedom.
+    /// L r, by degree of freedom.
     pub fn solution(&self, r: &[f64]) -> Vec<(u32, f64)> {
         match &self.solver {
             Solver::Surface(surface) => surface.solution(r),
@@ -81,7 +83,7 @@ impl Local {
         }
     }
 
-    /// (K + J) x on what contact touches, by degree of freedom.
+    /// L⁻¹ x, by degree of freedom.
     pub fn load(&self, x: &[f64]) -> Vec<(u32, f64)> {
         match &self.solver {
             Solver::Surface(surface) => surface.load(x),
@@ -168,8 +170,6 @@ fn node_of(body: &Body, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) 
     let (n, _) = body.matrix.block_shape();
     let own = in_basis(&block_of(body.matrix, node, n), [basis.unwrap_or(&AXES); 2], n, true);
     let free = |c: usize| body.free[node * n + c];
-    // K is at most twice the blocks with half of what joins the node to others: no solution node by node overshoots so
-    // far that the preconditioner would be indefinite.
     let others = body.matrix.row(node).filter(|(j, _)| *j != node);
     let beside: f64 = others.map(|(_, entries)| entries.iter().map(|e| e * e).sum::<f64>().sqrt()).sum();
     let sum_with = |block: &[f64]| {
