@@ -45,8 +45,9 @@ pub trait Condensed: Debug + Send + Sync {
     }
 
     /// Solves (S + J) x = b in place, J the sum of the entries, until the residual is nearly `enough` times that of
-    /// x = 0; a backend with a factor leaves what its round-off leaves. Where J is much stiffer than S a residual counts
-    /// as the displacement that it means, times the stiffness of S: it would hide those of the other unknowns.
+    /// x = 0; a backend with a factor leaves what its round-off leaves. Where J is much stiffer than S, a residual
+    /// counts as the displacement that it means, times the stiffness of S: otherwise it would hide the residuals of
+    /// the other unknowns.
     ///
     /// # Errors
     /// [`SolveError::Singular`] where a solution leaves much of b, as that of a singular matrix does; another one when

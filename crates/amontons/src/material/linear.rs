@@ -99,8 +99,8 @@ impl Linear {
     }
 
     /// A map on the strains of a body, in Pa or Pa s, with the constants that it has there.
-    pub(super) fn with_constants(map: SymMap, constants: Constants) -> Linear {
-        Linear { map, constants }
+    pub(super) fn with_constants(map: &SymMap, constants: Constants) -> Linear {
+        Linear { map: *map, constants }
     }
 
     fn of_map(material: &SymMap, orientation: &Rotation, dim: usize, state: StressState) -> Result<Linear, LawError> {

@@ -114,7 +114,7 @@ fn spring(law: &dyn TensorLaw, x: &Point, ratio: f64) -> Arc<dyn TensorLaw> {
     let Constants { monotonicity, lipschitz } =
         law.graded().map_or_else(|| law.constants(), |graded| graded.at(x).constants());
     let constants = Constants { monotonicity: ratio * monotonicity, lipschitz: ratio * lipschitz };
-    Arc::new(Linear::with_constants(scaled(law.tangent(x, &Sym::ZERO), ratio), constants))
+    Arc::new(Linear::with_constants(&scaled(law.tangent(x, &Sym::ZERO), ratio), constants))
 }
 
 /// The least and the largest value over points, of none at the origin; not a number if one is not.

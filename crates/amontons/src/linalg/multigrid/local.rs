@@ -2,10 +2,10 @@
 //!
 //! Where contact holds a point, J is 2²⁷ times as stiff as K, and so large are the residual and the right-hand side
 //! there: beside them nothing else would count. A residual is therefore measured by the displacement that it means,
-//! L r on what contact touches, times the stiffness of K. L is (K + J)⁻¹ there where contact couples nodes, and node by
-//! node otherwise, with the block of K and half of what joins the node to others: K is at most twice these blocks, so
-//! that no solution overshoots so far that the preconditioner would be indefinite. And what an iteration leaves there is solved once
-//! more at its end, so that the forces of contact, which are made of J x, are as accurate as x.
+//! L r on what contact touches, times the stiffness of K. L is (K + J)⁻¹ there where contact couples nodes, and node
+//! by node otherwise, with the block of K and half of what joins the node to others: K is at most twice these blocks,
+//! so that no solution overshoots so far that the preconditioner would be indefinite. And what an iteration leaves
+//! there is solved once more at its end, so that the forces of contact, which are made of J x, are as accurate as x.
 
 use std::collections::BTreeMap;
 
