@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
 use amontons::expression::Expression;
-use amontons::mesh::{gmsh, vtu};
+use amontons::mesh::{gmsh, inp, vtu};
 use amontons::output::{Checkpoint, Folder, FolderOptions};
 use amontons::plot;
 use amontons::run::{self, Settings};
@@ -48,13 +48,54 @@ heat = { law = "ramp", conductance = 1.0, width = 1e-3, foundation_temperature =
 every = 1
 "#;
 
+/// A model of two turned instances of a part, with sets and surfaces of every kind.
+const MODEL: &str = "\
+*HEADING
+two bars
+*PART, NAME=BAR
+*NODE, NSET=ALL
+1, 0., 0.
+2, 1., 0.
+3, 1., 1.
+4, 0., 1.
+5, 2., 0.
+6, 2., 1.
+*ELEMENT, TYPE=CPE4, ELSET=BODY
+1, 1, 2, 3, 4
+2, 2, 5, 6, 3
+*NSET, NSET=LOW, GENERATE
+1, 2, 1
+*ELSET, ELSET=ENDS
+1, 2
+*SOLID SECTION, ELSET=BODY, MATERIAL=STEEL
+*END PART
+*ASSEMBLY, NAME=BOTH
+*INSTANCE, NAME=A, PART=BAR
+*END INSTANCE
+*INSTANCE, NAME=B, PART=BAR
+0., 3., 0.
+0., 3., 0., 0., 3., 1., 90.
+*END INSTANCE
+*NSET, NSET=HELD, INSTANCE=A
+LOW, 5
+*SURFACE, NAME=TOP, TYPE=ELEMENT
+A.BODY, S3
+B.1, S1
+*SURFACE, NAME=POINTS, TYPE=NODE
+A.LOW,
+*END ASSEMBLY
+*STEP
+*STATIC
+*END STEP
+";
+
 /// Bytes before and behind the body of a checkpoint.
 const HEADER: usize = 16 + 4 + 32 + 8;
 const HASH: usize = 32;
 
 /// Names of the readers.
 pub fn names() -> Vec<&'static str> {
-    vec!["case", "override", "expression", "table", "gmsh", "vtu", "checkpoint", "results"]
+    vec!["case", "override", "expression", "table", "gmsh", "inp", "vtu", "checkpoint", "results"]
 }
 
 /// A reader with what it needs.
@@ -69,6 +110,7 @@ enum Kind {
     Expression,
     Table,
     Gmsh,
+    Inp,
     Vtu,
     Checkpoint {
         case: Box<Case>,
@@ -102,6 +144,7 @@ impl Target {
             ),
             "table" => (Kind::Table, texts(&["t,f\n0,1\n1,2\n", "0;1\n1;2", "# c\n\"t\"\tf\n0\t1\n", "0 1\n1 2\n"])),
             "gmsh" => (Kind::Gmsh, meshes("msh")),
+            "inp" => (Kind::Inp, [meshes("inp"), texts(&[MODEL])].concat()),
             "vtu" => (Kind::Vtu, meshes("vtu")),
             "checkpoint" => {
                 let (folder, case) = small_run(name)?;
@@ -136,6 +179,17 @@ impl Target {
             Kind::Gmsh => ["$Nodes\n", "$EndNodes\n", "$Elements\n", "$Entities\n", "$PhysicalNames\n", "4.1 1 8\n"]
                 .map(str::to_owned)
                 .to_vec(),
+            Kind::Inp => [
+                "*NODE\n",
+                "*ELEMENT, TYPE=C3D20\n",
+                "*NSET, NSET=",
+                "*ELSET, ELSET=",
+                ", GENERATE\n",
+                ", INSTANCE=A",
+                "S6\n",
+            ]
+            .map(str::to_owned)
+            .to_vec(),
             Kind::Vtu => [
                 "<DataArray type=\"UInt8\" format=\"appended\" offset=\"0\">",
                 "NumberOfPoints=\"4294967295\"",
@@ -173,6 +227,7 @@ impl Target {
                 told(case::parse(&Source { files: Files::Memory(files), ..Source::new("case", case) }, &[]))
             }
             Kind::Gmsh => told(gmsh::parse(bytes).map(|mesh| mesh.cell_count())),
+            Kind::Inp => told(inp::parse(bytes).map(|read| read.mesh.cell_count())),
             Kind::Vtu => told(vtu::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Checkpoint { case, folder } => checkpoint(case, folder, bytes),
             Kind::Results { folder, files, sound } => results(folder, files, sound, bytes),
