@@ -9,6 +9,7 @@ mod targets;
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::panic::{self, AssertUnwindSafe};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -23,6 +24,8 @@ use targets::{Target, names};
 const PATIENCE: Duration = Duration::from_secs(1);
 /// Longest time by the clock, for an input that waits.
 const WAITING: Duration = Duration::from_secs(20);
+/// Kinds of outcomes that are remembered: some hundred, but for messages that have words of the input in them.
+const KNOWN: usize = 1 << 20;
 /// How often the watchdog looks.
 const GLANCE: Duration = Duration::from_millis(100);
 /// Longest input: longer ones say nothing that shorter ones do not.
@@ -190,7 +193,8 @@ fn feed(name: &str, arguments: &Arguments) -> ExitCode {
         longest = longest.max(processor_time().saturating_sub(started));
         count += 1;
         READ.store(count, Ordering::Relaxed);
-        if outcomes.insert(signature(&outcome)) && corpus.len() < KEPT {
+        let is_new = outcomes.len() < KNOWN && outcomes.insert(signature(&outcome));
+        if is_new && corpus.len() < KEPT {
             corpus.push(input);
         }
     }
@@ -216,12 +220,14 @@ fn read_one(target: &mut Target, input: &Path) -> ExitCode {
     }
 }
 
-/// What is alike in messages about other numbers and names: their letters outside quotes.
-fn signature(outcome: &str) -> String {
+/// What is alike in messages about other numbers and names, their letters outside quotes, as a number.
+fn signature(outcome: &str) -> u64 {
     let mut quoted = false;
     let letters = outcome.chars().filter(|c| {
         quoted ^= matches!(c, '"' | '`');
         !quoted && (c.is_alphabetic() || *c == ' ')
     });
-    letters.take(200).collect()
+    let mut hash = DefaultHasher::new();
+    letters.take(200).for_each(|letter| letter.hash(&mut hash));
+    hash.finish()
 }
