@@ -1,5 +1,5 @@
-"""Reads fields.pvd and its .vtu files with another program, meshio, and with VTK's own reader where it is
-installed, and compares them with summary.json and history.csv.
+"""Reads fields.pvd and contact.pvd with their .vtu files with another program, meshio, and with VTK's own reader where
+it is installed, and compares them with summary.json, history.csv and contact.csv.
 
     python tests/read_fields.py RESULTS
 """
@@ -117,6 +117,36 @@ def check_last(read, path, summary, fields):
     return sorted(types)
 
 
+def check_contact(read, path, table, manifest):
+    """The sides of contact against the table of the contact points."""
+    points, connectivity, _, at_points, in_cells = read(path)
+    with open(table, newline="") as file:
+        rows = list(csv.DictReader(file))
+    numbers = {name: np.array([float(row[name] or 0.0) for row in rows]) for name in rows[0] if name not in ("node", "status", "side")}
+    on_sides = {}
+    for number, cell in zip(in_cells["side"], (cell for block in connectivity for cell in block)):
+        on_sides.setdefault(int(number), set()).update(int(node) for node in cell)
+    assert sorted(on_sides) == list(range(len(manifest["sides"]))), f"{path}: sides {sorted(on_sides)}"
+    for number, nodes in on_sides.items():
+        nodes, name = sorted(nodes), manifest["sides"][number]
+        own = [i for i, row in enumerate(rows) if row["side"] == name]
+        if not own:
+            # The side that faces another one: what acts on this acts back on it.
+            continue
+        weight = at_points["weight"][nodes]
+        close(f"area of {name}", weight.sum(), numbers["weight"][own].sum())
+        close(f"force on {name}", (weight * at_points["pressure"][nodes]).sum(), (numbers["weight"] * numbers["pressure"])[own].sum())
+        if len(own) == len(nodes):
+            place = {tuple(points[node]): node for node in nodes}
+            at = [place[tuple(float(rows[i].get(axis) or 0.0) for axis in "xyz")] for i in own]
+            for column, array in (("pressure", "pressure"), ("temperature", "temperature"), ("heat_flux", "heat_flux"), ("wear", "wear")):
+                if array in at_points and numbers[column][own].any():
+                    close(f"{column} on {name}", at_points[array][at], numbers[column][own])
+            close(f"gap on {name}", at_points["gap"][at], -numbers["penetration"][own])
+            words = ["open", "stick", "slip"]
+            assert [words[int(code)] for code in at_points["status"][at]] == [rows[i]["status"] for i in own], f"status on {name}"
+
+
 def main(folder):
     summary = json.loads((folder / "summary.json").read_text())
     fields = tomllib.loads((folder / "case.toml").read_text()).get("output", {}).get("fields", ["stress"])
@@ -138,6 +168,14 @@ def main(folder):
         for _, path in sets:
             read(path)
         types = check_last(read, sets[-1][1], summary, fields)
+    surfaces = folder / "contact.pvd"
+    if surfaces.exists():
+        manifest = json.loads((folder / "manifest.json").read_text())
+        files = [folder / entry.get("file") for entry in xml.parse(surfaces).getroot().iter("DataSet")]
+        for read in readers:
+            for path in files:
+                check_contact(read, path, path.with_suffix(".csv"), manifest)
+        print(f"{len(files)} files of contact, as contact/*.csv says")
     print(f"{len(sets)} files of fields with cells {', '.join(types)} read by {' and '.join(r.__name__.removeprefix('with_') for r in readers)}, as summary.json says")
 
 

@@ -70,7 +70,7 @@ fn a_module_uses_only_those_before_it() {
         };
         let text = fs::read_to_string(&file).expect("a source file");
         // Tests may use anything.
-        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        let code = text.split("\nmod tests").next().unwrap_or_default();
         for (number, line) in code.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")) {
             for used in line.split("crate::").skip(1) {
                 let name: String = used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
@@ -127,7 +127,7 @@ fn uses(folder: &Path, root: &str) -> BTreeMap<String, BTreeSet<String>> {
         }
         for file in files.iter().filter(|file| name(file) != "tests") {
             let text = fs::read_to_string(file).expect("a source file");
-            let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+            let code = text.split("\nmod tests").next().unwrap_or_default();
             let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
             // A list of names may take several lines.
             let code = code.join(" ");

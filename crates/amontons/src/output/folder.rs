@@ -17,6 +17,7 @@ use super::{
     FolderLock, Identity, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary,
     checkpoint, manifest,
 };
+use super::{surface, vtu};
 use crate::machine;
 use crate::problem::Problem;
 use crate::units::Measure;
@@ -116,8 +117,9 @@ pub struct Folder {
     probes: Option<(ProbeSet, Rows)>,
     /// The recovery of stresses on the mesh of the run, from its first snapshot on.
     recovery: Option<StressRecovery>,
-    /// Time and file of the field snapshots.
+    /// Time and file of the field snapshots, and of the sides of contact.
     snapshots: Vec<(f64, String)>,
+    surfaces: Vec<(f64, String)>,
     last_checkpoint: LastCheckpoint,
     /// What a user has to know about what was found in the folder.
     notes: Vec<String>,
@@ -225,6 +227,7 @@ impl Folder {
             probes: None,
             recovery: None,
             snapshots: Vec::new(),
+            surfaces: Vec::new(),
             last_checkpoint: LastCheckpoint { step: None, at: Instant::now(), took: Duration::ZERO, first: 0 },
             notes: Vec::new(),
             _lock: lock,
@@ -277,19 +280,28 @@ impl Folder {
         }
         let written = write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
         self.manifest.list(&file, Some(written));
-        if !now.problem.contacts.is_empty() && now.report.is_some() {
+        if let Some(report) = now.report.filter(|_| !now.problem.contacts.is_empty()) {
             create_folder(&root.join(CONTACT))?;
-            let name = contact_file(now.state.step);
-            let written = write_contact(&root.join(&name), now)?;
-            self.manifest.list(&name, Some(written));
+            let (table, sides) = (contact_file(now.state.step), surface_file(now.state.step));
+            let written = write_contact(&root.join(&table), now)?;
+            self.manifest.list(&table, Some(written));
+            let written = surface::write(&root.join(&sides), now, &report.contact)?;
+            self.manifest.list(&sides, Some(written));
+            self.surfaces.push((now.state.t, sides));
         }
         self.snapshots.push((now.state.t, file));
-        self.write_collection()
+        self.write_collections()
     }
 
-    fn write_collection(&mut self) -> Result<(), OutputError> {
-        let written = write_collection(&self.root().join("fields.pvd"), &self.snapshots)?;
-        self.manifest.list("fields.pvd", Some(written));
+    fn write_collections(&mut self) -> Result<(), OutputError> {
+        for (name, files) in [("fields.pvd", &self.snapshots), ("contact.pvd", &self.surfaces)] {
+            if name != "fields.pvd" && files.is_empty() {
+                remove_file(&self.root().join(name))?;
+            } else {
+                let written = write_collection(&self.root().join(name), files)?;
+                self.manifest.list(name, Some(written));
+            }
+        }
         Ok(())
     }
 
@@ -360,6 +372,8 @@ impl Folder {
         let mut manifest = self.manifest.clone();
         self.list_names(&mut manifest);
         manifest.units(&problem.name, problem.units(), &self.tables(problem));
+        let sides = surface::sides(&problem.contacts).map(|side| side.name.to_owned());
+        manifest.parts(&problem.mesh.regions, sides.collect());
         self.manifest = manifest;
         self.history = Some(Rows::create(root.join(HISTORY), &history_columns(problem))?);
         self.probes = self.probe_rows(problem, |columns| Rows::create(root.join(PROBES), columns))?;
@@ -369,8 +383,8 @@ impl Folder {
         Ok(())
     }
 
-    /// The tables of the run, and what their columns measure where it is known.
-    fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 3] {
+    /// The tables and files for ParaView of the run, and what their columns and arrays measure where it is known.
+    fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 5] {
         let of_points = contact_measures(problem.mesh.dim)
             .into_iter()
             .filter_map(|(name, measure)| Some((name, measure?)))
@@ -381,7 +395,13 @@ impl Folder {
             endings.into_iter().map(move |ending| (format!("{}{ending}", probe.name), measure)).collect::<Vec<_>>()
         };
         let of_probes = std::iter::once(("t".to_owned(), Measure::Time)).chain(probes.flat_map(columns)).collect();
-        [(HISTORY, history_measures(problem)), ("contact.csv", of_points), (PROBES, of_probes)]
+        [
+            (HISTORY, history_measures(problem)),
+            ("contact.csv", of_points),
+            (PROBES, of_probes),
+            ("fields.pvd", vtu::measures()),
+            ("contact.pvd", surface::measures()),
+        ]
     }
 
     /// Brings the files back to the step of the checkpoint.
@@ -438,6 +458,8 @@ impl Folder {
             self.manifest.list(&name, Some(written));
             if name == fields_file(n) {
                 self.snapshots.push((problem.time(n), name));
+            } else if name == surface_file(n) {
+                self.surfaces.push((problem.time(n), name));
             }
         }
         let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n)).map(fields_file);
@@ -445,7 +467,7 @@ impl Folder {
             self.notes.push(format!("{name} of the run before is gone; fields.pvd leaves it out"));
             self.manifest.list(&name, None);
         }
-        self.write_collection()
+        self.write_collections()
     }
 }
 
@@ -457,6 +479,11 @@ fn is_due(every: usize, step: usize) -> bool {
 /// The file of the contact points beside the fields at a step, seen from the results folder.
 pub(crate) fn contact_file(step: usize) -> String {
     format!("{CONTACT}/step_{step:07}.csv")
+}
+
+/// The file of the sides of contact at a step, seen from the results folder.
+fn surface_file(step: usize) -> String {
+    format!("{CONTACT}/step_{step:07}.vtu")
 }
 
 /// The file of the fields at a step, seen from the results folder.

@@ -36,6 +36,11 @@ pub(crate) struct Manifest {
     /// The units of the columns of each table that have one.
     #[serde(default)]
     columns: BTreeMap<String, BTreeMap<String, String>>,
+    /// Names of the regions and of the sides of contact, in the order of their numbers in the files for ParaView.
+    #[serde(default)]
+    regions: Vec<String>,
+    #[serde(default)]
+    sides: Vec<String>,
     start: String,
     end: Option<String>,
     /// One entry each time the run was started or resumed; none before the start.
@@ -119,6 +124,8 @@ impl Manifest {
             threads: 0,
             units: Units::default(),
             columns: BTreeMap::new(),
+            regions: Vec::new(),
+            sides: Vec::new(),
             start: now(),
             end: None,
             sessions: Vec::new(),
@@ -255,6 +262,11 @@ impl Manifest {
         };
         (self.case, self.units) = (case.to_owned(), units);
         self.columns = tables.iter().map(|(name, columns)| ((*name).to_owned(), of(columns))).collect();
+    }
+
+    /// Notes the names of the regions and of the sides of contact, in the order of their numbers.
+    pub fn parts(&mut self, regions: &[String], sides: Vec<String>) {
+        (self.regions, self.sides) = (regions.to_vec(), sides);
     }
 
     /// Notes that the run starts, or goes on, from a step.

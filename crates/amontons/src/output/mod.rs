@@ -30,6 +30,7 @@ mod recovery;
 mod room;
 mod study;
 mod summary;
+mod surface;
 mod vtu;
 
 use std::io;

@@ -15,12 +15,13 @@ use super::{Outcome, OutputError, Summary, checkpoint, manifest};
 use crate::machine;
 
 /// The files that a run may write, but for copies of inputs and snapshots.
-pub(super) const NAMES: [&str; 11] = [
+pub(super) const NAMES: [&str; 12] = [
     "case.toml",
     CERTIFICATE,
     HISTORY,
     PROBES,
     "contact.csv",
+    "contact.pvd",
     "fields.pvd",
     "summary.json",
     checkpoint::FILE,
@@ -28,8 +29,8 @@ pub(super) const NAMES: [&str; 11] = [
     checkpoint::NEWER,
     manifest::FILE,
 ];
-/// The folders of the snapshots, and the ending of the files in each.
-const SNAPSHOTS: [(&str, &str); 2] = [(FIELDS, "vtu"), (CONTACT, "csv")];
+/// The folders of the snapshots, and the endings of the files in each.
+const SNAPSHOTS: [(&str, &str); 3] = [(FIELDS, "vtu"), (CONTACT, "csv"), (CONTACT, "vtu")];
 /// The folders that a run may make.
 const FOLDERS: [&str; 4] = [FIELDS, CONTACT, "checkpoint", INPUTS];
 /// Where a run that replaces another keeps its results until its first step is made.

@@ -2,6 +2,10 @@
 
 use super::{OutputField, Snapshot};
 
+/// Bytes that the sides of contact take for each contact point in a snapshot: 20 numbers at its node, its share of the
+/// facets, and as much again on the other side of a pair.
+const OF_SURFACE: f64 = 2.0 * 32.0 * 8.0 * 4.0 / 3.0;
+
 /// Bytes that the snapshots, checkpoints and rows of a run take.
 ///
 /// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one that is written; three
@@ -25,7 +29,7 @@ pub(super) fn demand(from: &Snapshot, fields: &[OutputField], snapshots: usize, 
     let numbers = nodes * (3.0 + mechanics[0] + heat + at_nodes) + cells * (mechanics[1] + in_cells);
     let grid = 8.0 * (numbers + of_cells as f64) + 13.0 * cells;
     let points = from.discretization.boundary.points.len() as f64;
-    let per_snapshot = grid * 4.0 / 3.0 + points * 300.0;
+    let per_snapshot = grid * 4.0 / 3.0 + points * (300.0 + OF_SURFACE);
     let state = from.state;
     let kept = state.u.len() + state.w.len() + state.theta.len() + state.branches.iter().map(Vec::len).sum::<usize>();
     let checkpoint = 8.0 * kept as f64 + points * 300.0;

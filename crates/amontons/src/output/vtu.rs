@@ -8,6 +8,7 @@ use super::{OutputError, Snapshot, StressRecovery, cell_values};
 use crate::material::VTK_COMPONENTS;
 use crate::problem::{Physics, Problem};
 use crate::tensor::{Point, Sym};
+use crate::units::Measure;
 use crate::vtu::write::{Cells, Written as Array, write};
 
 /// A field that is written beside those that every file has: displacement, velocity and recovered von Mises stress at
@@ -37,6 +38,19 @@ impl OutputField {
     pub(super) fn is_of(self, physics: Physics) -> bool {
         if self == OutputField::HeatFlux { physics.has_heat() } else { physics.has_mechanics() }
     }
+}
+
+/// What the arrays of the files measure.
+pub(super) fn measures() -> Vec<(String, Measure)> {
+    let stresses = ["nodal_stress", "nodal_von_mises", "stress", "von_mises", "principal"];
+    let others = [
+        ("displacement", Measure::Length),
+        ("velocity", Measure::Velocity),
+        ("temperature", Measure::Temperature),
+        ("heat_flux", Measure::HeatFlux),
+    ];
+    let all = others.into_iter().chain(stresses.map(|name| (name, Measure::Stress)));
+    all.map(|(name, measure)| (name.to_owned(), measure)).collect()
 }
 
 /// Writes the fields of a state as an unstructured grid, compressed by zlib. Stresses at nodes are written with a

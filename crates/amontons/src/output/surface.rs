@@ -1,0 +1,403 @@
+//! `contact.pvd` and `contact/*.vtu` for ParaView: the sides of contact as surfaces, with what happens on them.
+//!
+//! Every side has nodes of its own here, so that a node of two sides has the values of both. The values at a node are
+//! those of its contact point. Where a node has no point of its own, as with Gauss quadrature and on the mortar side of
+//! a pair, they are the mean of the points that take part in it, weighted by ω |N|.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use super::files::{Written, write_atomically};
+use super::{OutputError, Snapshot};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status};
+use crate::mesh::FacetSet;
+use crate::problem::Physics;
+use crate::scheme::ContactReport;
+use crate::tensor::Point;
+use crate::units::Measure;
+use crate::vtu::write::{self as grid, Cells, Written as Array};
+
+/// An array at the points: its name, what it measures, whether a problem with these equations has it, and its values.
+struct Field {
+    name: &'static str,
+    measure: Measure,
+    is_of: fn(Physics) -> bool,
+    value: Value,
+}
+
+enum Value {
+    Scalar(fn(&Node) -> f64),
+    Vector(fn(&Node) -> Point),
+    Code(fn(&Node) -> i64),
+}
+
+const ALWAYS: fn(Physics) -> bool = |_| true;
+
+const fn field(name: &'static str, measure: Measure, is_of: fn(Physics) -> bool, value: Value) -> Field {
+    Field { name, measure, is_of, value }
+}
+
+/// The arrays in their order. `status` is 0 where the contact is open, 1 where it sticks and 2 where it slips.
+static FIELDS: [Field; 11] = [
+    field("displacement", Measure::Length, Physics::has_mechanics, Value::Vector(|node| node.displacement)),
+    field("pressure", Measure::Stress, ALWAYS, Value::Scalar(|node| node.mean.pressure)),
+    field("gap", Measure::Length, ALWAYS, Value::Scalar(|node| node.mean.gap)),
+    field("traction", Measure::Stress, ALWAYS, Value::Vector(|node| node.mean.traction)),
+    field("slip_velocity", Measure::Velocity, ALWAYS, Value::Vector(|node| node.mean.slip)),
+    field("status", Measure::Number, ALWAYS, Value::Code(Node::status)),
+    field("temperature", Measure::Temperature, Physics::has_heat, Value::Scalar(|node| node.temperature)),
+    field("heat_flux", Measure::HeatFlux, Physics::has_heat, Value::Scalar(|node| node.mean.flux)),
+    field("wear", Measure::Length, ALWAYS, Value::Scalar(|node| node.mean.wear)),
+    field("friction_work", Measure::SurfaceWork, ALWAYS, Value::Scalar(|node| node.mean.work)),
+    field("weight", Measure::Area, ALWAYS, Value::Scalar(|node| node.weight)),
+];
+
+/// The arrays at the points with what they measure.
+pub(super) fn measures() -> Vec<(String, Measure)> {
+    FIELDS.iter().map(|field| (field.name.to_owned(), field.measure)).collect()
+}
+
+/// A side of a contact.
+pub(super) struct Side<'a> {
+    contact: usize,
+    pub name: &'a str,
+    /// Whether it bears the contact points; else it faces the side that does.
+    bears: bool,
+}
+
+/// The sides in the order of their numbers: of each contact the one that bears its points, and the one that this faces
+/// if it is deformable.
+pub(super) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
+    contacts.iter().enumerate().flat_map(|(i, contact)| {
+        let bearing = Side { contact: i, name: contact.bearing(), bears: true };
+        std::iter::once(bearing).chain(contact.facing().map(|name| Side { contact: i, name, bears: false }))
+    })
+}
+
+/// Writes the sides of contact after a step.
+pub(super) fn write(path: &Path, now: &Snapshot, report: &ContactReport) -> Result<Written, OutputError> {
+    static NONE: FacetSet = FacetSet { blocks: Vec::new() };
+    let (problem, mesh) = (now.problem, &now.problem.mesh);
+    let boundary = boundary(now);
+    let mut cells = Cells { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
+    let (mut points, mut nodes, mut numbers) = (Vec::new(), Vec::new(), Vec::new());
+    for (number, side) in sides(&problem.contacts).enumerate() {
+        let set = mesh.facets.get(side.name).unwrap_or(&NONE);
+        let (of_side, first) = (set.node_list(), nodes.len());
+        for (element, facet) in set.facets() {
+            let local = facet.iter().filter_map(|node| of_side.binary_search(node).ok());
+            cells.connectivity.extend(local.map(|i| (first + i) as i64));
+            cells.ends.push(cells.connectivity.len() as i64);
+            cells.types.push(element.vtk);
+            numbers.push(number as i64);
+        }
+        points.extend(of_side.iter().filter_map(|&node| mesh.points.get(node as usize).copied()));
+        nodes.extend(on_side(now, report, &boundary, &side, &of_side));
+    }
+    let has = FIELDS.iter().filter(|field| (field.is_of)(problem.physics));
+    let arrays: Vec<Array> = has.map(|field| field.array(&nodes)).collect();
+    let side = Array::counts("side", numbers);
+    write_atomically(path, |out| grid::write(out, &points, cells, &arrays, &[side]))
+}
+
+impl Field {
+    fn array(&self, nodes: &[Node]) -> Array<'static> {
+        match self.value {
+            Value::Scalar(value) => Array::reals(self.name, 1, nodes.iter().map(value).collect::<Vec<f64>>()),
+            Value::Vector(value) => Array::reals(self.name, 3, nodes.iter().flat_map(value).collect::<Vec<f64>>()),
+            Value::Code(value) => Array::counts(self.name, nodes.iter().map(value).collect()),
+        }
+    }
+}
+
+/// Γ_C of a snapshot: a pair that is updated faces what is opposite to it now.
+fn boundary(now: &Snapshot) -> Arc<ContactBoundary> {
+    let Snapshot { problem, discretization, state, .. } = *now;
+    let held = |node: u32| discretization.v.held(node);
+    let updated = discretization.boundary.updated(&problem.contacts, &problem.mesh, &state.u, &held);
+    updated.unwrap_or_else(|| Arc::clone(&discretization.boundary))
+}
+
+/// The nodes of a side, which are ascending, with their values.
+fn on_side(
+    now: &Snapshot,
+    report: &ContactReport,
+    boundary: &ContactBoundary,
+    side: &Side,
+    of_side: &[u32],
+) -> Vec<Node> {
+    let (state, dim) = (now.state, now.problem.mesh.dim);
+    let is_nodal = |contact: &Contact| contact.quadrature == Quadrature::Nodal;
+    let has_own = side.bears && now.problem.contacts.get(side.contact).is_some_and(is_nodal);
+    let begin = |&node: &u32| {
+        let first = node as usize * dim;
+        let component = |c: usize| if c < dim { state.u.get(first + c).copied().unwrap_or(0.0) } else { 0.0 };
+        Node {
+            displacement: std::array::from_fn(component),
+            temperature: state.theta.get(node as usize).copied().unwrap_or(0.0),
+            ..Node::default()
+        }
+    };
+    let mut points: Vec<Vec<OfPoint>> = vec![Vec::new(); of_side.len()];
+    for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side.contact) {
+        let Some((values, status, weight)) = Values::at(now, report, i, point) else { continue };
+        let (own, other) = point.nodes.split_at(point.own.min(point.nodes.len()));
+        // The shares of the other side are negative in the jump.
+        let (values, shares, sign) = if side.bears { (values, own, 1.0) } else { (values.across(), other, -1.0) };
+        for (k, &(node, share)) in shares.iter().enumerate() {
+            let node = boundary.nodes.get(node).and_then(|node| of_side.binary_search(node).ok());
+            if let Some(points) = node.and_then(|node| points.get_mut(node)) {
+                let (weight, is_own) = if has_own { (weight, k == 0) } else { (sign * weight * share, false) };
+                points.push(OfPoint { values, status, weight, is_own });
+            }
+        }
+    }
+    of_side.iter().zip(&points).map(|(node, points)| begin(node).with(points, has_own)).collect()
+}
+
+/// What happens at a contact point, as its side sees it.
+#[derive(Clone, Copy, Default)]
+struct Values {
+    pressure: f64,
+    /// g − u_ν.
+    gap: f64,
+    /// σ_τ.
+    traction: Point,
+    slip: Point,
+    flux: f64,
+    /// Power of friction that enters both bodies of a pair.
+    rubbed: f64,
+    wear: f64,
+    work: f64,
+}
+
+impl Values {
+    /// With the state and the weight of the point.
+    fn at(now: &Snapshot, report: &ContactReport, i: usize, point: &PointOnBoundary) -> Option<(Values, Status, f64)> {
+        let (state, surface) = (report.states.get(i)?, &now.state.surface);
+        let of = |values: &[f64]| values.get(i).copied().unwrap_or(0.0);
+        let values = Values {
+            pressure: state.pressure,
+            gap: 0.0 - state.penetration,
+            traction: state.q.map(|q| 0.0 - q),
+            slip: state.slip,
+            flux: report.flux.get(i).map_or(0.0, |flux| flux.value),
+            rubbed: of(&report.rubbed),
+            wear: of(&surface.wear),
+            work: of(&surface.friction_work),
+        };
+        Some((values, state.status, report.weights.get(i).copied().unwrap_or(point.weight)))
+    }
+
+    /// As the other side of the pair sees it: forces act back, and what heat does not enter one body enters the other.
+    fn across(self) -> Values {
+        let back = |vector: Point| vector.map(|component| 0.0 - component);
+        let (traction, slip) = (back(self.traction), back(self.slip));
+        Values { traction, slip, flux: 0.0 - self.flux - self.rubbed, ..self }
+    }
+
+    /// Adds a share of others.
+    fn add(&mut self, other: &Values, share: f64) {
+        let vector =
+            |sum: &mut Point, then: &Point| sum.iter_mut().zip(then).for_each(|(sum, then)| *sum += share * then);
+        self.pressure += share * other.pressure;
+        self.gap += share * other.gap;
+        self.flux += share * other.flux;
+        self.rubbed += share * other.rubbed;
+        self.wear += share * other.wear;
+        self.work += share * other.work;
+        vector(&mut self.traction, &other.traction);
+        vector(&mut self.slip, &other.slip);
+    }
+}
+
+/// A contact point in which a node takes part, with its share of the weight.
+#[derive(Clone)]
+struct OfPoint {
+    values: Values,
+    status: Status,
+    weight: f64,
+    /// Whether it is the point of this node.
+    is_own: bool,
+}
+
+/// A node of a side.
+#[derive(Default)]
+struct Node {
+    displacement: Point,
+    temperature: f64,
+    /// The mean over its points, their weight, and of this what is open, sticks and slips.
+    mean: Values,
+    weight: f64,
+    in_state: [f64; 3],
+}
+
+impl Node {
+    /// With its own point; without one, with the mean of the points that it takes part in.
+    ///
+    /// Where nodes have points of their own (`has_own`), one without is in the middle of a quadratic facet, whose area
+    /// is that of its vertices. Elsewhere the area of a node is the sum of its shares. Dual functions change sign, and
+    /// so may a share; their sum is positive but for the corners of quadratic facets, where their sizes count.
+    fn with(mut self, points: &[OfPoint], has_own: bool) -> Node {
+        if let Some(own) = points.iter().find(|point| point.is_own) {
+            (self.mean, self.weight) = (own.values, own.weight);
+            self.in_state[own.status as usize] = 1.0;
+            return self;
+        }
+        let [sum, sizes] = [|w: f64| w, f64::abs].map(|of| points.iter().map(|point| of(point.weight)).sum::<f64>());
+        let is_signed = sum > 0.5 * sizes;
+        let total = if is_signed { sum } else { sizes };
+        self.weight = if has_own { 0.0 } else { total };
+        for point in points.iter().filter(|_| total > 0.0) {
+            let weight = if is_signed { point.weight } else { point.weight.abs() };
+            self.mean.add(&point.values, weight / total);
+            self.in_state[point.status as usize] += weight;
+        }
+        self
+    }
+
+    /// The state of most of its points.
+    fn status(&self) -> i64 {
+        let [open, stick, slip] = self.in_state;
+        if slip > stick && slip > open { 2 } else { i64::from(stick > open) }
+    }
+}
+
+#[cfg(all(test, feature = "case"))]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
+
+    use super::*;
+    use crate::case::{self, Source};
+    use crate::output::{RunStart, Sink, Summary};
+    use crate::run::{self, Settings};
+
+    /// Two blocks on each other, or one on a foundation, pressed, sheared and warm at the top.
+    fn column(blocks: &str, contact: &str) -> String {
+        format!(
+            r#"name = "column"
+            [mesh]
+            kind = "blocks"
+            blocks = [{blocks}]
+            [material]
+            density = 1
+            heat_capacity = 1
+            conductivity = 1
+            elasticity = {{ law = "isotropic", young = 100, poisson = 0.3 }}
+            viscosity = {{ law = "lame", first = 1, second = 1 }}
+            [time]
+            end = 0.5
+            steps = 5
+            [[boundary]]
+            on = "up_top"
+            displacement = ["t", "-0.1*t*(1 + x)"]
+            temperature = 2
+            [contact]
+            {contact}
+            normal = {{ law = "compliance", stiffness = 1000.0 }}
+            friction = {{ law = "coulomb", coefficient = 0.3 }}
+            "#
+        )
+    }
+
+    const UP: &str = r#"{ name = "up", size = [1.0, 1.0], origin = [0.0, 1.0], n = [4, 2] }"#;
+
+    /// With heat that passes through the contact.
+    fn pair(more: &str) -> String {
+        let low = r#"{ name = "low", size = [1.0, 1.0], n = [3, 3] }"#;
+        let contact = format!(
+            "on = \"up_bottom\"\nwith = \"low_top\"\n{more}\nfrictional_heat = 0.25\n\
+             heat = {{ law = \"constant\", conductance = 3.0 }}"
+        );
+        let held = "[[boundary]]\non = \"low_bottom\"\ndisplacement = [0, 0]\ntemperature = 0\n[contact]\n";
+        column(&format!("{low}, {UP}"), &contact).replace("[contact]\n", held)
+    }
+
+    const STATUS: [Status; 3] = [Status::Open, Status::Stick, Status::Slip];
+
+    /// Nodes of each side after the last step, with the report.
+    #[derive(Default)]
+    struct Last(Vec<Vec<Node>>, ContactReport);
+
+    impl Sink for Last {
+        fn start(&mut self, _: &RunStart) -> Result<(), OutputError> {
+            Ok(())
+        }
+
+        fn step(&mut self, _: &Snapshot) -> Result<(), OutputError> {
+            Ok(())
+        }
+
+        fn finish(&mut self, _: &Summary) -> Result<(), OutputError> {
+            Ok(())
+        }
+
+        fn last(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+            let boundary = boundary(last);
+            self.1 = last.report.unwrap().contact.clone();
+            self.0 = sides(&last.problem.contacts)
+                .map(|side| on_side(last, &self.1, &boundary, &side, &last.problem.mesh.facets[side.name].node_list()))
+                .collect();
+            Ok(())
+        }
+    }
+
+    fn solved(text: String) -> Last {
+        let case = case::parse(&Source::new("column.toml", text), &[]).unwrap();
+        let mut last = Last::default();
+        run::run(&case.problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut last]).unwrap();
+        last
+    }
+
+    /// Σ ω f over the nodes of a side.
+    fn total(nodes: &[Node], f: impl Fn(&Node) -> f64) -> f64 {
+        nodes.iter().map(|node| node.weight * f(node)).sum()
+    }
+
+    fn assert_near(a: f64, b: f64) {
+        assert!(a != 0.0 && (a - b).abs() <= 1e-13 * a.abs(), "{a} {b}");
+    }
+
+    #[test]
+    fn a_node_has_the_values_of_its_contact_point() {
+        let last = solved(column(UP, "on = \"up_bottom\""));
+        let [nodes] = &last.0[..] else { panic!("{} sides", last.0.len()) };
+        assert_eq!(nodes.len(), 5);
+        for (node, (state, weight)) in nodes.iter().zip(last.1.states.iter().zip(&last.1.weights)) {
+            assert_eq!(node.mean.pressure.to_bits(), state.pressure.to_bits());
+            assert_eq!((node.mean.gap, node.mean.slip), (-state.penetration, state.slip));
+            assert_eq!((node.mean.traction, node.weight), (state.q.map(|q| 0.0 - q), *weight));
+            assert_eq!(STATUS[node.status() as usize], state.status);
+        }
+        assert!(nodes.iter().any(|node| node.mean.pressure > 0.0 && node.displacement[1] < 0.0));
+    }
+
+    /// Gauss points hold a body that slides: what the nodes have in sum is what the points have.
+    #[test]
+    fn gauss_points_are_averaged() {
+        let last = solved(column(UP, "on = \"up_bottom\"\nquadrature = \"gauss\""));
+        let points = last.1.states.iter().zip(&last.1.weights);
+        let force: f64 = points.map(|(state, weight)| state.pressure * weight).sum();
+        assert_near(total(&last.0[0], |node| node.mean.pressure), force);
+        let least = last.1.states.iter().map(|state| state.pressure).fold(f64::INFINITY, f64::min);
+        assert!(last.0[0].iter().all(|node| node.mean.pressure >= least), "means stay in the range of their points");
+    }
+
+    /// Action is reaction on nonmatching meshes, whichever side bears the points and whether the pair is updated.
+    #[test]
+    fn both_sides_of_a_pair_have_the_same_forces_and_heat() {
+        for more in ["", "nonmortar = \"low_top\"", "geometry = \"updated\""] {
+            let last = solved(pair(more));
+            let [bearing, facing] = &last.0[..] else { panic!("{} sides", last.0.len()) };
+            assert_eq!(bearing.len() + facing.len(), 9);
+            assert_near(total(bearing, |_| 1.0), total(facing, |_| 1.0));
+            assert_near(total(bearing, |node| node.mean.pressure), total(facing, |node| node.mean.pressure));
+            assert_near(total(bearing, |node| node.mean.traction[0]), -total(facing, |node| node.mean.traction[0]));
+            let rubbed: f64 = last.1.rubbed.iter().zip(&last.1.weights).map(|(power, weight)| power * weight).sum();
+            let leaves = |nodes: &[Node]| total(nodes, |node| node.mean.flux);
+            assert_near(leaves(bearing) + leaves(facing), -rubbed);
+            assert!(rubbed > 1e-3 && bearing.iter().any(|node| node.status() == 2), "the pair slides: {rubbed}");
+            assert!(facing.iter().any(|node| node.mean.pressure > 0.0 && node.mean.gap < 0.0));
+        }
+    }
+}
