@@ -9,6 +9,7 @@ use toml::de::{DeArray, DeTable, DeValue};
 use super::nearest::nearest;
 use super::path::Path;
 use super::place::{At, Finding};
+use super::quantity::{Quantity, Reading, read};
 use super::schema::{Limits, View, one_of};
 
 /// Faults up to which misplaced keys are looked for in all tables.
@@ -28,7 +29,16 @@ pub(super) struct Checked {
 
 /// Walks a document along a schema.
 pub(super) fn check(schema: &Value, document: &DeTable<'_>) -> Checked {
-    let mut walk = Walk { all: View::new(schema), findings: Vec::new(), doubtful: Vec::new(), limits: Vec::new() };
+    let units = document.get("units").and_then(|units| units.get_ref().as_str());
+    let mut walk = Walk {
+        all: View::new(schema),
+        findings: Vec::new(),
+        doubtful: Vec::new(),
+        limits: Vec::new(),
+        has_units: units != Some("dimensionless"),
+        is_told: false,
+        scales: [None, None],
+    };
     let value = walk.table(walk.all, &Path::default(), document);
     Checked { value, findings: walk.findings, doubtful: walk.doubtful, limits: walk.limits }
 }
@@ -38,11 +48,20 @@ struct Walk<'s> {
     findings: Vec<Finding>,
     doubtful: Vec<Path>,
     limits: Vec<(Path, Limits)>,
+    /// Whether numbers may have units.
+    has_units: bool,
+    /// Whether it is said that temperatures are on two scales.
+    is_told: bool,
+    /// The first temperatures in K and in °C.
+    scales: [Option<Path>; 2],
 }
 
 impl<'s> Walk<'s> {
     fn value(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Value {
         let alternatives = schema.alternatives();
+        if let Some(value) = self.measured(schema, path, found) {
+            return value;
+        }
         if !alternatives.is_empty() {
             if let Some(form) = alternatives.iter().find(|form| takes(form.kind(), found)) {
                 if matches!(found, DeValue::String(_) | DeValue::Table(_)) {
@@ -61,6 +80,65 @@ impl<'s> Walk<'s> {
             DeValue::Integer(_) | DeValue::Float(_) => self.number(schema, path, found),
             DeValue::Boolean(value) => Value::from(*value),
             DeValue::Datetime(_) => self.mismatch(schema, path, found, None),
+        }
+    }
+
+    /// The number of a text such as `"210 GPa"` where a number may stand; none of another text.
+    fn measured(&mut self, schema: View<'s>, path: &Path, found: &DeValue<'_>) -> Option<Value> {
+        let text = found.as_str()?;
+        let number = |form: &View<'s>| form.kind() == "number";
+        let form = Some(schema).filter(number).or_else(|| schema.alternatives().into_iter().find(number))?;
+        let unit = schema.unit();
+        let about = schema.about().map(|about| format!(" ({about})")).unwrap_or_default();
+        let (expected, hint) = match (read(text)?, unit) {
+            (Reading::Unknown(_), None) => return None,
+            (_, _) if !self.has_units => {
+                (format!("a number without a unit, as the key `units` of the case says{about}"), None)
+            }
+            (Reading::Quantity(quantity), Some((unit, _)))
+                if quantity.unit.is_like(&unit, schema.is_per_thickness()) =>
+            {
+                if !form.admits(quantity.number) {
+                    return Some(self.mismatch(schema, path, found, None));
+                }
+                self.on_a_scale(schema, path, &quantity);
+                return Some(Value::from(quantity.number));
+            }
+            (Reading::Quantity(quantity), None) if quantity.unit.is_number() => {
+                if !form.admits(quantity.number) {
+                    return Some(self.mismatch(schema, path, found, None));
+                }
+                return Some(Value::from(quantity.number));
+            }
+            (Reading::Unknown(word), Some((_, si))) => {
+                let hint =
+                    format!("the unit `{}` is not known; units are written as in \"W/(m K)\"", word.escape_debug());
+                (format!("a quantity in {si} or in a unit that converts to it{about}"), Some(hint))
+            }
+            (_, Some((_, si))) => (format!("a quantity in {si} or in a unit that converts to it{about}"), None),
+            (_, None) => (format!("a number without a unit{about}"), None),
+        };
+        self.findings.push(Finding::new(path.clone(), At::Value, describe(found), expected).hint(hint));
+        self.doubtful.push(path.clone());
+        Some(schema.sample())
+    }
+
+    /// Notes the scale of a temperature: numbers of two scales do not fit together.
+    fn on_a_scale(&mut self, schema: View<'s>, path: &Path, quantity: &Quantity) {
+        if !quantity.unit.is_temperature() || schema.is_difference() {
+            return;
+        }
+        let [kelvin, celsius] = &mut self.scales;
+        let (own, other) = if quantity.unit.is_celsius() { (celsius, kelvin) } else { (kelvin, celsius) };
+        own.get_or_insert_with(|| path.clone());
+        if let Some(other) = other
+            && !std::mem::replace(&mut self.is_told, true)
+        {
+            let [this, that] = if quantity.unit.is_celsius() { ["°C", "K"] } else { ["K", "°C"] };
+            let found = format!("a temperature in {this} beside one in {that}, {other}");
+            let hint = "the body is free of thermal stress at 0 of the scale that the case has";
+            let expected = "all temperatures of a case on one scale";
+            self.findings.push(Finding::new(path.clone(), At::Value, found, expected).hint(Some(hint.to_owned())));
         }
     }
 

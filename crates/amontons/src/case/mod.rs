@@ -40,6 +40,7 @@ mod path;
 mod physics;
 mod place;
 mod probe;
+mod quantity;
 mod raw;
 mod request;
 mod schema;

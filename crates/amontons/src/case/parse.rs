@@ -8,7 +8,7 @@ use super::identity::identity;
 use super::overrides::Applied;
 use super::path::Doubtful;
 use super::place::{At, Finding, Origin};
-use super::schema::schema;
+use super::schema::rules;
 use super::text::text as file_text;
 use super::verify::{Expected, Verify};
 use super::{build, check, mesh, overrides, path, raw, syntax};
@@ -154,7 +154,7 @@ fn build_case(
     files: &Files,
     has_other_end: bool,
 ) -> (Option<(Case, References)>, Vec<Finding>) {
-    let check::Checked { value, mut findings, doubtful, limits } = check::check(&schema(), document);
+    let check::Checked { value, mut findings, doubtful, limits } = check::check(&rules(), document);
     let raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
         Err(error) => {

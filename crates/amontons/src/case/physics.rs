@@ -3,7 +3,7 @@
 use super::path::Path;
 use super::place::{At, Finding};
 use super::raw::{self, Datum, Friction, Heat, Scalar, Wear};
-use super::schema::{View, schema};
+use super::schema::{View, rules};
 use crate::problem::Physics;
 
 /// The equations of a case: mechanics if a material has a density, an elasticity or a viscosity, heat if one has a heat
@@ -75,7 +75,7 @@ fn needs(prefix: &str, key: &str, given: bool, findings: &mut Vec<Finding>) {
     if given {
         return;
     }
-    let schema = schema();
+    let schema = rules();
     let expected =
         View::new(&schema).property("material").and_then(|material| Some(material.property(key)?.expected()));
     findings.push(Finding::new(

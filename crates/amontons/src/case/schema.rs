@@ -3,11 +3,44 @@
 use schemars::transform::{Transform, transform_subschemas};
 use serde_json::{Map, Value};
 
+use super::quantity::{Unit, of_description};
 use super::raw;
 
-/// The JSON Schema (2020-12) of the case file.
+/// The JSON Schema (2020-12) of the case file. `x-unit` is the SI unit of the numbers of a key.
 #[must_use]
 pub fn schema() -> Value {
+    let mut schema = rules();
+    allow_units(&mut schema, None);
+    schema
+}
+
+/// Lets a text with a unit stand where a number does that has one, and notes the unit.
+fn allow_units(schema: &mut Value, above: Option<&str>) {
+    let Value::Object(node) = schema else { return };
+    let named = node.get("description").and_then(Value::as_str).map(|text| of_description(text).map(|(_, unit)| unit));
+    let unit = named.map_or(above, |unit| unit).map(str::to_owned);
+    if let Some(unit) = unit.as_ref().filter(|_| named.is_some()) {
+        node.insert(UNIT.to_owned(), Value::from(unit.as_str()));
+    }
+    if unit.is_some() && node.get("type").and_then(Value::as_str) == Some("number") {
+        node.insert("type".to_owned(), Value::from(vec!["number", "string"]));
+        node.insert("pattern".to_owned(), Value::from("^[+-]?[0-9.]+"));
+    }
+    for (keyword, inner) in node.iter_mut() {
+        // The keys of a table have descriptions of their own.
+        let of_this = if matches!(keyword.as_str(), "items" | "anyOf") { unit.as_deref() } else { None };
+        match inner {
+            Value::Array(all) => all.iter_mut().for_each(|inner| allow_units(inner, of_this)),
+            Value::Object(all) if matches!(keyword.as_str(), "properties" | "$defs") => {
+                all.values_mut().for_each(|inner| allow_units(inner, None));
+            }
+            inner => allow_units(inner, of_this),
+        }
+    }
+}
+
+/// The schema that a document is held against.
+pub(super) fn rules() -> Value {
     let mut schema = schemars::schema_for!(raw::Case);
     NoNull.transform(&mut schema);
     Implied.transform(&mut schema);
@@ -17,6 +50,12 @@ pub fn schema() -> Value {
 
 /// Keyword of a table that a key of its own tells from others where the tag is left out.
 const IMPLIED_BY: &str = "x-implied-by";
+
+/// Keyword of the unit of the numbers of a key.
+const UNIT: &str = "x-unit";
+
+/// Keyword of the values of a table: they have the unit of the key that the table stands for.
+const OF_THE_KEY: &str = "x-unit-of-the-key";
 
 /// Lets the tag of such a table be left out.
 struct Implied;
@@ -94,6 +133,9 @@ pub(super) struct View<'s> {
     node: &'s Value,
     /// What the nearest key above is about.
     about: Option<&'s str>,
+    /// The description that names the unit of the numbers here: the same but for values of a table, which are what the
+    /// key of the table is.
+    measured: Option<&'s str>,
     /// The node that bounds the numbers here: the key itself, beside a reference to what else it may be.
     bounds: &'s Value,
 }
@@ -125,12 +167,14 @@ impl Limits {
 impl<'s> View<'s> {
     /// The schema as a whole.
     pub fn new(root: &'s Value) -> View<'s> {
-        View { root, node: root, about: None, bounds: root }
+        View { root, node: root, about: None, measured: None, bounds: root }
     }
 
     /// A part of this schema; it is about the same as the whole unless it says itself.
     fn at(&self, node: &'s Value) -> View<'s> {
-        let about = node.get("description").and_then(Value::as_str).or(self.about);
+        let description = node.get("description").and_then(Value::as_str);
+        let about = description.or(self.about);
+        let measured = if node.get(OF_THE_KEY).is_some() { self.measured } else { description.or(self.measured) };
         let (mut node, bounds) = (node, node);
         while let Some(target) = node.get("$ref").and_then(Value::as_str) {
             match self.root.pointer(target.trim_start_matches('#')) {
@@ -138,7 +182,12 @@ impl<'s> View<'s> {
                 None => break,
             }
         }
-        View { root: self.root, node, about, bounds }
+        View { root: self.root, node, about, measured, bounds }
+    }
+
+    /// A form of what is here: it is about the same.
+    fn form(&self, node: &'s Value) -> View<'s> {
+        View { about: self.about, measured: self.measured, ..self.at(node) }
     }
 
     fn list(&self, keyword: &str) -> impl Iterator<Item = &'s Value> + use<'s> {
@@ -178,7 +227,7 @@ impl<'s> View<'s> {
 
     /// The forms that a value may take, such as number or string.
     pub fn alternatives(&self) -> Vec<View<'s>> {
-        let forms = self.list("anyOf").map(|v| View { about: self.about, ..self.at(v) }.bounded(self.bounds));
+        let forms = self.list("anyOf").map(|v| self.form(v).bounded(self.bounds));
         // A coefficient among the forms of a tensor has forms itself.
         forms.flat_map(|form| if form.node.get("anyOf").is_some() { form.alternatives() } else { vec![form] }).collect()
     }
@@ -205,7 +254,7 @@ impl<'s> View<'s> {
                     property.get("const").and_then(Value::as_str).map(|name| (key.as_str(), name))
                 })?;
             tag = Some(key);
-            variants.push((name, View { about: self.about, ..self.at(variant) }));
+            variants.push((name, self.form(variant)));
         }
         tag.map(|tag| (tag, variants))
     }
@@ -224,6 +273,26 @@ impl<'s> View<'s> {
         }
     }
 
+    /// What is here, as it reads inside a sentence.
+    pub fn about(&self) -> Option<String> {
+        self.about.map(first_paragraph).filter(|about| !about.is_empty())
+    }
+
+    /// The SI unit of the numbers here, with its text; none of pure numbers.
+    pub fn unit(&self) -> Option<(Unit, &'s str)> {
+        of_description(self.measured?)
+    }
+
+    /// Whether numbers here are per unit of thickness of a plane body.
+    pub fn is_per_thickness(&self) -> bool {
+        self.measured.is_some_and(|text| text.contains("per unit of thickness"))
+    }
+
+    /// Whether numbers here are a difference of temperatures.
+    pub fn is_difference(&self) -> bool {
+        self.measured.is_some_and(|text| text.contains("difference"))
+    }
+
     /// The bounds that a number breaks, none if it keeps them.
     pub fn admits(&self, number: f64) -> bool {
         self.limits().admit(number)
@@ -234,14 +303,14 @@ impl<'s> View<'s> {
         let bounds = BOUNDS.map(|(keyword, _)| self.bounds.get(keyword).and_then(Value::as_f64));
         let range = self.range();
         let number = if range.is_empty() { "a finite number".to_owned() } else { format!("a number{range}") };
-        let about = self.about.map(first_paragraph).filter(|about| !about.is_empty());
+        let about = self.about();
         Limits { bounds, expected: about.map_or_else(|| number.clone(), |about| format!("{number} ({about})")) }
     }
 
     /// What is expected here and what it is about: `a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)`.
     pub fn expected(&self) -> String {
         let phrase = self.phrase();
-        match self.about.map(first_paragraph).filter(|about| !about.is_empty()) {
+        match self.about() {
             Some(about) => format!("{phrase} ({about})"),
             None => phrase,
         }

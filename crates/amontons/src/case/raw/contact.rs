@@ -493,7 +493,7 @@ heat_laws! {
         /// Effective emissivity of the two surfaces.
         #[schemars(extend("minimum" = 0))]
         emissivity: Datum,
-        /// Absolute zero on the temperature scale of the case: 0 for kelvin, −273.15 for degrees Celsius.
+        /// Absolute zero in K on the temperature scale of the case: 0 for kelvin, −273.15 for degrees Celsius.
         #[serde(default)]
         absolute_zero: f64,
         /// Constant of Stefan and Boltzmann in W/(m² K⁴).

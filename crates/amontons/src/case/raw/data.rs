@@ -154,6 +154,7 @@ pub(in crate::case) struct TableData {
     pub times: Option<Vec<f64>>,
     /// Values, one per time, instead of a file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit-of-the-key" = true))]
     pub values: Option<Vec<f64>>,
     /// Temperatures in K in increasing order, with `value`.
     ///
@@ -163,6 +164,7 @@ pub(in crate::case) struct TableData {
     pub temperature: Option<Vec<f64>>,
     /// Values of the coefficient, one per temperature.
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("x-unit-of-the-key" = true))]
     pub value: Option<Vec<f64>>,
     /// Factor of the values.
     #[serde(default, skip_serializing_if = "Option::is_none")]

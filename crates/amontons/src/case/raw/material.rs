@@ -132,7 +132,7 @@ pub(in crate::case) enum Elasticity {
         poisson: [Coefficient; 3],
         /// Shear moduli G₁₂, G₁₃, G₂₃ in Pa.
         shear: [Coefficient; 3],
-        /// Orientation of the axes of the material.
+        /// Orientation of the axes of the material: angles in rad.
         #[serde(default)]
         orientation: Orientation,
         /// Plane stress or plane strain, for bodies of one and two dimensions.
@@ -143,7 +143,7 @@ pub(in crate::case) enum Elasticity {
     Anisotropic {
         /// Stiffness in Pa in the order 11 22 33 23 13 12; shear entries act on engineering strains.
         voigt: Box<[[Coefficient; 6]; 6]>,
-        /// Orientation of the axes of the material.
+        /// Orientation of the axes of the material: angles in rad.
         #[serde(default)]
         orientation: Orientation,
         /// Plane stress or plane strain, for bodies of one and two dimensions.
@@ -235,7 +235,7 @@ pub(in crate::case) enum Viscosity {
     Anisotropic {
         /// Viscosity in Pa s in the order 11 22 33 23 13 12; shear entries act on engineering strain rates.
         voigt: Box<[[Coefficient; 6]; 6]>,
-        /// Orientation of the axes of the material.
+        /// Orientation of the axes of the material: angles in rad.
         #[serde(default)]
         orientation: Orientation,
     },

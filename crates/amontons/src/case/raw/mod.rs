@@ -208,7 +208,7 @@ pub(in crate::case) struct Checkpoint {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 1))]
     pub steps: Option<usize>,
-    /// Most seconds between two checkpoints.
+    /// Longest time between two checkpoints in s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(range(min = 0, max = 1_000_000_000))]
     pub seconds: Option<f64>,
