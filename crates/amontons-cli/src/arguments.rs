@@ -124,6 +124,11 @@ pub enum Command {
     },
     /// Print the JSON Schema of the case file
     Schema,
+    /// List the materials that a case may name, or the values and the source of one
+    Materials {
+        /// Its name
+        name: Option<String>,
+    },
     /// Write a commented starter case
     New {
         /// The file to write; an existing file is kept
@@ -250,6 +255,7 @@ impl Command {
             Command::Plot { .. }
             | Command::Mesh { .. }
             | Command::Schema
+            | Command::Materials { .. }
             | Command::New { .. }
             | Command::Completions { .. } => None,
         }

@@ -19,7 +19,7 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, reproduce, sweep, verify};
+use crate::{constants, converge, materials, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
@@ -42,6 +42,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
         Command::Mesh { file, scale, format } => show_mesh(&file, scale, format),
         Command::Schema => Ok(print::json(&case::schema())?),
+        Command::Materials { name } => show_materials(name.as_deref()),
         Command::New { file } => new(&file),
         Command::Completions { shell } => {
             let mut script = Vec::new();
@@ -49,6 +50,17 @@ pub fn execute(command: Command) -> Result<(), Failure> {
             Ok(print::text(&String::from_utf8_lossy(&script))?)
         }
     }
+}
+
+/// Prints the materials that a case may name, or one.
+fn show_materials(name: Option<&str>) -> Result<(), Failure> {
+    let Some(name) = name else { return Ok(print::text(&materials::all())?) };
+    let known = case::materials().get_key_value(name);
+    let (name, material) = known.ok_or_else(|| {
+        let found = name.escape_debug();
+        Failure::Usage(format!("found \"{found}\", expected the name of a material; `amontons materials` lists them"))
+    })?;
+    Ok(print::text(&materials::one(name, material))?)
 }
 
 /// Prints what a mesh file has; a defect of its cells or sides is a check that does not hold.

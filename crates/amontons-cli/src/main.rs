@@ -5,6 +5,7 @@ mod commands;
 mod constants;
 mod converge;
 mod faults;
+mod materials;
 mod model;
 mod print;
 mod progress;

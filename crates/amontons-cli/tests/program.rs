@@ -138,6 +138,38 @@ fn the_schema_is_json_and_names_the_tables() {
     }
 }
 
+/// What the program prints of a material is a part of a case: the same material.
+#[test]
+fn materials_are_listed_with_their_sources() {
+    let folder = tempdir().expect("a folder");
+    let list = output(&mut amontons(&["materials"]));
+    assert_code(&list, 0);
+    let names: Vec<String> = stdout(&list).lines().take_while(|line| !line.is_empty()).map(first_word).collect();
+    assert!(names.len() >= 20 && names.iter().any(|name| name == "steel-s235"), "{names:?}");
+    let rest = "name = \"bar\"\nmesh = { kind = \"interval\", size = 1, n = 2 }\ntime = { end = 1, steps = 1 }\n";
+    let more = "[[boundary]]\non = \"left\"\ndisplacement = [0]\ntemperature = 1\n";
+    for name in &names {
+        let printed = output(&mut amontons(&["materials", name]));
+        assert_code(&printed, 0);
+        assert!(stdout(&printed).contains("# EN "), "{name}");
+        let constants = |text: String| {
+            fs::write(folder.path().join("bar.toml"), text).expect("a file");
+            let checked = output(amontons(&["check", "bar.toml", "--format", "json"]).current_dir(&folder));
+            assert_code(&checked, 0);
+            json(&checked)["constants"].clone()
+        };
+        let written = constants(format!("{rest}{}{more}", stdout(&printed)));
+        assert_eq!(constants(format!("{rest}material = \"{name}\"\n{more}")), written, "{name}");
+    }
+    let unknown = output(&mut amontons(&["materials", "mithril"]));
+    assert_code(&unknown, 2);
+    assert!(stderr(&unknown).contains("found \"mithril\", expected the name of a material"));
+}
+
+fn first_word(line: &str) -> String {
+    line.split_whitespace().next().unwrap_or_default().to_owned()
+}
+
 /// Two squares of an input file in mm, one of them a region of its own: sizes in m, and what was skipped.
 #[test]
 fn a_mesh_file_is_shown_with_its_sides_and_regions() {

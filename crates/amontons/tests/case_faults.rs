@@ -49,7 +49,7 @@ spoiled! {
 // Keys.
 spoiled! {
     unknown_key_misspelled: "density = 1.0 " => "densty = 1.0 "
-        "paper.toml:24:1: material.densty: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, expansion_kind, heat_capacity, prony, viscosity; did you mean `density`?";
+        "paper.toml:24:1: material.densty: found an unknown key, expected one of base, conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, expansion_kind, heat_capacity, prony, stress_state, viscosity; did you mean `density`?";
     unknown_key_by_another_name: "young = 2.0" => "E = 2.0"
         "paper.toml:31:1: material.elasticity.E: found an unknown key, expected one of law, poisson, stress_state, young; did you mean `young`?";
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
@@ -407,7 +407,7 @@ fn faults_of_all_gates_are_reported_together() {
     }
     let expected = [
         "paper.toml:24:11: material.density: found -1.0, expected a number ≥ 0 (density ρ in kg/m³; 0: quasistatic)",
-        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, expansion_kind, heat_capacity, prony, viscosity; did you mean `heat_capacity`?",
+        "paper.toml:25:1: material.heat_capaciti: found an unknown key, expected one of base, conductivity, coupling, density, dilatation, elasticity, expansion, expansion_coefficient, expansion_kind, heat_capacity, prony, stress_state, viscosity; did you mean `heat_capacity`?",
         "paper.toml:26:13: material.expansion: found 2.0 in row 1, column 2 but 3.0 in row 2, column 1, expected a number or a symmetric 2 × 2 matrix",
         "paper.toml:41:19: load.heat_source: found the end of the expression, expected a number, a variable, a function or `(`",
         "paper.toml:48:6: boundary[1].on: found \"lefft\", expected one of the facet sets bottom, left, right, top; did you mean \"left\"?",

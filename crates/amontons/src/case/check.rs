@@ -72,6 +72,9 @@ impl<'s> Walk<'s> {
             let hint = alternatives.iter().find_map(|form| hint_for_kind(*form, path, found));
             return self.mismatch(schema, path, found, hint);
         }
+        if let (Some(key), Some(text)) = (schema.short_for(), found.as_str()) {
+            return Value::Object(Map::from_iter([(key.to_owned(), Value::from(text))]));
+        }
         match found {
             _ if !takes(schema.kind(), found) => self.mismatch(schema, path, found, hint_for_kind(schema, path, found)),
             DeValue::Table(table) => self.table(schema, path, table),

@@ -28,6 +28,7 @@ mod fault;
 mod files;
 mod identity;
 mod laws;
+mod library;
 mod material;
 mod memory;
 mod mesh;
@@ -53,6 +54,7 @@ mod verify;
 
 pub use fault::{CaseError, CaseFault, FaultPlace, Source};
 pub use files::Files;
+pub use library::{KnownMaterial, materials};
 pub use parse::{Case, parse, read, source};
 pub use request::{ReferenceRequest, StudyRequest, StudyRequestError};
 pub use schema::schema;

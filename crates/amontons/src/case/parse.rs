@@ -11,7 +11,7 @@ use super::place::{At, Finding, Origin};
 use super::schema::rules;
 use super::text::text as file_text;
 use super::verify::{Expected, Verify};
-use super::{build, check, mesh, overrides, path, raw, syntax};
+use super::{build, check, library, mesh, overrides, path, raw, syntax};
 use crate::convergence::Exact;
 use crate::machine;
 use crate::output::{CheckpointInterval, FolderOptions, Identity, Input, OutputField, Probe, fingerprint};
@@ -155,7 +155,7 @@ fn build_case(
     has_other_end: bool,
 ) -> (Option<(Case, References)>, Vec<Finding>) {
     let check::Checked { value, mut findings, doubtful, limits } = check::check(&rules(), document);
-    let raw: raw::Case = match serde_json::from_value(value) {
+    let mut raw: raw::Case = match serde_json::from_value(value) {
         Ok(raw) => raw,
         Err(error) => {
             // The schema and the types are one source, so this speaks of a gap between the two.
@@ -163,6 +163,7 @@ fn build_case(
             return (None, findings);
         }
     };
+    library::fill(&mut raw, &mut findings);
     let (every, fields, checkpoint) = (raw.output.every, build::fields(&raw.output), build::checkpoint(&raw.output));
     let expected = raw.expected.as_ref().map(build::expected);
     let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));

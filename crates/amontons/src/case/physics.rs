@@ -91,7 +91,7 @@ fn is_zero(scalar: &Scalar) -> bool {
 }
 
 /// The data of heat outside the materials: where, and what.
-fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
+pub(super) fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
     if !matches!(raw.load.heat_source, Datum::Number(value) if value == 0.0) {
         found.push(("load.heat_source".to_owned(), "a heat source"));
@@ -130,7 +130,7 @@ fn of_heat(raw: &raw::Case) -> Vec<(String, &'static str)> {
 }
 
 /// The data of mechanics outside the materials: where, and what.
-fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
+pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
     let mut found = Vec::new();
     if !raw.load.body_force.is_empty() {
         found.push(("load.body_force".to_owned(), "a body force"));

@@ -14,7 +14,8 @@ pub fn schema() -> Value {
     schema
 }
 
-/// Lets a text with a unit stand where a number does that has one, and notes the unit.
+/// Lets a text with a unit stand where a number does that has one, and notes the unit; and lets a text stand for a
+/// table.
 fn allow_units(schema: &mut Value, above: Option<&str>) {
     let Value::Object(node) = schema else { return };
     let named = node.get("description").and_then(Value::as_str).map(|text| of_description(text).map(|(_, unit)| unit));
@@ -25,6 +26,9 @@ fn allow_units(schema: &mut Value, above: Option<&str>) {
     if unit.is_some() && node.get("type").and_then(Value::as_str) == Some("number") {
         node.insert("type".to_owned(), Value::from(vec!["number", "string"]));
         node.insert("pattern".to_owned(), Value::from("^[+-]?[0-9.]+"));
+    }
+    if node.contains_key(SHORT_FOR) {
+        node.insert("type".to_owned(), Value::from(vec!["object", "string"]));
     }
     for (keyword, inner) in node.iter_mut() {
         // The keys of a table have descriptions of their own.
@@ -50,6 +54,9 @@ pub(super) fn rules() -> Value {
 
 /// Keyword of a table that a key of its own tells from others where the tag is left out.
 const IMPLIED_BY: &str = "x-implied-by";
+
+/// Keyword of a table for which a text may stand: that of the key that it names.
+const SHORT_FOR: &str = "x-short-for";
 
 /// Keyword of the unit of the numbers of a key.
 const UNIT: &str = "x-unit";
@@ -271,6 +278,11 @@ impl<'s> View<'s> {
             None if self.variants().is_some() => "object",
             None => "string",
         }
+    }
+
+    /// The key of this table that a text in its place stands for.
+    pub fn short_for(&self) -> Option<&'s str> {
+        self.node.get(SHORT_FOR).and_then(Value::as_str)
     }
 
     /// What is here, as it reads inside a sentence.

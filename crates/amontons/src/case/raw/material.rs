@@ -21,7 +21,17 @@ pub(in crate::case) struct Region {
 /// leaves out `density`, `elasticity` and `viscosity`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(title = "a table or the name of a material", extend("x-short-for" = "base"))]
 pub(in crate::case) struct Material {
+    /// Name of a material whose values hold for the keys that are left out, such as "steel-s235".
+    ///
+    /// `amontons materials` lists them with their sources. `material = "steel-s235"` is short for a table with this key
+    /// alone.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub base: Option<String>,
+    /// Plane stress or plane strain for the elasticity of `base`; default: plane stress.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stress_state: Option<StressState>,
     /// Density ρ in kg/m³; 0: quasistatic.
     ///
     /// Required for mechanics.
