@@ -129,16 +129,39 @@ pub enum Command {
         /// Its name
         name: Option<String>,
     },
-    /// Write a commented starter case
+    /// Write a commented case to start from
     New {
         /// The file to write; an existing file is kept
         file: PathBuf,
+        /// What it is to be like
+        #[arg(long, value_enum, default_value_t = Template::Starter)]
+        template: Template,
+        /// The mesh file of the template `from-mesh`
+        #[arg(long, value_name = "MESH", required_if_eq("template", "from-mesh"))]
+        mesh: Option<PathBuf>,
     },
     /// Print shell completions
     Completions {
         /// The shell
         shell: Shell,
     },
+}
+
+/// A case to start from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Template {
+    /// A block that is pushed onto a foundation, with every key explained
+    Starter,
+    /// The example of the paper
+    Paper,
+    /// A gasket between two flanges
+    Seal,
+    /// A brake pad on a disc that heats up
+    Brake,
+    /// Two rings of revolution with an interference
+    PressFit,
+    /// The sides and regions of a mesh file, given by `--mesh`
+    FromMesh,
 }
 
 #[derive(Debug, Args)]

@@ -1,14 +1,12 @@
 //! What each command does.
 
-use std::fs::OpenOptions;
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use amontons::case::{self, Case};
 use amontons::hypotheses;
 use amontons::mesh;
 use amontons::model::{MeshModel, Model};
-use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, OutputError, Sink, Summary};
+use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
 use amontons::scheme::StepError;
@@ -19,7 +17,7 @@ use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
 use crate::status::Failure;
-use crate::{constants, converge, materials, reproduce, sweep, verify};
+use crate::{constants, converge, materials, new, reproduce, sweep, verify};
 
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
@@ -43,7 +41,7 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::Mesh { file, scale, format } => show_mesh(&file, scale, format),
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::Materials { name } => show_materials(name.as_deref()),
-        Command::New { file } => new(&file),
+        Command::New { file, template, mesh } => new::execute(&file, template, mesh.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "amontons", &mut script);
@@ -245,14 +243,4 @@ fn check(file: &Path, levels: &[usize], common: &Common) -> Result<(), Failure> 
         }
     }
     Ok(())
-}
-
-fn new(file: &Path) -> Result<(), Failure> {
-    let failed = |source: io::Error| match source.kind() {
-        io::ErrorKind::AlreadyExists => Failure::Exists(file.to_owned()),
-        _ => OutputError::Io { doing: "create", path: file.to_owned(), source }.into(),
-    };
-    let mut out = OpenOptions::new().write(true).create_new(true).open(file).map_err(failed)?;
-    out.write_all(case::STARTER.as_bytes()).map_err(failed)?;
-    Ok(print::text(&format!("{}: a starter case; run it with: amontons run {}\n", file.display(), file.display()))?)
 }

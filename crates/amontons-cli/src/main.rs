@@ -7,6 +7,7 @@ mod converge;
 mod faults;
 mod materials;
 mod model;
+mod new;
 mod print;
 mod progress;
 mod reproduce;
