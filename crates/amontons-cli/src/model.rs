@@ -5,6 +5,8 @@ use amontons::model::{Cost, MeshModel, Model, Size};
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
+use crate::print::figure;
+
 /// A line with a name.
 pub fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
@@ -83,19 +85,28 @@ pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
     let mut rows = vec![format!("{name}: {kind}{parts}, {} nodes", model.nodes)];
     rows.extend(model.cells.iter().map(|(element, count)| row("cells", &format!("{count} {element}"))));
     let [low, high] = &model.bounds;
-    let extents: Vec<String> = low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect();
+    let extents: Vec<String> =
+        low.iter().zip(high).map(|(low, high)| format!("{} … {}", figure(*low), figure(*high))).collect();
     rows.push(row("bounding box", &extents.join(" × ")));
     let counted = |count: usize, what: &str| format!("{count} {what}{}", if count == 1 { "" } else { "s" });
     let sizes = |what: &str, part: &str, measure: &str, of: &Size| {
-        row(&format!("{what} \"{}\"", of.name), &format!("{}, {measure} {:.5e}", counted(of.count, part), of.measure))
+        row(
+            &format!("{what} \"{}\"", of.name),
+            &format!("{}, {measure} {}", counted(of.count, part), figure(of.measure)),
+        )
     };
-    rows.extend(model.regions.iter().map(|region| sizes("region", "cell", "volume", region)));
-    rows.extend(model.sides.iter().map(|side| sizes("side", "facet", "area", side)));
+    let [of_region, of_side] = match (model.dimension, model.axisymmetric) {
+        (1, _) => ["length", "area"],
+        (2, false) => ["area", "length"],
+        _ => ["volume", "area"],
+    };
+    rows.extend(model.regions.iter().map(|region| sizes("region", "cell", of_region, region)));
+    rows.extend(model.sides.iter().map(|side| sizes("side", "facet", of_side, side)));
     if model.unnamed_facets > 0 {
         rows.push(row("in no side", &format!("{} of the boundary", counted(model.unnamed_facets, "facet"))));
     }
     let (quality, at) = model.quality;
-    let at: Vec<String> = at[..model.dimension.min(3)].iter().map(|x| format!("{x:.5e}")).collect();
+    let at: Vec<String> = at.iter().take(model.dimension).map(|x| figure(*x)).collect();
     rows.push(row(
         "quality",
         &format!("the worst cell, about ({}), has {quality:.4} (1: regular, 0: flat)", at.join(", ")),

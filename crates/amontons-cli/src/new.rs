@@ -10,7 +10,7 @@ use amontons::model::MeshModel;
 use amontons::output::OutputError;
 
 use crate::arguments::Template;
-use crate::print;
+use crate::print::{self, figure};
 use crate::status::Failure;
 
 /// Writes a case; a file that is there is kept.
@@ -43,7 +43,7 @@ fn from_mesh(file: &Path, mesh: &Path) -> Result<String, Failure> {
         return Err(Failure::Usage(format!("{found}, {advice}")));
     };
     let extents = |d: usize| model.bounds[1].get(d).unwrap_or(&0.0) - model.bounds[0].get(d).unwrap_or(&0.0);
-    let size: Vec<String> = (0..model.dimension).map(|d| short(extents(d))).collect();
+    let size: Vec<String> = (0..model.dimension).map(|d| figure(extents(d))).collect();
     let vector = |last: &str| {
         let mut components = vec!["0"; model.dimension.saturating_sub(1)];
         components.push(last);
@@ -103,10 +103,4 @@ fn beside(case: &Path, mesh: &Path) -> PathBuf {
 /// A text as TOML writes it.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
-}
-
-/// A length in four digits.
-fn short(length: f64) -> String {
-    let rounded: f64 = format!("{length:.3e}").parse().unwrap_or(length);
-    rounded.to_string()
 }

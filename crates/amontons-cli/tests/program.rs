@@ -182,8 +182,8 @@ fn a_mesh_file_is_shown_with_its_sides_and_regions() {
     for line in [
         "pad.inp: a plane body, 6 nodes",
         "  cells             2 Q1 quadrilateral",
-        "  region \"pad\"      1 cell, volume 1.00000e-4",
-        "  side \"foot\"       2 facets, area 2.00000e-2",
+        "  region \"pad\"      1 cell, area 0.0001",
+        "  side \"foot\"       2 facets, length 0.02",
         "  in no side        4 facets of the boundary",
         "has 1.0000 (1: regular, 0: flat)",
         "  skipped           *BOUNDARY (line 15)",
