@@ -195,6 +195,13 @@ const ROUND_OFF: f64 = 1e-5;
 /// What to do about a run that has ended early.
 fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
+    if let RunError::Unstarted { resumes } = error {
+        return Some(match resumes {
+            true => format!("{out} is as it was; go on with: amontons resume {out}"),
+            false if folder.keeps_older_results() => format!("{out} still holds the results of an earlier run"),
+            false => "there are no results yet; begin again with the same command".to_owned(),
+        });
+    }
     let (RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary)) = error else {
         return None;
     };

@@ -18,6 +18,7 @@ use serde_json::{Value, json};
 
 use crate::arguments::{Common, ProgressArgument};
 use crate::signals;
+use crate::status::INTERRUPTED;
 
 /// How long a command takes before it gets a bar, and how often the bar is drawn.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -103,10 +104,20 @@ impl Place {
         value
     }
 
+    /// Whether no step was made, so that there is nothing to finish or to keep.
+    fn has_nothing(&self) -> bool {
+        matches!(self.phase, "mesh" | "certificate" | "assembly" | "factor")
+    }
+
     /// What happens after a first signal.
     fn after_interrupt(&self, signal: &str) -> String {
         let first = match self.phase {
             "steps" if self.step < self.steps => format!("step {} of {} is finished", self.step + 1, self.steps),
+            _ if self.has_nothing() => {
+                let kept =
+                    if self.part.is_empty() { "there is nothing to go on with" } else { "what is finished is kept" };
+                return format!("{signal}: the run ends before its first step; {kept}");
+            }
             phase => format!("the present phase ({phase}) is finished"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
@@ -240,17 +251,22 @@ impl Progress {
         }))
     }
 
-    /// A flag that Ctrl-C and the signals of batch systems set, which says what happens next; a second Ctrl-C ends the
-    /// program at once.
+    /// A flag that Ctrl-C and the signals of batch systems set, which says what happens next. The program ends at once
+    /// before the first step of a run, whose set-up may take minutes, and after a second Ctrl-C.
     pub fn interrupt_flag(&self) -> Arc<AtomicBool> {
         let flag = Arc::new(AtomicBool::new(false));
         let shared = Arc::clone(&self.shared);
         signals::interrupts(&flag, move |signal| {
-            let message = shared.place().after_interrupt(signal);
+            let place = shared.place().clone();
+            let message = place.after_interrupt(signal);
             match shared.mode {
                 Mode::Json => tell(&json!({ "interrupted": message }).to_string()),
-                Mode::Silent => {}
-                Mode::Bar | Mode::Lines => tell(&message),
+                // Why a program ends is told in any case.
+                Mode::Silent if !place.has_nothing() => {}
+                Mode::Silent | Mode::Bar | Mode::Lines => tell(&message),
+            }
+            if place.has_nothing() {
+                std::process::exit(i32::from(INTERRUPTED.1));
             }
         });
         flag
@@ -340,6 +356,8 @@ mod tests {
         let progress = Progress::with(Mode::Silent, MINUTE);
         progress.shared.phase("certificate");
         assert_eq!(progress.shared.place().line(), "certificate, 0 s in this phase; 0 s gone");
+        let told = progress.shared.place().after_interrupt("SIGTERM");
+        assert_eq!(told, "SIGTERM: the run ends before its first step; there is nothing to go on with");
         progress.part("study 3 of 6", 8);
         progress.shared.phase("steps");
         assert_eq!(progress.shared.place().left(), None);

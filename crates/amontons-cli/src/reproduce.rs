@@ -122,7 +122,7 @@ impl Work<'_> {
             _ => run::run(&case.problem, &settings, &mut [&mut Folder::create(folder, options)?, &mut steps]),
         };
         result.map_err(|error| {
-            let hint = matches!(error, RunError::Interrupted(_))
+            let hint = matches!(error, RunError::Interrupted(_) | RunError::Unstarted { .. })
                 .then(|| "the same command goes on where it stopped".to_owned());
             Failure::Run { error, hint }
         })

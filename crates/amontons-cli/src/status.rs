@@ -126,7 +126,7 @@ const CASE: Class = ("case", 2);
 const MESH: Class = ("mesh", 2);
 const SOLVER: Class = ("solver", 3);
 const FILE: Class = ("file", 4);
-const INTERRUPTED: Class = ("interrupted", 130);
+pub(crate) const INTERRUPTED: Class = ("interrupted", 130);
 
 impl Failure {
     fn class(&self) -> Class {
@@ -150,9 +150,8 @@ impl Failure {
             Failure::Run { error, .. } => match error {
                 RunError::Threads { .. } => USAGE,
                 RunError::Setup(SetupError::Initial(_) | SetupError::Data(_)) => CASE,
-                RunError::Setup(SetupError::Factor { source: SolveError::Interrupted, .. }) => INTERRUPTED,
                 RunError::Setup(_) | RunError::Step { .. } | RunError::Unsound(_) => SOLVER,
-                RunError::Interrupted(_) => INTERRUPTED,
+                RunError::Interrupted(_) | RunError::Unstarted { .. } => INTERRUPTED,
                 RunError::Output(error) => of_output(error),
                 RunError::Checkpoint(error) => of_checkpoint(error),
             },

@@ -141,7 +141,7 @@ impl Sweep<'_> {
         let result = result.map_err(|error| {
             let again = "the same command goes on where it stopped";
             let hint = match &error {
-                RunError::Interrupted(_) => again.to_owned(),
+                RunError::Interrupted(_) | RunError::Unstarted { .. } => again.to_owned(),
                 _ => format!("{}: results up to the step before are in {}", part.variant.folder, folder.display()),
             };
             Failure::Run { error, hint: Some(hint) }

@@ -5,6 +5,7 @@
 mod common;
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
@@ -100,6 +101,24 @@ fn signals_of_batch_systems_leave_a_checkpoint() {
         assert_code(&verified, 1);
         assert!(stderr(&verified).contains("the run is interrupted"), "{}", stderr(&verified));
     }
+}
+
+/// Before the first step there is nothing to finish, however long the set-up takes: the program ends at once, and the
+/// same command begins again.
+#[test]
+fn a_signal_before_the_first_step_ends_the_program() {
+    let folder = tempdir().expect("a folder");
+    let (case, out) = (paper(), folder.path().join("run").display().to_string());
+    let begin = ["run", &case, "--out", &out, "--set", "mesh.n=96", "--set", "time.steps=2", "--progress", "json"];
+    let mut child = amontons(&begin).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let mut lines = BufReader::new(child.stderr.take().expect("standard error")).lines().map_while(Result::ok);
+    assert!(lines.any(|line| line.contains("certificate")), "the phase is told");
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-TERM", &id]).status().expect("kill").success());
+    assert!(lines.any(|line| line.contains("SIGTERM: the run ends before its first step")), "it says what it does");
+    assert_eq!(child.wait().expect("the end").code(), Some(130));
+    let again = output(&mut amontons(&["run", &case, "--out", &out, "--quiet", "--set", "mesh.n=4"]));
+    assert_code(&again, 0);
 }
 
 /// A case that names a table.

@@ -102,6 +102,12 @@ pub enum RunError {
     /// The run was asked to stop; sinks have the results so far.
     #[error("interrupted after step {}", .0.steps)]
     Interrupted(Box<Summary>),
+    /// The run was asked to stop before its first step; sinks were not started.
+    #[error("interrupted before a step was made")]
+    Unstarted {
+        /// Whether it was to go on from a checkpoint.
+        resumes: bool,
+    },
     /// Results could not be written.
     #[error(transparent)]
     Output(#[from] OutputError),
@@ -144,17 +150,25 @@ fn drive(
     // Before the factors of the run, so that they are not in memory at once.
     let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));
     begins(Phase::Certificate);
+    // What is interrupted before a step has nothing to keep; half a certificate is none.
+    let resumed = from.is_some();
+    let goes_on = || if interrupted(settings) { Err(RunError::Unstarted { resumes: resumed }) } else { Ok(()) };
+    goes_on()?;
     let findings = within(pool.as_ref(), || judged(problem, settings));
+    goes_on()?;
     let certificate = begin.elapsed().as_secs_f64();
     begins(Phase::Assembly);
     let backend = Arc::new(Timed::new(&problem.backend, settings.watch.clone()));
     let solver: Arc<dyn Backend> = Arc::<Timed>::clone(&backend);
-    let mut scheme = within(pool.as_ref(), || (settings.scheme)(problem, &solver))?;
+    let scheme = within(pool.as_ref(), || (settings.scheme)(problem, &solver));
+    goes_on()?;
+    let mut scheme = scheme?;
     let unknowns = counted(&*scheme);
-    let resumed = from.is_some();
     let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
     // What a run that goes on factorizes again has been counted.
-    within(pool.as_ref(), || scheme.recall(&kept))?;
+    let recalled = within(pool.as_ref(), || scheme.recall(&kept));
+    goes_on()?;
+    recalled?;
     let again = if resumed { scheme.factorizations() } else { (0, 0) };
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
     let factor = backend.seconds();
