@@ -103,6 +103,37 @@ fn signals_of_batch_systems_leave_a_checkpoint() {
     }
 }
 
+/// A large body that is interrupted leaves a checkpoint without the fields of the last step, which take longer than the
+/// user is to wait; a run that goes on has them at its end.
+#[test]
+fn a_large_body_leaves_a_checkpoint_alone() {
+    let folder = tempdir().expect("a folder");
+    let (case, out) = (folder.path().join("rod.toml"), folder.path().join("run"));
+    let text = "name = \"rod\"\nmesh = { kind = \"interval\", size = 1, n = 100000 }\ntime = { end = 1, steps = 400 }\n\
+        material = \"glass-soda-lime\"\n[[boundary]]\non = \"left\"\ntemperature = \"sin(t)\"\n";
+    fs::write(&case, text).expect("a case");
+    let (case, path) = (case.display().to_string(), out.display().to_string());
+    let arguments = ["run", &case, "--out", &path, "--no-certificate"];
+    let child = amontons(&arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let begin = Instant::now();
+    while fs::read_to_string(out.join("history.csv")).map_or(0, |text| text.lines().count()) < 4 {
+        assert!(begin.elapsed() < Duration::from_mins(1), "the run does not start");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert!(Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill").success());
+    let ended = child.wait_with_output().expect("the end");
+    assert_code(&ended, 130);
+    assert_eq!(summary(&out)["outcome"], "interrupted");
+    let fields = || fs::read_dir(out.join("fields")).expect("a folder").count();
+    assert!(fields() == 0 && out.join("checkpoint/state.bin").exists());
+    let made = summary(&out)["steps"].as_u64().expect("a count");
+    assert!(made < 399, "{made}");
+    let rest = output(&mut amontons(&["resume", &path, "--quiet"]));
+    assert_code(&rest, 0);
+    assert_eq!((fields(), summary(&out)["steps"].as_u64()), (1, Some(400)));
+    assert_code(&output(&mut amontons(&["verify", &path])), 0);
+}
+
 /// Before the first step there is nothing to finish, however long the set-up takes: the program ends at once, and the
 /// same command begins again.
 #[test]

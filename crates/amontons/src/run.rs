@@ -202,8 +202,13 @@ fn drive(
     begins(Phase::Results);
     let work = clock.work(before, &*scheme);
     let last = seen(problem, &*scheme, &state, report.as_ref(), work);
-    clock.output(|| sinks.iter_mut().try_for_each(|sink| sink.last(&last)))?;
     let outcome = outcome(failed.as_ref(), state.step, problem.steps);
+    clock.output(|| {
+        sinks.iter_mut().try_for_each(|sink| match outcome {
+            Outcome::Interrupted => sink.interrupted(&last),
+            _ => sink.last(&last),
+        })
+    })?;
     let last = Snapshot { work: clock.work(before, &*scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
     let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &*scheme);

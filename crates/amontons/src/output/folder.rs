@@ -27,6 +27,9 @@ pub(super) const PROBES: &str = "probes.csv";
 /// Folder of the field snapshots, and of the contact points at their times.
 pub(super) const FIELDS: &str = "fields";
 pub(super) const CONTACT: &str = "contact";
+/// Nodes up to which the fields of a step are written within a second: a run of a larger body that is interrupted leaves
+/// a checkpoint without them.
+const SOON: usize = 100_000;
 /// Longest time between checkpoints, and their share of the time of a run, where nothing else is asked for.
 const LONGEST_INTERVAL: Duration = Duration::from_mins(1);
 const SHARE: u32 = 100;
@@ -317,6 +320,13 @@ impl Folder {
         Ok(())
     }
 
+    /// Writes the contact points and the checkpoint of the last step.
+    fn write_end(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        let written = write_contact(&self.path.join("contact.csv"), last)?;
+        self.manifest.list("contact.csv", Some(written));
+        if self.last_checkpoint.step == Some(last.state.step) { Ok(()) } else { self.write_checkpoint(last, true) }
+    }
+
     fn checkpoint_is_due(&self, step: usize) -> bool {
         let LastCheckpoint { step: last, at, took, first } = self.last_checkpoint;
         let CheckpointInterval { steps, time } = self.options.checkpoint;
@@ -546,12 +556,14 @@ impl Sink for Folder {
         if self.snapshots.last().is_none_or(|(_, newest)| *newest != file) {
             self.write_fields(last)?;
         }
-        let written = write_contact(&self.path.join("contact.csv"), last)?;
-        self.manifest.list("contact.csv", Some(written));
-        if self.last_checkpoint.step != Some(last.state.step) {
-            self.write_checkpoint(last, true)?;
+        self.write_end(last)
+    }
+
+    fn interrupted(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        if last.problem.mesh.points.len() <= SOON || self.replaces.is_some() {
+            return self.last(last);
         }
-        Ok(())
+        self.write_end(last)
     }
 
     fn finish(&mut self, summary: &Summary) -> Result<(), OutputError> {

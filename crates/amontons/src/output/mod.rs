@@ -69,7 +69,7 @@ use crate::problem::Problem;
 use crate::scheme::{Discretization, Scheme, State, StepReport};
 
 /// Where the results of a run go. A run calls `start` once, `step` after every step, and, for whatever
-/// reason it ends, `last` and `finish` once, unless a sink itself has failed.
+/// reason it ends, `last` (or `interrupted`) and `finish` once, unless a sink itself has failed.
 pub trait Sink {
     /// The system is set up; the first step comes next.
     ///
@@ -86,6 +86,13 @@ pub trait Sink {
     /// # Errors
     /// When the results cannot be kept.
     fn last(&mut self, last: &Snapshot) -> Result<(), OutputError>;
+    /// The same where the run was asked to stop: it is to end soon.
+    ///
+    /// # Errors
+    /// When the results cannot be kept.
+    fn interrupted(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        self.last(last)
+    }
     /// The summary of the run: the last that a sink sees.
     ///
     /// # Errors
