@@ -140,7 +140,7 @@ fn a_large_body_leaves_a_checkpoint_alone() {
 fn a_signal_before_the_first_step_ends_the_program() {
     let folder = tempdir().expect("a folder");
     let (case, out) = (paper(), folder.path().join("run").display().to_string());
-    let begin = ["run", &case, "--out", &out, "--set", "mesh.n=96", "--set", "time.steps=2", "--progress", "json"];
+    let begin = ["run", &case, "--out", &out, "--set", "mesh.n=256", "--set", "time.steps=2", "--progress", "json"];
     let mut child = amontons(&begin).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
     let mut lines = BufReader::new(child.stderr.take().expect("standard error")).lines().map_while(Result::ok);
     assert!(lines.any(|line| line.contains("certificate")), "the phase is told");
