@@ -5,8 +5,6 @@ use amontons::model::{Cost, MeshModel, Model, Size};
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
-use crate::print::figure;
-
 /// A line with a name.
 pub fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
@@ -163,4 +161,11 @@ fn bytes(count: f64) -> String {
     let (unit, name) =
         [(1e12, "TB"), (1e9, "GB"), (1e6, "MB")].into_iter().find(|(unit, _)| count >= *unit).unwrap_or((1e3, "kB"));
     format!("{:.3} {name}", count / unit)
+}
+
+/// A number in six digits, without those that say nothing: `0.06`, `1.2e-7`.
+pub fn figure(number: f64) -> String {
+    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
+    let is_plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
+    if is_plain { rounded.to_string() } else { format!("{rounded:e}") }
 }

@@ -10,7 +10,8 @@ use amontons::model::MeshModel;
 use amontons::output::OutputError;
 
 use crate::arguments::Template;
-use crate::print::{self, figure};
+use crate::model::figure;
+use crate::print;
 use crate::status::Failure;
 
 /// Writes a case; a file that is there is kept.

@@ -253,10 +253,3 @@ pub fn valid_json(problem: &Problem, model: &Model, certificate: &Certificate) -
         "constants": certificate.constants,
     })
 }
-
-/// A number in six digits, without those that say nothing: `0.06`, `1.2e-7`.
-pub fn figure(number: f64) -> String {
-    let rounded: f64 = format!("{number:.5e}").parse().unwrap_or(number);
-    let is_plain = rounded == 0.0 || (1e-4..1e6).contains(&rounded.abs());
-    if is_plain { rounded.to_string() } else { format!("{rounded:e}") }
-}

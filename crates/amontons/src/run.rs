@@ -150,25 +150,20 @@ fn drive(
     // Before the factors of the run, so that they are not in memory at once.
     let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));
     begins(Phase::Certificate);
-    // What is interrupted before a step has nothing to keep; half a certificate is none.
     let resumed = from.is_some();
-    let goes_on = || if interrupted(settings) { Err(RunError::Unstarted { resumes: resumed }) } else { Ok(()) };
-    goes_on()?;
+    unless_interrupted(settings, resumed, Ok(()))?;
     let findings = within(pool.as_ref(), || judged(problem, settings));
-    goes_on()?;
+    unless_interrupted(settings, resumed, Ok(()))?;
     let certificate = begin.elapsed().as_secs_f64();
     begins(Phase::Assembly);
     let backend = Arc::new(Timed::new(&problem.backend, settings.watch.clone()));
     let solver: Arc<dyn Backend> = Arc::<Timed>::clone(&backend);
-    let scheme = within(pool.as_ref(), || (settings.scheme)(problem, &solver));
-    goes_on()?;
-    let mut scheme = scheme?;
+    let made = within(pool.as_ref(), || (settings.scheme)(problem, &solver));
+    let mut scheme = unless_interrupted(settings, resumed, made)?;
     let unknowns = counted(&*scheme);
     let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
     // What a run that goes on factorizes again has been counted.
-    let recalled = within(pool.as_ref(), || scheme.recall(&kept));
-    goes_on()?;
-    recalled?;
+    unless_interrupted(settings, resumed, within(pool.as_ref(), || scheme.recall(&kept)))?;
     let again = if resumed { scheme.factorizations() } else { (0, 0) };
     let mut clock = Clock { begin, seconds: before.seconds, before: before.seconds.total, again };
     let factor = backend.seconds();
@@ -203,12 +198,7 @@ fn drive(
     let work = clock.work(before, &*scheme);
     let last = seen(problem, &*scheme, &state, report.as_ref(), work);
     let outcome = outcome(failed.as_ref(), state.step, problem.steps);
-    clock.output(|| {
-        sinks.iter_mut().try_for_each(|sink| match outcome {
-            Outcome::Interrupted => sink.interrupted(&last),
-            _ => sink.last(&last),
-        })
-    })?;
+    clock.output(|| sinks.iter_mut().try_for_each(|sink| hand_over(*sink, &last, outcome)))?;
     let last = Snapshot { work: clock.work(before, &*scheme), ..last };
     let error = failed.as_ref().map(ToString::to_string);
     let summary = sound(Summary::new(&last, unknowns, findings, outcome, error), &*scheme);
@@ -287,6 +277,16 @@ fn ended(failed: Option<StepError>, summary: Summary) -> Result<Summary, RunErro
         (None, Outcome::Unsound) => Err(RunError::Unsound(Box::new(summary))),
         (None, _) => Err(RunError::Interrupted(Box::new(summary))),
     }
+}
+
+/// What was made before the first step. What is interrupted there has nothing to keep: half a certificate is none.
+fn unless_interrupted<T>(settings: &Settings, resumes: bool, made: Result<T, SetupError>) -> Result<T, RunError> {
+    if interrupted(settings) { Err(RunError::Unstarted { resumes }) } else { Ok(made?) }
+}
+
+/// Hands the last good step to a sink.
+fn hand_over(sink: &mut dyn Sink, last: &Snapshot, outcome: Outcome) -> Result<(), OutputError> {
+    if outcome == Outcome::Interrupted { sink.interrupted(last) } else { sink.last(last) }
 }
 
 fn interrupted(settings: &Settings) -> bool {

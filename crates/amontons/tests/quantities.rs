@@ -294,6 +294,21 @@ fn the_units_of_all_keys() {
     assert_eq!(found, expected);
 }
 
+/// The schema lets a text with a unit stand where the program does: an editor has nothing to say against one.
+#[test]
+fn the_schema_allows_texts_with_units() {
+    let schema = case::schema();
+    let number = |pointer: &str| schema.pointer(pointer).unwrap_or_else(|| panic!("{pointer}")).clone();
+    let time = number("/$defs/Time/properties");
+    let allowed = serde_json::json!(["number", "string"]);
+    assert_eq!((&time["end"]["type"], &time["end"]["x-unit"]), (&allowed, &serde_json::json!("s")));
+    assert_eq!(time["steps"]["type"], "integer");
+    for key in ["times", "values", "value", "temperature"] {
+        assert_eq!(number(&format!("/$defs/TableData/properties/{key}/items/type")), allowed, "{key}");
+    }
+    assert_eq!(number("/$defs/Material/type"), serde_json::json!(["object", "string"]));
+}
+
 /// `"210 GPa"` is refused where numbers have no units.
 #[test]
 fn a_case_without_units_has_none() {

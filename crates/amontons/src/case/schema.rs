@@ -19,9 +19,13 @@ pub fn schema() -> Value {
 fn allow_units(schema: &mut Value, above: Option<&str>) {
     let Value::Object(node) = schema else { return };
     let named = node.get("description").and_then(Value::as_str).map(|text| of_description(text).map(|(_, unit)| unit));
-    let unit = named.map_or(above, |unit| unit).map(str::to_owned);
+    let mut unit = named.map_or(above, |unit| unit).map(str::to_owned);
     if let Some(unit) = unit.as_ref().filter(|_| named.is_some()) {
         node.insert(UNIT.to_owned(), Value::from(unit.as_str()));
+    }
+    if node.contains_key(OF_THE_KEY) {
+        // Values of a table have a unit, whichever it is.
+        unit = Some(String::new());
     }
     if unit.is_some() && node.get("type").and_then(Value::as_str) == Some("number") {
         node.insert("type".to_owned(), Value::from(vec!["number", "string"]));

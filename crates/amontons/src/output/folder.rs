@@ -27,8 +27,8 @@ pub(super) const PROBES: &str = "probes.csv";
 /// Folder of the field snapshots, and of the contact points at their times.
 pub(super) const FIELDS: &str = "fields";
 pub(super) const CONTACT: &str = "contact";
-/// Nodes up to which the fields of a step are written within a second: a run of a larger body that is interrupted leaves
-/// a checkpoint without them.
+/// Nodes up to which the fields of a step are written within a second: a run of a larger body that is interrupted
+/// leaves a checkpoint without them.
 const SOON: usize = 100_000;
 /// Longest time between checkpoints, and their share of the time of a run, where nothing else is asked for.
 const LONGEST_INTERVAL: Duration = Duration::from_mins(1);
