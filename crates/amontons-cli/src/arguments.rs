@@ -133,7 +133,7 @@ pub enum Command {
     New {
         /// The file to write; an existing file is kept
         file: PathBuf,
-        /// What it is to be like
+        /// Which case to write
         #[arg(long, value_enum, default_value_t = Template::Starter)]
         template: Template,
         /// The mesh file of the template `from-mesh`

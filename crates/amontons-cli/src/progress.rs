@@ -104,20 +104,16 @@ impl Place {
         value
     }
 
-    /// Whether no step was made, so that there is nothing to finish or to keep.
+    /// Whether the command is one run that has not made a step: there is nothing to finish or to keep.
     fn has_nothing(&self) -> bool {
-        matches!(self.phase, "mesh" | "certificate" | "assembly" | "factor")
+        self.part.is_empty() && matches!(self.phase, "certificate" | "assembly" | "factor")
     }
 
     /// What happens after a first signal.
     fn after_interrupt(&self, signal: &str) -> String {
         let first = match self.phase {
             "steps" if self.step < self.steps => format!("step {} of {} is finished", self.step + 1, self.steps),
-            _ if self.has_nothing() => {
-                let kept =
-                    if self.part.is_empty() { "there is nothing to go on with" } else { "what is finished is kept" };
-                return format!("{signal}: the run ends before its first step; {kept}");
-            }
+            _ if self.has_nothing() => return format!("{signal}: the run ends before its first step"),
             phase => format!("the present phase ({phase}) is finished"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
@@ -357,8 +353,15 @@ mod tests {
         progress.shared.phase("certificate");
         assert_eq!(progress.shared.place().line(), "certificate, 0 s in this phase; 0 s gone");
         let told = progress.shared.place().after_interrupt("SIGTERM");
-        assert_eq!(told, "SIGTERM: the run ends before its first step; there is nothing to go on with");
+        assert_eq!(told, "SIGTERM: the run ends before its first step");
         progress.part("study 3 of 6", 8);
+        // The studies before it are finished, and told of in order.
+        progress.shared.phase("factor");
+        let told = progress.shared.place().after_interrupt("SIGTERM");
+        assert!(
+            told.starts_with("SIGTERM: the present phase (factor) is finished and what is finished is kept"),
+            "{told}"
+        );
         progress.shared.phase("steps");
         assert_eq!(progress.shared.place().left(), None);
         progress.shared.step(2, Some(0.25), Some([3, 0, 5]));

@@ -100,7 +100,7 @@ fn faults_are_told() {
         (
             "[material]\nstress_state = \"plane-strain\"\ndensity = 1\nelasticity = { law = \"isotropic\", young = 1, poisson = 0 }\n",
             PULLED,
-            "bar.toml:10:16: material.stress_state: found a stress state beside no `base`, expected `elasticity.stress_state`",
+            "bar.toml:10:16: material.stress_state: found a stress state without `base`, expected `elasticity.stress_state`",
         ),
         (
             "material = 7850\n",

@@ -152,7 +152,12 @@ const FAULTS: &[(&str, &str, &str)] = &[
     (
         "foundation_temperature = \"20 °C\"",
         "foundation_temperature = \"293.15 K\"",
-        "30:94: contact.heat.foundation_temperature: found a temperature in K beside one in °C, boundary[0].temperature.values[0], expected all temperatures of a case on one scale; the body is free of thermal stress at 0 of the scale that the case has",
+        "30:94: contact.heat.foundation_temperature: found a temperature in K beside one in °C, boundary[0].temperature.values[0], expected all temperatures of a case on one scale; thermal stress is zero at the temperature 0 on the scale of the case",
+    ),
+    (
+        "\"60 mm\"",
+        "\"1e2147483647 km\"",
+        "5:9: mesh.size[0]: found \"1e2147483647 km\", expected a number > 0 (lengths of the sides in m)",
     ),
     (
         "\"-70 kN/m³\"",

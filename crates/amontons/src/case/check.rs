@@ -98,19 +98,15 @@ impl<'s> Walk<'s> {
             (_, _) if !self.has_units => {
                 (format!("a number without a unit, as the key `units` of the case says{about}"), None)
             }
-            (Reading::Quantity(quantity), Some((unit, _)))
-                if quantity.unit.is_like(&unit, schema.is_per_thickness()) =>
+            (Reading::Quantity(quantity), unit)
+                if unit.map_or(quantity.unit.is_number(), |(unit, _)| {
+                    quantity.unit.is_like(&unit, schema.is_per_thickness())
+                }) =>
             {
                 if !form.admits(quantity.number) {
                     return Some(self.mismatch(schema, path, found, None));
                 }
                 self.on_a_scale(schema, path, &quantity);
-                return Some(Value::from(quantity.number));
-            }
-            (Reading::Quantity(quantity), None) if quantity.unit.is_number() => {
-                if !form.admits(quantity.number) {
-                    return Some(self.mismatch(schema, path, found, None));
-                }
                 return Some(Value::from(quantity.number));
             }
             (Reading::Unknown(word), Some((_, si))) => {
@@ -139,7 +135,7 @@ impl<'s> Walk<'s> {
         {
             let [this, that] = if quantity.unit.is_celsius() { ["°C", "K"] } else { ["K", "°C"] };
             let found = format!("a temperature in {this} beside one in {that}, {other}");
-            let hint = "the body is free of thermal stress at 0 of the scale that the case has";
+            let hint = "thermal stress is zero at the temperature 0 on the scale of the case";
             let expected = "all temperatures of a case on one scale";
             self.findings.push(Finding::new(path.clone(), At::Value, found, expected).hint(Some(hint.to_owned())));
         }

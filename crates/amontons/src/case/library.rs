@@ -70,7 +70,7 @@ pub(super) fn fill(raw: &mut raw::Case, findings: &mut Vec<Finding>) {
         };
         let Some(name) = &material.base else {
             if material.stress_state.is_some() {
-                let found = "a stress state beside no `base`".to_owned();
+                let found = "a stress state without `base`".to_owned();
                 note("stress_state", found, "`elasticity.stress_state`".to_owned(), None);
             }
             continue;

@@ -179,7 +179,7 @@ fn factor(word: &str) -> Option<Unit> {
     let (symbol, exponent) = plain.split_at(end);
     let exponent = exponent.strip_prefix('^').unwrap_or(exponent);
     let n: i32 = if exponent.is_empty() { 1 } else { exponent.parse().ok()? };
-    if n.abs() > MOST {
+    if !(-MOST..=MOST).contains(&n) {
         return None;
     }
     let base = |word: &str| PREFIXED.iter().find(|(name, _)| *name == word).map(|(_, unit)| *unit);
@@ -206,7 +206,7 @@ pub(super) fn read(text: &str) -> Option<Reading> {
         return is_apart.then(|| Reading::Unknown(word.to_owned()));
     };
     // In one rounding: 7 mm are 0.007 to the last bit.
-    let number = format!("{mantissa}e{}", exponent + unit.ten).parse::<f64>().ok()? * unit.factor;
+    let number = format!("{mantissa}e{}", exponent.saturating_add(unit.ten)).parse::<f64>().ok()? * unit.factor;
     Some(Reading::Quantity(Quantity { number, unit }))
 }
 
@@ -305,6 +305,9 @@ mod tests {
         ] {
             assert!((number(text) - expected).abs() <= 1e-16 * expected.abs(), "{text}: {:?}", number(text));
         }
+        // An exponent beyond all numbers stays there, with any unit.
+        let extremes = [number("1e2147483647 km"), number("1e-2147483648 mm")].map(f64::to_bits);
+        assert_eq!(extremes, [f64::INFINITY, 0.0].map(f64::to_bits));
         // Decimal units take one rounding: to the last bit what one would write in SI.
         for (text, expected) in [("1.1 mm", 1.1e-3), ("0.3 µm", 0.3e-6), ("2.1e2 GPa", 2.1e11), ("7.3 g/cm³", 7300.0)]
         {
@@ -317,7 +320,18 @@ mod tests {
         for text in ["2*x", "2", "x", "sin(x)", "2x", "2t", "3 + x", "2 (x)", "", "-", "1e5", ".", "m", "2 - 1 m"] {
             assert_eq!(read(text), None, "{text}");
         }
-        for text in ["3 furlong", "2 x", "5 W/(m", "5 W//m", "5 W/(m/K)", "5 mm^10", "5 m^1.5", "3 m/", "1 KPa"] {
+        for text in [
+            "3 furlong",
+            "2 x",
+            "5 W/(m",
+            "5 W//m",
+            "5 W/(m/K)",
+            "5 mm^10",
+            "5 m^-2147483648",
+            "5 m^1.5",
+            "3 m/",
+            "1 KPa",
+        ] {
             assert!(matches!(read(text), Some(Reading::Unknown(_))), "{text}");
         }
     }
