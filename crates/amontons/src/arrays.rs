@@ -10,7 +10,7 @@
 
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::fmt::Debug;
+use std::fmt::{self, Debug};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Most arguments of a law.
@@ -26,17 +26,25 @@ pub trait ArrayFunction: Debug + Send + Sync {
 }
 
 /// A function of arrays that can be asked for the values of one point.
-#[derive(Debug)]
 pub struct Arrays {
     function: Arc<dyn ArrayFunction>,
     outputs: usize,
-    /// Values known so far, while arguments are collected.
-    known: Mutex<Option<Known>>,
+    known: Mutex<Known>,
+}
+
+impl Debug for Arrays {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.function.fmt(f)
+    }
 }
 
 /// Arguments with their values.
-#[derive(Debug, Default)]
+#[derive(Default)]
 struct Known {
+    /// How many collect arguments; without any, nothing is kept.
+    collecting: usize,
+    /// How often a value was not known.
+    misses: u64,
     /// Number of each row by the bits of its arguments.
     rows: HashMap<[u64; INPUTS], usize>,
     /// Values of the first rows.
@@ -45,64 +53,71 @@ struct Known {
     wanted: Vec<Inputs>,
 }
 
+/// Whether what a thread computes is computed again where values are missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct Part {
+    takes: bool,
+    /// Whether a value was missing.
+    lacks: bool,
+    /// Whether it is a single point, whose further arguments depend on what is missing.
+    is_point: bool,
+}
+
 thread_local! {
-    /// Whether the point that this thread computes lacks a value; none outside of [`per_point`].
-    static LACKS: Cell<Option<bool>> = const { Cell::new(None) };
+    static PART: Cell<Part> = const { Cell::new(Part { takes: false, lacks: false, is_point: false }) };
 }
 
 impl Arrays {
     /// A function with this many values per row.
     #[must_use]
     pub fn new(function: Arc<dyn ArrayFunction>, outputs: usize) -> Arrays {
-        Arrays { function, outputs, known: Mutex::new(None) }
+        Arrays { function, outputs, known: Mutex::default() }
     }
 
-    /// The values at a point, at most `N` of them. While arguments are collected, values that are not known yet are 0,
-    /// and the point is computed again.
+    /// The values at a point, at most `N` of them. Where arguments are collected, values that are not known yet are 0,
+    /// and what needs them is computed again.
     #[must_use]
     pub fn at<const N: usize>(&self, inputs: &Inputs) -> [f64; N] {
-        let mut out = [0.0; N];
+        let (mut out, part) = ([0.0; N], PART.get());
         let mut known = self.lock();
-        let Some(collected) = known.as_mut() else {
+        if !part.takes || known.collecting == 0 {
             drop(known);
             let mut row = vec![0.0; self.outputs];
             self.function.evaluate(&[*inputs], &mut row);
             out.iter_mut().zip(&row).for_each(|(out, value)| *out = *value);
             return out;
-        };
-        if LACKS.get() == Some(true) {
+        }
+        if part.is_point && part.lacks {
             return out;
         }
-        let next = collected.rows.len();
-        let row = *collected.rows.entry(inputs.map(f64::to_bits)).or_insert(next);
-        if let Some(values) = collected.values.chunks_exact(self.outputs).nth(row) {
+        let next = known.rows.len();
+        let row = *known.rows.entry(inputs.map(f64::to_bits)).or_insert(next);
+        if let Some(values) = known.values.chunks_exact(self.outputs).nth(row) {
             out.iter_mut().zip(values).for_each(|(out, value)| *out = *value);
             return out;
         }
         if row == next {
-            collected.wanted.push(*inputs);
+            known.wanted.push(*inputs);
         }
-        if LACKS.get().is_some() {
-            LACKS.set(Some(true));
-        }
+        known.misses += 1;
+        PART.set(Part { lacks: true, ..part });
         out
     }
 
-    /// Computes the values of the arguments collected; whether there were any.
-    fn evaluate(&self) -> bool {
-        let wanted = self.lock().as_mut().map(|known| std::mem::take(&mut known.wanted)).unwrap_or_default();
+    /// Computes the values of the arguments collected.
+    fn evaluate(&self) {
+        let mut known = self.lock();
+        let wanted = std::mem::take(&mut known.wanted);
         if wanted.is_empty() {
-            return false;
+            return;
         }
+        // Those who ask meanwhile wait: the numbers of the rows are those of the values.
         let mut values = vec![0.0; wanted.len() * self.outputs];
         self.function.evaluate(&wanted, &mut values);
-        if let Some(known) = self.lock().as_mut() {
-            known.values.extend(values);
-        }
-        true
+        known.values.extend(values);
     }
 
-    fn lock(&self) -> MutexGuard<'_, Option<Known>> {
+    fn lock(&self) -> MutexGuard<'_, Known> {
         self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
@@ -112,27 +127,59 @@ struct Collecting<'a>(&'a [&'a Arrays]);
 
 impl<'a> Collecting<'a> {
     fn begin(laws: &'a [&'a Arrays]) -> Collecting<'a> {
-        laws.iter().for_each(|law| *law.lock() = Some(Known::default()));
+        for law in laws {
+            law.lock().collecting += 1;
+        }
         Collecting(laws)
     }
 
-    /// Computes the values that are wanted; whether there were any.
-    fn evaluate(&self) -> bool {
-        self.0.iter().fold(false, |any, law| law.evaluate() || any)
+    fn evaluate(&self) {
+        self.0.iter().for_each(|law| law.evaluate());
+    }
+
+    fn misses(&self) -> u64 {
+        self.0.iter().map(|law| law.lock().misses).sum()
     }
 }
 
 impl Drop for Collecting<'_> {
     fn drop(&mut self) {
-        self.0.iter().for_each(|law| *law.lock() = None);
-        LACKS.set(None);
+        for law in self.0 {
+            let mut known = law.lock();
+            known.collecting -= 1;
+            if known.collecting == 0 {
+                *known = Known { misses: known.misses, ..Known::default() };
+            }
+        }
+    }
+}
+
+/// Takes part in a collection while it lives.
+struct TakingPart(Part);
+
+impl TakingPart {
+    fn begin(is_point: bool) -> TakingPart {
+        TakingPart(PART.replace(Part { takes: true, lacks: false, is_point }))
+    }
+
+    /// Ends it; whether a value was missing.
+    fn end(self) -> bool {
+        let lacks = PART.get().lacks;
+        drop(self);
+        lacks
+    }
+}
+
+impl Drop for TakingPart {
+    fn drop(&mut self) {
+        PART.set(self.0);
     }
 }
 
 /// Computes `of` for each of so many points, the values of laws on arrays for all points together. At each point the
-/// laws may be asked for values that depend on others, one after the other.
+/// laws may be asked for values that depend on others, one after the other. `of` works on the thread that calls it.
 pub fn per_point<T>(laws: &[&Arrays], count: usize, of: impl Fn(usize) -> T) -> Vec<T> {
-    if laws.is_empty() || LACKS.get().is_some() {
+    if laws.is_empty() || PART.get().takes {
         return (0..count).map(of).collect();
     }
     let collecting = Collecting::begin(laws);
@@ -140,9 +187,9 @@ pub fn per_point<T>(laws: &[&Arrays], count: usize, of: impl Fn(usize) -> T) -> 
     let mut left: Vec<usize> = (0..count).collect();
     while !left.is_empty() {
         left.retain(|&i| {
-            LACKS.set(Some(false));
+            let part = TakingPart::begin(true);
             let value = of(i);
-            let lacks = LACKS.get() == Some(true);
+            let lacks = part.end();
             if !lacks {
                 done[i] = Some(value);
             }
@@ -153,22 +200,47 @@ pub fn per_point<T>(laws: &[&Arrays], count: usize, of: impl Fn(usize) -> T) -> 
     done.into_iter().flatten().collect()
 }
 
-/// Computes `pass` with the values of laws on arrays for all points together. `pass` is computed again until no value is
-/// missing: twice where the arguments of the laws do not depend on values of theirs. It may work on several threads.
+/// Computes `pass` with the values of laws on arrays for all points together. `pass` works on the thread that calls it,
+/// and is computed again until no value is missing: twice where no argument of a law depends on values of laws.
 pub fn all_at_once<T>(laws: &[&Arrays], mut pass: impl FnMut() -> T) -> T {
-    if laws.is_empty() || LACKS.get().is_some() {
+    if laws.is_empty() || PART.get().takes {
         return pass();
     }
     let collecting = Collecting::begin(laws);
     loop {
+        let part = TakingPart::begin(false);
         let made = pass();
-        if !collecting.evaluate() {
+        if !part.end() {
+            return made;
+        }
+        collecting.evaluate();
+    }
+}
+
+/// The same for a pass that works on several threads: it asks the laws within [`taking_part`].
+pub fn all_at_once_in_parallel<T>(laws: &[&Arrays], mut pass: impl FnMut() -> T) -> T {
+    if laws.is_empty() {
+        return pass();
+    }
+    let collecting = Collecting::begin(laws);
+    loop {
+        let before = collecting.misses();
+        let made = pass();
+        collecting.evaluate();
+        if collecting.misses() == before {
             return made;
         }
     }
 }
 
+/// Asks laws within a pass of [`all_at_once_in_parallel`].
+pub fn taking_part<T>(ask: impl FnOnce() -> T) -> T {
+    let _part = TakingPart::begin(false);
+    ask()
+}
+
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "values are the same to the last bit")]
 mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -221,11 +293,34 @@ mod tests {
     fn passes_on_several_threads_take_one_call() {
         let square = Arc::new(Square::default());
         let law = Arrays::new(Arc::<Square>::clone(&square), 2);
-        let sum: f64 = all_at_once(&[&law], || {
-            let all: Vec<f64> = (0..1000).into_par_iter().map(|i| at(&law, f64::from(i))[1]).collect();
+        let sum: f64 = all_at_once_in_parallel(&[&law], || {
+            let ask = |i: i32| taking_part(|| at(&law, f64::from(i))[1]);
+            let all: Vec<f64> = (0..1000).into_par_iter().map(ask).collect();
             all.iter().sum()
         });
         assert_eq!(sum.to_bits(), (3.0f64 * 499_500.0).to_bits());
         assert_eq!((square.calls.load(Ordering::Relaxed), square.rows.load(Ordering::Relaxed)), (1, 1000));
+    }
+
+    #[test]
+    fn passes_at_the_same_time_and_values_asked_beside_them_are_right() {
+        let law = Arrays::new(Arc::new(Square::default()), 2);
+        let pass = |first: i32| {
+            let ask = |i: i32| taking_part(|| at(&law, f64::from(i))[0]);
+            let of = || (first..first + 300).into_par_iter().map(ask).collect::<Vec<f64>>();
+            all_at_once_in_parallel(&[&law], of) == (first..first + 300).map(|i| f64::from(i * i)).collect::<Vec<f64>>()
+        };
+        let pointwise = |first: i32| {
+            let squares = per_point(&[&law], 40, |i| at(&law, at(&law, f64::from(first + i as i32))[0])[0]);
+            squares == (first..first + 40).map(|i| f64::from(i).powi(4)).collect::<Vec<f64>>()
+        };
+        let beside =
+            |first: i32| (first..first + 50).all(|i| at(&law, f64::from(i))[0].to_bits() == f64::from(i * i).to_bits());
+        let right = (0..60).into_par_iter().all(|n| match n % 3 {
+            0 => pass(5 * n),
+            1 => pointwise(n),
+            _ => beside(n),
+        });
+        assert!(right);
     }
 }

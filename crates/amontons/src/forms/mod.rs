@@ -43,7 +43,7 @@ pub(crate) use points::StrainPoints;
 pub use state::{energy, residual, tangent};
 pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};
 
-use crate::arrays::all_at_once;
+use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
 use crate::field::InSpace;
 use crate::linalg::{BlockMatrix, Graph};
@@ -107,8 +107,8 @@ pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> Block
 /// [`a`] or [`b`] with a choice of the strain.
 #[must_use]
 pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation) -> BlockMatrix {
-    let at_rest = |law: &dyn TensorLaw, cell: &Cell| law.tangent(&cell.map.position, &Sym::ZERO);
-    all_at_once(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], at_rest))
+    let at_rest = |law: &dyn TensorLaw, cell: &Cell| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
+    all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], at_rest))
 }
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::assembly::{Cell, by_cells, of_region, strain_components};
 use super::stiffness;
-use crate::arrays::all_at_once;
+use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
 use crate::linalg::{BlockMatrix, Graph};
 use crate::material::{Dilatation, TensorLaw, arrays};
@@ -27,7 +27,7 @@ pub(super) fn strain(cell: &Cell, u: &[f64]) -> Sym {
 /// What `with` makes of a law at the point of a cell, with the temperature `theta` of the nodes where there is one.
 fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
     let warm = if theta.is_empty() { None } else { law.at_temperature(&cell.map.position, cell.scalar(theta)) };
-    with(warm.as_deref().unwrap_or(law))
+    taking_part(|| with(warm.as_deref().unwrap_or(law)))
 }
 
 /// The vector of ∫ 𝓔(ε(u)):ε(v), one entry a degree of freedom.
@@ -40,7 +40,7 @@ pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u:
         let strain = strain(cell, u);
         Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
     };
-    all_at_once(&arrays(laws), || vector(mesh, dilatation, |e| mesh.gradient_products(e), value))
+    all_at_once_in_parallel(&arrays(laws), || vector(mesh, dilatation, |e| mesh.gradient_products(e), value))
 }
 
 /// The vector of ∫ 𝓣:ε(v) with a tensor at each point, none where there is none.
@@ -79,7 +79,7 @@ pub(super) fn vector(
 /// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
 #[must_use]
 pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
-    all_at_once(&arrays(laws), || energy_now(mesh, laws, dilatation, u, theta))
+    all_at_once_in_parallel(&arrays(laws), || energy_now(mesh, laws, dilatation, u, theta))
 }
 
 /// The same in one pass over the cells.
@@ -121,5 +121,5 @@ pub fn tangent(
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
         local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))
     };
-    all_at_once(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], tangent))
+    all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], tangent))
 }

@@ -119,7 +119,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// Something of the laws at each point, laws on arrays evaluated for all points at once.
-    fn at_points<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
+    pub fn at_points<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
         per_point(&arrays(self.step.contacts), self.interface.len(), of)
     }
 
