@@ -107,7 +107,7 @@ class Yielding(Isotropic):
         return self.map + self.k * (np.eye(6) / root - xi[:, :, None] * xi[:, None, :] / (self.e**2 * root**3))
 
     def potential(self, x, xi):
-        return super().potential(x, xi) + self.k * self.e**2 * (self.root(xi) - 1.0)
+        return super().potential(x, xi) + self.k * np.sum(xi**2, axis=1) / (self.root(xi) + 1.0)
 
 
 class WrongSlope(Coulomb):

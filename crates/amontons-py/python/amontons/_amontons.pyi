@@ -3,6 +3,23 @@ from typing import Any, final
 
 import numpy as np
 
+__all__ = [
+    "Case",
+    "Run",
+    "Snapshot",
+    "__version__",
+    "benchmarks",
+    "check",
+    "converge",
+    "picture",
+    "plot_folder",
+    "read",
+    "run",
+    "test_law",
+    "verify",
+    "verify_benchmark",
+    "verify_folder",
+]
 __version__: str
 
 @final

@@ -28,6 +28,12 @@ class Case:
     underscores stand for the dot and a number for an index: `boundary__1__traction=[0, 1]`.
     """
 
+    _name: str
+    _text: str
+    _folder: str
+    _overrides: list[str]
+    _checked: _amontons.Case
+
     def __init__(self, source: CaseLike, overrides: Optional[Overrides] = None, **keywords: Any) -> None:
         given = [f"{key}={_value(value)}" for key, value in (overrides or {}).items()]
         given += [f"{_dotted(key)}={_value(value)}" for key, value in keywords.items()]

@@ -35,8 +35,9 @@ class AmontonsError(Exception):
     """What all errors of amontons have in common."""
 
     def __reduce__(self) -> Any:
-        # All attributes travel to other processes, also those that are no arguments.
-        return (_rebuild, (type(self), self.args, self.__dict__.copy()))
+        # All attributes travel to other processes, but for results, which stay in the memory of the run.
+        attributes = {name: None if name == "result" else value for name, value in self.__dict__.items()}
+        return (_rebuild, (type(self), self.args, attributes))
 
 
 def _rebuild(kind: type, arguments: tuple, attributes: dict) -> BaseException:
@@ -73,7 +74,7 @@ class RunError(AmontonsError, RuntimeError):
         self.hint = hint
         """What to do, if something is known to help."""
         self.result: Optional[Result] = None
-        """The run up to the last good step; None if it ended before its first step."""
+        """The run up to the last good step; None if it ended before its first step, or in another process."""
 
     def __str__(self) -> str:
         return super().__str__() + (f"\n{self.hint}" if self.hint else "")
