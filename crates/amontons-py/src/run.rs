@@ -10,7 +10,7 @@ use amontons::output::{
     history_values,
 };
 use amontons::problem::Problem;
-use amontons::run::{RunError, Settings, run as drive};
+use amontons::run::{RunError, Settings, run as drive, with_threads};
 use pyo3::prelude::*;
 use pyo3::types::PyBool;
 
@@ -235,7 +235,9 @@ impl Request {
 
     fn settings(&self, case: &case::Case, alarm: &Alarm) -> Settings {
         Settings {
-            threads: self.threads,
+            // The run is made in a pool of the threads that are asked for: its steps are not handed from thread to
+            // thread.
+            threads: None,
             interrupt: Some(Arc::clone(&alarm.flag)),
             certificate: self.certificate,
             known: self.out.as_ref().and_then(|out| output::known_certificate(out, &case.fingerprint())),
@@ -256,15 +258,18 @@ pub fn run(py: Python<'_>, case: &Bound<'_, Case>, request: Request) -> PyResult
     let probed = ["step", "t"].map(str::to_owned).into_iter().chain(probes.columns().iter().cloned()).collect();
     let (mut folder, settings) = (request.folder(py, case)?, request.settings(case, &alarm));
     let stopped = Arc::new(AtomicBool::new(false));
-    let ((result, kept), raised) = attend(py, &alarm.flag, |desk| {
-        let call = Call { callback: request.callback.as_ref(), desk, stopped: &stopped, flag: &alarm.flag };
-        let mut recorder = Recorder { problem: &problem, every: case.every, probes, call, kept: Kept::default() };
-        let mut sinks: Vec<&mut dyn Sink> = Vec::new();
-        sinks.extend(folder.as_mut().map(|folder| folder as &mut dyn Sink));
-        sinks.push(&mut recorder);
-        let result = drive(&problem, &settings, &mut sinks);
-        (result, recorder.kept)
+    let (made, raised) = attend(py, &alarm.flag, |desk| {
+        with_threads(request.threads, || {
+            let call = Call { callback: request.callback.as_ref(), desk, stopped: &stopped, flag: &alarm.flag };
+            let mut recorder = Recorder { problem: &problem, every: case.every, probes, call, kept: Kept::default() };
+            let mut sinks: Vec<&mut dyn Sink> = Vec::new();
+            sinks.extend(folder.as_mut().map(|folder| folder as &mut dyn Sink));
+            sinks.push(&mut recorder);
+            let result = drive(&problem, &settings, &mut sinks);
+            (result, recorder.kept)
+        })
     })?;
+    let (result, kept) = made.unwrap_or_else(|error| (Err(error), Kept::default()));
     let raised = raised.or_else(|| alarm.take());
     let error = ending(py, result.err(), raised, stopped.load(Ordering::Relaxed));
     let summary = kept.summary.map(|summary| serde_json::to_string(&summary)).transpose();

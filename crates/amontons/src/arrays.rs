@@ -1,10 +1,11 @@
 //! Laws that are evaluated for many points at once.
 //!
-//! A law is a function of one point, which the solver calls wherever it needs a value: in a loop over points, and within
-//! the scalar iteration of a point. A function of arrays is slow if it is called like that. [`Arrays`] calls it once per
-//! round for all points together: while [`per_point`] or [`all_at_once`] runs, arguments without a known value are
-//! collected and the points that need them are set aside; the function then gets all of them as rows, and these points
-//! are computed again. A law is a pure function, so the results are those of calls point by point, to the last bit.
+//! A law is a function of one point, which the solver calls wherever it needs a value: in a loop over points, and
+//! within the scalar iteration of a point. A function of arrays is slow if it is called like that. [`Arrays`] calls it
+//! once per round for all points together: while [`per_point`] or [`all_at_once`] runs, arguments without a known value
+//! are collected and the points that need them are set aside; the function then gets all of them as rows, and these
+//! points are computed again. A law is a pure function, so the results are those of calls point by point, to the last
+//! bit.
 //!
 //! Elsewhere a value is computed at once, from an array of one row.
 
