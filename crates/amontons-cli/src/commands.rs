@@ -9,7 +9,6 @@ use amontons::model::{MeshModel, Model};
 use amontons::output::{self, Checkpoint, Folder, FolderLock, FolderOptions, Sink, Summary};
 use amontons::plot;
 use amontons::run::{self, RunError, Settings};
-use amontons::scheme::StepError;
 use amontons::units::Measure;
 use clap::CommandFactory;
 
@@ -189,9 +188,6 @@ fn done(summary: &Summary, out: &Path, common: &Common) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Relative residual above which what is left of a step is more than round-off.
-const ROUND_OFF: f64 = 1e-5;
-
 /// What to do about a run that has ended early.
 fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
     let out = out.display();
@@ -202,9 +198,7 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
             false => "there are no results yet; begin again with the same command".to_owned(),
         });
     }
-    let (RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary)) = error else {
-        return None;
-    };
+    let summary = error.summary()?;
     if folder.keeps_older_results() {
         return Some(format!("{out} still holds the results of an earlier run"));
     }
@@ -213,20 +207,9 @@ fn hint(error: &RunError, folder: &Folder, out: &Path) -> Option<String> {
         summary.steps,
         summary.units.exact(summary.time, Measure::Time)
     );
-    Some(match error {
-        RunError::Step { source: StepError::Residual { residual, .. }, .. } if *residual > ROUND_OFF => format!(
-            "{kept}; nothing holds the body against the load: it slides or turns without resistance; give it a support, a spring or friction that is strong enough, or a density, with which it moves"
-        ),
-        RunError::Step { source: StepError::Residual { .. }, .. } => format!(
-            "{kept}; the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
-        ),
-        RunError::Step { source: StepError::Data { key, .. }, .. } => format!("{kept}; correct {key}"),
-        RunError::Step { source: StepError::Uncovered { found, .. }, .. } => {
-            format!("{kept}; extend the table of {} to the temperatures that occur, or change the heat load", found.key)
-        }
-        RunError::Unsound(_) => format!("{kept}; `amontons check` may name the cause in the data"),
-        RunError::Interrupted(_) => format!("{kept}; go on with: amontons resume {out}"),
-        _ => format!("{kept}; try more steps (time.steps), or a finer mesh where the contact changes"),
+    Some(match error.advice() {
+        Some(advice) => format!("{kept}; {advice}"),
+        None => format!("{kept}; go on with: amontons resume {out}"),
     })
 }
 

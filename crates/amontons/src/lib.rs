@@ -33,6 +33,7 @@
 #[doc = include_str!("../README.md")]
 pub struct Readme;
 
+pub mod arrays;
 #[cfg(feature = "case")]
 pub mod case;
 pub mod contact;

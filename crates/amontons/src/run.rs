@@ -116,6 +116,46 @@ pub enum RunError {
     Checkpoint(#[from] CheckpointError),
 }
 
+/// Relative residual above which what is left of a step is more than round-off.
+const ROUND_OFF: f64 = 1e-5;
+
+impl RunError {
+    /// The run up to its last good step; none if it ended before its steps.
+    #[must_use]
+    pub fn summary(&self) -> Option<&Summary> {
+        match self {
+            RunError::Step { summary, .. } | RunError::Unsound(summary) | RunError::Interrupted(summary) => {
+                Some(summary)
+            }
+            _ => None,
+        }
+    }
+
+    /// What to do about a step that could not be made or results that cannot be trusted; none for other errors.
+    #[must_use]
+    pub fn advice(&self) -> Option<String> {
+        let text = match self {
+            RunError::Step { source: StepError::Residual { residual, .. }, .. } if *residual > ROUND_OFF => {
+                "nothing holds the body against the load: it slides or turns without resistance; give it a support, a spring or friction that is strong enough, or a density, with which it moves"
+            }
+            RunError::Step { source: StepError::Residual { .. }, .. } => {
+                "the remaining residual is round-off: stiffnesses or conductances of the case differ by more than about 1e9; reduce that ratio, or add a support if the body drifts"
+            }
+            RunError::Step { source: StepError::Data { key, .. }, .. } => return Some(format!("correct {key}")),
+            RunError::Step { source: StepError::Uncovered { found, .. }, .. } => {
+                return Some(format!(
+                    "extend the table of {} to the temperatures that occur, or change the heat load",
+                    found.key
+                ));
+            }
+            RunError::Step { .. } => "try more steps (time.steps), or a finer mesh where the contact changes",
+            RunError::Unsound(_) => "`amontons check` may name the cause in the data",
+            _ => return None,
+        };
+        Some(text.to_owned())
+    }
+}
+
 /// Runs a problem from t = 0.
 ///
 /// # Errors

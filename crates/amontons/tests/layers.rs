@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 
 /// Modules on one line may not use each other; a module may use those on the lines before.
 const LAYERS: &[&[&str]] = &[
-    &["tensor", "expression", "units", "machine"],
+    &["tensor", "arrays", "expression", "units", "machine"],
     &["quadrature", "field", "vtu"],
     &["element"],
     &["mesh"],

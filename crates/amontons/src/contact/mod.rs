@@ -4,6 +4,7 @@
 //! friction bound or a heat flux with slopes. The projection onto the friction cone, the
 //! elimination of the multipliers and all that couples points belongs to [`crate::inclusion`].
 
+mod arrays;
 mod boundary;
 mod foundation;
 mod friction;
@@ -17,6 +18,8 @@ mod pair;
 mod table;
 mod wear;
 
+pub(crate) use arrays::arrays;
+pub use arrays::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, CONTACT_INPUTS};
 pub use boundary::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Side};
 pub use foundation::LumpedFoundation;
 pub use friction::{

@@ -7,6 +7,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::{ContactPoint, PiecewiseLinear};
+use crate::arrays::Arrays;
 
 /// A wear rate ḣ = κ p₊ ‖w_τ‖ in m/s, κ of the temperature; the gap grows by h.
 pub trait WearLaw: Debug + Send + Sync {
@@ -15,6 +16,10 @@ pub trait WearLaw: Debug + Send + Sync {
     /// The law at a time; none for a law that does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn WearLaw>> {
         None
+    }
+    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    fn arrays(&self) -> Vec<&Arrays> {
+        Vec::new()
     }
     /// ∂κ/∂θ in 1/(Pa K).
     fn by_temperature(&self, at: &ContactPoint) -> f64;

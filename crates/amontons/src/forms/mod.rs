@@ -43,10 +43,11 @@ pub(crate) use points::StrainPoints;
 pub use state::{energy, residual, tangent};
 pub(crate) use thermal::{conduction, conduction_slope, expanded, expansion_slope, law_slope, stored_heat};
 
+use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
 use crate::field::InSpace;
 use crate::linalg::{BlockMatrix, Graph};
-use crate::material::TensorLaw;
+use crate::material::{TensorLaw, arrays};
 use crate::mesh::Mesh;
 use crate::tensor::{Sym, dot};
 use assembly::{Cell, assemble, of_region};
@@ -106,7 +107,8 @@ pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> Block
 /// [`a`] or [`b`] with a choice of the strain.
 #[must_use]
 pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation) -> BlockMatrix {
-    stiffness::assemble(mesh, graph, dilatation, laws, &[], |law, cell| law.tangent(&cell.map.position, &Sym::ZERO))
+    let at_rest = |law: &dyn TensorLaw, cell: &Cell| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
+    all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], at_rest))
 }
 
 /// d(θ, η) = ∫ 𝓚∇θ·∇η.

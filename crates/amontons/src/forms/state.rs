@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use super::assembly::{Cell, by_cells, of_region, strain_components};
 use super::stiffness;
+use crate::arrays::{all_at_once_in_parallel, taking_part};
 use crate::element::Element;
 use crate::linalg::{BlockMatrix, Graph};
-use crate::material::{Dilatation, TensorLaw};
+use crate::material::{Dilatation, TensorLaw, arrays};
 use crate::mesh::Mesh;
 use crate::tensor::Sym;
 
@@ -26,7 +27,7 @@ pub(super) fn strain(cell: &Cell, u: &[f64]) -> Sym {
 /// What `with` makes of a law at the point of a cell, with the temperature `theta` of the nodes where there is one.
 fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&dyn TensorLaw) -> R) -> R {
     let warm = if theta.is_empty() { None } else { law.at_temperature(&cell.map.position, cell.scalar(theta)) };
-    with(warm.as_deref().unwrap_or(law))
+    taking_part(|| with(warm.as_deref().unwrap_or(law)))
 }
 
 /// The vector of ∫ 𝓔(ε(u)):ε(v), one entry a degree of freedom.
@@ -34,16 +35,12 @@ fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&
 /// `laws` is a list by region; `u` has d components a node, and `theta` the temperature of each node, empty for none.
 #[must_use]
 pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Vec<f64> {
-    vector(
-        mesh,
-        dilatation,
-        |e| mesh.gradient_products(e),
-        |cell| {
-            let law = of_region(laws, cell.region)?;
-            let strain = strain(cell, u);
-            Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
-        },
-    )
+    let value = |cell: &Cell| {
+        let law = of_region(laws, cell.region)?;
+        let strain = strain(cell, u);
+        Some(local(law, cell, theta, |law| law.value(&cell.map.position, &strain)))
+    };
+    all_at_once_in_parallel(&arrays(laws), || vector(mesh, dilatation, |e| mesh.gradient_products(e), value))
 }
 
 /// The vector of ∫ 𝓣:ε(v) with a tensor at each point, none where there is none.
@@ -82,6 +79,11 @@ pub(super) fn vector(
 /// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
 #[must_use]
 pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
+    all_at_once_in_parallel(&arrays(laws), || energy_now(mesh, laws, dilatation, u, theta))
+}
+
+/// The same in one pass over the cells.
+fn energy_now(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
     let mut sum = Some(0.0);
     by_cells(
         mesh,
@@ -114,9 +116,10 @@ pub fn tangent(
     u: &[f64],
     theta: &[f64],
 ) -> BlockMatrix {
-    stiffness::assemble(mesh, graph, dilatation, laws, &[], |law, cell| {
+    let tangent = |law: &dyn TensorLaw, cell: &Cell| {
         // Where all laws are linear, strains are not needed, and not there.
         let at = if law.is_linear() { Sym::ZERO } else { strain(cell, u) };
         local(law, cell, theta, |law| law.tangent(&cell.map.position, &at))
-    })
+    };
+    all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], tangent))
 }

@@ -6,7 +6,8 @@
 use super::sample::{Samples, diameter, some};
 use super::tensors::{bounded, conductivity};
 use super::{Constants, Finding, FindingId, FindingStatus};
-use crate::contact::{Contact, ContactPoint, GraphKind};
+use crate::arrays::all_at_once;
+use crate::contact::{Contact, ContactPoint, GraphKind, arrays};
 use crate::field::Coefficient;
 use crate::material::{Material, TensorLaw};
 use crate::problem::Problem;
@@ -174,36 +175,42 @@ fn refuted(
         value.0[mandel_len(dim)..].fill(0.0);
         value
     };
+    let mut arguments = Vec::new();
     for x in some(&problem.mesh.points, PLACES) {
-        let zero = value(x, &Sym::ZERO).norm();
-        if zero != 0.0 {
-            return Some(format!("its value at zero has the norm {zero:.3e}, expected zero, at {}", at(x)));
-        }
         for _ in 0..if law.is_linear() { 4 } else { PAIRS } {
             let (a, size) = (random.spread(1.0, 8.0).abs(), random.spread(1.0, 8.0).abs());
             let a = random.sym(dim, a);
-            let b = a + random.sym(dim, size);
-            let difference = a - b;
-            let (squared, change) = (difference.dot(&difference), value(x, &a) - value(x, &b));
-            // Round-off of the two values does not grow with their difference.
-            let noise = 8.0 * f64::EPSILON * constants.lipschitz * (a.norm() + b.norm());
-            let (work, length) = (change.dot(&difference), change.norm());
-            if work < constants.monotonicity * squared * (1.0 - SLACK) - noise * difference.norm() {
-                return Some(format!(
-                    "{m} = {:.6e}, but two arguments give {:.6e} at {}",
-                    constants.monotonicity,
-                    work / squared,
-                    at(x)
-                ));
-            }
-            if length > constants.lipschitz * difference.norm() * (1.0 + SLACK) + noise || length.is_nan() {
-                return Some(format!(
-                    "{upper} = {:.6e}, but two arguments give {:.6e} at {}",
-                    constants.lipschitz,
-                    length / difference.norm(),
-                    at(x)
-                ));
-            }
+            arguments.push((x, a, a + random.sym(dim, size)));
+        }
+    }
+    let values: Vec<[Sym; 3]> = all_at_once(&law.arrays(), || {
+        arguments.iter().map(|(x, a, b)| [value(x, &Sym::ZERO), value(x, a), value(x, b)]).collect()
+    });
+    for ((x, a, b), [zero, at_a, at_b]) in arguments.into_iter().zip(values) {
+        let zero = zero.norm();
+        if zero != 0.0 {
+            return Some(format!("its value at zero has the norm {zero:.3e}, expected zero, at {}", at(x)));
+        }
+        let difference = a - b;
+        let (squared, change) = (difference.dot(&difference), at_a - at_b);
+        // Round-off of the two values does not grow with their difference.
+        let noise = 8.0 * f64::EPSILON * constants.lipschitz * (a.norm() + b.norm());
+        let (work, length) = (change.dot(&difference), change.norm());
+        if work < constants.monotonicity * squared * (1.0 - SLACK) - noise * difference.norm() {
+            return Some(format!(
+                "{m} = {:.6e}, but two arguments give {:.6e} at {}",
+                constants.monotonicity,
+                work / squared,
+                at(x)
+            ));
+        }
+        if length > constants.lipschitz * difference.norm() * (1.0 + SLACK) + noise || length.is_nan() {
+            return Some(format!(
+                "{upper} = {:.6e}, but two arguments give {:.6e} at {}",
+                constants.lipschitz,
+                length / difference.norm(),
+                at(x)
+            ));
         }
     }
     None
@@ -283,6 +290,11 @@ pub(super) struct Test<'a> {
 }
 
 impl Test<'_> {
+    /// Something that is found out from samples, laws on arrays evaluated for all samples at once.
+    pub(super) fn sampled<T>(&self, of: impl FnMut() -> T) -> T {
+        all_at_once(&arrays(std::slice::from_ref(self.contact)), of)
+    }
+
     /// The arguments of a law at a penetration with the pressure of the normal law; none if that pressure is not
     /// unique.
     fn at(&self, x: &Point, penetration: f64) -> ContactPoint {
@@ -297,6 +309,10 @@ impl Test<'_> {
     /// Whether samples of the penetration keep L_ν, L_τ and L_kc, the friction bound is not negative, and the flux does
     /// not fall with θ.
     pub(super) fn keeps_its_constants(&self) -> bool {
+        self.sampled(|| self.keeps_them())
+    }
+
+    fn keeps_them(&self) -> bool {
         let contact = self.contact;
         let (nu, kc) = (
             contact.normal.lipschitz().unwrap_or(f64::INFINITY),
@@ -334,6 +350,16 @@ impl Test<'_> {
         l: f64,
         bound: f64,
         f: impl Fn(&ContactPoint) -> f64,
+    ) -> Option<String> {
+        self.sampled(|| self.refutation([name, lipschitz], l, bound, &f))
+    }
+
+    fn refutation(
+        &self,
+        [name, lipschitz]: [&str; 2],
+        l: f64,
+        bound: f64,
+        f: &dyn Fn(&ContactPoint) -> f64,
     ) -> Option<String> {
         let mut random = Samples::default();
         for x in &self.places {

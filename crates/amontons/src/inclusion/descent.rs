@@ -166,8 +166,7 @@ impl Mechanical<'_> {
         soft: Option<f64>,
     ) -> Result<Gradient, SolveError> {
         let free = Multiplier::default();
-        let laws: Vec<Laws> =
-            (0..self.interface.len()).map(|i| self.laws_with(i, w, &free, self.in_energy(i, soft))).collect();
+        let laws = self.at_points(|i| self.laws_with(i, w, &free, self.in_energy(i, soft)));
         let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let mut f = condensed.apply(&increment)?;
         let mut scale = max_abs(&f).max(max_abs(right.r));
@@ -198,11 +197,11 @@ impl Mechanical<'_> {
 
     /// The multipliers that go with the minimum of the energy.
     pub(super) fn at_minimum(&self, w: &[f64], sticks: &[bool]) -> Vec<Multiplier> {
-        let of = |(i, &sticks): (usize, &bool)| {
-            let free = Multiplier { sticks, ..Multiplier::default() };
+        let of = |i: usize| {
+            let free = Multiplier { sticks: sticks[i], ..Multiplier::default() };
             Multiplier { p: self.laws_with(i, w, &free, self.in_energy(i, None)).normal.pressed, ..free }
         };
-        sticks.iter().enumerate().map(of).collect()
+        self.at_points(of)
     }
 
     /// ρ where there is friction, else zero.

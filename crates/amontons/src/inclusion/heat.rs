@@ -7,7 +7,8 @@ use super::frame::PointState;
 use super::interface::Interface;
 use super::newton::{Effort, Iterate, Right, Term, iterate};
 use super::{Failure, ITERATIONS, STIFF, Solved};
-use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux};
+use crate::arrays::per_point;
+use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, arrays};
 use crate::linalg::{Condensed, Entry};
 use crate::tensor::{dot, length};
 
@@ -265,13 +266,13 @@ impl Thermal<'_> {
 
     fn laws_at(&self, theta: &[f64], flux: &[f64]) -> Vec<Law> {
         let foundations = self.foundations(flux);
-        let of = |(i, flux): (usize, &f64)| {
+        let of = |i: usize| {
             let side = self.interface.rows[i].contact;
             let [own, other, _] = self.interface.jump(i, theta);
             let foundation = foundations.get(side).copied().flatten().unwrap_or(self.step.foundation[i]);
-            self.law(i, own, if self.step.is_pair(i) { 0.0 - other } else { foundation }, *flux)
+            self.law(i, own, if self.step.is_pair(i) { 0.0 - other } else { foundation }, flux[i])
         };
-        flux.iter().enumerate().map(of).collect()
+        per_point(&arrays(self.step.contacts), flux.len(), of)
     }
 
     /// Fluxes to start from: H of a small conductance, and that through the body of a large one.

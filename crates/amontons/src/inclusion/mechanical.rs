@@ -10,7 +10,8 @@ use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::rule::Rule;
-use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status};
+use crate::arrays::per_point;
+use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
 use crate::linalg::{Condensed, Entry, SolveError, max_abs};
 use crate::tensor::{Point, dot, length};
 
@@ -115,6 +116,11 @@ impl<'a> Mechanical<'a> {
         let foundation =
             interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
         Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation, seen: Arc::default() }
+    }
+
+    /// Something of the laws at each point, laws on arrays evaluated for all points at once.
+    pub fn at_points<T>(&self, of: impl Fn(usize) -> T) -> Vec<T> {
+        per_point(&arrays(self.step.contacts), self.interface.len(), of)
     }
 
     pub fn contact(&self, i: usize) -> &Contact {
@@ -255,7 +261,7 @@ impl MechanicalStep<'_> {
             }
             state
         };
-        (0..term.interface.len()).map(of).collect()
+        term.at_points(of)
     }
 
     /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at
@@ -270,8 +276,8 @@ impl MechanicalStep<'_> {
         condensed.turn(&term.interface.turns);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
         let mut entries = Vec::new();
-        let points = (0..local.len()).map(|i| {
-            let laws = term.laws_at(i, &w, &local[i]);
+        let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
+        let points = laws.iter().enumerate().map(|(i, laws)| {
             term.interface.entries(i, &laws.linear(self.dim).1, &mut entries);
             laws.derivative(&term.interface.rows[i], self.dim)
         });
@@ -289,7 +295,7 @@ impl MechanicalStep<'_> {
             let [_, q1, q2] = term.laws_at(i, &w, &local[i]).projected();
             term.interface.rows[i].global(&[term.laws_found(i, &w, &local[i]).normal.pressed, q1, q2])
         };
-        (0..local.len()).map(of).collect()
+        term.at_points(of)
     }
 
     /// Whether the step with its friction bounds frozen has no other solution between two velocities: S with the least
@@ -308,9 +314,8 @@ impl MechanicalStep<'_> {
         let term = Mechanical::new(self, None);
         let [from, to] = [from, to].map(|w| term.interface.turned(w));
         let local = term.local(multipliers[1]);
-        let slopes: Vec<[f64; 2]> = (0..local.len())
-            .map(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i])))
-            .collect();
+        let slopes =
+            term.at_points(|i| term.least_slopes(i, [&from, &to], &local[i], multipliers.map(|m| m.sticks[i])));
         if slopes.iter().flatten().all(|slope| *slope >= 0.0) {
             return Ok(true);
         }
@@ -366,8 +371,7 @@ impl Term for Mechanical<'_> {
     type Laws = Vec<Laws>;
 
     fn laws(&self, x: &[f64], multipliers: &Vec<Multiplier>) -> Vec<Laws> {
-        let laws: Vec<Laws> =
-            multipliers.iter().enumerate().map(|(i, multiplier)| self.laws_at(i, x, multiplier)).collect();
+        let laws = self.at_points(|i| self.laws_at(i, x, &multipliers[i]));
         let mut seen = self.seen.lock().unwrap_or_else(PoisonError::into_inner);
         if seen.len() == SEEN {
             seen.pop_front();
@@ -454,9 +458,10 @@ impl Term for Mechanical<'_> {
     /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that
     /// were found.
     fn settled(&self, x: &[f64], laws: &Vec<Laws>, mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
-        for (i, (multiplier, laws)) in multipliers.iter_mut().zip(laws).enumerate() {
-            multiplier.p = laws.normal.pressed;
-            multiplier.p = self.laws_found(i, x, multiplier).normal.pressed;
+        multipliers.iter_mut().zip(laws).for_each(|(multiplier, laws)| multiplier.p = laws.normal.pressed);
+        let found = self.at_points(|i| self.laws_found(i, x, &multipliers[i]).normal.pressed);
+        for (i, ((multiplier, laws), found)) in multipliers.iter_mut().zip(laws).zip(found).enumerate() {
+            multiplier.p = found;
             if !self.drops(i) {
                 multiplier.sticks = laws.sticks;
             }

@@ -53,12 +53,13 @@ impl Mechanical<'_> {
     /// Where the pressures of functions start: at J(r + λ p) of the guess, which is G(r) for a soft law and p for a
     /// stiff one.
     fn predicted(&self, guess: &[f64], mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
-        for (i, multiplier) in multipliers.iter_mut().enumerate() {
-            if self.contact(i).normal.graph() == crate::contact::GraphKind::Function
-                && self.response[i] != Response::Function
-            {
-                multiplier.p = self.laws_at(i, guess, multiplier).normal.pressed;
-            }
+        let pressures = self.at_points(|i| {
+            let is_found = self.contact(i).normal.graph() == crate::contact::GraphKind::Function
+                && self.response[i] != Response::Function;
+            is_found.then(|| self.laws_at(i, guess, &multipliers[i]).normal.pressed)
+        });
+        for (multiplier, p) in multipliers.iter_mut().zip(pressures) {
+            multiplier.p = p.unwrap_or(multiplier.p);
         }
         multipliers
     }
@@ -77,8 +78,7 @@ impl Mechanical<'_> {
             let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
             let (mut end, done) = self.on_branches(condensed, right, start)?;
             iterations += done;
-            let sticks: Vec<bool> =
-                end.multipliers.iter().enumerate().map(|(i, m)| self.laws_at(i, &end.x, m).sticks).collect();
+            let sticks = self.at_points(|i| self.laws_at(i, &end.x, &end.multipliers[i]).sticks);
             // A point is held at most once in a step, at first or when its slip has turned round through rest, and let
             // go at most once, when it slips under its static bound.
             let mut branches = sticks.clone();

@@ -3,9 +3,11 @@
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use crate::arrays::Arrays;
 use crate::field::{Coefficient, Graded};
 use crate::tensor::{Point, Rotation, Sym, SymMap, mandel_len};
 
+mod arrays;
 mod graded;
 mod hencky;
 mod isotropic;
@@ -14,6 +16,8 @@ mod prony;
 mod reduced;
 mod shear;
 
+pub use arrays::ArrayTensor;
+pub(crate) use arrays::{arrays, material_arrays};
 pub use hencky::Hencky;
 pub use isotropic::Isotropic;
 pub use linear::{Linear, Orthotropic};
@@ -107,6 +111,10 @@ pub trait TensorLaw: Debug + Send + Sync {
     /// The law as one whose coefficients vary in space, if it is one; its values at points are asked one by one.
     fn graded(&self) -> Option<&Graded<dyn TensorLaw>> {
         None
+    }
+    /// The functions of arrays that the law consists of: they are evaluated for all points of the cells at once.
+    fn arrays(&self) -> Vec<&Arrays> {
+        Vec::new()
     }
     /// The law at a point and a temperature in K; none for one that does not depend on the temperature.
     fn at_temperature(&self, x: &Point, theta: f64) -> Option<Arc<dyn TensorLaw>> {

@@ -1,10 +1,11 @@
 //! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
 
 use super::fit::Fit;
+use crate::arrays::all_at_once;
 use crate::element::{Element, ShapeTable};
 use crate::forms::StrainPoints;
 use crate::linalg::max_abs;
-use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw};
+use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw, material_arrays};
 use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::{self, Rule};
@@ -189,12 +190,14 @@ fn branches<'a>(problem: &Problem, material: &'a Material, state: &'a State) -> 
 #[must_use]
 pub fn cell_values(problem: &Problem, state: &State) -> Vec<PointValues> {
     let tables = Tables::new(problem, |element| Rule { points: vec![element.centre()], weights: vec![1.0] });
-    let mut values = Vec::with_capacity(problem.mesh.cell_count());
-    for (b, block) in problem.mesh.blocks.iter().enumerate() {
-        let mut evaluator = Evaluator::new(problem, state, &tables, b);
-        values.extend((0..block.len()).map(|cell| evaluator.at(cell, 0)));
-    }
-    values
+    all_at_once(&material_arrays(&problem.materials), || {
+        let mut values = Vec::with_capacity(problem.mesh.cell_count());
+        for (b, block) in problem.mesh.blocks.iter().enumerate() {
+            let mut evaluator = Evaluator::new(problem, state, &tables, b);
+            values.extend((0..block.len()).map(|cell| evaluator.at(cell, 0)));
+        }
+        values
+    })
 }
 
 /// ‖ε(v)‖_{L²} of a vector field, node-major: the norm of V.

@@ -353,7 +353,7 @@ columns! { OnContact:
     WEIGHT = number("weight", Measure::Area, |row| row.weight);
     WEAR = number("wear", Measure::Length, |row| row.kept(&row.now.state.surface.wear));
     FRICTION_WORK = number("friction_work", Measure::SurfaceWork, |row| row.kept(&row.now.state.surface.friction_work));
-    SIDE = text("side", |row| quoted(row.now.problem.contacts.get(row.point.contact).map_or("", Contact::bearing)));
+    SIDE = text("side", |row| row.now.problem.contacts.get(row.point.contact).map_or("", Contact::bearing).to_owned());
     BOUND = number("bound", Measure::Stress, |row| row.state.bound);
 }
 
@@ -382,25 +382,60 @@ pub fn contact_measures(problem: &ProblemData) -> Vec<(String, Option<Measure>)>
     OF_POINT.iter().flat_map(|column| column.named(n)).collect()
 }
 
-/// The rows of `contact.csv` after a step, as they are written.
-pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
+/// The values of a column of `contact.csv`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ContactValues {
+    /// Numbers; not a number where a run does not have them.
+    Numbers(Vec<f64>),
+    /// Words.
+    Words(Vec<String>),
+}
+
+/// The columns of `contact.csv` after a step, with their names; empty at t = 0.
+#[must_use]
+pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
+    let (rows, dim, on_contact) = (points(now), now.problem.mesh.dim, now.problem.components_on_contact());
+    if now.report.is_none() {
+        return Vec::new();
+    }
+    let numbers = |value: &dyn Fn(&PointRow) -> f64| ContactValues::Numbers(rows.iter().map(value).collect());
+    let values = |column: &&Column<OnContact>| match column.value {
+        Value::Number(value) => vec![numbers(&value)],
+        Value::Vector(value) => (0..dim).map(|c| numbers(&|row| value(row)[c])).collect(),
+        Value::OnContact(value) => (0..on_contact).map(|c| numbers(&|row| value(row)[c])).collect(),
+        Value::Optional(value) => vec![numbers(&|row| value(row).unwrap_or(f64::NAN))],
+        Value::Text(value) => vec![ContactValues::Words(rows.iter().map(value).collect())],
+    };
+    contact_measures(now.problem).into_iter().map(|(name, _)| name).zip(OF_POINT.iter().flat_map(values)).collect()
+}
+
+/// The contact points after a step; none at t = 0.
+fn points<'a>(now: &'a Snapshot<'a>) -> Vec<PointRow<'a>> {
     let Some(report) = now.report else { return Vec::new() };
-    let (contact, dim, on_contact) = (&report.contact, now.problem.mesh.dim, now.problem.components_on_contact());
+    let contact = &report.contact;
     let of_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
     let rows = now.discretization.boundary.points.iter().zip(of_points).enumerate();
     rows.map(|(number, (point, (state, (&temperature, flux))))| {
         let weight = contact.weights.get(number).copied().unwrap_or(point.weight);
-        let row = PointRow { now, number, point, state, temperature, flux: flux.value, weight };
-        let cell = |column: &&Column<OnContact>| match column.value {
-            Value::Number(value) => format!("{:?}", value(&row)),
-            Value::Vector(value) => super::csv::join(&value(&row)[..dim]),
-            Value::OnContact(value) => super::csv::join(&value(&row)[..on_contact]),
-            Value::Optional(value) => value(&row).map_or_else(String::new, |value| format!("{value:?}")),
-            Value::Text(value) => value(&row),
-        };
-        OF_POINT.iter().map(cell).collect::<Vec<_>>().join(",")
+        PointRow { now, number, point, state, temperature, flux: flux.value, weight }
     })
     .collect()
+}
+
+/// The rows of `contact.csv` after a step, as they are written.
+pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
+    let (dim, on_contact) = (now.problem.mesh.dim, now.problem.components_on_contact());
+    let line = |row: &PointRow| {
+        let cell = |column: &&Column<OnContact>| match column.value {
+            Value::Number(value) => format!("{:?}", value(row)),
+            Value::Vector(value) => super::csv::join(&value(row)[..dim]),
+            Value::OnContact(value) => super::csv::join(&value(row)[..on_contact]),
+            Value::Optional(value) => value(row).map_or_else(String::new, |value| format!("{value:?}")),
+            Value::Text(value) => quoted(&value(row)),
+        };
+        OF_POINT.iter().map(cell).collect::<Vec<_>>().join(",")
+    };
+    points(now).iter().map(line).collect()
 }
 
 /// A name as a field of a table: in quotes where it has a comma, a quote or a line end.

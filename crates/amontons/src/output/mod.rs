@@ -40,7 +40,9 @@ pub use cells::{PointValues, cell_values, largest_strain, strain_norm};
 pub use checkpoint::{Checkpoint, CheckpointError};
 #[cfg(feature = "case")]
 pub(crate) use columns::contact_rows;
-pub use columns::{contact_measures, history_columns, history_measures, history_values};
+pub use columns::{
+    ContactValues, contact_columns, contact_measures, history_columns, history_measures, history_values,
+};
 #[cfg(feature = "case")]
 pub(crate) use earlier::hash as input_hash;
 pub use earlier::{finished_run, has_certificate, known_certificate};

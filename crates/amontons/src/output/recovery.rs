@@ -17,7 +17,9 @@ use rayon::prelude::*;
 
 use super::cells::{Evaluator, PointValues, Tables};
 use super::fit::Fit;
+use crate::arrays::all_at_once;
 use crate::element::Element;
+use crate::material::material_arrays;
 use crate::mesh::Mesh;
 use crate::problem::Problem;
 use crate::quadrature::{Rule, Shape, rule};
@@ -106,12 +108,15 @@ impl StressRecovery {
     #[must_use]
     pub fn stress(&self, problem: &Problem, state: &State) -> NodalStress {
         let tables = Tables::new(problem, sampling);
-        let mut values: Vec<Sym> = Vec::new();
-        for (b, block) in problem.mesh.blocks.iter().enumerate() {
-            let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
-            let stresses = |cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>();
-            values.extend((0..block.len()).flat_map(stresses));
-        }
+        let values = all_at_once(&material_arrays(&problem.materials), || {
+            let mut values: Vec<Sym> = Vec::new();
+            for (b, block) in problem.mesh.blocks.iter().enumerate() {
+                let (mut evaluator, count) = (Evaluator::new(problem, state, &tables, b), tables.points[b].len());
+                let stresses = |cell| (0..count).map(|q| evaluator.at(cell, q).stress).collect::<Vec<_>>();
+                values.extend((0..block.len()).flat_map(stresses));
+            }
+            values
+        });
         let value = |(sample, weight): &(usize, f64)| *weight * values.get(*sample).copied().unwrap_or(Sym::ZERO);
         let at = |(node, stencil): &(u32, Vec<(usize, f64)>)| {
             (*node, stencil.iter().map(value).fold(Sym::ZERO, |sum, term| sum + term))
@@ -122,15 +127,17 @@ impl StressRecovery {
 
 /// Values of a state at some sampling points, ascending, of tables that begin with the points of [`sampling`].
 pub(super) fn evaluate(problem: &Problem, state: &State, tables: &Tables, samples: &[Sample]) -> Vec<PointValues> {
-    let mut values = Vec::with_capacity(samples.len());
-    for part in samples.chunk_by(|a, b| a.0 == b.0) {
-        let Some(block) = part.first().map(|s| s.0 as usize).filter(|&b| b < problem.mesh.blocks.len()) else {
-            continue;
-        };
-        let mut evaluator = Evaluator::new(problem, state, tables, block);
-        values.extend(part.iter().map(|&(_, cell, q)| evaluator.at(cell as usize, q as usize)));
-    }
-    values
+    all_at_once(&material_arrays(&problem.materials), || {
+        let mut values = Vec::with_capacity(samples.len());
+        for part in samples.chunk_by(|a, b| a.0 == b.0) {
+            let Some(block) = part.first().map(|s| s.0 as usize).filter(|&b| b < problem.mesh.blocks.len()) else {
+                continue;
+            };
+            let mut evaluator = Evaluator::new(problem, state, tables, block);
+            values.extend(part.iter().map(|&(_, cell, q)| evaluator.at(cell as usize, q as usize)));
+        }
+        values
+    })
 }
 
 /// The points of a cell at which its stress is most accurate.

@@ -4,7 +4,8 @@ use super::Ledger;
 use super::heat::{Amounts, Heat};
 use super::mechanics::Mechanics;
 use super::system::{Step, difference};
-use crate::contact::GraphKind;
+use crate::arrays::per_point;
+use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
 use crate::linalg::dot;
 use crate::tensor;
@@ -141,7 +142,16 @@ fn contact(step: &Step, m: &Mechanics) -> OnContact {
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // The energy of the layer at the start of the step by the laws at its end.
     let mut start = 0.0;
-    for ((point, frame), state) in boundary.points.iter().zip(&m.given.frames).zip(&m.states) {
+    let points: Vec<_> = boundary.points.iter().zip(&m.states).collect();
+    let asked = per_point(&arrays(contacts), points.len(), |i| {
+        let (point, state) = points[i];
+        let normal = &contacts[point.contact].normal;
+        let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
+        let is_function = normal.graph() == GraphKind::Function;
+        (normal.potential(&point.x, state.penetration), is_function.then(at_rest))
+    });
+    let states = m.states.iter().zip(&asked);
+    for ((point, frame), (state, (energy, at_rest))) in boundary.points.iter().zip(&m.given.frames).zip(states) {
         let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
         let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         if changes {
@@ -149,13 +159,13 @@ fn contact(step: &Step, m: &Mechanics) -> OnContact {
             start += point.weight * normal.potential(&point.x, before);
         }
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
-        sum.energy += point.weight * normal.potential(&point.x, state.penetration);
+        sum.energy += point.weight * energy;
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
         sum.worn += point.weight * state.pressure * state.wear;
-        if normal.graph() == GraphKind::Function {
+        if let Some(at_rest) = at_rest {
             // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
             // is lost with wear.
-            let beyond = state.pressure - normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
+            let beyond = state.pressure - at_rest;
             sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
         }
         sum.load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));

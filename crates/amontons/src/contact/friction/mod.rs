@@ -12,6 +12,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::ContactPoint;
+use crate::arrays::Arrays;
 use crate::field::Graded;
 use crate::tensor::{Point, dot, length};
 
@@ -122,6 +123,10 @@ pub trait FrictionLaw: Debug + Send + Sync {
     /// The law at a time; none for a law that does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn FrictionLaw>> {
         None
+    }
+    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    fn arrays(&self) -> Vec<&Arrays> {
+        Vec::new()
     }
     /// The cone where it is not round, at a point with the normal ν.
     fn cone(&self, _x: &Point, _nu: &Point) -> Option<Cone> {

@@ -13,6 +13,7 @@ use std::fmt::Debug;
 use std::sync::Arc;
 
 use super::ContactPoint;
+use crate::arrays::Arrays;
 use crate::field::Graded;
 
 pub use constant::ConstantConductance;
@@ -58,6 +59,10 @@ pub trait HeatLaw: Debug + Send + Sync {
     /// The law at a time; none for a law that does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn HeatLaw>> {
         None
+    }
+    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    fn arrays(&self) -> Vec<&Arrays> {
+        Vec::new()
     }
     /// L of φ_L in K; none without truncation.
     fn truncation(&self) -> Option<f64> {

@@ -13,6 +13,7 @@ mod table;
 use std::fmt::Debug;
 use std::sync::Arc;
 
+use crate::arrays::Arrays;
 use crate::field::Graded;
 use crate::tensor::Point;
 
@@ -79,6 +80,10 @@ pub trait NormalLaw: Debug + Send + Sync {
     /// The law at a time in s; none if it does not change with time.
     fn at_time(&self, _t: f64) -> Option<Arc<dyn NormalLaw>> {
         None
+    }
+    /// The functions of arrays that the law consists of: they are evaluated for all contact points at once.
+    fn arrays(&self) -> Vec<&Arrays> {
+        Vec::new()
     }
     /// The kind of graph.
     fn graph(&self) -> GraphKind {

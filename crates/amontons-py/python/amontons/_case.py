@@ -1,0 +1,149 @@
+"""Cases: files, texts and dicts, with overrides."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any, Optional, Union
+
+from . import _amontons
+from ._errors import RequestError
+
+CaseLike = Union["Case", Mapping[str, Any], str, "os.PathLike[str]"]
+Overrides = Mapping[str, Any]
+
+_BARE = re.compile(r"[A-Za-z0-9_-]+\Z")
+_ESCAPES = {'"': '\\"', "\\": "\\\\", "\n": "\\n", "\t": "\\t", "\r": "\\r"}
+
+
+class Case:
+    """A case: its text, the folder of the files that it refers to, and overrides.
+
+    `source` is the path of a case file, the text of one (with at least one line end), a dict with the same keys, or
+    another case. The case is checked when it is made.
+
+    Overrides change single keys: `Case("paper.toml", {"mesh.n": 32})`, or `Case("paper.toml", mesh__n=32)`, where two
+    underscores stand for the dot and a number for an index: `boundary__1__traction=[0, 1]`.
+    """
+
+    _name: str
+    _text: str
+    _folder: str
+    _overrides: list[str]
+    _checked: _amontons.Case
+
+    def __init__(self, source: CaseLike, overrides: Optional[Overrides] = None, **keywords: Any) -> None:
+        given = [f"{key}={_value(value)}" for key, value in (overrides or {}).items()]
+        given += [f"{_dotted(key)}={_value(value)}" for key, value in keywords.items()]
+        before: list[str] = []
+        if isinstance(source, Case):
+            name, text, folder, before = source._name, source._text, source._folder, source._overrides
+        elif isinstance(source, Mapping):
+            name, text, folder = "<dict>", _document(source), os.getcwd()
+        elif isinstance(source, str) and "\n" in source:
+            name, text, folder = "<text>", source, os.getcwd()
+        elif isinstance(source, (str, os.PathLike)):
+            name, text, place = _amontons.read(os.fspath(source))
+            folder = os.path.abspath(place or ".")
+        else:
+            found = type(source).__name__
+            raise TypeError(f"case: found {found}, expected a path, the text of a case file, a dict or a Case")
+        self._name, self._text, self._folder = name, text, os.fspath(folder)
+        self._overrides = before + given
+        self._checked = _amontons.Case(self._name, self._text, self._folder, self._overrides)
+
+    @property
+    def name(self) -> str:
+        """The name of the case."""
+        return self._checked.name
+
+    @property
+    def steps(self) -> int:
+        """Number of time steps."""
+        return self._checked.steps
+
+    @property
+    def text(self) -> str:
+        """The text of the case as it is run, overrides applied."""
+        return self._checked.text
+
+    def with_overrides(self, overrides: Optional[Overrides] = None, **keywords: Any) -> Case:
+        """The same case with further overrides, applied after those that it has."""
+        return Case(self, overrides, **keywords)
+
+    def __repr__(self) -> str:
+        return f"<amontons.Case {self.name!r}, {self.steps} steps>"
+
+    def __getstate__(self) -> tuple:
+        return (self._name, self._text, self._folder, self._overrides)
+
+    def __setstate__(self, state: tuple) -> None:
+        self._name, self._text, self._folder, self._overrides = state
+        self._checked = _amontons.Case(*state)
+
+
+def _dotted(key: str) -> str:
+    """`boundary__1__traction` as `boundary[1].traction`; a key with dots is taken as it is."""
+    if "." in key or "[" in key:
+        return key
+    first, *rest = key.split("__")
+    return first + "".join(f"[{part}]" if part.isdigit() else f".{part}" for part in rest)
+
+
+def _plain(value: Any) -> Any:
+    """numpy scalars and arrays as Python numbers and lists; paths as text."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    return os.fspath(value) if isinstance(value, os.PathLike) else value
+
+
+def _string(text: str) -> str:
+    def escape(c: str) -> str:
+        return _ESCAPES.get(c) or (f"\\u{ord(c):04X}" if ord(c) < 32 or ord(c) == 127 else c)
+
+    return '"' + "".join(map(escape, text)) + '"'
+
+
+def _key(key: Any) -> str:
+    if not isinstance(key, str):
+        raise RequestError(f"case: found the key {key!r}, expected a string")
+    return key if _BARE.match(key) else _string(key)
+
+
+def _value(value: Any) -> str:
+    """A value of TOML on one line."""
+    value = _plain(value)
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, int):
+        return str(value)
+    if isinstance(value, float):
+        if math.isfinite(value):
+            return repr(value)
+        return "nan" if math.isnan(value) else ("inf" if value > 0 else "-inf")
+    if isinstance(value, str):
+        return _string(value)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{_key(key)} = {_value(entry)}" for key, entry in value.items()) + " }"
+    if isinstance(value, (Sequence, set, frozenset)):
+        return "[" + ", ".join(map(_value, value)) + "]"
+    raise RequestError(f"case: found {value!r}, expected a number, a text, true or false, a list or a dict")
+
+
+def _document(case: Mapping[str, Any]) -> str:
+    """A dict as the text of a case file, a key per line, so that lines of faults tell where they are."""
+    lines: list[str] = []
+    tables: list[tuple[str, Mapping[str, Any]]] = []
+    for key, value in case.items():
+        value = _plain(value)
+        if isinstance(value, Mapping):
+            tables.append((f"[{_key(key)}]", value))
+        elif isinstance(value, (list, tuple)) and value and all(isinstance(entry, Mapping) for entry in value):
+            tables.extend((f"[[{_key(key)}]]", entry) for entry in value)
+        else:
+            lines.append(f"{_key(key)} = {_value(value)}")
+    for heading, table in tables:
+        lines += ["", heading] + [f"{_key(key)} = {_value(entry)}" for key, entry in table.items()]
+    return "\n".join(lines) + "\n"

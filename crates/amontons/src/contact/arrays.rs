@@ -1,0 +1,172 @@
+//! Contact laws that are evaluated for many points at once.
+
+use super::{Bound, Contact, ContactPoint, Flux, FrictionLaw, GraphKind, HeatLaw, NormalLaw, Pressure, WearLaw};
+use crate::arrays::{Arrays, Inputs};
+use crate::tensor::Point;
+
+/// Names of the arguments of contact laws on arrays, in their order: position in m, penetration in m, its rate in m/s,
+/// pressure in Pa, slip speed in m/s, friction power in W/m², temperatures of the body and of the foundation in K.
+pub const CONTACT_INPUTS: [&str; 10] = [
+    "x",
+    "y",
+    "z",
+    "penetration",
+    "rate",
+    "pressure",
+    "slip_speed",
+    "friction_power",
+    "temperature",
+    "foundation_temperature",
+];
+
+/// The arguments at a contact point.
+fn inputs(at: &ContactPoint, rate: f64) -> Inputs {
+    let [x, y, z] = at.x;
+    [
+        x,
+        y,
+        z,
+        at.penetration,
+        rate,
+        at.pressure,
+        at.slip_speed,
+        at.friction_power,
+        at.temperature,
+        at.foundation_temperature,
+    ]
+}
+
+/// A normal law on arrays, a function p(r, ṙ).
+#[derive(Debug)]
+pub struct ArrayNormal {
+    /// p with its slopes, the values of [`Pressure`] in their order.
+    pub pressure: Arrays,
+    /// ∫₀^r p at ṙ = 0 in J/m².
+    pub potential: Arrays,
+    /// L_ν in Pa/m; none if slopes are not bounded.
+    pub lipschitz: Option<f64>,
+    /// Largest derivative in the rate, Pa s/m; none if it is not bounded.
+    pub lipschitz_in_rate: Option<f64>,
+    /// Least slope in Pa/m; negative for a law that falls.
+    pub least_slope: f64,
+}
+
+impl NormalLaw for ArrayNormal {
+    fn pressure(&self, x: &Point, z: f64, rate: f64, _lambda: f64) -> Pressure {
+        let at = ContactPoint { x: *x, penetration: z, ..ContactPoint::default() };
+        let [value, slope, by_rate] = self.pressure.at(&inputs(&at, rate));
+        Pressure { value, slope, by_rate }
+    }
+    fn potential(&self, x: &Point, r: f64) -> f64 {
+        let at = ContactPoint { x: *x, penetration: r, ..ContactPoint::default() };
+        let [energy] = self.potential.at(&inputs(&at, 0.0));
+        energy
+    }
+    fn lipschitz(&self) -> Option<f64> {
+        self.lipschitz
+    }
+    fn lipschitz_in_rate(&self) -> Option<f64> {
+        self.lipschitz_in_rate
+    }
+    fn least_slope(&self, _x: &Point, _from: f64, _to: f64) -> f64 {
+        self.least_slope.min(0.0)
+    }
+    fn graph(&self) -> GraphKind {
+        GraphKind::Function
+    }
+    fn arrays(&self) -> Vec<&Arrays> {
+        vec![&self.pressure, &self.potential]
+    }
+}
+
+/// A friction law on arrays.
+#[derive(Debug)]
+pub struct ArrayFriction {
+    /// The bound with its slopes, the values of [`Bound`] in their order.
+    pub bound: Arrays,
+    /// L_τ/L_ν, the largest slope of the bound in the pressure; none if it is not bounded, or the bound does not vanish
+    /// with the pressure.
+    pub lipschitz: Option<f64>,
+    /// Least slope in the slip speed in Pa s/m; negative for a law that falls.
+    pub least_slope: f64,
+    /// Whether the bound drops when slip starts.
+    pub drops_from_rest: bool,
+}
+
+impl FrictionLaw for ArrayFriction {
+    fn bound(&self, at: &ContactPoint) -> Bound {
+        let [value, by_penetration, by_pressure, by_slip_speed, by_temperature] = self.bound.at(&inputs(at, 0.0));
+        Bound { value, by_penetration, by_pressure, by_slip_speed, by_temperature }
+    }
+    fn lipschitz(&self, l_nu: Option<f64>) -> Option<f64> {
+        Some(self.lipschitz? * l_nu?)
+    }
+    fn least_slope(&self, _at: &ContactPoint, _from: f64, _to: f64) -> f64 {
+        self.least_slope.min(0.0)
+    }
+    fn drops_from_rest(&self) -> bool {
+        self.drops_from_rest
+    }
+    fn arrays(&self) -> Vec<&Arrays> {
+        vec![&self.bound]
+    }
+}
+
+/// A law of heat exchange on arrays.
+#[derive(Debug)]
+pub struct ArrayHeat {
+    /// The flux with its slopes, the values of [`Flux`] in their order.
+    pub flux: Arrays,
+    /// M_kc of (H7) in W/(m² K); infinite if there is none.
+    pub conductance_bound: f64,
+    /// L_kc of (H7) in W/(m³ K); none if there is none.
+    pub conductance_lipschitz: Option<f64>,
+}
+
+impl HeatLaw for ArrayHeat {
+    fn flux(&self, at: &ContactPoint) -> Flux {
+        let [value, by_temperature, by_foundation, by_penetration, by_pressure, by_slip_speed, by_friction_power] =
+            self.flux.at(&inputs(at, 0.0));
+        Flux { value, by_temperature, by_foundation, by_penetration, by_pressure, by_slip_speed, by_friction_power }
+    }
+    fn conductance_bound(&self) -> f64 {
+        self.conductance_bound
+    }
+    fn conductance_lipschitz(&self) -> Option<f64> {
+        self.conductance_lipschitz
+    }
+    fn arrays(&self) -> Vec<&Arrays> {
+        vec![&self.flux]
+    }
+}
+
+/// A wear law on arrays.
+#[derive(Debug)]
+pub struct ArrayWear {
+    /// κ in 1/Pa and ∂κ/∂θ in 1/(Pa K).
+    pub coefficient: Arrays,
+}
+
+impl WearLaw for ArrayWear {
+    fn coefficient(&self, at: &ContactPoint) -> f64 {
+        self.coefficient.at::<2>(&inputs(at, 0.0))[0]
+    }
+    fn by_temperature(&self, at: &ContactPoint) -> f64 {
+        self.coefficient.at::<2>(&inputs(at, 0.0))[1]
+    }
+    fn arrays(&self) -> Vec<&Arrays> {
+        vec![&self.coefficient]
+    }
+}
+
+/// The functions of arrays in the laws of contacts; empty if there are none.
+pub(crate) fn arrays(contacts: &[Contact]) -> Vec<&Arrays> {
+    let mut all = Vec::new();
+    for contact in contacts {
+        all.extend(contact.normal.arrays());
+        all.extend(contact.friction.arrays());
+        all.extend(contact.heat.arrays());
+        all.extend(contact.wear.iter().flat_map(|law| law.arrays()));
+    }
+    all
+}

@@ -1,0 +1,52 @@
+//! A constitutive law that is evaluated for many points at once.
+
+use super::{Constants, Material, TensorLaw};
+use crate::arrays::{Arrays, Inputs};
+use crate::tensor::{Point, Sym, SymMap};
+
+/// A law on arrays. Its arguments are the position in m and the Mandel components of ξ, in their order.
+#[derive(Debug)]
+pub struct ArrayTensor {
+    /// The Mandel components of the value.
+    pub value: Arrays,
+    /// The rows of the derivative in Mandel components.
+    pub tangent: Arrays,
+    /// The potential in J/m³; none if there is none.
+    pub potential: Option<Arrays>,
+    /// m and M of (H1), (H2).
+    pub constants: Constants,
+}
+
+fn inputs(x: &Point, xi: &Sym) -> Inputs {
+    let (x, xi) = (x, &xi.0);
+    [x[0], x[1], x[2], xi[0], xi[1], xi[2], xi[3], xi[4], xi[5], 0.0]
+}
+
+impl TensorLaw for ArrayTensor {
+    fn value(&self, x: &Point, xi: &Sym) -> Sym {
+        Sym(self.value.at(&inputs(x, xi)))
+    }
+    fn tangent(&self, x: &Point, xi: &Sym) -> SymMap {
+        let entries: [f64; 36] = self.tangent.at(&inputs(x, xi));
+        SymMap(std::array::from_fn(|i| std::array::from_fn(|j| entries[6 * i + j])))
+    }
+    fn constants(&self) -> Constants {
+        self.constants
+    }
+    fn potential(&self, x: &Point, xi: &Sym) -> Option<f64> {
+        self.potential.as_ref().map(|potential| potential.at::<1>(&inputs(x, xi))[0])
+    }
+    fn arrays(&self) -> Vec<&Arrays> {
+        [&self.value, &self.tangent].into_iter().chain(&self.potential).collect()
+    }
+}
+
+/// The functions of arrays in laws; empty if there are none.
+pub(crate) fn arrays<'a>(laws: &[&'a dyn TensorLaw]) -> Vec<&'a Arrays> {
+    laws.iter().flat_map(|law| law.arrays()).collect()
+}
+
+/// The functions of arrays in the laws of materials; empty if there are none.
+pub(crate) fn material_arrays(materials: &[Material]) -> Vec<&Arrays> {
+    materials.iter().flat_map(|material| arrays(&[material.elasticity.as_ref(), material.viscosity.as_ref()])).collect()
+}
