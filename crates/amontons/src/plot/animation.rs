@@ -73,8 +73,8 @@ impl Palette {
         let map = |count: u32| (0..count).map(move |i| quantity.map.at(f64::from(i) / f64::from(count - 1)));
         let grey = |i: u32| [(i * 255 / 31) as u8; 3];
         let white = [WHITE.red, WHITE.green, WHITE.blue];
-        let mut colors: Vec<[u8; 3]> = map(112).collect();
-        colors.extend([0.2, 0.4].into_iter().flat_map(|share| map(40).map(move |c| mix(c, INK, share))));
+        let mut colors: Vec<[u8; 3]> = map(96).collect();
+        colors.extend([0.12, 0.25, 0.42].into_iter().flat_map(|share| map(32).map(move |c| mix(c, INK, share))));
         colors.extend((0..32).map(grey));
         colors.extend((1..=16).map(|i| mix(white, VERMILION, f64::from(i) / 16.0)));
         // Shades of the foundation in space.
@@ -100,7 +100,7 @@ fn changed(before: &[u8], now: &[u8], width: usize) -> [usize; 4] {
     let rows = || (0..now.len()).filter(differs).map(|i| i / width);
     let columns = || (0..now.len()).filter(differs).map(|i| i % width);
     let (left, right) = (columns().min().unwrap_or(0), columns().max().unwrap_or(0));
-    let (top, bottom) = (rows().next().unwrap_or(0), rows().last().unwrap_or(0));
+    let (top, bottom) = (rows().next().unwrap_or(0), rows().next_back().unwrap_or(0));
     [left, top, right - left + 1, bottom - top + 1]
 }
 

@@ -111,7 +111,9 @@ pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Pic
     let mut sights: Vec<Sight> =
         stage.solids.iter().map(|entry| self::sight(*entry, sight(entry), stage.factor)).collect();
     let window = [0, 1].map(|d| axes::range(sights.iter().flat_map(|s| s.window[d])).unwrap_or([0.0, 1.0]));
-    sights.iter_mut().for_each(|sight| sight.window = window);
+    for sight in &mut sights {
+        sight.window = window;
+    }
     let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
     let frame = |(i, sight): (usize, Sight)| {
         let quantity = Quantity::of(kind);

@@ -139,6 +139,20 @@ fn empty(kind: Kind) -> Field {
 }
 
 impl Gathered {
+    /// Nothing yet, of the body of a run; none of a body on a line.
+    fn new(run: &Run) -> Option<Gathered> {
+        Some(Gathered {
+            surface: Surface::of(run)?,
+            body: run.snapshot.as_ref().map(|s| s.body.clone()),
+            problem: run.problem.clone(),
+            factor: f64::INFINITY,
+            times: Vec::new(),
+            displacements: Vec::new(),
+            fields: vec![empty(Kind::VonMises), empty(Kind::Temperature)],
+            has_moved: false,
+        })
+    }
+
     fn add(&mut self, run: &Run) -> Result<(), PlotError> {
         let u = displacement(run);
         if self.surface.nodes.iter().any(|&node| node as usize >= u.len()) {
@@ -188,25 +202,23 @@ impl Gathered {
         let window = self.body.as_ref().map(|body| self.window(body));
         let Some(problem) = &self.problem else { return (window, Vec::new()) };
         let at = self.times.iter().zip(&self.displacements);
-        let frames = at.map(|(&t, u)| match (&self.body, window) {
-            (Some(body), Some(window)) => {
+        let frames = at.map(|(&t, u)| {
+            if let (Some(body), Some(window)) = (&self.body, window) {
                 let all = ground::grounds(problem, body, t, self.factor, window);
                 let lines = all.iter().flat_map(|ground| &ground.lines);
-                Value::Array(lines.map(|line| json!(pack.reals(line.as_flattened().iter().copied()))).collect())
+                return lines.map(|line| json!(pack.reals(line.as_flattened().iter().copied()))).collect();
             }
-            _ => {
-                let patches = ground::patches(problem, u, t, self.factor);
-                let few = patches.iter().map(|patch| patch.points.len()).sum::<usize>() <= FOUNDATION;
-                let written = patches.iter().filter(|_| few).map(|patch| {
-                    json!({
-                        "points": pack.reals(patch.points.as_flattened().iter().copied()),
-                        "triangles": pack.counts(patch.triangles.as_flattened()),
-                        "rim": pack.counts(ground::rim(&patch.triangles).as_flattened()),
-                        "normal": patch.normal,
-                    })
-                });
-                Value::Array(written.collect())
-            }
+            let patches = ground::patches(problem, u, t, self.factor);
+            let few = patches.iter().map(|patch| patch.points.len()).sum::<usize>() <= FOUNDATION;
+            let written = patches.iter().filter(|_| few).map(|patch| {
+                json!({
+                    "points": pack.reals(patch.points.as_flattened().iter().copied()),
+                    "triangles": pack.counts(patch.triangles.as_flattened()),
+                    "rim": pack.counts(ground::rim(&patch.triangles).as_flattened()),
+                    "normal": patch.normal,
+                })
+            });
+            written.collect()
         });
         (window, frames.collect())
     }
@@ -248,22 +260,10 @@ pub(super) fn write(results: &Results, chosen: &[usize], units: Units, pack: &mu
     let mut gathered: Option<Gathered> = None;
     for &i in chosen {
         let run = results.run(i)?;
-        let all = match &mut gathered {
-            Some(all) => all,
-            None => {
-                let Some(surface) = Surface::of(&run) else { return Ok(Value::Null) };
-                gathered.insert(Gathered {
-                    surface,
-                    body: run.snapshot.as_ref().map(|s| s.body.clone()),
-                    problem: run.problem.clone(),
-                    factor: f64::INFINITY,
-                    times: Vec::new(),
-                    displacements: Vec::new(),
-                    fields: vec![empty(Kind::VonMises), empty(Kind::Temperature)],
-                    has_moved: false,
-                })
-            }
-        };
+        if gathered.is_none() {
+            gathered = Gathered::new(&run);
+        }
+        let Some(all) = &mut gathered else { return Ok(Value::Null) };
         all.add(&run)?;
     }
     Ok(gathered.map_or(Value::Null, |all| all.write(units, pack)))
@@ -271,7 +271,7 @@ pub(super) fn write(results: &Results, chosen: &[usize], units: Units, pack: &mu
 
 /// The fields of a body on a line at some snapshots, for the page; null for others.
 pub(super) fn rod(results: &Results, chosen: &[usize], units: Units, pack: &mut Pack) -> Result<Value, PlotError> {
-    let mut fields = vec![empty(Kind::Deformed), empty(Kind::Temperature)];
+    let mut fields = [empty(Kind::Deformed), empty(Kind::Temperature)];
     fields[0].symbol = "u";
     let mut x = Vec::new();
     for &i in chosen {

@@ -42,7 +42,7 @@ struct Lines<'a> {
     measure: Measure,
     /// Whether the lines are parts of a whole, one upon the other.
     stacked: bool,
-    lines: Vec<(String, Color, &'a [f64], Vec<f64>)>,
+    all: Vec<(String, Color, &'a [f64], Vec<f64>)>,
 }
 
 /// The rows that a table keeps, with their times.
@@ -64,10 +64,10 @@ impl Rows {
     }
 
     fn write(&self, lines: &Lines, units: Units, pack: &mut Pack) -> Value {
-        let all = lines.lines.iter().flat_map(|line| &line.3);
+        let all = lines.all.iter().flat_map(|line| &line.3);
         let largest = all.filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
         let (unit, factor) = reading(units, largest, lines.measure);
-        let series = lines.lines.iter().map(|(label, color, dashes, values)| {
+        let series = lines.all.iter().map(|(label, color, dashes, values)| {
             json!({
                 "label": label,
                 "color": hexadecimal(*color),
@@ -96,7 +96,22 @@ fn lines(chart: &Chart) -> Lines<'_> {
         let n = edge.len() / 2;
         all.push((area.label.clone(), area.color, &[], (0..n).map(|i| edge[2 * n - 1 - i] - edge[i]).collect()));
     }
-    Lines { name: chart.quantity.clone(), measure: chart.measure, stacked: !chart.areas.is_empty(), lines: all }
+    Lines { name: chart.quantity.clone(), measure: chart.measure, stacked: !chart.areas.is_empty(), all }
+}
+
+/// The contact force on each side, of a run with several.
+fn forces(run: &Run) -> impl Iterator<Item = Lines<'_>> {
+    let of_side = |side: &String| {
+        let line = |c: usize| {
+            let values = run.history.get(&format!("{}@{side}", columns::CONTACT_FORCE.component(c)))?;
+            Some((["x", "y", "z"][c].to_owned(), LINES[c], &[][..], values.clone()))
+        };
+        let lines: Vec<_> = (0..3).filter_map(line).collect();
+        let name = format!("contact force on \"{side}\"");
+        (!lines.is_empty()).then_some(Lines { name, measure: Measure::Force, stacked: false, all: lines })
+    };
+    let sides = run.problem.iter().flat_map(|problem| &problem.contacts).map(|contact| &contact.on);
+    sides.filter_map(of_side)
 }
 
 /// The history of a run: the charts of its picture, and each column.
@@ -104,12 +119,14 @@ pub(super) fn write(run: &Run, units: Units, pack: &mut Pack) -> Value {
     let Some(times) = run.history.get(columns::TIME.name) else { return Value::Null };
     let rows = Rows::new(times, &mut run.history.values().map(Vec::as_slice), pack);
     let charts = history::chart_list(run, units);
-    let written: Vec<Value> = charts.iter().map(|chart| rows.write(&lines(chart), units, pack)).collect();
+    let forces = forces(run);
+    let all = charts.iter().map(lines).chain(forces);
+    let written: Vec<Value> = all.map(|lines| rows.write(&lines, units, pack)).collect();
     let measures = run.problem.as_ref().map(|problem| history_measures(problem)).unwrap_or_default();
     let column = |(name, measure): &(String, Measure)| {
         let values = run.history.get(name).filter(|_| name != columns::TIME.name && name != columns::STEP.name)?;
         let line = (String::new(), LINES[0], &[][..], values.clone());
-        let lines = Lines { name: name.clone(), measure: *measure, stacked: false, lines: vec![line] };
+        let lines = Lines { name: name.clone(), measure: *measure, stacked: false, all: vec![line] };
         Some(rows.write(&lines, units, pack))
     };
     let all: Vec<Value> = measures.iter().filter_map(column).collect();
@@ -135,9 +152,9 @@ pub(super) fn probes(dir: &Path, case: &Case, units: Units, pack: &mut Pack) -> 
             own.push((label, LINES[i % LINES.len()], &[][..], values));
         }
         let (name, measure) = (probe.name.clone(), probe.measure().unwrap_or(Measure::Number));
-        all.push(Lines { name, measure, stacked: false, lines: own });
+        all.push(Lines { name, measure, stacked: false, all: own });
     }
-    let finite = all.iter().flat_map(|lines| &lines.lines).map(|line| &line.3[..]);
+    let finite = all.iter().flat_map(|lines| &lines.all).map(|line| &line.3[..]);
     let rows = Rows::new(&times, &mut finite.filter(|v| axes::range(v.iter().copied()).is_some()), pack);
     let written: Vec<Value> = all.iter().map(|lines| rows.write(lines, units, pack)).collect();
     Ok(json!({ "charts": written, "rows": [rows.kept.len(), times.len()] }))

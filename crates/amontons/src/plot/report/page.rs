@@ -143,10 +143,8 @@ fn findings(all: &[Finding]) -> String {
 
 fn verdict(finding: &Finding) -> String {
     let numbers = match (finding.value, finding.needed) {
-        (Some(value), Some(needed)) => {
-            format!(" <span class=\"number\">{value:.4e}, compared with {needed:.4e}</span>")
-        }
-        (Some(value), None) => format!(" <span class=\"number\">{value:.4e}</span>"),
+        (Some(value), Some(needed)) => format!("{}, compared with {}", rounded(value), rounded(needed)),
+        (Some(value), None) => rounded(value),
         _ => String::new(),
     };
     let repair = finding
@@ -154,7 +152,7 @@ fn verdict(finding: &Finding) -> String {
         .as_ref()
         .map_or_else(String::new, |repair| format!("<p class=\"repair\">to repair it: {}</p>", escaped(repair)));
     format!(
-        "<li class=\"{status}\"><p><strong>{id}</strong> <span class=\"status\">{status}</span>{numbers}</p>\
+        "<li class=\"{status}\"><p><strong>{id}</strong> <span class=\"status\">{status}</span> <span class=\"number\">{numbers}</span></p>\
          <p>{message} ({place})</p>{repair}</li>\n",
         status = finding.status,
         id = escaped(finding.id.as_str()),
@@ -163,11 +161,20 @@ fn verdict(finding: &Finding) -> String {
     )
 }
 
-/// A table of numbers, those with many digits cut to five.
+/// A number of a table, rounded to five digits.
+fn rounded(v: f64) -> String {
+    match v.abs() {
+        size if v.fract() == 0.0 && size < 1e6 => format!("{v}"),
+        size if (1e-2..1e4).contains(&size) => format!("{v:.4}"),
+        _ => format!("{v:.4e}"),
+    }
+}
+
+/// A table; its numbers are rounded.
 fn table(table: &CsvTable) -> String {
     let cell = |text: &String| match text.parse::<f64>() {
-        Ok(v) if text.len() > 6 => format!("<td>{v:.4e}</td>"),
-        _ => format!("<td>{}</td>", escaped(text)),
+        Ok(v) => format!("<td>{}</td>", rounded(v)),
+        Err(_) => format!("<td>{}</td>", escaped(text)),
     };
     let head: String = table.names().iter().map(|n| format!("<th scope=\"col\">{}</th>", escaped(n))).collect();
     let row = |row: &Vec<String>| format!("<tr>{}</tr>\n", row.iter().map(cell).collect::<String>());

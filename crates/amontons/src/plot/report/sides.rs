@@ -59,6 +59,10 @@ fn chains(points: &[[f64; 3]], cells: &[Vec<u32>]) -> Vec<Vec<usize>> {
             [a, b, middle] => vec![a, middle, b],
             _ => cell.clone(),
         };
+        // A side of a body on a line is a point.
+        for &node in cell {
+            next.entry(node).or_default();
+        }
         for pair in ordered.windows(2) {
             next.entry(pair[0]).or_default().push(pair[1]);
             next.entry(pair[1]).or_default().push(pair[0]);
@@ -104,9 +108,9 @@ impl Side {
         let cells = cells(grid, number);
         let is_surface = grid.types.iter().any(|kind| ![1, 3, 21].contains(kind));
         if is_surface {
-            side.surface(grid, &cells)
+            side.surface(grid, &cells);
         } else {
-            side.line(grid, &cells)
+            side.line(grid, &cells);
         }
         let has = |(name, measure): (String, Measure)| {
             let components = grid.point_data.get(&name).filter(|_| !LEFT_OUT.contains(&name.as_str()))?.components;

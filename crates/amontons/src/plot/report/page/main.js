@@ -39,8 +39,7 @@ function timeBar() {
   return { node, seek, show: () => show(last), isNeeded: last > 0 };
 }
 
-async function start() {
-  if (!report?.arrays) return;
+async function draw() {
   await unpack();
   const bar = timeBar();
   const views = [...bodySection(bar.seek), ...contactSection()];
@@ -52,6 +51,11 @@ async function start() {
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", redraw);
   addEventListener("beforeprint", redraw);
   addEventListener("afterprint", redraw);
+}
+
+/** A study has nothing to draw. */
+async function start() {
+  if (report) await draw();
   document.documentElement.dataset.ready = "yes";
 }
 

@@ -1,7 +1,7 @@
 // Pictures of triangles: a value, a depth and a triangle for every pixel.
 
 /** The colours of a map: 256 times red, green, blue. */
-const palettes = Object.fromEntries(Object.entries(report.maps ?? {}).map(([name, text]) =>
+const palettes = Object.fromEntries(Object.entries(report?.maps ?? {}).map(([name, text]) =>
   [name, Uint8Array.from(text.match(/../g), (c) => parseInt(c, 16))]));
 
 class Raster {

@@ -91,8 +91,17 @@ function lineOfSide(side, at, node) {
   });
 }
 
-/** A side that is a point: over the snapshots. */
+/** A side that is a point: over the snapshots, or its values at the only one. */
 function pointOfSide(side, at, node) {
+  if (at.length === 1) {
+    const rows = side.fields.map((field) => {
+      const value = magnitudes(field, 0)[0];
+      const text = field.name === "status" ? stateName(value) : withUnit(number(value), field.unit);
+      return element("tr", {}, element("th", { scope: "row" }, field.name), element("td", {}, text));
+    });
+    node.append(element("h4", {}, report.times[at[0]]), element("table", { class: "rows" }, element("tbody", {}, rows)));
+    return;
+  }
   for (const field of side.fields) {
     const values = Float32Array.from(at, (_, k) => magnitudes(field, k)[0]);
     const chart = new Chart({
