@@ -122,7 +122,7 @@ fn a_hostile_case_injects_nothing() {
     let case = read(&shipped("cases/o-ring.toml"))
         .replace("name = \"o-ring\"", &format!("# {evil}\nname = \"a&b'c\""))
         .replace("on = \"upper\"", "on = '</script><b onclick=alert(2)>'")
-        .replace("every = 10", "every = 20\n[[probe]]\nname = \"p<!--\"\nquantity = \"displacement\"\nat = [0, 0]")
+        .replace("every = 10", "every = 20\n[[probe]]\nname = \"p\" # <!--\nquantity = \"displacement\"\nat = [0, 0]")
         .replace("final.contact.sides.upper.force", "final.contact.force");
     let case = case.split("[expected]").next().expect("a case").to_owned();
     let mesh = read(&shipped("cases/o-ring.msh")).replace("\"upper\"", "\"</script><b onclick=alert(2)>\"");
@@ -139,7 +139,7 @@ fn a_hostile_case_injects_nothing() {
     // The data still has the names.
     let data = data(&page);
     assert!(names(&data["contact"]["sides"]).contains(&"</script><b onclick=alert(2)>"));
-    assert_eq!(names(&data["probes"]["charts"]), ["p<!--"]);
+    assert_eq!(names(&data["probes"]["charts"]), ["p"]);
 }
 
 /// Every dimension and physics has what it has, and nothing else.
@@ -197,6 +197,23 @@ fn a_study_has_a_report() {
         assert!(page.contains(&format!(">{first}</t")), "{line}");
     }
     assert!(!page.contains("<h2>Summary</h2>"));
+}
+
+/// A run of a sweep has a report; the sweep says where they are.
+#[test]
+fn every_run_of_a_sweep_has_a_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("sweep").display().to_string();
+    let slab = shipped("cases/slab.toml").display().to_string();
+    let each = ["--each", "contact[0].friction.coefficient=0.1,0.2", "--set", "time.steps=4", "--report", "--quiet"];
+    let start = ["run", &slab, "--out", &out, "--no-certificate"];
+    assert_code(&output(&mut amontons(&[&start[..], &each[..]].concat())), 0);
+    for run in ["coefficient=0.1", "coefficient=0.2"] {
+        assert!(read(&Path::new(&out).join(run).join("report.html")).contains("<h2>Summary</h2>"));
+    }
+    let refused = output(&mut amontons(&["report", &out]));
+    assert_code(&refused, 4);
+    assert!(stderr(&refused).contains("make the report of one of its runs"), "{}", stderr(&refused));
 }
 
 #[test]

@@ -30,10 +30,12 @@ class Chart {
 
   listen() {
     const { svg } = this;
-    svg.addEventListener("pointermove", (event) => {
-      const box = svg.getBoundingClientRect();
-      this.readAt(this.nearest(this.value(event.clientX - box.left)));
-    });
+    for (const kind of ["pointerdown", "pointermove"]) {
+      svg.addEventListener(kind, (event) => {
+        const box = svg.getBoundingClientRect();
+        this.readAt(this.nearest(this.value(event.clientX - box.left)));
+      });
+    }
     svg.addEventListener("pointerleave", () => this.readAt(null));
     svg.addEventListener("blur", () => this.readAt(null));
     svg.addEventListener("keydown", (event) => {

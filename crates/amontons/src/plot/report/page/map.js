@@ -9,10 +9,12 @@ class TimeMap {
     this.bar = element("div", { class: "scale" });
     this.node = element("figure", { class: "map" }, this.canvas, this.bar, this.readout,
       element("p", { class: "hint" }, "Point at the map, or press arrow keys, to read values."));
-    this.canvas.addEventListener("pointermove", (event) => {
-      const box = this.canvas.getBoundingClientRect();
-      this.read(event.clientX - box.left, event.clientY - box.top);
-    });
+    for (const kind of ["pointerdown", "pointermove"]) {
+      this.canvas.addEventListener(kind, (event) => {
+        const box = this.canvas.getBoundingClientRect();
+        this.read(event.clientX - box.left, event.clientY - box.top);
+      });
+    }
     this.canvas.addEventListener("keydown", (event) => {
       const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
       if (!step) return;

@@ -162,8 +162,8 @@ function historySection() {
   choice.addEventListener("change", show);
   show();
   followers.push((frame) => chart.markAt(report.t[frame]));
-  node.append(heading("Every column of history.csv"),
-    element("p", { class: "controls" }, element("label", {}, "Column ", choice)), place);
+  node.append(element("div", { class: "screen" }, heading("Every column of history.csv"),
+    element("p", { class: "controls" }, element("label", {}, "Column ", choice)), place));
 }
 
 function probesSection() {

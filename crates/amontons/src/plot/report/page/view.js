@@ -95,18 +95,22 @@ class View {
 
   listen() {
     let from = null;
+    const readHere = (event) => {
+      const box = this.canvas.getBoundingClientRect();
+      this.read((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+    };
     this.canvas.addEventListener("pointerdown", (event) => {
       from = [event.clientX, event.clientY];
       if (this.isSolid) this.canvas.setPointerCapture(event.pointerId);
+      readHere(event);
     });
     this.canvas.addEventListener("pointermove", (event) => {
-      const box = this.canvas.getBoundingClientRect();
       if (this.isSolid && from && event.buttons) {
         this.turn((event.clientX - from[0]) * -0.5, (event.clientY - from[1]) * 0.5);
         from = [event.clientX, event.clientY];
         this.draw();
       } else {
-        this.read((event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height);
+        readHere(event);
       }
     });
     this.canvas.addEventListener("keydown", (event) => {
