@@ -129,7 +129,7 @@ fn a_hostile_case_injects_nothing() {
     fs::write(folder.path().join("o-ring.msh"), mesh).expect("a mesh");
     fs::write(folder.path().join("evil.toml"), case).expect("a case");
     let page = page(&folder.path().join("evil.toml"), &folder.path().join("out"), &["--set", "time.steps=20"]);
-    // The name of a case has no tags, which files could not have either. One script that runs and two blocks of data, as on every page; no tag of the case.
+    // One script that runs and two blocks of data, as on every page; no tag of the case. Its name can have none.
     assert_eq!(page.matches("<script").count(), 3);
     assert_eq!(page.matches("</script").count(), 3);
     for tag in ["<img", "<b ", "<!--", "</title><"] {

@@ -196,7 +196,7 @@ fn optional(data: &BTreeMap<String, vtu::Array>, name: &str) -> Vec<f64> {
 fn rod(grid: &vtu::Grid) -> Result<Rod, String> {
     let mut order: Vec<usize> = (0..grid.points.len()).collect();
     order.sort_by(|&i, &j| grid.points[i][0].total_cmp(&grid.points[j][0]));
-    let (displacement, temperature) = (displacement(grid)?, temperature(grid)?);
+    let (displacement, temperature) = (displacement(grid)?, optional(&grid.point_data, "temperature"));
     let finite = |name: &str, values: Vec<f64>| {
         if values.iter().all(|v| v.is_finite()) { Ok(values) } else { Err(format!("{name} is not finite")) }
     };

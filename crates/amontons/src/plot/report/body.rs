@@ -24,7 +24,7 @@ const FOUNDATION: usize = 4_000;
 /// The surface of a body, or a plane body, with where its vertices come from.
 struct Surface {
     shape: Shape,
-    /// The node of each vertex, and a corner of a triangle of the body that it is: three times the triangle plus 0 to 2.
+    /// The node of each vertex, and a corner of a triangle of the body that it is: three times the triangle and 0 to 2.
     nodes: Vec<u32>,
     corners: Vec<usize>,
     /// Vertices before it was made coarser.

@@ -14,7 +14,8 @@ class Chart {
     const sign = ({ color, dashes, label }) => {
       const line = element("svg", { width: 26, height: 10, "aria-hidden": "true" },
         spec.stacked ? element("rect", { width: 26, height: 10, fill: color })
-          : element("line", { x1: 0, x2: 26, y1: 5, y2: 5, stroke: color, "stroke-width": 2.4, "stroke-dasharray": dashes?.join(" ") }));
+          : element("line", { x1: 0, x2: 26, y1: 5, y2: 5, stroke: color, "stroke-width": 2.4,
+            "stroke-dasharray": dashes?.join(" ") }));
       return element("span", { class: "entry" }, line, label);
     };
     const entries = spec.series.filter((one) => one.label).map(sign);
@@ -110,7 +111,8 @@ class Chart {
     const base = this.height - MARGIN.bottom;
     for (const v of ticks(this.low, this.high, 5)) {
       const y = this.y(v).toFixed(1);
-      grid.append(element("line", { x1: MARGIN.left, x2: this.width - MARGIN.right, y1: y, y2: y, class: v ? "" : "zero" }));
+      const ends = { x1: MARGIN.left, x2: this.width - MARGIN.right };
+      grid.append(element("line", { ...ends, y1: y, y2: y, class: v ? "" : "zero" }));
       text(MARGIN.left - 6, +y + 4, number(v), "end");
     }
     for (const v of ticks(this.from, this.to, Math.max(2, Math.min(8, Math.floor(this.width / 90))))) {
@@ -149,8 +151,8 @@ class Chart {
       const [low, high] = extremes([one.values]);
       return `${plain(one.label || spec.name)} from ${number(low)} to ${number(high)}`;
     });
-    this.svg.setAttribute("aria-label", `${plain(spec.name)}${spec.unit ? ` in ${spec.unit}` : ""} over ${plain(spec.x.label)}: ` +
-      `${ends.join(", ")}. Arrow keys read values.`);
+    const name = `${plain(spec.name)}${spec.unit ? ` in ${spec.unit}` : ""} over ${plain(spec.x.label)}`;
+    this.svg.setAttribute("aria-label", `${name}: ${ends.join(", ")}. Arrow keys read values.`);
   }
 
   /** Tells the values at a point; null for none. */
@@ -160,9 +162,10 @@ class Chart {
     if (i === null) {
       this.readout.textContent = "\u00a0";
     } else {
-      const texts = spec.series.map((one) =>
-        `${one.label ? `${one.label} ` : ""}${withUnit(spec.word?.(one.values[i]) ?? number(one.values[i]), spec.unit)}`);
-      this.readout.replaceChildren(...typeset(`${spec.x.short} = ${withUnit(number(spec.x.values[i]), spec.x.unit)}: ${texts.join(", ")}`));
+      const value = (v) => withUnit(spec.word?.(v) ?? number(v), spec.unit);
+      const texts = spec.series.map((one) => `${one.label ? `${one.label} ` : ""}${value(one.values[i])}`);
+      const place = `${spec.x.short} = ${withUnit(number(spec.x.values[i]), spec.x.unit)}`;
+      this.readout.replaceChildren(...typeset(`${place}: ${texts.join(", ")}`));
     }
     this.drawCursor();
   }
@@ -170,9 +173,11 @@ class Chart {
   drawCursor() {
     if (!this.cursor) return;
     const base = this.height - MARGIN.bottom;
-    const upright = (v, name) => element("line", { x1: this.x(v), x2: this.x(v), y1: MARGIN.top, y2: base, class: name });
+    const upright = (v, name) =>
+      element("line", { x1: this.x(v), x2: this.x(v), y1: MARGIN.top, y2: base, class: name });
     this.cursor.replaceChildren();
-    if (this.mark !== null && this.mark >= this.from && this.mark <= this.to) this.cursor.append(upright(this.mark, "mark"));
+    const isMarked = this.mark !== null && this.mark >= this.from && this.mark <= this.to;
+    if (isMarked) this.cursor.append(upright(this.mark, "mark"));
     if (this.at === null) return;
     this.cursor.append(upright(this.spec.x.values[this.at], "at"));
     this.tops().forEach((top, k) => {

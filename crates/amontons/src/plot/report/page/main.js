@@ -3,7 +3,8 @@
 /** The bar with the slider; `seek` shows a snapshot everywhere. */
 function timeBar() {
   const last = report.t.length - 1;
-  const slider = element("input", { type: "range", min: 0, max: last, step: 1, value: last, id: "frame", "aria-label": "Time" });
+  const range = { type: "range", min: 0, max: last, step: 1, value: last };
+  const slider = element("input", { ...range, id: "frame", "aria-label": "Time" });
   const text = element("output", { for: "frame" });
   const play = element("button", { type: "button", "aria-label": "play" }, "▶");
   let timer = null;
@@ -35,7 +36,8 @@ function timeBar() {
     play.textContent = "❚❚";
     play.setAttribute("aria-label", "pause");
   });
-  const node = element("div", { class: "time", role: "group", "aria-label": "Time of the pictures" }, play, slider, text);
+  const name = { class: "time", role: "group", "aria-label": "Time of the pictures" };
+  const node = element("div", name, play, slider, text);
   return { node, seek, show: () => show(last), isNeeded: last > 0 };
 }
 

@@ -73,8 +73,9 @@ class TimeMap {
     });
     this.frameAndMarks(pen, [from, to], [low, high]);
     colorBar(this.bar, this.field);
-    this.canvas.setAttribute("aria-label", `${plain(this.field.name)} on the side ${this.side.name} over place and time, ` +
-      `from ${number(this.field.extent[0])} to ${withUnit(number(this.field.extent[1]), this.field.unit)}. Arrow keys read values.`);
+    const { name, unit, extent } = this.field;
+    this.canvas.setAttribute("aria-label", `${plain(name)} on the side ${this.side.name} over place and time, ` +
+      `from ${number(extent[0])} to ${withUnit(number(extent[1]), unit)}. Arrow keys read values.`);
   }
 
   /** The stretch of the side that each node stands for, within its piece. */
@@ -90,7 +91,8 @@ class TimeMap {
     pen.font = "12px system-ui, sans-serif";
     pen.strokeRect(left, top, right - left, bottom - top);
     [pen.textAlign, pen.textBaseline] = ["center", "top"];
-    for (const t of ticks(...times, Math.max(2, Math.floor((right - left) / 90)))) pen.fillText(number(t), this.x(t), bottom + 4);
+    const marks = ticks(...times, Math.max(2, Math.floor((right - left) / 90)));
+    for (const t of marks) pen.fillText(number(t), this.x(t), bottom + 4);
     pen.fillText(report.second ? `time t (${report.second})` : "time t", (left + right) / 2, bottom + 20);
     [pen.textAlign, pen.textBaseline] = ["right", "middle"];
     for (const s of ticks(...places, 5)) pen.fillText(number(s), left - 5, this.y(s));
@@ -125,8 +127,8 @@ class TimeMap {
     this.cross = [k, i];
     const value = magnitudes(this.field, k)[i];
     const text = this.field.name === "status" ? stateName(value) : withUnit(number(value), this.field.unit);
-    const s = withUnit(number(this.s[i]), this.side.length.unit);
-    this.readout.replaceChildren(...typeset(`${this.field.name} ${text} at ${s} along the side, ${report.times[this.at[k]]}`));
+    const place = `${withUnit(number(this.s[i]), this.side.length.unit)} along the side`;
+    this.readout.replaceChildren(...typeset(`${this.field.name} ${text} at ${place}, ${report.times[this.at[k]]}`));
     this.draw();
   }
 }

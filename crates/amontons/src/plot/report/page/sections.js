@@ -99,13 +99,15 @@ function pointOfSide(side, at, node) {
       const text = field.name === "status" ? stateName(value) : withUnit(number(value), field.unit);
       return element("tr", {}, element("th", { scope: "row" }, field.name), element("td", {}, text));
     });
-    node.append(element("h4", {}, report.times[at[0]]), element("table", { class: "rows" }, element("tbody", {}, rows)));
+    const table = element("table", { class: "rows" }, element("tbody", {}, rows));
+    node.append(element("h4", {}, report.times[at[0]]), table);
     return;
   }
   for (const field of side.fields) {
     const values = Float32Array.from(at, (_, k) => magnitudes(field, k)[0]);
     const chart = new Chart({
-      ...field, x: { values: Float32Array.from(at, (k) => report.t[k]), label: "time t", short: "t", unit: report.second },
+      ...field,
+      x: { values: Float32Array.from(at, (k) => report.t[k]), label: "time t", short: "t", unit: report.second },
       word: field.name === "status" ? stateName : undefined, series: [{ label: "", color: "#0072b2", values }],
     });
     followers.push((frame) => chart.markAt(report.t[frame]));

@@ -78,8 +78,10 @@ class View {
         return button;
       };
       controls.append(
-        press("◀", "turn to the left", () => this.turn(-15, 0)), press("▶", "turn to the right", () => this.turn(15, 0)),
-        press("▲", "turn upwards", () => this.turn(0, 15)), press("▼", "turn downwards", () => this.turn(0, -15)),
+        press("◀", "turn to the left", () => this.turn(-15, 0)),
+        press("▶", "turn to the right", () => this.turn(15, 0)),
+        press("▲", "turn upwards", () => this.turn(0, 15)),
+        press("▼", "turn downwards", () => this.turn(0, -15)),
         press("+", "larger", () => { this.zoom *= 1.25; }), press("−", "smaller", () => { this.zoom /= 1.25; }),
         press("Reset", "first view", () => this.reset()));
     }
@@ -233,7 +235,9 @@ class View {
     if (patch.normal[0] * eye[0] + patch.normal[1] * eye[1] + patch.normal[2] * eye[2] > 0) return;
     const points = this.seen(reals(patch.points), camera, raster.width, raster.height);
     const t = counts(patch.triangles);
-    for (let i = 0; i < t.length; i += 3) raster.fill(points, t[i], t[i + 1], t[i + 2], null, -2, light(points, t, i));
+    for (let i = 0; i < t.length; i += 3) {
+      raster.fill(points, t[i], t[i + 1], t[i + 2], null, -2, light(points, t, i));
+    }
   }
 
   image(raster) {
@@ -352,9 +356,9 @@ class View {
     colorBar(this.bar, field);
   }
 
-  /** The place of a node, or of a point between three. */
-  place(...corners) {
-    return this.position([0, 1, 2].map((d) => corners.reduce((sum, i) => sum + this.points[3 * i + d], 0) / corners.length));
+  /** The place of a node. */
+  place(node) {
+    return this.position(Array.from(this.points.subarray(3 * node, 3 * node + 3)));
   }
 
   position(point) {
@@ -368,7 +372,8 @@ class View {
   read(x, y) {
     if (!this.last) return;
     const { raster, points } = this.last;
-    const [i, j] = [Math.min(raster.width - 1, Math.floor(x * raster.width)), Math.min(raster.height - 1, Math.floor(y * raster.height))];
+    const i = Math.min(raster.width - 1, Math.floor(x * raster.width));
+    const j = Math.min(raster.height - 1, Math.floor(y * raster.height));
     const triangle = raster.triangle[j * raster.width + i];
     if (!(triangle >= 0)) {
       this.readout.textContent = "\u00a0";
