@@ -26,7 +26,7 @@ const LAST: u16 = 150;
 /// four million nodes. Returns the path.
 ///
 /// # Errors
-/// As [`super::folder`]; also [`PlotError::Data`] for a kind that is no field of a body or of which the run has none.
+/// As [`super::folder()`]; also [`PlotError::Data`] for a kind that is no field of a body or of which the run has none.
 pub fn animation(dir: &Path, kind: Kind, options: &Options) -> Result<PathBuf, PlotError> {
     let results = Results::read(dir)?;
     let times: Vec<f64> = results.snapshots.iter().map(|(t, _)| *t).collect();
