@@ -57,7 +57,10 @@ class Raster {
     }
   }
 
-  /** The pixels in colours: values by a palette between two ends, what has none in the colour of foundations. */
+  /**
+   * The pixels in colours: values by a palette between two ends, what has none in the colour of foundations. Lines are
+   * dark, on dark colours light; beside the body they have the colour `ink`.
+   */
   image(palette, [low, high], ground, ink) {
     const image = new ImageData(this.width, this.height);
     const factor = high > low ? 255 / (high - low) : 0;
@@ -66,9 +69,12 @@ class Raster {
       if (!isDrawn && !this.ink[at]) continue;
       const v = this.value[at];
       const place = 3 * Math.max(0, Math.min(255, Math.round(factor ? (v - low) * factor : 127)));
+      const [colors, first] = this.triangle[at] < 0 ? [ground, 0] : [palette, place];
+      const isDim = 0.3 * colors[first] + 0.6 * colors[first + 1] + 0.1 * colors[first + 2] < 60;
       for (let c = 0; c < 3; c++) {
-        const own = (this.triangle[at] < 0 ? ground[c] : palette[place + c]) * (isDrawn ? this.light[at] : 1);
-        image.data[4 * at + c] = own + (ink[c] - own) * this.ink[at];
+        const own = colors[first + c] * (isDrawn ? this.light[at] : 1);
+        const line = isDrawn ? (isDim ? 0x99 : 0x22) : ink[c];
+        image.data[4 * at + c] = own + (line - own) * this.ink[at];
       }
       image.data[4 * at + 3] = isDrawn ? 255 : 255 * this.ink[at];
     }

@@ -44,9 +44,11 @@ class View {
     this.build();
   }
 
-  /** The first direction of view: on the side from outside, on a body from above its front. */
+  /** The first direction of view: on the side from outside, on a body from the front, above or below as contact is. */
   reset() {
-    const normal = this.surface.normal ?? [0.5, -0.87, 0.62];
+    const sides = report.contact?.sides ?? [];
+    const height = sides.reduce((sum, side) => sum + side.normal[2], 0) < 0 ? -0.62 : 0.62;
+    const normal = this.surface.normal ?? [0.5, -0.87, height];
     const size = Math.hypot(...normal) || 1;
     this.azimuth = Math.hypot(normal[0], normal[1]) > 1e-6 * size ? Math.atan2(normal[1], normal[0]) : -Math.PI / 2;
     this.elevation = Math.asin(Math.max(-1, Math.min(1, normal[2] / size)));
@@ -365,6 +367,8 @@ class View {
     const { unit, factor } = this.surface.length;
     const dim = this.isSolid ? 3 : 2;
     const names = (this.surface.axes ?? ["x", "y", "z"]).slice(0, dim);
+    this.far ??= extremes([this.points.map(Math.abs)])[1];
+    point = point.map((v) => (Math.abs(v) < 1e-6 * this.far ? 0 : v));
     return withUnit(`(${names.join(", ")}) = (${point.slice(0, dim).map((v) => number(v * factor)).join(", ")})`, unit);
   }
 
