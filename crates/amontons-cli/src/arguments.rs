@@ -29,6 +29,9 @@ pub enum Command {
         /// Draw the results too
         #[arg(long)]
         plot: bool,
+        /// Write `report.html` too
+        #[arg(long)]
+        report: bool,
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
@@ -48,6 +51,9 @@ pub enum Command {
         /// Draw the results too
         #[arg(long)]
         plot: bool,
+        /// Write `report.html` too
+        #[arg(long)]
+        report: bool,
         /// Evaluate only the hypotheses that need no factorization
         #[arg(long)]
         no_certificate: bool,
@@ -88,9 +94,18 @@ pub enum Command {
         /// number]
         #[arg(long, value_name = "F")]
         scale: Option<f64>,
-        /// Pixels of a PNG per unit of 1/96 inch
-        #[arg(long, value_name = "P", default_value_t = 2.0)]
-        pixels: f64,
+        /// Pixels per unit of 1/96 inch [default: 2 of a PNG, 1 of an animation]
+        #[arg(long, value_name = "P")]
+        pixels: Option<f64>,
+        /// Write an animation of the deformed body (GIF) in place of pictures, coloured by this field
+        #[arg(long, value_enum, value_name = "FIELD", num_args = 0..=1, require_equals = true,
+              default_missing_value = "displacement")]
+        animate: Option<FieldArgument>,
+    },
+    /// Write `report.html`: a finished run or study as one page for a browser, without network
+    Report {
+        /// The results folder
+        dir: PathBuf,
     },
     /// Compare runs with the reference values of a case or of the shipped benchmarks
     Verify {
@@ -145,6 +160,17 @@ pub enum Command {
         /// The shell
         shell: Shell,
     },
+}
+
+/// A field of the body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FieldArgument {
+    /// The magnitude of the displacement
+    Displacement,
+    /// The von Mises stress
+    VonMises,
+    /// The temperature
+    Temperature,
 }
 
 /// A case to start from.
@@ -276,6 +302,7 @@ impl Command {
             | Command::Verify { common, .. }
             | Command::Reproduce { common, .. } => Some(common),
             Command::Plot { .. }
+            | Command::Report { .. }
             | Command::Mesh { .. }
             | Command::Schema
             | Command::Materials { .. }

@@ -12,6 +12,7 @@ use amontons::run::{self, RunError, Settings};
 use amontons::units::Measure;
 use clap::CommandFactory;
 
+use crate::after::{self, After};
 use crate::arguments::{Arguments, Command, Common, Format};
 use crate::print;
 use crate::progress::{Progress, StepSink};
@@ -21,20 +22,29 @@ use crate::{constants, converge, materials, new, reproduce, sweep, verify};
 /// Does what a command says.
 pub fn execute(command: Command) -> Result<(), Failure> {
     match command {
-        Command::Run { case, plot, no_certificate, each, jobs, common } if !each.is_empty() => {
-            let request =
-                sweep::Request { each: &each, jobs: jobs.get(), pictures: plot, certificate: !no_certificate };
+        Command::Run { case, plot, report, no_certificate, each, jobs, common } if !each.is_empty() => {
+            let after = After { pictures: plot, report };
+            let request = sweep::Request { each: &each, jobs: jobs.get(), after, certificate: !no_certificate };
             sweep::execute(&case, &request, &common)
         }
-        Command::Run { case, plot, no_certificate, common, .. } => start(&case, plot, no_certificate, &common),
-        Command::Resume { dir, plot, no_certificate, common } => resume(&dir, plot, no_certificate, &common),
+        Command::Run { case, plot, report, no_certificate, common, .. } => {
+            start(&case, After { pictures: plot, report }, no_certificate, &common)
+        }
+        Command::Resume { dir, plot, report, no_certificate, common } => {
+            resume(&dir, After { pictures: plot, report }, no_certificate, &common)
+        }
+        Command::Report { dir } => after::report(&dir, false),
         Command::Check { case, levels, common } => check(&case, &levels, &common),
         Command::Converge { case, study, common } => converge::execute(&case, &study, &common),
-        Command::Plot { dir, time, dimensionless, scale, pixels } => draw(
-            &dir,
-            &plot::Options { times: time, dimensionless, pixels, scale_factor: scale, ..plot::Options::default() },
-            false,
-        ),
+        Command::Plot { dir, time, dimensionless, scale, pixels, animate } => {
+            let pixels = pixels.unwrap_or(if animate.is_some() { 1.0 } else { 2.0 });
+            let options =
+                plot::Options { times: time, dimensionless, pixels, scale_factor: scale, ..plot::Options::default() };
+            match animate {
+                Some(field) => after::animate(&dir, field, &options),
+                None => after::draw(&dir, &options, false),
+            }
+        }
         Command::Verify { names, common } => verify::execute(&names, &common),
         Command::Reproduce { levels, reference, common } => reproduce::execute(&levels, reference, &common),
         Command::Mesh { file, scale, format } => show_mesh(&file, scale, format),
@@ -77,25 +87,16 @@ fn show_mesh(file: &Path, scale: f64, format: Format) -> Result<(), Failure> {
     if format == Format::Json { Ok(print::json(&table)?) } else { Ok(()) }
 }
 
-/// Draws the contents of a folder and prints the paths of the pictures.
-fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure> {
-    let paths = plot::folder(dir, options)?;
-    if quiet {
-        return Ok(());
-    }
-    Ok(print::text(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?)
-}
-
-fn start(file: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+fn start(file: &Path, after: After, no_certificate: bool, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
     let case = common.case(file)?;
     let out = common.out.clone().unwrap_or_else(|| PathBuf::from("results").join(&case.problem.name));
     let settings = settings(&case, &out, !no_certificate, &progress);
     let folder = Folder::create(&out, options(&case, !no_certificate, common))?;
-    drive(&case, None, (folder, &out, pictures), &settings, progress, common)
+    drive(&case, None, (folder, &out, after), &settings, progress, common)
 }
 
-fn resume(dir: &Path, pictures: bool, no_certificate: bool, common: &Common) -> Result<(), Failure> {
+fn resume(dir: &Path, after: After, no_certificate: bool, common: &Common) -> Result<(), Failure> {
     let progress = Progress::new(common);
     let case = common.case(&dir.join("case.toml"))?;
     let out = common.out.as_deref().unwrap_or(dir);
@@ -114,7 +115,7 @@ fn resume(dir: &Path, pictures: bool, no_certificate: bool, common: &Common) -> 
         note(&format!("{why}; going on from the checkpoint before, of step {step}"), common);
     }
     let settings = settings(&case, dir, certificate, &progress);
-    drive(&case, checkpoint, (folder, out, pictures), &settings, progress, common)
+    drive(&case, checkpoint, (folder, out, after), &settings, progress, common)
 }
 
 /// Tells something that a user has to know although the command goes on.
@@ -141,11 +142,11 @@ fn options(case: &Case, certificate: bool, common: &Common) -> FolderOptions {
     FolderOptions { force: common.force, certificate, ..case.folder_options() }
 }
 
-/// Runs a case into a folder, prints what it came to, and draws it if that is asked for, also where it ended early.
+/// Runs a case into a folder, prints what it came to, and makes pictures and report, also where it ended early.
 fn drive(
     case: &Case,
     from: Option<Checkpoint>,
-    (mut folder, out, pictures): (Folder, &Path, bool),
+    (mut folder, out, after): (Folder, &Path, After),
     settings: &Settings,
     progress: Progress,
     common: &Common,
@@ -163,15 +164,12 @@ fn drive(
     match result {
         Ok(summary) => {
             done(&summary, out, common)?;
-            if pictures { draw(out, &plot::Options::default(), quiet) } else { Ok(()) }
+            after.make(out, quiet)
         }
         Err(error) => {
             let hint = hint(&error, &folder, out);
             let is_written = hint.is_some() && !folder.keeps_older_results();
-            if pictures
-                && is_written
-                && let Err(failure) = draw(out, &plot::Options::default(), quiet)
-            {
+            if is_written && let Err(failure) = after.make(out, quiet) {
                 note(&failure.message(), common);
             }
             Err(Failure::Run { error, hint })

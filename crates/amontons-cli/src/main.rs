@@ -1,5 +1,6 @@
 //! The program `amontons`: contact with friction and heat from one case file.
 
+mod after;
 mod arguments;
 mod commands;
 mod constants;

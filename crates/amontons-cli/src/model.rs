@@ -2,23 +2,13 @@
 
 use amontons::mesh::Skipped;
 use amontons::model::{Cost, MeshModel, Model, Size};
+use amontons::output::unknowns_in_words;
 use amontons::problem::Problem;
 use amontons::units::Measure;
 
 /// A line with a name.
 pub fn row(name: &str, value: &str) -> String {
     format!("  {name:<17} {value}")
-}
-
-/// Numbers of unknowns: displacement, temperature, contact, those that a case has.
-pub fn unknowns([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
-    let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
-    let all = [
-        of_mechanics(displacement, "displacement"),
-        heat.then(|| format!("{temperature} temperature")),
-        of_mechanics(contact, "on the contact side"),
-    ];
-    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 
 /// Rows of the size of a model.
@@ -55,7 +45,7 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
 
 /// Unknowns, how systems are solved, and the work and memory of that.
 fn cost(cost: &Cost, mechanics: bool, heat: bool) -> Vec<String> {
-    let mut rows = vec![row("unknowns", &unknowns(cost.unknowns, mechanics, heat))];
+    let mut rows = vec![row("unknowns", &unknowns_in_words(cost.unknowns, mechanics, heat))];
     let way = if cost.solver.is_direct() { "by a factor" } else { "by an iteration without a factor" };
     rows.push(row("linear systems", &format!("{way}: {}", cost.solver.why)));
     if cost.solver.is_direct() {

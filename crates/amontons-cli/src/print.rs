@@ -5,12 +5,12 @@ use std::path::Path;
 
 use amontons::hypotheses::{Certificate, Finding, Kind};
 use amontons::model::Model;
-use amontons::output::{ContactSummary, Outcome, Seconds, Solver, Summary};
+use amontons::output::Summary;
 use amontons::problem::Problem;
-use amontons::units::{Extent, Measure, Units};
+use amontons::units::Measure;
 use serde_json::{Value, json};
 
-use crate::model::{self, row, unknowns};
+use crate::model::{self, row};
 use crate::voices;
 
 /// Prints a value as indented JSON on standard output.
@@ -40,138 +40,12 @@ pub fn note(text: &str) {
 
 /// The summary of a run for reading.
 pub fn summary(summary: &Summary, folder: &Path) -> String {
-    let end = &summary.last;
-    let (mechanics, heat) = (!end.displacement_min.is_empty(), end.temperature_min.is_some());
-    let state = match summary.outcome {
-        Outcome::Done => "done",
-        Outcome::NotConverged => "not converged",
-        Outcome::Interrupted => "interrupted",
-        Outcome::Unsound => "unsound",
-    };
-    let (seconds, units) = (&summary.seconds, summary.units);
-    let mut lines = vec![
-        format!(
-            "{}: {state}, {} steps to t = {} in {:.2} s",
-            summary.case,
-            summary.steps,
-            units.exact(summary.time, Measure::Time),
-            seconds.total
-        ),
-        row(
-            "unknowns",
-            &unknowns(
-                [summary.unknowns.displacement, summary.unknowns.temperature, summary.unknowns.contact],
-                mechanics,
-                heat,
-            ),
-        ),
-        row("time", &phases(seconds)),
-    ];
-    lines.push(systems(&summary.solver));
-    for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
-        lines.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
-    }
-    if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
-        lines.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
-    }
-    lines.extend(
-        end.von_mises_max.map(|most| row("von Mises stress", &format!("up to {}", units.write(most, Measure::Stress)))),
-    );
-    lines.extend(end.strain_max.map(|most| row("strain", &format!("up to {}", units.write(most, Measure::Number)))));
-    if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
-        lines.extend(touching("contact", contact, units));
-        for (side, contact) in &contact.sides {
-            lines.extend(touching(&format!("on \"{side}\""), contact, units));
-        }
-    }
-    lines.extend(extent(units, mechanics));
-    lines.extend(
-        mechanics.then(|| {
-            row("energy closes to", &format!("{:.1e} of the energy turned over", summary.energy.closing_error))
-        }),
-    );
-    lines.extend(
-        heat.then(|| {
-            row("heat closes to", &format!("{:.1e} of the heat turned over", summary.energy.heat_closing_error))
-        }),
-    );
-    lines.extend(halved(&summary.solver));
-    lines.push(row("results", &folder.display().to_string()));
+    let rows = summary.rows();
+    let results = ("results".to_owned(), folder.display().to_string());
+    let mut lines = vec![summary.headline()];
+    lines.extend(rows.iter().chain([&results]).map(|(name, text)| row(name, text)));
     lines.extend(voices::of_run(&summary.findings));
     lines.join("\n") + "\n"
-}
-
-/// The times of the phases of a run.
-fn phases(seconds: &Seconds) -> String {
-    let Seconds { certificate, setup, factor, steps, output, .. } = seconds;
-    format!(
-        "{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output"
-    )
-}
-
-/// A line on how linear systems were solved.
-fn systems(solver: &Solver) -> String {
-    let way = match solver.backend.as_str() {
-        "iterative" => format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations),
-        _ => "by a factor".to_owned(),
-    };
-    row("linear systems", &format!("{way}: {}", solver.backend_reason))
-}
-
-/// A line on halved and ambiguous steps, if there are any.
-fn halved(solver: &Solver) -> Option<String> {
-    let Solver { halved_steps, ambiguous_steps, .. } = *solver;
-    let ambiguous = match ambiguous_steps {
-        0 => "none of them remains ambiguous".to_owned(),
-        some => format!("{some} of all steps remain ambiguous"),
-    };
-    (halved_steps > 0 || ambiguous_steps > 0)
-        .then(|| row("halved steps", &format!("{halved_steps} steps, {ambiguous}")))
-}
-
-/// The ends of a range in one unit.
-fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
-    let (low, high, unit) = units.range(ends, measure);
-    format!("{low} … {high} {unit}").trim_end().to_owned()
-}
-
-/// What integrals over a body are over. Absent in space, where they are over the body.
-fn extent(units: Units, mechanics: bool) -> Option<String> {
-    let text = match units.extent {
-        Extent::Line => "per unit of cross-section",
-        Extent::Plane => "per unit of thickness",
-        Extent::Revolution => "of the full turn",
-        Extent::Space => return None,
-    };
-    Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
-}
-
-/// Contact on one side or on all, with wear and the temperature of the foundation if there are any.
-fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<String> {
-    let write = |value: f64, measure: Measure| units.write(value, measure);
-    let force = units.vector(&contact.force, Measure::Force);
-    let mut lines = vec![
-        row(
-            name,
-            &format!(
-                "{} open, {} stick, {} slip; area {}",
-                contact.open,
-                contact.stick,
-                contact.slip,
-                write(contact.area, Measure::Area)
-            ),
-        ),
-        row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
-    ];
-    lines.extend(
-        contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
-    );
-    if contact.wear_max > 0.0 {
-        let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
-        lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
-    }
-    lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
-    lines
 }
 
 /// Sizes of a valid case and the verdicts on it, for reading.

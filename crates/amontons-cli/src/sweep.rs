@@ -14,6 +14,7 @@ use amontons::plot::{self, SweepPlot, SweepSeries};
 use amontons::run::{self, RunError, Settings};
 use serde_json::Value;
 
+use crate::after::After;
 use crate::arguments::{Common, Format};
 use crate::print;
 use crate::progress::Progress;
@@ -26,7 +27,7 @@ pub struct Request<'a> {
     pub each: &'a [String],
     /// Runs at a time.
     pub jobs: usize,
-    pub pictures: bool,
+    pub after: After,
     pub certificate: bool,
 }
 
@@ -146,9 +147,7 @@ impl Sweep<'_> {
             };
             Failure::Run { error, hint: Some(hint) }
         })?;
-        if self.request.pictures {
-            plot::folder(folder, &plot::Options::default())?;
-        }
+        self.request.after.make(folder, true)?;
         Ok(result)
     }
 }

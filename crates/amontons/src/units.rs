@@ -64,6 +64,8 @@ pub enum Measure {
     SurfaceWork,
     /// Force on a body, an integral over a side.
     Force,
+    /// Moment of the tractions on a side about the axis of revolution.
+    Moment,
     /// Energy, work and heat of a body.
     Energy,
     /// Power and heat flow.
@@ -128,6 +130,7 @@ impl Units {
             Measure::HeatFlux => "W/m²",
             Measure::SurfaceWork => "J/m²",
             Measure::Force => by_extent(["N/m²", "N/m", "N"]),
+            Measure::Moment => by_extent(["N m/m²", "N m/m", "N m"]),
             Measure::Energy => by_extent(["J/m²", "J/m", "J"]),
             Measure::Power => by_extent(["W/m²", "W/m", "W"]),
             Measure::Area => by_extent(["m²/m²", "m²/m", "m²"]),

@@ -335,8 +335,8 @@ spoiled! {
         "--set contact.friction={ law = 'orthotropic', coefficients = [0, 0.2], direction = [1, 0] }: contact.friction.coefficients[0]: found 0.0, expected a positive number";
     more_than_all_friction_heat: "" => "" set "contact.frictional_heat=1.5"
         "--set contact.frictional_heat=1.5: contact.frictional_heat: found 1.5, expected a number ≥ 0 and ≤ 1 (fraction η of the friction power that enters the body as heat, from 0 to 1)";
-    foundation_velocity_of_three: "" => "" set "contact.foundation_velocity=[1, 0, 0]"
-        "--set contact.foundation_velocity=[1, 0, 0]: contact.foundation_velocity: found 3 components, expected 2 components";
+    foundation_velocity_of_four: "" => "" set "contact.foundation_velocity=[1, 0, 0, 0]"
+        "--set contact.foundation_velocity=[1, 0, 0, 0]: contact.foundation_velocity: found 4 components, expected 2 components, or 3 with those across the plane or the line of the body";
     obstacle_without_a_shape: "" => "" set "contact.obstacle={ radius = 1 }"
         "--set contact.obstacle={ radius = 1 }: contact.obstacle.shape: found no such key, expected \"plane\", \"sphere\", \"cylinder\", \"wave\" or \"surface\"";
     obstacle_of_another_shape: "" => "" set "contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }"
@@ -580,7 +580,7 @@ spoiled! {
     contact_twice_on_a_side: "[contact]  " => "[[contact]]\non = \"bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]  "
         "paper.toml:60:6: contact[1].on: found \"bottom\" again, expected each side in one [[contact]] entry; merge it with entry 1 of the file, which is on the same side";
     contact_unknown_key_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nfrction = 1 #"
-        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of close, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, nonmortar, normal, obstacle, on, quadrature, wear, with; did you mean `friction`?";
+        "paper.toml:60:1: contact[1].frction: found an unknown key, expected one of automatic, close, foundation, foundation_velocity, friction, frictional_heat, gap, geometry, heat, nonmortar, normal, obstacle, on, quadrature, wear, with; did you mean `friction`?";
     contact_law_in_the_second: "[contact]  " => "[[contact]]\non = \"left\"\nnormal = { law = \"signorini\" }\n[[contact]]\nwear = { law = \"archard\", coefficient = -1 } #"
         "paper.toml:60:41: contact[1].wear.coefficient: found -1, expected a number ≥ 0 (wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness)";
     foundation_surroundings_in_space: "" => "" set "contact.foundation={ heat_capacity = 1, surroundings = 'x + t' }"

@@ -36,7 +36,7 @@ pub(super) fn problem(
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
     // The iteration does not know of pairs.
-    let has_pairs = raw.contact.iter().flat_map(raw::Contacts::each).any(|(_, contact)| contact.with.is_some());
+    let has_pairs = raw.contact.iter().flat_map(raw::Contacts::each).any(|(_, contact)| contact.is_pair());
     let solver = match raw.solver.solver {
         raw::Backend::Auto if has_pairs => raw::Backend::Direct,
         solver => solver,
@@ -59,11 +59,12 @@ pub(super) fn problem(
     build.step(&raw.time);
     let contact_on: Vec<&str> = raw.contact.as_ref().map_or_else(Vec::new, raw::Contacts::sides);
     let sides: Vec<&str> = raw.boundary.iter().map(|b| b.on.as_str()).chain(contact_on.iter().copied()).collect();
-    let mesh = build.mesh(&raw.mesh, &contact_on, &sides, available);
+    let mut mesh = build.mesh(&raw.mesh, &contact_on, &sides, available);
     build.dim = mesh.dim;
     let physics = physics(&raw, &mut build.findings);
     let materials = build.materials(&raw, &mesh);
     let bodies = materials.clone();
+    let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     let effusivities = Effusivities::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
@@ -77,12 +78,7 @@ pub(super) fn problem(
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
-        contacts: raw
-            .contact
-            .map_or_else(Vec::new, raw::Contacts::all)
-            .into_iter()
-            .map(|(path, c)| build.contact(&path, c, &mesh, &effusivities))
-            .collect(),
+        contacts: contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &effusivities)).collect(),
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),

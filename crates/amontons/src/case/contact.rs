@@ -22,8 +22,11 @@ impl Build<'_> {
         let pair = self.pair(path, &raw, mesh);
         let bearing = pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&raw.on, |pair| &pair.with).clone();
         let (points, is_pair) = (side(mesh, &bearing), pair.is_some());
-        if !raw.foundation_velocity.is_empty() && raw.foundation_velocity.len() != self.dim {
-            self.wants_components(&format!("{path}.foundation_velocity"), raw.foundation_velocity.len());
+        let components = raw.foundation_velocity.len();
+        if ![0, self.dim, 3].contains(&components) {
+            let expected = format!("{} components, or 3 with those across the plane or the line of the body", self.dim);
+            let found = format!("{components} components");
+            self.note(&format!("{path}.foundation_velocity"), At::Value, found, expected, None);
         }
         let quadrature = match raw.quadrature {
             raw::Quadrature::Nodal => Quadrature::Nodal,

@@ -25,6 +25,14 @@ pub(super) fn cells(raw: &raw::Mesh) -> Vec<usize> {
     }
 }
 
+/// Cells per direction of each of several blocks.
+pub(super) fn blocks(raw: &raw::Mesh) -> Vec<Vec<usize>> {
+    match raw {
+        raw::Mesh::Blocks { blocks, .. } => blocks.iter().map(|block| block.n.clone()).collect(),
+        _ => Vec::new(),
+    }
+}
+
 fn elements(raw: raw::Elements) -> Elements {
     match raw {
         raw::Elements::P1 => Elements::P1,

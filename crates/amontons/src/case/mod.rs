@@ -15,6 +15,7 @@
 //! # Ok::<(), case::CaseError>(())
 //! ```
 
+mod automatic;
 mod benchmark;
 mod blocks;
 mod build;

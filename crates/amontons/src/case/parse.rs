@@ -38,6 +38,8 @@ pub struct Case {
     pub verify: Option<Verify>,
     /// Cells per direction of a generated mesh; of a mesh from a file the parts of each of its edges.
     pub cells: Vec<usize>,
+    /// Cells per direction of each block of a mesh of several.
+    pub blocks: Vec<Vec<usize>>,
     /// Whether the mesh is that of a file.
     pub has_mesh_file: bool,
     /// The text of the case as run: overrides applied, and the files that it refers to under the names of `inputs`.
@@ -167,6 +169,7 @@ fn build_case(
     let (every, fields, checkpoint) = (raw.output.every, build::fields(&raw.output), build::checkpoint(&raw.output));
     let expected = raw.expected.as_ref().map(build::expected);
     let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));
+    let blocks = mesh::blocks(&raw.mesh);
     let doubtful = Doubtful::new(doubtful);
     let notes = build::Notes { doubtful: &doubtful, limits: &limits };
     let (built, later) = build::problem(raw, files, machine::memory(), notes, has_other_end);
@@ -183,6 +186,7 @@ fn build_case(
                 exact,
                 verify,
                 cells,
+                blocks,
                 has_mesh_file,
                 text: String::new(),
                 inputs,

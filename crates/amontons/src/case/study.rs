@@ -73,13 +73,9 @@ fn check_levels(levels: &[usize]) -> Result<(), StudyRequestError> {
 
 /// The overrides that make a level of a case.
 fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<String>, StudyRequestError> {
-    let steps = case.problem.steps;
-    let Some((&first, across)) = case.cells.split_first() else {
-        return if vary == Vary::Time {
-            Ok(vec![format!("time.steps={level}")])
-        } else {
-            refuse("a mesh of several blocks", "a mesh of one body, or one from a file")
-        };
+    // The cells along the first side; those of other sides and blocks are multiplied as these.
+    let Some(&first) = case.cells.first().or_else(|| case.blocks.first()?.first()) else {
+        return refuse("a mesh without cells", "a mesh of one or more cells");
     };
     let scaled = |what: &str, value: usize, power: u32| -> Result<usize, StudyRequestError> {
         let (times, over) = (level.pow(power), first.pow(power));
@@ -92,10 +88,14 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
             )
         }
     };
-    let mesh = || -> Result<String, StudyRequestError> {
+    let cells = |all: &[usize]| -> Result<String, StudyRequestError> {
+        let all = all.iter().map(|&n| Ok(scaled("cells across", n, 1)?.to_string()));
+        Ok(format!("[{}]", all.collect::<Result<Vec<_>, StudyRequestError>>()?.join(", ")))
+    };
+    let mesh = || -> Result<Vec<String>, StudyRequestError> {
         if case.has_mesh_file {
             return if level.is_power_of_two() {
-                Ok(format!("mesh.refine={}", level.ilog2()))
+                Ok(vec![format!("mesh.refine={}", level.ilog2())])
             } else {
                 refuse(
                     format!("level {level} of a mesh from a file"),
@@ -103,15 +103,19 @@ fn refined(case: &Case, vary: Vary, power: u32, level: usize) -> Result<Vec<Stri
                 )
             };
         }
-        let mut cells = vec![level.to_string()];
-        for &n in across {
-            cells.push(scaled("cells across", n, 1)?.to_string());
+        match case.cells.as_slice() {
+            [] => {
+                let of_block = |(i, all): (usize, &Vec<usize>)| Ok(format!("mesh.blocks[{i}].n={}", cells(all)?));
+                case.blocks.iter().enumerate().map(of_block).collect()
+            }
+            [_] => Ok(vec![format!("mesh.n={level}")]),
+            all => Ok(vec![format!("mesh.n={}", cells(all)?)]),
         }
-        Ok(if across.is_empty() { format!("mesh.n={level}") } else { format!("mesh.n=[{}]", cells.join(", ")) })
     };
+    let steps = |steps: usize| format!("time.steps={steps}");
     Ok(match vary {
-        Vary::Both => vec![mesh()?, format!("time.steps={}", scaled("steps", steps, power)?)],
-        Vary::Space => vec![mesh()?],
-        Vary::Time => vec![format!("time.steps={level}")],
+        Vary::Both => mesh()?.into_iter().chain([steps(scaled("steps", case.problem.steps, power)?)]).collect(),
+        Vary::Space => mesh()?,
+        Vary::Time => vec![steps(level)],
     })
 }

@@ -64,12 +64,7 @@ impl<'a> Transfer<'a> {
     ) -> Result<Transfer<'a>, TransferError> {
         let fine = &reference.mesh;
         let locator = Locator::new(coarse);
-        let located = fine
-            .points
-            .iter()
-            .map(|p| locator.find(p).ok_or(TransferError::Outside(*p)))
-            .collect::<Result<Vec<_>, _>>()?;
-        let way = if nested(fine, &locator) {
+        let way = if let Some(located) = nested(fine, &locator) {
             let mut values = [0.0; MAX_NODES];
             let mut entry = |&(at, x): &(At, Point)| -> Vec<(u32, f64)> {
                 let (element, nodes) = locator.cell(at);
@@ -78,6 +73,9 @@ impl<'a> Transfer<'a> {
             };
             Way::Interpolate(located.iter().map(&mut entry).collect())
         } else {
+            if let Some(outside) = fine.points.iter().find(|p| locator.find(p).is_none()) {
+                return Err(TransferError::Outside(*outside));
+            }
             for mesh in [&**fine, coarse] {
                 if let Some(block) = mesh.blocks.iter().find(|b| b.element.vtk != P1_TRIANGLE.vtk || mesh.axisymmetric)
                 {
@@ -172,23 +170,29 @@ impl<'a> Transfer<'a> {
     }
 }
 
-/// Whether every cell of the fine mesh lies in one of the coarse mesh, whose functions are then among its own.
-fn nested(fine: &Mesh, coarse: &Locator) -> bool {
-    fine.blocks.iter().all(|block| {
-        block.cells().all(|cell| {
+/// Where the nodes of the fine mesh are in the coarse one, if every cell of the fine mesh lies in one of the coarse
+/// mesh, whose functions are then among its own. A node on the faces of two bodies is looked for in that of its cells.
+fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
+    let mut located = vec![None; fine.points.len()];
+    for block in &fine.blocks {
+        for cell in block.cells() {
             let corners = || cell.iter().map(|&n| &fine.points[n as usize]);
             let centre: Point = std::array::from_fn(|d| corners().map(|p| p[d]).sum::<f64>() / cell.len() as f64);
-            coarse.find(&centre).is_some_and(|(at, _)| {
-                let (element, nodes) = coarse.cell(at);
-                let inside = |p: &Point| {
-                    reference_point(coarse.mesh(), element, nodes, p).is_some_and(|x| element.shape.depth(&x) > OUTSIDE)
-                };
-                (element.shape == block.element.shape || element.is_simplex())
-                    && element.degree <= block.element.degree
-                    && corners().all(inside)
-            })
-        })
-    })
+            let (at, _) = coarse.find(&centre)?;
+            let (element, nodes) = coarse.cell(at);
+            let is_coarser = (element.shape == block.element.shape || element.is_simplex())
+                && element.degree <= block.element.degree;
+            if !is_coarser {
+                return None;
+            }
+            for &node in cell {
+                let x = reference_point(coarse.mesh(), element, nodes, &fine.points[node as usize])
+                    .filter(|x| element.shape.depth(x) > OUTSIDE)?;
+                located[node as usize].get_or_insert((at, x));
+            }
+        }
+    }
+    located.into_iter().collect()
 }
 
 /// Triangles of the intersections of the cells of two meshes.
@@ -271,10 +275,10 @@ mod tests {
     fn halving_is_nested_and_thirds_are_not() -> Result<(), MeshError> {
         let coarse = Mesh::rectangle([1.0, 1.0], [4, 4], Diagonal::Right)?;
         let locator = Locator::new(&coarse);
-        assert!(nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?, &locator));
-        assert!(!nested(&Mesh::rectangle([1.0, 1.0], [12, 8], Diagonal::Right)?, &locator));
-        assert!(!nested(&Mesh::rectangle([1.0, 1.0], [6, 6], Diagonal::Right)?, &locator));
-        assert!(!nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Left)?, &locator));
+        assert!(nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Right)?, &locator).is_some());
+        assert!(nested(&Mesh::rectangle([1.0, 1.0], [12, 8], Diagonal::Right)?, &locator).is_none());
+        assert!(nested(&Mesh::rectangle([1.0, 1.0], [6, 6], Diagonal::Right)?, &locator).is_none());
+        assert!(nested(&Mesh::rectangle([1.0, 1.0], [8, 8], Diagonal::Left)?, &locator).is_none());
         Ok(())
     }
 }

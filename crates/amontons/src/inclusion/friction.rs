@@ -34,7 +34,7 @@ pub(super) enum Slip {
     Exact,
     /// q √(‖w_τ‖² + ε²) = s w_τ, which is smooth and, where the step has one solution, keeps it unique.
     Smooth {
-        /// ε in m/s.
+        /// ε in m/s; 0 where the slip has a part that is prescribed and differs from 0.
         speed: f64,
     },
 }

@@ -28,7 +28,7 @@ pub struct Row {
     pub weight: f64,
     /// Which of the contacts of the problem this is a point of.
     pub contact: usize,
-    /// ν, t₁ and t₂; those beyond the dimension are zero.
+    /// ν, t₁ and t₂; tangents beyond the dimension are those in which a body does not move.
     pub basis: [Point; 3],
     /// Unknowns on Γ_C with what each adds to the components of the jump.
     entries: Vec<(u32, Local)>,
@@ -298,13 +298,14 @@ fn vector_row(
     Row { weight: point.weight, contact: point.contact, basis, entries, prescribed: fixed }
 }
 
-/// ν with d − 1 unit tangents across it and each other. Which tangents is of no account.
+/// ν with two unit tangents across it and each other. Those of the space of the body come first: which is of no account
+/// there.
 #[must_use]
 pub fn basis(normal: &Point, dim: usize) -> [Point; 3] {
     let n = *normal;
     match dim {
-        1 => [n, [0.0; 3], [0.0; 3]],
-        2 => [n, [-n[1], n[0], 0.0], [0.0; 3]],
+        1 => [n, [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        2 => [n, [-n[1], n[0], 0.0], [0.0, 0.0, 1.0]],
         _ => {
             // The axis that is farthest from ν.
             let least = (0..3).min_by(|&a, &b| n[a].abs().total_cmp(&n[b].abs())).unwrap_or(0);

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::frame::{Frame, PointDerivative, PointState};
 use super::friction::Slip;
-use super::interface::{Interface, LocalTangent};
+use super::interface::{Interface, LocalTangent, Row};
 use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
@@ -153,6 +153,8 @@ impl<'a> Mechanical<'a> {
             response,
             rho: self.rho[i],
             slip: self.slip,
+            in_space: self.step.dim == 3,
+            across: self.slides_across(i),
             is_smooth: self.step.boundary.points[i].is_smooth,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
@@ -184,15 +186,22 @@ impl<'a> Mechanical<'a> {
         if is_soft && (p - multiplier.p).abs() <= JUMP * p.abs().max(multiplier.p.abs()) { found } else { given }
     }
 
-    /// The multipliers by their components at each point.
+    /// The multipliers by their components at each point. Out of the plane there is friction only while the foundation
+    /// slides there.
     pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
-        let rows = self.interface.rows.iter().enumerate();
-        rows.map(|(i, row)| Multiplier {
-            p: multipliers.p[i],
-            q: tail(row.local(&multipliers.q[i])),
-            sticks: multipliers.sticks[i],
-        })
-        .collect()
+        let of = |(i, row): (usize, &Row)| {
+            let mut q = tail(row.local(&multipliers.q[i]));
+            if !self.slides_across(i) {
+                q.iter_mut().skip(self.step.dim - 1).for_each(|q| *q = 0.0);
+            }
+            Multiplier { p: multipliers.p[i], q, sticks: multipliers.sticks[i] }
+        };
+        self.interface.rows.iter().enumerate().map(of).collect()
+    }
+
+    /// Whether the foundation slides in a direction in which a body in the plane, or of revolution, does not move.
+    fn slides_across(&self, i: usize) -> bool {
+        self.foundation[i].iter().skip(self.step.dim - 1).any(|v| *v != 0.0)
     }
 
     /// The multipliers as vectors.
@@ -380,7 +389,7 @@ impl Term for Mechanical<'_> {
     fn defects(&self, laws: &Vec<Laws>) -> Vec<f64> {
         let of = |(i, laws): (usize, &Laws)| {
             let (weight, force, projected) = (self.interface.rows[i].weight, laws.force(), laws.projected());
-            (0..self.step.dim).map(move |a| weight * (force[a] - projected[a]))
+            (0..3).map(move |a| weight * (force[a] - projected[a]))
         };
         laws.iter().enumerate().flat_map(of).collect()
     }
@@ -439,7 +448,11 @@ impl Term for Mechanical<'_> {
     /// Takes points that stuck as sticking: where the foundation has changed its velocity the iterate slips by the
     /// change, which says nothing of the solution.
     fn begin(&self, laws: &mut Vec<Laws>, multipliers: &Vec<Multiplier>) {
-        laws.iter_mut().zip(multipliers).filter(|(_, multiplier)| multiplier.sticks).for_each(|(laws, _)| laws.hold());
+        for (i, (laws, multiplier)) in laws.iter_mut().zip(multipliers).enumerate() {
+            if multiplier.sticks && !self.slides_across(i) {
+                laws.hold();
+            }
+        }
     }
 
     /// Pressures on the graph itself, those of soft functions at the penetration that was found, and the branches that
@@ -474,7 +487,7 @@ impl Term for Mechanical<'_> {
         };
         let left = |(i, laws): (usize, &Laws)| {
             let (force, projected) = (laws.force(), laws.projected());
-            let defects = (0..self.step.dim).map(|a| self.interface.rows[i].weight * (force[a] - projected[a]));
+            let defects = (0..3).map(|a| self.interface.rows[i].weight * (force[a] - projected[a]));
             max_abs(&self.interface.change(i, errors).into_iter().chain(defects).collect::<Vec<_>>())
         };
         let left: Vec<f64> = laws.iter().enumerate().map(left).collect();

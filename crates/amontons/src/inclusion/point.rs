@@ -28,6 +28,9 @@ pub(super) struct Site<'a> {
     /// ρ of friction in Pa s/m, and how friction is taken.
     pub rho: f64,
     pub slip: Slip,
+    /// Whether slip has two directions, and whether the foundation slides where the body does not move.
+    pub in_space: bool,
+    pub across: bool,
     /// Whether there is no friction.
     pub is_smooth: bool,
 }
@@ -82,6 +85,16 @@ pub(super) struct Laws {
     slopes: Slopes,
 }
 
+impl Site<'_> {
+    /// How friction is taken: where a part of the slip is prescribed it is never zero, and (2.9) is smooth.
+    fn how(&self) -> Slip {
+        match self.slip {
+            Slip::Exact if self.across => Slip::Smooth { speed: 0.0 },
+            how => how,
+        }
+    }
+}
+
 impl Laws {
     /// The laws at a point.
     pub fn new(site: &Site, at: &Kinematics, multiplier: &Multiplier) -> Laws {
@@ -118,12 +131,12 @@ impl Laws {
             ..seen
         };
         // In the plane a node that is held along its tangent has nothing to tie.
-        let in_space = site.row.basis[2].iter().any(|c| *c != 0.0);
-        let is_smooth = site.is_smooth && !(in_space && contact.friction.never_slips());
+        let ties = site.in_space && contact.friction.never_slips();
+        let is_smooth = site.is_smooth && !ties && !site.across;
         let s = if is_smooth { Bound::default() } else { contact.friction.bound(&seen) };
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
-        let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.slip);
+        let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.how());
         let status = match (s.value > 0.0, friction.sticks) {
             (true, true) => Status::Stick,
             (true, false) => Status::Slip,

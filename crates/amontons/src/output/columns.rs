@@ -46,6 +46,8 @@ pub struct Column<T: Rows> {
 enum Value<T: Rows> {
     Number(fn(&T::Row<'_>) -> f64),
     Vector(fn(&T::Row<'_>) -> Point),
+    /// A vector on Γ_C, which may have components across the space of the body.
+    OnContact(fn(&T::Row<'_>) -> Point),
     /// A number that some runs do not have.
     Optional(fn(&T::Row<'_>) -> Option<f64>),
     Text(fn(&T::Row<'_>) -> String),
@@ -58,6 +60,10 @@ impl<T: Rows> Column<T> {
 
     const fn vector(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
         Column { name, measure: Some(measure), value: Value::Vector(value) }
+    }
+
+    const fn on_contact(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Point) -> Column<T> {
+        Column { name, measure: Some(measure), value: Value::OnContact(value) }
     }
 
     const fn optional(name: &'static str, measure: Measure, value: fn(&T::Row<'_>) -> Option<f64>) -> Column<T> {
@@ -75,10 +81,11 @@ impl<T: Rows> Column<T> {
         if self.name.is_empty() { axis.to_owned() } else { format!("{}_{axis}", self.name) }
     }
 
-    /// Its names in `dim` dimensions, with what they measure.
-    fn named(&self, dim: usize) -> Vec<(String, Option<Measure>)> {
+    /// Its names with what they measure; vectors have so many components, and on Γ_C so many.
+    fn named(&self, [dim, on_contact]: [usize; 2]) -> Vec<(String, Option<Measure>)> {
         let names = match self.value {
             Value::Vector(_) => (0..dim).map(|c| self.component(c)).collect(),
+            Value::OnContact(_) => (0..on_contact).map(|c| self.component(c)).collect(),
             _ => vec![self.name.to_owned()],
         };
         names.into_iter().map(|name| (name, self.measure)).collect()
@@ -141,7 +148,8 @@ columns! { History:
     CLOSING_ERROR = number("closing_error", Measure::Energy, |row| row.ledger.closing_error);
     HEAT_CONTENT = number("heat_content", Measure::Energy, |row| row.ledger.heat_content);
     HEAT_CONTACT = number("heat_contact", Measure::Energy, |row| row.ledger.heat_contact);
-    CONTACT_FORCE = vector("contact_force", Measure::Force, |row| vector(&row.contact.force));
+    CONTACT_FORCE = on_contact("contact_force", Measure::Force, |row| vector(&row.contact.force));
+    CONTACT_MOMENT = optional("contact_moment", Measure::Moment, |row| row.contact.moment);
     PENETRATION_MAX = number("penetration_max", Measure::Length, |row| row.contact.penetration_max);
     OPEN = number("open", Measure::Number, |row| row.contact.open as f64);
     STICK = number("stick", Measure::Number, |row| row.contact.stick as f64);
@@ -233,7 +241,12 @@ const OF_SIDE: &[&Column<History>] = &[
 fn of_step(problem: &ProblemData) -> impl Iterator<Item = &'static Column<History>> + use<> {
     let has_pairs = problem.contacts.iter().any(|contact| contact.pair.is_some());
     let more = usize::from(has_pairs) * if problem.contacts.len() > 1 { 1 } else { OF_PAIRS.len() };
-    OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied()
+    OF_STEP.iter().chain(OF_PAIRS.iter().take(more)).copied().chain(turning(problem))
+}
+
+/// That of bodies of revolution whose foundation turns about the axis.
+fn turning(problem: &ProblemData) -> Option<&'static Column<History>> {
+    problem.turns().then_some(&CONTACT_MOMENT)
 }
 
 /// The columns of a contact: the temperature of a foundation that warms up, and the others where there are several
@@ -242,18 +255,19 @@ fn of_side(problem: &ProblemData, side: usize) -> impl Iterator<Item = &'static 
     let warms_up = problem.contacts.get(side).is_some_and(|contact| contact.foundation_heat.is_some());
     let several = problem.contacts.len() > 1;
     let foundation = warms_up.then_some(&FOUNDATION_TEMPERATURE as &'static Column<History>);
-    foundation.into_iter().chain(if several { OF_SIDE } else { &[] }.iter().copied())
+    let turning = turning(problem).filter(|_| several);
+    foundation.into_iter().chain(if several { OF_SIDE } else { &[] }.iter().copied()).chain(turning)
 }
 
 /// Names of the columns of `history.csv` with what they measure; of several contacts each has columns of its own,
 /// ending with `@` and the name of its side.
 #[must_use]
 pub fn history_measures(problem: &ProblemData) -> Vec<(String, Measure)> {
-    let dim = problem.mesh.dim;
-    let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(dim)).collect();
+    let n = [problem.mesh.dim, problem.components_of_force()];
+    let mut all: Vec<_> = of_step(problem).flat_map(|column| column.named(n)).collect();
     for (side, contact) in problem.contacts.iter().enumerate() {
         let end = if problem.contacts.len() > 1 { format!("@{}", contact.on) } else { String::new() };
-        let columns = of_side(problem, side).flat_map(|column| column.named(dim));
+        let columns = of_side(problem, side).flat_map(|column| column.named(n));
         all.extend(columns.map(|(name, measure)| (name + &end, measure)));
     }
     all.into_iter().map(|(name, measure)| (name, measure.unwrap_or(Measure::Number))).collect()
@@ -269,11 +283,12 @@ pub fn history_columns(problem: &ProblemData) -> Vec<String> {
 #[must_use]
 pub fn history_values(now: &Snapshot) -> Option<Vec<f64>> {
     let report = now.report?;
-    let dim = now.problem.mesh.dim;
+    let (dim, on_contact) = (now.problem.mesh.dim, now.problem.components_of_force());
     let mut values = Vec::new();
     let mut add = |column: &Column<History>, step: &StepRow| match column.value {
         Value::Number(value) => values.push(value(step)),
         Value::Vector(value) => values.extend(value(step).iter().take(dim)),
+        Value::OnContact(value) => values.extend(value(step).iter().take(on_contact)),
         Value::Optional(value) => values.extend(value(step)),
         Value::Text(_) => values.push(f64::NAN),
     };
@@ -330,8 +345,8 @@ columns! { OnContact:
     POSITION = vector("", Measure::Length, |row| row.point.x);
     PENETRATION = number("penetration", Measure::Length, |row| row.state.penetration);
     PRESSURE = number("pressure", Measure::Stress, |row| row.state.pressure);
-    TRACTION = vector("traction", Measure::Stress, |row| row.state.q.map(|q| 0.0 - q));
-    SLIP_VELOCITY = vector("slip_velocity", Measure::Velocity, |row| row.state.slip);
+    TRACTION = on_contact("traction", Measure::Stress, |row| row.state.q.map(|q| 0.0 - q));
+    SLIP_VELOCITY = on_contact("slip_velocity", Measure::Velocity, |row| row.state.slip);
     STATUS = text("status", |row| row.state.status.name().to_owned());
     TEMPERATURE = optional("temperature", Measure::Temperature, |row| row.of_heat(row.temperature));
     HEAT_FLUX = optional("heat_flux", Measure::HeatFlux, |row| row.of_heat(row.flux));
@@ -360,10 +375,11 @@ const OF_POINT: &[&Column<OnContact>] = &[
     &BOUND,
 ];
 
-/// Names of the columns of `contact.csv` in `dim` dimensions with what they measure; none of words.
+/// Names of the columns of `contact.csv` with what they measure; none of words.
 #[must_use]
-pub fn contact_measures(dim: usize) -> Vec<(String, Option<Measure>)> {
-    OF_POINT.iter().flat_map(|column| column.named(dim)).collect()
+pub fn contact_measures(problem: &ProblemData) -> Vec<(String, Option<Measure>)> {
+    let n = [problem.mesh.dim, problem.components_on_contact()];
+    OF_POINT.iter().flat_map(|column| column.named(n)).collect()
 }
 
 /// The values of a column of `contact.csv`.
@@ -378,7 +394,7 @@ pub enum ContactValues {
 /// The columns of `contact.csv` after a step, with their names; empty at t = 0.
 #[must_use]
 pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
-    let (rows, dim) = (points(now), now.problem.mesh.dim);
+    let (rows, dim, on_contact) = (points(now), now.problem.mesh.dim, now.problem.components_on_contact());
     if now.report.is_none() {
         return Vec::new();
     }
@@ -386,10 +402,11 @@ pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
     let values = |column: &&Column<OnContact>| match column.value {
         Value::Number(value) => vec![numbers(&value)],
         Value::Vector(value) => (0..dim).map(|c| numbers(&|row| value(row)[c])).collect(),
+        Value::OnContact(value) => (0..on_contact).map(|c| numbers(&|row| value(row)[c])).collect(),
         Value::Optional(value) => vec![numbers(&|row| value(row).unwrap_or(f64::NAN))],
         Value::Text(value) => vec![ContactValues::Words(rows.iter().map(value).collect())],
     };
-    contact_measures(dim).into_iter().map(|(name, _)| name).zip(OF_POINT.iter().flat_map(values)).collect()
+    contact_measures(now.problem).into_iter().map(|(name, _)| name).zip(OF_POINT.iter().flat_map(values)).collect()
 }
 
 /// The contact points after a step; none at t = 0.
@@ -407,11 +424,12 @@ fn points<'a>(now: &'a Snapshot<'a>) -> Vec<PointRow<'a>> {
 
 /// The rows of `contact.csv` after a step, as they are written.
 pub(crate) fn contact_rows(now: &Snapshot) -> Vec<String> {
-    let dim = now.problem.mesh.dim;
+    let (dim, on_contact) = (now.problem.mesh.dim, now.problem.components_on_contact());
     let line = |row: &PointRow| {
         let cell = |column: &&Column<OnContact>| match column.value {
             Value::Number(value) => format!("{:?}", value(row)),
             Value::Vector(value) => super::csv::join(&value(row)[..dim]),
+            Value::OnContact(value) => super::csv::join(&value(row)[..on_contact]),
             Value::Optional(value) => value(row).map_or_else(String::new, |value| format!("{value:?}")),
             Value::Text(value) => quoted(&value(row)),
         };
@@ -433,8 +451,8 @@ pub fn all_measures() -> Vec<(String, Option<Measure>)> {
     let history = OF_STEP
         .iter()
         .copied()
-        .chain([&HEAT_PAIRS as &Column<History>])
+        .chain([&HEAT_PAIRS as &Column<History>, &CONTACT_MOMENT])
         .chain(of_sides)
-        .flat_map(|column| column.named(3));
-    history.chain(contact_measures(3)).collect()
+        .flat_map(|column| column.named([3, 3]));
+    history.chain(OF_POINT.iter().flat_map(|column| column.named([3, 3]))).collect()
 }

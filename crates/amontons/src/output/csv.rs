@@ -92,7 +92,7 @@ impl Rows {
 
 /// Writes the contact points, one row per point.
 pub(super) fn write_contact(path: &Path, now: &Snapshot) -> Result<Written, OutputError> {
-    let names: Vec<String> = contact_measures(now.problem.mesh.dim).into_iter().map(|(name, _)| name).collect();
+    let names: Vec<String> = contact_measures(now.problem).into_iter().map(|(name, _)| name).collect();
     write_atomically(path, |out| {
         writeln!(out, "{}", names.join(","))?;
         contact_rows(now).iter().try_for_each(|row| writeln!(out, "{row}"))

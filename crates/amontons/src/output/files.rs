@@ -93,6 +93,16 @@ pub(super) fn write_atomically(
     result.map_err(OutputError::io("write", path))
 }
 
+/// Writes a file of these bytes, which is whole or not there.
+#[cfg(feature = "plot")]
+pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    match write_atomically(path, |out| out.write_all(bytes)) {
+        Ok(_) => Ok(()),
+        Err(OutputError::Io { source, .. }) => Err(source),
+        Err(error) => Err(io::Error::other(error)),
+    }
+}
+
 /// Sees to it that the names in a folder are on the disk.
 pub(super) fn sync_folder(folder: Option<&Path>) -> io::Result<()> {
     #[cfg(unix)]

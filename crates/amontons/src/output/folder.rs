@@ -395,10 +395,8 @@ impl Folder {
 
     /// The tables and files for ParaView of the run, and what their columns and arrays measure where it is known.
     fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 5] {
-        let of_points = contact_measures(problem.mesh.dim)
-            .into_iter()
-            .filter_map(|(name, measure)| Some((name, measure?)))
-            .collect();
+        let of_points =
+            contact_measures(problem).into_iter().filter_map(|(name, measure)| Some((name, measure?))).collect();
         let probes = self.options.probes.iter().filter_map(|probe| Some((probe, probe.measure()?)));
         let columns = |(probe, measure): (&Probe, Measure)| {
             let endings = probe.quantity.columns(problem.mesh.dim);

@@ -32,6 +32,7 @@ mod study;
 mod summary;
 mod surface;
 mod vtu;
+mod words;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -48,6 +49,8 @@ pub(crate) use earlier::hash as input_hash;
 pub use earlier::{finished_run, has_certificate, known_certificate};
 #[cfg(feature = "case")]
 pub(crate) use files::LONGEST;
+#[cfg(feature = "plot")]
+pub(crate) use files::write_file;
 pub use folder::{CheckpointInterval, Folder, FolderOptions};
 #[cfg(feature = "case")]
 pub(crate) use folder::{contact_file, fields_file};
@@ -63,7 +66,10 @@ pub use study::StudyFolder;
 #[cfg(feature = "case")]
 pub(crate) use summary::of_last;
 pub use summary::{ContactSummary, Final, Norms, Outcome, Seconds, Solver, Summary, UnknownCounts};
+#[cfg(feature = "plot")]
+pub(crate) use surface::{measures as surface_measures, sides as surface_sides};
 pub use vtu::OutputField;
+pub use words::unknowns_in_words;
 
 use crate::convergence::StudyTable;
 use crate::hypotheses::Finding;

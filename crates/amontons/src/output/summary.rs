@@ -132,8 +132,12 @@ pub struct Norms {
 /// The state of Γ_C.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
-    /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution.
+    /// Resultant of σν by component: N/m in the plane, N in space and of a whole body of revolution. Where a foundation
+    /// slides out of the plane, its third component is there, too.
     pub force: Vec<f64>,
+    /// Moment of σν about the axis of revolution, N m; none where no foundation turns about it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment: Option<f64>,
     /// ∫ q·ν: W/m in the plane, W in space and of a whole body of revolution; none without heat.
     pub heat_flow: Option<f64>,
     /// Largest penetration, m; 0 where all is open.
@@ -181,10 +185,11 @@ impl ContactSummary {
                 .filter(|(_, point)| side.is_none_or(|side| point.contact == side))
         };
         let weight = |i: usize, point: &PointOnBoundary| contact.weights.get(i).copied().unwrap_or(point.weight);
+        let sign = |point: &PointOnBoundary| problem.contacts.get(point.contact).map_or(1.0, Contact::sign);
         let states = || {
             let of_points = points().filter_map(|(i, point)| Some((i, point, contact.states.get(i)?)));
             of_points
-                .map(|(i, point, state)| (Weighted { weight: weight(i, point), x: point.x }, state))
+                .map(|(i, point, state)| (Weighted { weight: weight(i, point), x: point.x, sign: sign(point) }, state))
                 .filter(|(point, _)| point.weight > 0.0)
         };
         let count = |status| states().filter(|(_, s)| s.status == status).count();
@@ -194,22 +199,26 @@ impl ContactSummary {
         let wear = || points().filter_map(|(i, point)| Some((weight(i, point), *state.surface.wear.get(i)?)));
         let only = side.or((!several).then_some(0));
         let of_pair = only.and_then(|side| problem.contacts.get(side)).filter(|contact| contact.pair.is_some());
-        let sign = of_pair.map_or(1.0, Contact::sign);
         let (force, heat_flow) = if side.is_some() || of_pair.is_some() {
             let force = |c: usize| {
-                0.0 - states().map(|(point, s)| sign * point.weight * (s.pressure * s.normal[c] + s.q[c])).sum::<f64>()
+                0.0 - states()
+                    .map(|(point, s)| point.sign * point.weight * (s.pressure * s.normal[c] + s.q[c]))
+                    .sum::<f64>()
             };
             let flow = points().filter_map(|(i, point)| {
                 let (flux, rubbed) = (contact.flux.get(i)?.value, contact.rubbed.get(i)?);
-                Some(weight(i, point) * if sign > 0.0 { flux } else { 0.0 - flux - rubbed })
+                Some(weight(i, point) * if sign(point) > 0.0 { flux } else { 0.0 - flux - rubbed })
             });
             ([0, 1, 2].map(force), sum(&mut flow.into_iter()))
         } else {
             (contact.force, contact.heat_flow)
         };
+        let turns = problem.turns();
+        let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
-            force: of_all(force),
+            force: force[..problem.components_of_force()].to_vec(),
+            moment: turns.then(|| 0.0 - about_axis.sum::<f64>()),
             heat_flow: problem.physics.has_heat().then_some(heat_flow),
             penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
             pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
@@ -232,6 +241,8 @@ impl ContactSummary {
 struct Weighted {
     weight: f64,
     x: crate::tensor::Point,
+    /// Factor that makes a force one on the side `on`.
+    sign: f64,
 }
 
 /// Work of the solver, counted.

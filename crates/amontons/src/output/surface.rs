@@ -53,12 +53,12 @@ static FIELDS: [Field; 11] = [
 ];
 
 /// The arrays at the points with what they measure.
-pub(super) fn measures() -> Vec<(String, Measure)> {
+pub(crate) fn measures() -> Vec<(String, Measure)> {
     FIELDS.iter().map(|field| (field.name.to_owned(), field.measure)).collect()
 }
 
 /// A side of a contact.
-pub(super) struct Side<'a> {
+pub(crate) struct Side<'a> {
     contact: usize,
     pub name: &'a str,
     /// Whether it bears the contact points; else it faces the side that does.
@@ -67,7 +67,7 @@ pub(super) struct Side<'a> {
 
 /// The sides in the order of their numbers: of each contact the one that bears its points, and the one that this faces
 /// if it is deformable.
-pub(super) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
+pub(crate) fn sides(contacts: &[Contact]) -> impl Iterator<Item = Side<'_>> {
     contacts.iter().enumerate().flat_map(|(i, contact)| {
         let bearing = Side { contact: i, name: contact.bearing(), bears: true };
         std::iter::once(bearing).chain(contact.facing().map(|name| Side { contact: i, name, bears: false }))

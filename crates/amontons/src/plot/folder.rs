@@ -5,7 +5,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::body::Body;
-use super::run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
+use super::run::{ContactRow, History, Rod, Run, Snapshot, Solid, SolidContact};
 use super::surface::Skin;
 use super::table::CsvTable;
 use super::{PlotError, frames, vtu};
@@ -48,12 +48,12 @@ impl Run {
 }
 
 /// What all times of a run have in common.
-struct Results<'f> {
+pub(super) struct Results<'f> {
     folder: &'f Path,
-    problem: Arc<Problem>,
-    history: History,
+    pub problem: Arc<Problem>,
+    pub history: History,
     /// Times and files of the fields, at least one.
-    snapshots: Vec<(f64, String)>,
+    pub snapshots: Vec<(f64, String)>,
 }
 
 /// The problem of the case in a results folder.
@@ -67,7 +67,7 @@ pub(super) fn problem(folder: &Path) -> Result<Problem, PlotError> {
 }
 
 impl Results<'_> {
-    fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
+    pub(super) fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
         let problem = Arc::new(problem(folder)?);
         let snapshots = vtu::snapshots(&folder.join("fields.pvd"))?;
         let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
@@ -75,7 +75,7 @@ impl Results<'_> {
     }
 
     /// The run at the time of a snapshot.
-    fn run(&self, snapshot: usize) -> Result<Run, PlotError> {
+    pub(super) fn run(&self, snapshot: usize) -> Result<Run, PlotError> {
         let (t, file) = &self.snapshots[snapshot];
         let path = self.folder.join(file);
         let grid = vtu::read(&path)?;
@@ -112,7 +112,7 @@ impl Results<'_> {
                 self.read_in_means(&mut rows);
                 run.solid = Some(solid(&grid, rows).map_err(format)?);
             }
-            _ => {}
+            _ => run.rod = Some(rod(&grid).map_err(format)?),
         }
         Ok(run)
     }
@@ -190,6 +190,21 @@ fn plane(grid: &vtu::Grid) -> Result<Snapshot, String> {
 
 fn optional(data: &BTreeMap<String, vtu::Array>, name: &str) -> Vec<f64> {
     data.get(name).filter(|array| array.components == 1).map(|array| array.values.clone()).unwrap_or_default()
+}
+
+/// The fields of a body on a line, its nodes in the order of x.
+fn rod(grid: &vtu::Grid) -> Result<Rod, String> {
+    let mut order: Vec<usize> = (0..grid.points.len()).collect();
+    order.sort_by(|&i, &j| grid.points[i][0].total_cmp(&grid.points[j][0]));
+    let (displacement, temperature) = (displacement(grid)?, optional(&grid.point_data, "temperature"));
+    let finite = |name: &str, values: Vec<f64>| {
+        if values.iter().all(|v| v.is_finite()) { Ok(values) } else { Err(format!("{name} is not finite")) }
+    };
+    Ok(Rod {
+        x: finite("a coordinate", order.iter().map(|&i| grid.points[i][0]).collect())?,
+        displacement: finite("the displacement", order.iter().map(|&i| displacement[i][0]).collect())?,
+        temperature: finite("the temperature", order.iter().filter_map(|&i| temperature.get(i).copied()).collect())?,
+    })
 }
 
 /// The fields of a body in space.

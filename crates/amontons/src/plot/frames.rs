@@ -9,6 +9,15 @@ const FRAMES: usize = 4;
 /// What is above this share of its largest value at the end has its story there.
 const STILL_THERE: f64 = 0.8;
 
+/// Evenly spaced ones of a number of snapshots, at most so many, the first and the last among them.
+pub(super) fn evenly(snapshots: usize, most: usize) -> Vec<usize> {
+    if snapshots <= most {
+        return (0..snapshots).collect();
+    }
+    let last = most.max(2) - 1;
+    (0..=last).map(|i| (i * (snapshots - 1) + last / 2) / last).collect()
+}
+
 /// The snapshots nearest to some times, each once, in the order of time.
 pub(super) fn at(times: &[f64], snapshots: &[f64]) -> Result<Vec<usize>, PlotError> {
     let (first, last) = (snapshots.first().copied().unwrap_or_default(), snapshots.last().copied().unwrap_or_default());
@@ -118,6 +127,13 @@ mod tests {
         assert_eq!(choose(&history(&[("contact_force_y", force)]), &snapshots()), [4, 8, 12, 20]);
         // With two snapshots, one of them at the start, there is no strip.
         assert_eq!(choose(&history(&[("contact_force_y", force)]), &[0.0, 1.0]), [1]);
+    }
+
+    #[test]
+    fn evenly_spaced_snapshots_have_both_ends() {
+        assert_eq!(evenly(5, 5), [0, 1, 2, 3, 4]);
+        assert_eq!(evenly(101, 5), [0, 25, 50, 75, 100]);
+        assert_eq!(evenly(100, 2), [0, 99]);
     }
 
     /// Work that is done within the first tenth: its power is over at the end, though the work itself is not.

@@ -58,7 +58,7 @@ fn lines(run: &Run, columns: &[(&str, &str)]) -> Vec<Series> {
 }
 
 /// Charts of the quantities of the run; the closing error of a balance is always among them.
-fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
+pub(super) fn chart_list(run: &Run, units: Units) -> Vec<Chart> {
     let history = &run.history;
     let chart = |quantity: &str, measure: Measure, series: Vec<Series>| Chart {
         quantity: quantity.to_owned(),

@@ -15,6 +15,7 @@
 // Pixels and counts are computed as reals; a cast takes a negative one to zero.
 #![allow(clippy::cast_sign_loss)]
 
+mod animation;
 mod axes;
 mod body;
 mod charts;
@@ -33,6 +34,7 @@ mod plane;
 mod profiles;
 mod raster;
 mod render;
+mod report;
 mod run;
 mod shade;
 mod sheet;
@@ -47,12 +49,14 @@ use std::path::{Path, PathBuf};
 
 use crate::units::{Measure, System, Units};
 
+pub use animation::animation;
 pub use body::Body;
 pub use color::ColorMap;
 pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};
 pub use picture::Picture;
 pub use plane::scale_factor;
-pub use run::{ContactRow, History, Run, Snapshot, Solid, SolidContact};
+pub use report::report;
+pub use run::{ContactRow, History, Rod, Run, Snapshot, Solid, SolidContact};
 pub use surface::Skin;
 pub use sweep::{SweepPlot, SweepSeries, sweep};
 

@@ -49,44 +49,79 @@ fn values(kind: Kind, solid: &Solid) -> Vec<[f64; 3]> {
     }
 }
 
-pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
-    let units = super::units(panels, options);
-    let quantity = Quantity::of(kind);
-    let solids: Vec<(&Panel, &Solid)> =
-        panels.iter().filter_map(|panel| panel.run.solid.as_ref().map(|s| (panel, s))).collect();
-    let runs: Vec<&Run> = solids.iter().map(|(panel, _)| panel.run).collect();
-    let sizes = solids.iter().map(|(_, s)| {
-        let size =
-            [0, 1, 2].map(|d| axes::range(s.surface.points.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo));
-        (s.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max), size.into_iter().fold(0.0, f64::max))
-    });
-    let factor = factor(kind, &runs, sizes, options);
-    let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| values(kind, s)).collect();
-    let extents: Vec<[f64; 2]> =
-        fields.iter().map(|v| axes::range(v.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
-    let stress = |((v, (_, s)), extent): ((&Vec<[f64; 3]>, &(&Panel, &Solid)), &[f64; 2])| {
-        if kind == Kind::VonMises { field::shown(v, &s.surface.areas(), *extent) } else { *extent }
-    };
-    let mut ranges: Vec<[f64; 2]> = fields.iter().zip(&solids).zip(&extents).map(stress).collect();
-    if options.shared_scale {
-        let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
-        ranges.fill(common);
+/// Bodies in space as they are drawn, with what all of them have in common.
+struct Stage<'a> {
+    solids: Vec<(&'a Panel<'a>, &'a Solid)>,
+    fields: Vec<Vec<[f64; 3]>>,
+    extents: Vec<[f64; 2]>,
+    ranges: Vec<[f64; 2]>,
+    factor: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// The bodies of runs, their displacements enlarged as in pictures of the kind `enlarged`.
+    fn new(kind: Kind, panels: &'a [Panel<'a>], options: &Options, enlarged: Kind) -> Stage<'a> {
+        let solids: Vec<(&Panel, &Solid)> =
+            panels.iter().filter_map(|panel| panel.run.solid.as_ref().map(|s| (panel, s))).collect();
+        let runs: Vec<&Run> = solids.iter().map(|(panel, _)| panel.run).collect();
+        let sizes = solids.iter().map(|(_, s)| {
+            let size =
+                [0, 1, 2].map(|d| axes::range(s.surface.points.iter().map(|p| p[d])).map_or(0.0, |[lo, hi]| hi - lo));
+            (s.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max), size.into_iter().fold(0.0, f64::max))
+        });
+        let factor = factor(enlarged, &runs, sizes, options);
+        let fields: Vec<Vec<[f64; 3]>> = solids.iter().map(|(_, s)| values(kind, s)).collect();
+        let extents: Vec<[f64; 2]> =
+            fields.iter().map(|v| axes::range(v.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
+        let stress = |((v, (_, s)), extent): ((&Vec<[f64; 3]>, &(&Panel, &Solid)), &[f64; 2])| {
+            if kind == Kind::VonMises { field::shown(v, &s.surface.areas(), *extent) } else { *extent }
+        };
+        let mut ranges: Vec<[f64; 2]> = fields.iter().zip(&solids).zip(&extents).map(stress).collect();
+        if options.shared_scale {
+            let common = axes::range(ranges.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+            ranges.fill(common);
+        }
+        Stage { solids, fields, extents, ranges, factor }
     }
-    let sights: Vec<(usize, Sight)> = solids
+}
+
+pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
+    let (units, quantity) = (super::units(panels, options), Quantity::of(kind));
+    let stage = Stage::new(kind, panels, options, kind);
+    let sights: Vec<(usize, Sight)> = stage
+        .solids
         .iter()
         .enumerate()
         .flat_map(|(i, entry)| {
-            let views = if solids.len() == 1 { VIEWS.to_vec() } else { vec![best_view(entry.0.run)] };
+            let views = if stage.solids.len() == 1 { VIEWS.to_vec() } else { vec![best_view(entry.0.run)] };
+            let factor = stage.factor;
             views.into_iter().map(move |view| (i, sight(*entry, view, factor)))
         })
         .collect();
-    lay_out(
-        kind,
-        &sights,
-        &fields,
-        (&ranges, &extents),
-        &Texts { title: title(panels, quantity.name, options), quantity, units, factor },
-    )
+    let title = title(panels, quantity.name, options);
+    let texts = Texts { title, quantity, units, factor: stage.factor };
+    lay_out(kind, &sights, &stage.fields, (&stage.ranges, &stage.extents), &texts)
+}
+
+/// A picture per run, all from one side, with one scale of colours, of displacements and of lengths.
+pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
+    let units = super::units(panels, options);
+    let stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
+    let sight = |entry: &(&'_ Panel<'_>, &'_ Solid)| best_view(entry.0.run);
+    let mut sights: Vec<Sight> =
+        stage.solids.iter().map(|entry| self::sight(*entry, sight(entry), stage.factor)).collect();
+    let window = [0, 1].map(|d| axes::range(sights.iter().flat_map(|s| s.window[d])).unwrap_or([0.0, 1.0]));
+    for sight in &mut sights {
+        sight.window = window;
+    }
+    let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+    let frame = |(i, sight): (usize, Sight)| {
+        let quantity = Quantity::of(kind);
+        let title = title(&panels[i..=i], quantity.name, options);
+        let texts = Texts { title, quantity, units, factor: stage.factor };
+        lay_out(kind, &[(0, sight)], &stage.fields[i..=i], (&stage.ranges[i..=i], &[extent]), &texts)
+    };
+    sights.into_iter().enumerate().map(frame).collect()
 }
 
 /// What a picture says.

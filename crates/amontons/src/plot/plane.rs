@@ -145,64 +145,115 @@ impl Shape<'_> {
 
 pub(super) fn draw(kind: Kind, panels: &[Panel], options: &Options) -> Picture {
     let units = super::units(panels, options);
-    let quantity = Quantity::of(kind);
-    let bodies: Vec<(&Panel, &Snapshot)> =
-        panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
-    let runs: Vec<&Run> = bodies.iter().map(|(panel, _)| panel.run).collect();
-    let sizes = bodies.iter().map(|(_, s)| {
-        let [x, y] = s.body.window();
-        (s.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max), (x[1] - x[0]).max(y[1] - y[0]))
-    });
-    let factor = factor(kind, &runs, sizes, options);
-    let mut shapes: Vec<Shape> = bodies.iter().map(|(panel, s)| Shape::of(kind, panel.run, s, factor)).collect();
-    let extents: Vec<[f64; 2]> =
-        shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
-    let ranges = ranges(kind, &shapes, &extents, options);
-    let windows = windows(&shapes, factor);
-    for (shape, window) in shapes.iter_mut().zip(&windows) {
-        if let Some(problem) = &shape.run.problem {
-            shape.grounds = ground::grounds(problem, &shape.snapshot.body, shape.run.t, factor, *window);
+    let stage = Stage::new(kind, panels, options, kind);
+    let all: Vec<usize> = (0..stage.bodies.len()).collect();
+    stage.picture(&all, &title(panels, stage.quantity.name, options), units, 0.0)
+}
+
+/// A picture per run, all with one scale of colours, of displacements and of lengths, and one frame.
+pub(super) fn frames(kind: Kind, panels: &[Panel], options: &Options) -> Vec<Picture> {
+    let units = super::units(panels, options);
+    let mut stage = Stage::new(kind, panels, &Options { shared_scale: true, ..options.clone() }, Kind::Deformed);
+    // What differs from frame to frame is in the title alone, so that nothing else moves.
+    let extent = axes::range(stage.extents.iter().flatten().copied()).unwrap_or([0.0, 1.0]);
+    stage.extents.fill(extent);
+    let titles: Vec<String> =
+        panels.iter().map(|panel| title(std::slice::from_ref(panel), stage.quantity.name, options)).collect();
+    let widest = titles.iter().map(|title| super::font::width(title, axes::TITLE)).fold(0.0, f64::max) + 32.0;
+    let numbered = titles.iter().enumerate();
+    numbered.map(|(i, title)| stage.picture(&[i], title, units, widest)).collect()
+}
+
+/// Bodies as they are drawn, and what all of them have in common.
+struct Stage<'a> {
+    kind: Kind,
+    quantity: Quantity,
+    bodies: Vec<&'a Panel<'a>>,
+    shapes: Vec<Shape<'a>>,
+    extents: Vec<[f64; 2]>,
+    ranges: Vec<[f64; 2]>,
+    windows: Vec<[[f64; 2]; 2]>,
+    factor: f64,
+}
+
+impl<'a> Stage<'a> {
+    /// The bodies of runs, their displacements enlarged as in pictures of the kind `enlarged`.
+    fn new(kind: Kind, panels: &'a [Panel<'a>], options: &Options, enlarged: Kind) -> Stage<'a> {
+        let with: Vec<(&Panel, &Snapshot)> =
+            panels.iter().filter_map(|panel| Some((panel, panel.run.snapshot.as_ref()?))).collect();
+        let runs: Vec<&Run> = with.iter().map(|(panel, _)| panel.run).collect();
+        let sizes = with.iter().map(|(_, s)| {
+            let [x, y] = s.body.window();
+            (s.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max), (x[1] - x[0]).max(y[1] - y[0]))
+        });
+        let factor = factor(enlarged, &runs, sizes, options);
+        let mut shapes: Vec<Shape> = with.iter().map(|(panel, s)| Shape::of(kind, panel.run, s, factor)).collect();
+        let extents: Vec<[f64; 2]> =
+            shapes.iter().map(|s| axes::range(s.values.iter().flatten().copied()).unwrap_or([0.0, 1.0])).collect();
+        let ranges = ranges(kind, &shapes, &extents, options);
+        let windows = windows(&shapes, factor);
+        for (shape, window) in shapes.iter_mut().zip(&windows) {
+            if let Some(problem) = &shape.run.problem {
+                shape.grounds = ground::grounds(problem, &shape.snapshot.body, shape.run.t, factor, *window);
+            }
         }
+        let bodies = with.iter().map(|(panel, _)| *panel).collect();
+        Stage { kind, quantity: Quantity::of(kind), bodies, shapes, extents, ranges, windows, factor }
     }
-    let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
-    let plan = |((body, window), extent): ((&(&Panel, &Snapshot), &[[f64; 2]; 2]), &[f64; 2])| Plan {
-        title: body.0.title.to_owned(),
-        note: field::extremes(units, *extent, quantity.measure),
-        window: *window,
-        labels,
-        mirrored: false,
-    };
-    let plans: Vec<Plan> = bodies.iter().zip(&windows).zip(&extents).map(plan).collect();
-    let wide = sheet::is_wide(&plans);
-    let bars: Vec<Bar> =
-        ranges.iter().zip(&extents).map(|(range, extent)| Bar::new(&quantity, *range, *extent, units, wide)).collect();
-    let entries = legend(&shapes, factor, kind);
-    let legend_width = axes::line_width(&entries);
-    let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
-    let room = if wide {
-        Room { right: 8.0, below: 50.0, above, least: legend_width }
-    } else {
-        Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), above, below: 0.0, least: legend_width }
-    };
-    let (mut picture, frames) = sheet::lay_out(&title(panels, quantity.name, options), &plans, room, units);
-    let left = 0.5 * (picture.width - legend_width);
-    axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
-    for ((shape, bar), frame) in shapes.iter().zip(&bars).zip(&frames) {
-        bar.draw(&mut picture, frame.rect);
-        shaded(&mut picture, frame, shape, quantity.map, bar.range);
-        lines(&mut picture, frame, shape, kind, bar);
-        if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
-            let at = frame.x.at(0.0);
-            picture.line(
-                &[[at, frame.rect.y], [at, frame.rect.bottom()]],
-                Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]),
-            );
+
+    /// Some of the bodies in a picture that is at least so wide.
+    fn picture(&self, which: &[usize], title: &str, units: Units, least: f64) -> Picture {
+        let quantity = &self.quantity;
+        let labels = if units.extent == Extent::Revolution { ["r", "z"] } else { ["x", "y"] };
+        let plan = |&i: &usize| Plan {
+            title: self.bodies[i].title.to_owned(),
+            note: field::extremes(units, self.extents[i], quantity.measure),
+            window: self.windows[i],
+            labels,
+            mirrored: false,
+        };
+        let plans: Vec<Plan> = which.iter().map(plan).collect();
+        let wide = sheet::is_wide(&plans);
+        let bar = |&i: &usize| Bar::new(quantity, self.ranges[i], self.extents[i], units, wide);
+        let bars: Vec<Bar> = which.iter().map(bar).collect();
+        let entries = legend(&self.shapes, self.factor, self.kind);
+        let legend_width = axes::line_width(&entries);
+        let above = if entries.is_empty() { 0.0 } else { LEGEND + 4.0 };
+        let least = legend_width.max(least);
+        let room = if wide {
+            Room { right: 8.0, below: 50.0, above, least }
+        } else {
+            Room { right: bars.iter().map(Bar::room).fold(0.0, f64::max), above, below: 0.0, least }
+        };
+        let (mut picture, frames) = sheet::lay_out(title, &plans, room, units);
+        let left = 0.5 * (picture.width - legend_width);
+        axes::legend(&mut picture, [left, 16.0 + axes::TITLE + LEGEND - 2.0], f64::INFINITY, &entries);
+        for ((&i, bar), frame) in which.iter().zip(&bars).zip(&frames) {
+            body(&mut picture, frame, &self.shapes[i], (self.kind, quantity.map, bar), units);
         }
-        for ground in &shape.grounds {
-            foundation(&mut picture, frame, ground, units);
-        }
+        picture
     }
-    picture
+}
+
+/// A body in its frame, with its colour bar, the axis of revolution and the foundation.
+fn body(
+    picture: &mut Picture,
+    frame: &Frame,
+    shape: &Shape,
+    (kind, map, bar): (Kind, super::ColorMap, &Bar),
+    units: Units,
+) {
+    bar.draw(picture, frame.rect);
+    shaded(picture, frame, shape, map, bar.range);
+    lines(picture, frame, shape, kind, bar);
+    if units.extent == Extent::Revolution && frame.x.values[0] < 0.0 {
+        let at = frame.x.at(0.0);
+        let ends = [[at, frame.rect.y], [at, frame.rect.bottom()]];
+        picture.line(&ends, Stroke::new(INK, 0.8).dashed(&[10.0, 3.0, 2.0, 3.0]));
+    }
+    for ground in &shape.grounds {
+        foundation(picture, frame, ground, units);
+    }
 }
 
 /// The ranges of values that the colours show, one for all panels if they share it.
@@ -228,7 +279,7 @@ fn windows(shapes: &[Shape], factor: f64) -> Vec<[[f64; 2]; 2]> {
 
 fn legend(shapes: &[Shape], factor: f64, kind: Kind) -> Vec<(Sign, String)> {
     let mut entries = Vec::new();
-    if kind == Kind::Deformed {
+    if kind == Kind::Deformed || factor > 1.0 {
         entries.push((Sign::Line(Stroke::new(MESH, 1.4), None), times(factor)));
     }
     if shapes.iter().any(Shape::shows_reference) {

@@ -14,6 +14,18 @@ use super::picture::{Image, Item, Line, Picture, Stroke};
 const MOST: f64 = 1e8;
 
 pub(super) fn write(picture: &Picture, pixels: f64) -> Result<Vec<u8>, PlotError> {
+    let canvas = draw(picture, pixels)?;
+    canvas.encode_png().map_err(|_| PlotError::Size { width: picture.width, height: picture.height })
+}
+
+/// Red, green and blue of each pixel, row by row.
+pub(super) fn colors(picture: &Picture, pixels: f64) -> Result<Vec<[u8; 3]>, PlotError> {
+    // The background is opaque: no colour is premultiplied.
+    let canvas = draw(picture, pixels)?;
+    Ok(canvas.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect())
+}
+
+fn draw(picture: &Picture, pixels: f64) -> Result<Pixmap, PlotError> {
     let (width, height) = ((picture.width * pixels).round(), (picture.height * pixels).round());
     let refused = || PlotError::Size { width, height };
     if !(width >= 1.0 && height >= 1.0 && width * height <= MOST) {
@@ -48,7 +60,7 @@ pub(super) fn write(picture: &Picture, pixels: f64) -> Result<Vec<u8>, PlotError
             }
         }
     }
-    canvas.encode_png().map_err(|_| refused())
+    Ok(canvas)
 }
 
 /// An image as a PNG file, unless it has no pixels.

@@ -27,6 +27,8 @@ pub struct Run {
     pub contact: Vec<ContactRow>,
     /// The fields and contact points of a body in space.
     pub solid: Option<Solid>,
+    /// The fields of a body on a line.
+    pub rod: Option<Rod>,
     /// Rows a step.
     pub history: History,
     /// Names of the sides that bear contact.
@@ -54,6 +56,17 @@ pub struct Snapshot {
     pub regions: Vec<f64>,
 }
 
+/// Fields of a body on a line at a time, its nodes in the order of x.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Rod {
+    /// Coordinate of each node, m.
+    pub x: Vec<f64>,
+    /// Displacement of each node, m.
+    pub displacement: Vec<f64>,
+    /// Temperature of each node, K; empty in a run without heat.
+    pub temperature: Vec<f64>,
+}
+
 impl Run {
     /// Whether the fields have a temperature, and whether they have a stress.
     pub(super) fn fields(&self) -> [bool; 2] {
@@ -70,7 +83,7 @@ impl Run {
     }
 
     fn temperatures(&self) -> &[f64] {
-        let solid = self.solid.as_ref().map(|s| &s.temperature);
+        let solid = self.solid.as_ref().map(|s| &s.temperature).or(self.rod.as_ref().map(|rod| &rod.temperature));
         self.snapshot.as_ref().map(|s| &s.temperature).or(solid).map_or(&[], Vec::as_slice)
     }
 

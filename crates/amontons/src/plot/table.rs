@@ -62,6 +62,11 @@ impl CsvTable {
         &self.names
     }
 
+    /// The cells row by row.
+    pub(super) fn cells(&self) -> &[Vec<String>] {
+        &self.rows
+    }
+
     pub(super) fn rows(&self) -> usize {
         self.rows.len()
     }

@@ -253,6 +253,14 @@ impl ProblemData {
                         .hint(hint),
                 );
             }
+            let across = contact.foundation_velocity.iter().skip(self.mesh.dim).any(|v| !v.is_zero());
+            if across && contact.friction.never_slips() {
+                let found = "a velocity across the body of a foundation that sticks to it";
+                let hint = "remove the velocity, or give a friction law that lets go";
+                faults.push(
+                    Fault::new(format!("{path}.foundation_velocity"), found, "a body that can follow").hint(hint),
+                );
+            }
             self.check_pair(side, &path, faults);
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {
                 faults.push(again(format!("{path}.on"), &contact.on, first, "each side in one [[contact]] entry"));

@@ -448,7 +448,7 @@ fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
     let mut resultant = [0.0; 3];
     for (point, state) in boundary.points.iter().zip(states) {
         let weight = point.weight * step.contacts[point.contact].sign();
-        for (sum, force) in resultant.iter_mut().zip(force(state)).take(discrete.mesh.dim) {
+        for (sum, force) in resultant.iter_mut().zip(force(state)) {
             *sum -= weight * force;
         }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{Datum, Geometry, Obstacle};
 
 /// Contact of one side: `[contact]`; of several: `[[contact]]`.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 #[schemars(title = "a table, or an array of tables")]
 pub(in crate::case) enum Contacts {
@@ -14,6 +14,13 @@ pub(in crate::case) enum Contacts {
     One(Box<Contact>),
     /// Of several sides.
     Several(Vec<Contact>),
+}
+
+impl Contact {
+    /// Whether it is contact of two deformable sides.
+    pub fn is_pair(&self) -> bool {
+        self.with.is_some() || self.automatic.is_some()
+    }
 }
 
 impl Contacts {
@@ -40,19 +47,33 @@ impl Contacts {
     /// Their sides.
     pub fn sides(&self) -> Vec<&str> {
         let all = self.each().into_iter();
-        all.flat_map(|(_, contact)| std::iter::once(contact.on.as_str()).chain(contact.with.as_deref())).collect()
+        let named = all.filter(|(_, contact)| contact.automatic.is_none());
+        named.flat_map(|(_, contact)| std::iter::once(contact.on.as_str()).chain(contact.with.as_deref())).collect()
     }
 }
 
+/// Which facets of bodies are pairs.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in crate::case) struct Automatic {
+    /// Largest distance between facets that face each other at rest, in m; less than the thickness of the bodies.
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub distance: f64,
+}
+
 /// Contact of one side with a foundation, (2.8)–(2.10), or with a side of another body.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Contact {
-    /// Name of the side that is Γ_C.
+    /// Name of the side that is Γ_C; omit it with `automatic`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub on: String,
     /// Name of the side of a deformable body that `on` faces: a pair. Omit it if the foundation is rigid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub with: Option<String>,
+    /// In the place of `on` and `with`: all bodies that are near each other at rest are pairs with these laws.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub automatic: Option<Automatic>,
     /// The side of a pair that bears the contact points and their laws, `on` or `with`; default: the finer one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nonmortar: Option<String>,
@@ -74,7 +95,8 @@ pub(in crate::case) struct Contact {
     /// Velocity v_F of the foundation, or of the mortar side besides its own, in m/s, one entry per component; empty
     /// for a foundation at rest.
     ///
-    /// Only its tangential part is used. The slip velocity is w_τ − v_F.
+    /// Only its tangential part is used. The slip velocity is w_τ − v_F. In the plane three entries are a velocity with
+    /// a part across the plane, of a body of revolution with one about its axis: ω r is `"100*x"` at 100 rad/s.
     #[serde(default)]
     pub foundation_velocity: Vec<Datum>,
     /// Where the integrals over Γ_C are evaluated.
@@ -104,7 +126,7 @@ pub(in crate::case) struct Contact {
 }
 
 /// A foundation with one temperature, heated through the contact and by friction.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Foundation {
     /// Heat capacity of the foundation in J/K, per unit of thickness in two dimensions.
@@ -123,7 +145,7 @@ pub(in crate::case) struct Foundation {
 }
 
 /// Wear law.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Wear {
     /// Archard's law: the wear depth grows at the rate coefficient · p · ‖slip velocity‖.
@@ -159,7 +181,7 @@ pub(in crate::case) enum Quadrature {
 }
 
 /// Law of the contact pressure p_ν as a function of the penetration r.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Normal {
     /// Normal compliance: p_ν(r) = stiffness · max(r, 0), r the penetration.
@@ -255,7 +277,7 @@ pub(in crate::case) enum Normal {
 }
 
 /// Law of the friction bound p_τ as a function of the pressure p and the slip speed v.
-#[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Friction {
     /// No friction.
@@ -364,7 +386,7 @@ pub(in crate::case) enum Friction {
 macro_rules! heat_laws {
     ($($(#[$about:meta])* $variant:ident { $($(#[$doc:meta])* $field:ident: $type:ty,)* },)*) => {
         /// Law of the heat exchange with the foundation.
-        #[derive(Debug, Default, Deserialize, Serialize, JsonSchema)]
+        #[derive(Clone, Debug, Default, Deserialize, Serialize, JsonSchema)]
         #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
         pub(in crate::case) enum Heat {
             /// No heat exchange.
@@ -387,7 +409,7 @@ macro_rules! heat_laws {
         }
 
         /// A law in a sum.
-        #[derive(Debug, Deserialize, Serialize, JsonSchema)]
+        #[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
         #[serde(tag = "law", rename_all = "kebab-case", deny_unknown_fields)]
         pub(in crate::case) enum HeatTerm {
             $($(#[$about])* $variant { $($(#[$doc])* $field: $type,)* },)*

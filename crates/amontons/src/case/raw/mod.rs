@@ -19,7 +19,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub(in crate::case) use boundary::{Boundary, Support};
-pub(in crate::case) use contact::{Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear};
+pub(in crate::case) use contact::{
+    Automatic, Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear,
+};
 pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Scalar, Steady, TableData};
 pub(in crate::case) use material::{
     Branch, Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor,

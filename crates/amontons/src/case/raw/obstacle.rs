@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::Datum;
 
 /// Shape of a rigid foundation. It may move as a whole: its points and centres may depend on time.
-#[derive(Debug, Deserialize, Serialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(tag = "shape", rename_all = "kebab-case", deny_unknown_fields)]
 pub(in crate::case) enum Obstacle {
     /// The half-space below a plane.

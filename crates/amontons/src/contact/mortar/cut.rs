@@ -25,10 +25,20 @@ pub(super) struct Sample {
 
 /// The samples of a nonmortar facet, exact for the products of shape functions on straight facets.
 pub(super) fn samples(nonmortar: &Facets, mortar: &Facets, facet: usize) -> Vec<Sample> {
+    samples_among(nonmortar, mortar, facet, &|_| mortar.parts().iter().collect())
+}
+
+/// The same with the mortar parts that each part of the facet may face.
+pub(super) fn samples_among<'f>(
+    nonmortar: &Facets,
+    mortar: &'f Facets,
+    facet: usize,
+    candidates: &dyn Fn(&Part) -> Vec<&'f Part>,
+) -> Vec<Sample> {
     let mut all = Vec::new();
     for part in nonmortar.parts_of(facet) {
         let facing: Vec<&Part> =
-            mortar.parts().iter().filter(|other| part.faces(other) && part.may_cover(other)).collect();
+            candidates(part).into_iter().filter(|other| part.faces(other) && part.may_cover(other)).collect();
         match part.corners.len() {
             1 => all.extend(opposite(part, &facing)),
             2 => segments(nonmortar, mortar, part, &facing, &mut all),

@@ -23,12 +23,15 @@
 
 mod cut;
 mod dual;
+mod facing;
 mod part;
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::{Point, dot, length};
+pub use facing::{Facing, facing};
+
 use cut::Sample;
 use part::{Facets, Part};
 

@@ -83,6 +83,12 @@ impl<'a> Facets<'a> {
         nodes.iter().copied().zip(values)
     }
 
+    /// Where a reference point of a facet is.
+    pub fn position(&self, facet: usize, at: &Point) -> Point {
+        let values: Vec<(u32, f64)> = self.values(facet, at).collect();
+        std::array::from_fn(|c| values.iter().map(|&(node, value)| value * self.x[node as usize][c]).sum())
+    }
+
     /// Unit outward normals of a facet at its vertices.
     pub fn normals(&self, facet: usize) -> Vec<(u32, Point)> {
         let (element, nodes) = self.all[facet];

@@ -1,0 +1,51 @@
+//! What is made of results: pictures and the report.
+
+use std::path::Path;
+
+use amontons::plot;
+
+use crate::arguments::FieldArgument;
+use crate::print;
+use crate::status::Failure;
+
+/// What is made when a run has ended.
+#[derive(Clone, Copy, Debug)]
+pub struct After {
+    pub pictures: bool,
+    pub report: bool,
+}
+
+impl After {
+    /// Makes it of the results in a folder, and prints the paths.
+    pub fn make(self, dir: &Path, quiet: bool) -> Result<(), Failure> {
+        if self.pictures {
+            draw(dir, &plot::Options::default(), quiet)?;
+        }
+        if self.report { report(dir, quiet) } else { Ok(()) }
+    }
+}
+
+/// Draws the contents of a folder and prints the paths of the pictures.
+pub fn draw(dir: &Path, options: &plot::Options, quiet: bool) -> Result<(), Failure> {
+    let paths = plot::folder(dir, options)?;
+    if quiet {
+        return Ok(());
+    }
+    Ok(print::text(&paths.iter().map(|path| format!("{}\n", path.display())).collect::<String>())?)
+}
+
+/// Writes the report of a folder and prints its path.
+pub fn report(dir: &Path, quiet: bool) -> Result<(), Failure> {
+    let path = plot::report(dir)?;
+    if quiet { Ok(()) } else { Ok(print::text(&format!("{}\n", path.display()))?) }
+}
+
+/// Writes an animation of the results in a folder and prints its path.
+pub fn animate(dir: &Path, field: FieldArgument, options: &plot::Options) -> Result<(), Failure> {
+    let kind = match field {
+        FieldArgument::Displacement => plot::Kind::Deformed,
+        FieldArgument::VonMises => plot::Kind::VonMises,
+        FieldArgument::Temperature => plot::Kind::Temperature,
+    };
+    Ok(print::text(&format!("{}\n", plot::animation(dir, kind, options)?.display()))?)
+}

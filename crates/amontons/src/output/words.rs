@@ -1,0 +1,148 @@
+//! What a run came to, in words: the printed summary and the report say the same.
+
+use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
+use crate::units::{Extent, Measure, Units};
+
+/// A name and what there is to be said under it.
+type Row = (String, String);
+
+fn row(name: &str, text: &str) -> Row {
+    (name.to_owned(), text.to_owned())
+}
+
+impl Summary {
+    /// The case, how its run ended, and how far it came.
+    #[must_use]
+    pub fn headline(&self) -> String {
+        let state = match self.outcome {
+            Outcome::Done => "done",
+            Outcome::NotConverged => "not converged",
+            Outcome::Interrupted => "interrupted",
+            Outcome::Unsound => "unsound",
+        };
+        let time = self.units.exact(self.time, Measure::Time);
+        format!("{}: {state}, {} steps to t = {time} in {:.2} s", self.case, self.steps, self.seconds.total)
+    }
+
+    /// The results for reading: names and texts.
+    #[must_use]
+    pub fn rows(&self) -> Vec<(String, String)> {
+        let (end, units) = (&self.last, self.units);
+        let (mechanics, heat) = (!end.displacement_min.is_empty(), end.temperature_min.is_some());
+        let counts = &self.unknowns;
+        let unknowns = [counts.displacement, counts.temperature, counts.contact];
+        let mut rows = vec![
+            row("unknowns", &unknowns_in_words(unknowns, mechanics, heat)),
+            row("time", &phases(&self.seconds)),
+            systems(&self.solver),
+        ];
+        for (axis, (min, max)) in ["x", "y", "z"].iter().zip(end.displacement_min.iter().zip(&end.displacement_max)) {
+            rows.push(row(&format!("displacement {axis}"), &range(units, [*min, *max], Measure::Length)));
+        }
+        if let (Some(min), Some(max)) = (end.temperature_min, end.temperature_max) {
+            rows.push(row("temperature", &range(units, [min, max], Measure::Temperature)));
+        }
+        let up_to = |name: &str, most: f64, measure| row(name, &format!("up to {}", units.write(most, measure)));
+        rows.extend(end.von_mises_max.map(|most| up_to("von Mises stress", most, Measure::Stress)));
+        rows.extend(end.strain_max.map(|most| up_to("strain", most, Measure::Number)));
+        if let Some(contact) = end.contact.as_ref().filter(|c| c.open + c.stick + c.slip > 0) {
+            rows.extend(touching("contact", contact, units));
+            for (side, contact) in &contact.sides {
+                rows.extend(touching(&format!("on \"{side}\""), contact, units));
+            }
+        }
+        rows.extend(extent(units, mechanics));
+        let closes = |name: &str, what: &str, error: f64| {
+            row(&format!("{name} closes to"), &format!("{error:.1e} of the {what} turned over"))
+        };
+        rows.extend(mechanics.then(|| closes("energy", "energy", self.energy.closing_error)));
+        rows.extend(heat.then(|| closes("heat", "heat", self.energy.heat_closing_error)));
+        rows.extend(halved(&self.solver));
+        rows
+    }
+}
+
+/// Numbers of unknowns: displacement, temperature, contact, those that a case has.
+#[must_use]
+pub fn unknowns_in_words([displacement, temperature, contact]: [usize; 3], mechanics: bool, heat: bool) -> String {
+    let of_mechanics = |count: usize, what: &str| mechanics.then(|| format!("{count} {what}"));
+    let all = [
+        of_mechanics(displacement, "displacement"),
+        heat.then(|| format!("{temperature} temperature")),
+        of_mechanics(contact, "on the contact side"),
+    ];
+    all.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+/// The times of the phases of a run.
+fn phases(seconds: &Seconds) -> String {
+    let Seconds { certificate, setup, factor, steps, output, .. } = seconds;
+    format!(
+        "{certificate:.2} s certificate, {setup:.2} s setup, {factor:.2} s factor, {steps:.2} s steps, {output:.2} s output"
+    )
+}
+
+/// How linear systems were solved.
+fn systems(solver: &Solver) -> Row {
+    let way = match solver.backend.as_str() {
+        "iterative" => format!("by an iteration without a factor, {} Krylov iterations", solver.krylov_iterations),
+        _ => "by a factor".to_owned(),
+    };
+    row("linear systems", &format!("{way}: {}", solver.backend_reason))
+}
+
+/// Halved and ambiguous steps, if there are any.
+fn halved(solver: &Solver) -> Option<Row> {
+    let Solver { halved_steps, ambiguous_steps, .. } = *solver;
+    let ambiguous = match ambiguous_steps {
+        0 => "none of them remains ambiguous".to_owned(),
+        some => format!("{some} of all steps remain ambiguous"),
+    };
+    (halved_steps > 0 || ambiguous_steps > 0)
+        .then(|| row("halved steps", &format!("{halved_steps} steps, {ambiguous}")))
+}
+
+/// The ends of a range in one unit.
+fn range(units: Units, ends: [f64; 2], measure: Measure) -> String {
+    let (low, high, unit) = units.range(ends, measure);
+    format!("{low} … {high} {unit}").trim_end().to_owned()
+}
+
+/// What integrals over a body are over. Absent in space, where they are over the body.
+fn extent(units: Units, mechanics: bool) -> Option<Row> {
+    let text = match units.extent {
+        Extent::Line => "per unit of cross-section",
+        Extent::Plane => "per unit of thickness",
+        Extent::Revolution => "of the full turn",
+        Extent::Space => return None,
+    };
+    Some(row(if mechanics { "forces, energies" } else { "heat" }, text))
+}
+
+/// Contact on one side or on all, with wear and the temperature of the foundation if there are any.
+fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
+    let write = |value: f64, measure: Measure| units.write(value, measure);
+    let force = units.vector(&contact.force, Measure::Force);
+    let mut lines = vec![
+        row(
+            name,
+            &format!(
+                "{} open, {} stick, {} slip; area {}",
+                contact.open,
+                contact.stick,
+                contact.slip,
+                write(contact.area, Measure::Area)
+            ),
+        ),
+        row("contact force", &format!("{force}, pressure up to {}", write(contact.pressure_max, Measure::Stress))),
+    ];
+    lines.extend(
+        contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
+    );
+    if contact.wear_max > 0.0 {
+        let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
+        lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
+    }
+    lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
+    lines
+}

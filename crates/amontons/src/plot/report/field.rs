@@ -1,0 +1,77 @@
+//! A field over the snapshots of a page, in the unit in which it is read.
+
+use serde_json::{Value, json};
+
+use super::pack::Pack;
+use crate::plot::axes;
+use crate::plot::color::ColorMap;
+use crate::units::{Measure, Units};
+
+/// A number per vertex and snapshot, or the components of a vector.
+#[derive(Clone, Debug)]
+pub(super) struct Field {
+    pub name: String,
+    /// With subscripts, as in pictures; empty for none.
+    pub symbol: &'static str,
+    pub measure: Measure,
+    pub map: ColorMap,
+    /// One list per component of a vector, and in it one per snapshot.
+    pub components: Vec<Vec<Vec<f64>>>,
+    /// The range that the colours show; none for all of it.
+    pub shown: Option<[f64; 2]>,
+}
+
+/// The unit for values up to some size, and the factor that brings them to it.
+pub(super) fn reading(units: Units, largest: f64, measure: Measure) -> (String, f64) {
+    let power = units.power(largest, measure);
+    match units.prefixed(power, measure) {
+        Some(unit) => (unit, 10f64.powi(-power)),
+        None => (units.of(measure).to_owned(), 1.0),
+    }
+}
+
+impl Field {
+    fn values(&self) -> impl Iterator<Item = f64> {
+        self.components.iter().flatten().flatten().copied()
+    }
+
+    /// The values, of a vector its magnitudes.
+    fn magnitudes(&self) -> Vec<f64> {
+        let [first, others @ ..] = &self.components[..] else { return Vec::new() };
+        if others.is_empty() {
+            return self.values().collect();
+        }
+        let square = |at: usize, i: usize| self.components.iter().map(|c| c[at][i].powi(2)).sum::<f64>();
+        let all = first.iter().enumerate().flat_map(|(at, values)| (0..values.len()).map(move |i| (at, i)));
+        all.map(|(at, i)| square(at, i).sqrt()).collect()
+    }
+
+    /// Whether it says something: a value other than zero.
+    pub(super) fn is_told(&self) -> bool {
+        self.values().any(|v| v != 0.0 && v.is_finite())
+    }
+
+    /// The field as the page has it: what it is, and the numbers of its arrays.
+    pub(super) fn write(&self, units: Units, pack: &mut Pack) -> Value {
+        let [low, high] = axes::range(self.values()).unwrap_or([0.0, 0.0]);
+        let extent = axes::range(self.magnitudes()).unwrap_or([0.0, 0.0]);
+        let shown = self.shown.unwrap_or(extent);
+        let largest = extent[0].abs().max(extent[1].abs());
+        let (unit, factor) = reading(units, largest, self.measure);
+        let mut arrays = |values: &Vec<Vec<f64>>| -> Vec<usize> {
+            values.iter().map(|at| pack.shares(at.iter().copied(), [low, high])).collect()
+        };
+        let components: Vec<Vec<usize>> = self.components.iter().map(&mut arrays).collect();
+        json!({
+            "name": self.name,
+            "symbol": self.symbol,
+            "unit": unit,
+            "factor": factor,
+            "map": match self.map { ColorMap::Viridis => "viridis", ColorMap::Inferno => "inferno" },
+            "range": [low * factor, high * factor],
+            "extent": extent.map(|v| v * factor),
+            "shown": shown.map(|v| v * factor),
+            "arrays": components,
+        })
+    }
+}
