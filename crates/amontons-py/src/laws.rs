@@ -41,7 +41,7 @@ impl Alarm {
 struct Function {
     /// Name of the law.
     name: String,
-    function: Py<PyAny>,
+    callable: Py<PyAny>,
     alarm: Alarm,
 }
 
@@ -55,7 +55,7 @@ impl Function {
     fn call(&self, rows: &[Inputs], out: &mut [f64]) -> PyResult<()> {
         Python::attach(|py| {
             let inputs = PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), INPUTS])?;
-            let values: PyReadonlyArray1<f64> = self.function.bind(py).call1((inputs,))?.extract()?;
+            let values: PyReadonlyArray1<f64> = self.callable.bind(py).call1((inputs,))?.extract()?;
             let values = values.as_slice()?;
             if values.len() != out.len() {
                 return Err(errors::wrong(&format!("a law has {} values, expected {}", values.len(), out.len())));
@@ -92,7 +92,10 @@ pub struct Law {
 impl Law {
     fn arrays(&self, number: usize, outputs: usize, alarm: &Alarm) -> Option<Arrays> {
         let function = Python::attach(|py| self.functions.get(number).map(|function| function.clone_ref(py)))?;
-        Some(Arrays::new(Arc::new(Function { name: self.name.clone(), function, alarm: alarm.clone() }), outputs))
+        Some(Arrays::new(
+            Arc::new(Function { name: self.name.clone(), callable: function, alarm: alarm.clone() }),
+            outputs,
+        ))
     }
 
     fn constant(&self, number: usize) -> Option<f64> {
