@@ -10,7 +10,7 @@ use super::surface::Skin;
 use super::table::CsvTable;
 use super::{PlotError, frames, vtu};
 use crate::case::{self, CaseError};
-use crate::contact::{Status, read, read_vector};
+use crate::contact::{NoSlip, Status, read, read_vector};
 use crate::output::columns::{self, Column, OnContact};
 use crate::problem::Problem;
 
@@ -326,7 +326,7 @@ fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotEr
         x: x[i],
         penetration: penetration[i],
         pressure: pressure[i],
-        bound: bound.as_ref().map(|b| b[i]),
+        bound: bound.as_ref().map(|b| b[i]).filter(|&bound| bound < NoSlip::BOUND),
         traction: traction[i],
         slip_velocity: slip_velocity[i],
         status: status[i],

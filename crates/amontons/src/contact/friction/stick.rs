@@ -10,12 +10,14 @@ use crate::contact::ContactPoint;
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoSlip;
 
-/// Its square is still a number.
-const BEYOND: f64 = 1e150;
+impl NoSlip {
+    /// The bound: beyond every traction, and its square is still a number.
+    pub const BOUND: f64 = 1e150;
+}
 
 impl FrictionLaw for NoSlip {
     fn bound(&self, _at: &ContactPoint) -> Bound {
-        Bound { value: BEYOND, ..Bound::default() }
+        Bound { value: NoSlip::BOUND, ..Bound::default() }
     }
     fn lipschitz(&self, _l_nu: Option<f64>) -> Option<f64> {
         None
