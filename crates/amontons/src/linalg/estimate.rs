@@ -185,12 +185,15 @@ impl Choice {
         Choice { solver: if is_direct { "direct" } else { "iterative" }, why, direct, iterative }
     }
 
+    /// The words for a solver that is not chosen by what it takes.
+    pub const ASKED: &str = "solver.solver or a pair of bodies asks for it";
+
     /// The solver that the case asks for.
     #[must_use]
     pub fn asked(solver: &'static str, estimate: &Estimate) -> Choice {
         let work = Workload::default();
         let (direct, iterative) = (estimate.direct(&work), estimate.iterative(&work));
-        Choice { solver, why: "solver.solver asks for it".to_owned(), direct, iterative }
+        Choice { solver, why: Choice::ASKED.to_owned(), direct, iterative }
     }
 
     /// What the solver chosen is predicted to take.

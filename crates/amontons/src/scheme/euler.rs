@@ -15,7 +15,7 @@ use super::{
 };
 use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
-use crate::linalg::{Backend, Decided, SolveError, System, dot};
+use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::Problem;
 use crate::tensor;
 
@@ -524,6 +524,6 @@ impl Scheme for BackwardEuler {
 
     fn backend_reason(&self) -> String {
         let choice = self.systems.all().find_map(System::choice);
-        choice.map_or_else(|| "solver.solver asks for it".to_owned(), |choice| choice.why.clone())
+        choice.map_or_else(|| Choice::ASKED.to_owned(), |choice| choice.why.clone())
     }
 }
