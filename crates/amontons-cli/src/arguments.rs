@@ -155,6 +155,11 @@ pub enum Command {
         #[arg(long, value_name = "MESH", required_if_eq("template", "from-mesh"))]
         mesh: Option<PathBuf>,
     },
+    /// Print the manual page of the program, or of one of its commands, for `man`
+    Man {
+        /// The command
+        command: Option<String>,
+    },
     /// Print shell completions
     Completions {
         /// The shell
@@ -307,6 +312,7 @@ impl Command {
             | Command::Schema
             | Command::Materials { .. }
             | Command::New { .. }
+            | Command::Man { .. }
             | Command::Completions { .. } => None,
         }
     }

@@ -51,12 +51,29 @@ pub fn execute(command: Command) -> Result<(), Failure> {
         Command::Schema => Ok(print::json(&case::schema())?),
         Command::Materials { name } => show_materials(name.as_deref()),
         Command::New { file, template, mesh } => new::execute(&file, template, mesh.as_deref()),
+        Command::Man { command } => show_manual(command.as_deref()),
         Command::Completions { shell } => {
             let mut script = Vec::new();
             clap_complete::generate(shell, &mut Arguments::command(), "amontons", &mut script);
             Ok(print::text(&String::from_utf8_lossy(&script))?)
         }
     }
+}
+
+/// Prints the manual page of the program or of a command.
+fn show_manual(command: Option<&str>) -> Result<(), Failure> {
+    let mut program = Arguments::command();
+    program.build();
+    let page = match command {
+        None => &program,
+        Some(name) => program.find_subcommand(name).ok_or_else(|| {
+            let known: Vec<&str> = program.get_subcommands().map(clap::Command::get_name).collect();
+            Failure::Usage(format!("found \"{}\", expected one of {}", name.escape_debug(), known.join(", ")))
+        })?,
+    };
+    let mut text = Vec::new();
+    clap_mangen::Man::new(page.clone()).render(&mut text).map_err(|source| Failure::Request(source.to_string()))?;
+    Ok(print::text(&String::from_utf8_lossy(&text))?)
 }
 
 /// Prints the materials that a case may name, or one.

@@ -232,6 +232,25 @@ fn there_are_completions_for_the_usual_shells() {
     }
 }
 
+/// Each command has a manual page with its arguments; one that does not exist is told with those that do.
+#[test]
+fn there_are_manual_pages() {
+    for (arguments, parts) in [
+        (&["man"][..], [".TH amontons 1", "amontons\\-resume(1)", "Exit codes"]),
+        (&["man", "run"], [".TH amontons-run 1", "\\-\\-each", "The case file"]),
+        (&["man", "converge"], [".TH amontons-converge 1", "\\-\\-levels", "\\-\\-reference"]),
+    ] {
+        let printed = output(&mut amontons(arguments));
+        assert_code(&printed, 0);
+        for part in parts {
+            assert!(stdout(&printed).contains(part), "{part} is not in\n{}", stdout(&printed));
+        }
+    }
+    let printed = output(&mut amontons(&["man", "rum"]));
+    assert_code(&printed, 2);
+    assert!(stderr(&printed).contains("found \"rum\", expected one of run, resume"), "{}", stderr(&printed));
+}
+
 #[test]
 fn a_run_prints_what_it_is_asked_to() {
     let folder = tempdir().expect("a folder");
