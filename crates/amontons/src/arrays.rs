@@ -69,10 +69,10 @@ thread_local! {
 }
 
 impl Arrays {
-    /// A function with this many values per row.
+    /// A function with this many values per row, at least one.
     #[must_use]
     pub fn new(function: Arc<dyn ArrayFunction>, outputs: usize) -> Arrays {
-        Arrays { function, outputs, known: Mutex::default() }
+        Arrays { function, outputs: outputs.max(1), known: Mutex::default() }
     }
 
     /// The values at a point, at most `N` of them. Where arguments are collected, values that are not known yet are 0,

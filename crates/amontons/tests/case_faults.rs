@@ -336,7 +336,7 @@ spoiled! {
     more_than_all_friction_heat: "" => "" set "contact.frictional_heat=1.5"
         "--set contact.frictional_heat=1.5: contact.frictional_heat: found 1.5, expected a number ≥ 0 and ≤ 1 (fraction η of the friction power that enters the body as heat, from 0 to 1)";
     foundation_velocity_of_four: "" => "" set "contact.foundation_velocity=[1, 0, 0, 0]"
-        "--set contact.foundation_velocity=[1, 0, 0, 0]: contact.foundation_velocity: found 4 components, expected 2 components, or 3 with those across the plane or the line of the body";
+        "--set contact.foundation_velocity=[1, 0, 0, 0]: contact.foundation_velocity: found 4 components, expected 2 components, or 3 with motion out of the plane or the line of the body";
     obstacle_without_a_shape: "" => "" set "contact.obstacle={ radius = 1 }"
         "--set contact.obstacle={ radius = 1 }: contact.obstacle.shape: found no such key, expected \"plane\", \"sphere\", \"cylinder\", \"wave\" or \"surface\"";
     obstacle_of_another_shape: "" => "" set "contact.obstacle={ shape = 'sphera', center = [0, 0], radius = 1 }"

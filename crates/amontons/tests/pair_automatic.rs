@@ -6,8 +6,11 @@ mod common;
 use std::collections::BTreeMap;
 
 use amontons::case::{self, Source};
+use amontons::contact::mortar::facing;
+use amontons::mesh::{FacetSet, Mesh};
 use amontons::problem::Problem;
-use common::{largest, spoil, told};
+use amontons::tensor::Point;
+use common::{Random, largest, spoil, told};
 
 /// Three blocks on each other, the upper one at a distance of 1e-3.
 const STACK: &str = r#"name = "stack"
@@ -54,7 +57,7 @@ fn problem(text: &str) -> Problem {
 
 /// Number of facets of each side of the contacts.
 fn sides(problem: &Problem) -> BTreeMap<String, usize> {
-    let of = |side: &str| (side.to_owned(), problem.mesh.facets.get(side).map_or(0, amontons::mesh::FacetSet::len));
+    let of = |side: &str| (side.to_owned(), problem.mesh.facets.get(side).map_or(0, FacetSet::len));
     problem.contacts.iter().flat_map(|contact| contact.sides().map(of).collect::<Vec<_>>()).collect()
 }
 
@@ -119,6 +122,58 @@ fn bodies_have_names_and_named_sides_are_taken() {
     assert_eq!(problem.contacts[1].on, "middle-high");
 }
 
+/// The same facets are found on bodies that are turned, larger and numbered in another way, in the plane and in
+/// space.
+#[test]
+fn what_is_near_does_not_depend_on_place_size_or_numbers() {
+    let space = STACK
+        .replace(", n = [", ", elements = \"Q1\", n = [")
+        .replace("[1.0, 0.5], elements = \"Q1\", n = [6, 3]", "[1.0, 0.5, 0.7], n = [6, 3, 4]")
+        .replace("[0.4, 0.3], elements = \"Q1\", n = [5, 4]", "[0.4, 0.3, 0.5], elements = \"Q1\", n = [5, 4, 3]")
+        .replace("[1.0, 0.2], elements = \"Q1\", n = [7, 2]", "[1.0, 0.2, 0.6], elements = \"Q1\", n = [7, 2, 3]")
+        .replace("origin = [0.25, 0.5]", "origin = [0.25, 0.5, 0.1]")
+        .replace("origin = [0.0, 0.801]", "origin = [0.0, 0.801, 0.0]")
+        .replace(", stress_state = \"plane-strain\"", "")
+        .replace("displacement = [0, 0]", "displacement = [0, 0, 0]")
+        .replace("[\"1e-3*t\", \"-5e-3*t\"]", "[\"1e-3*t\", \"-5e-3*t\", 0]");
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    for text in [STACK, &space] {
+        let problem = problem(text);
+        let lengths = |mesh: &Mesh, distance: f64| -> Vec<[usize; 2]> {
+            facing(mesh, distance, &|_, _| true).iter().map(|pair| pair.sides.each_ref().map(FacetSet::len)).collect()
+        };
+        let mut here = lengths(&problem.mesh, 2e-3);
+        assert!(here.len() == 2 && here.iter().flatten().all(|&n| n > 2), "{here:?}");
+        for pair in &mut here {
+            pair.sort_unstable();
+        }
+        here.sort_unstable();
+        for _ in 0..6 {
+            let (angle, size) = (3.0 * random.number(), 10f64.powf(4.0 * random.number()));
+            let (s, c) = angle.sin_cos();
+            let mut mesh = (*problem.mesh).clone();
+            // Turned about z and, in space, about x; shifted and scaled.
+            let turn = |[x, y, z]: Point| -> Point { [c * x - s * y, s * x + c * y, z] };
+            let tilt = |[x, y, z]: Point| -> Point {
+                if mesh.dim == 3 { [x, c * y - s * z, s * y + c * z] } else { [x, y, z] }
+            };
+            let points: Vec<Point> = mesh.points.iter().map(|p| tilt(turn(*p)).map(|x| size * (x + 0.7))).collect();
+            // The last node is the first one.
+            let n = points.len() as u32;
+            mesh.points = points.into_iter().rev().collect();
+            for block in &mut mesh.blocks {
+                block.nodes.iter_mut().for_each(|node| *node = n - 1 - *node);
+            }
+            let mut there = lengths(&mesh, 2e-3 * size);
+            for pair in &mut there {
+                pair.sort_unstable();
+            }
+            there.sort_unstable();
+            assert_eq!(there, here, "turned by {angle}, {size:e} times as large");
+        }
+    }
+}
+
 #[test]
 fn faults_of_automatic_pairs() {
     // Bodies that no contact holds are told of as well.
@@ -150,5 +205,14 @@ fn faults_of_automatic_pairs() {
             "[contact]\nobstacle = { shape = \"plane\", point = [0, 0], normal = [0, 1] }\n"
         )),
         "near.toml:22:12: contact.obstacle: found `obstacle` besides `with`, expected a rigid foundation, or the other side of a pair, not both; remove one of them"
+    );
+    let twice = spoil(
+        STACK,
+        "[contact]\n",
+        "[[contact]]\nnormal = { law = \"signorini\" }\nautomatic = { distance = 1e-3 }\n[[contact]]\n",
+    );
+    assert_eq!(
+        say(twice),
+        "near.toml:27:13: contact[1].automatic: found `automatic` again, expected one [[contact]] entry with `automatic`; give these bodies a contact by `on` and `with`: all that are near are in the first entry"
     );
 }

@@ -70,6 +70,10 @@ fn a_finer_mesh_is_as_good_a_reference_as_the_solution() {
     };
     let (exact, finer) = (study(&[4, 8], ReferenceRequest::Exact), study(&[4, 8], ReferenceRequest::Level(32)));
     assert!(finer.nested);
+    let odd = StudyRequest { levels: vec![5], vary: Vary::Space, power: 1, reference: ReferenceRequest::Exact };
+    let told = case::study(&source, &[], &odd).err().map(|error| error.to_string()).unwrap_or_default();
+    let expected = "expected 6 · (level / 4) to be a whole number of cells across";
+    assert_eq!(told, format!("level 5 of a case with 4 cells and 6 cells across, {expected}"));
     // The mesh of the reference has 1/4 of the error of the finer level, squares add up: 1 − √(1 − 1/16) = 3 %.
     for (exact, finer) in exact.rows.iter().zip(&finer.rows) {
         assert!((finer.error_u / exact.error_u - 1.0).abs() < 0.035, "u: {finer:?}, {exact:?}");

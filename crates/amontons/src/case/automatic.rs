@@ -21,7 +21,8 @@ impl Build<'_> {
             .flat_map(|set| set.facets().map(|(_, nodes)| sorted(nodes)).collect::<Vec<_>>())
             .collect();
         let mut all = Vec::with_capacity(contacts.len());
-        for (path, contact) in contacts {
+        let first = contacts.iter().position(|(_, contact)| contact.automatic.is_some());
+        for (number, (path, contact)) in contacts.into_iter().enumerate() {
             let Some(automatic) = contact.automatic else {
                 if contact.on.is_empty() {
                     let expected = "a string (name of the side that is Γ_C), or `automatic`";
@@ -30,6 +31,12 @@ impl Build<'_> {
                 all.push((path, contact));
                 continue;
             };
+            if first != Some(number) {
+                let hint = "give these bodies a contact by `on` and `with`: all that are near are in the first entry";
+                let expected = "one [[contact]] entry with `automatic`";
+                self.note(&format!("{path}.automatic"), At::Value, "`automatic` again", expected, Some(hint));
+                continue;
+            }
             self.not_beside_automatic(&path, &contact);
             for [on, with] in self.near(&path, automatic, &taken, mesh) {
                 let pair = Contact { on, with: Some(with), automatic: None, nonmortar: None, ..contact.clone() };
@@ -59,7 +66,7 @@ impl Build<'_> {
         taken: &BTreeSet<Vec<u32>>,
         mesh: &mut Mesh,
     ) -> Vec<[String; 2]> {
-        if !self.is_sound || mesh.check_nodes().is_err() {
+        if !self.is_sound {
             return Vec::new();
         }
         let pairs = facing(mesh, distance, &|_, nodes| !taken.contains(&sorted(nodes)));

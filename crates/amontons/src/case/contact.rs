@@ -24,7 +24,8 @@ impl Build<'_> {
         let (points, is_pair) = (side(mesh, &bearing), pair.is_some());
         let components = raw.foundation_velocity.len();
         if ![0, self.dim, 3].contains(&components) {
-            let expected = format!("{} components, or 3 with those across the plane or the line of the body", self.dim);
+            let expected =
+                format!("{} components, or 3 with motion out of the plane or the line of the body", self.dim);
             let found = format!("{components} components");
             self.note(&format!("{path}.foundation_velocity"), At::Value, found, expected, None);
         }

@@ -106,6 +106,13 @@ impl Contact {
         self.pair.is_none() && self.heat.conductance_bound() > 0.0
     }
 
+    /// Whether the foundation, or the mortar side, slides where a body in `dim` dimensions does not move: out of its
+    /// plane or line, or about its axis of revolution.
+    #[must_use]
+    pub fn slides_out(&self, dim: usize) -> bool {
+        self.foundation_velocity.iter().skip(dim).any(|v| !v.is_zero())
+    }
+
     /// Factor of a force on the bearing side that makes it one on the side `on`.
     #[must_use]
     pub fn sign(&self) -> f64 {

@@ -154,7 +154,7 @@ impl<'a> Mechanical<'a> {
             rho: self.rho[i],
             slip: self.slip,
             in_space: self.step.dim == 3,
-            across: self.slides_across(i),
+            slides_out: self.slides_out(i),
             is_smooth: self.step.boundary.points[i].is_smooth,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
@@ -191,7 +191,7 @@ impl<'a> Mechanical<'a> {
     pub fn local(&self, multipliers: &Multipliers) -> Vec<Multiplier> {
         let of = |(i, row): (usize, &Row)| {
             let mut q = tail(row.local(&multipliers.q[i]));
-            if !self.slides_across(i) {
+            if !self.slides_out(i) {
                 q.iter_mut().skip(self.step.dim - 1).for_each(|q| *q = 0.0);
             }
             Multiplier { p: multipliers.p[i], q, sticks: multipliers.sticks[i] }
@@ -200,7 +200,7 @@ impl<'a> Mechanical<'a> {
     }
 
     /// Whether the foundation slides in a direction in which a body in the plane, or of revolution, does not move.
-    fn slides_across(&self, i: usize) -> bool {
+    fn slides_out(&self, i: usize) -> bool {
         self.foundation[i].iter().skip(self.step.dim - 1).any(|v| *v != 0.0)
     }
 
@@ -449,7 +449,7 @@ impl Term for Mechanical<'_> {
     /// change, which says nothing of the solution.
     fn begin(&self, laws: &mut Vec<Laws>, multipliers: &Vec<Multiplier>) {
         for (i, (laws, multiplier)) in laws.iter_mut().zip(multipliers).enumerate() {
-            if multiplier.sticks && !self.slides_across(i) {
+            if multiplier.sticks && !self.slides_out(i) {
                 laws.hold();
             }
         }

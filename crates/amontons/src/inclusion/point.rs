@@ -30,7 +30,7 @@ pub(super) struct Site<'a> {
     pub slip: Slip,
     /// Whether slip has two directions, and whether the foundation slides where the body does not move.
     pub in_space: bool,
-    pub across: bool,
+    pub slides_out: bool,
     /// Whether there is no friction.
     pub is_smooth: bool,
 }
@@ -89,7 +89,7 @@ impl Site<'_> {
     /// How friction is taken: where a part of the slip is prescribed it is never zero, and (2.9) is smooth.
     fn how(&self) -> Slip {
         match self.slip {
-            Slip::Exact if self.across => Slip::Smooth { speed: 0.0 },
+            Slip::Exact if self.slides_out => Slip::Smooth { speed: 0.0 },
             how => how,
         }
     }
@@ -132,7 +132,7 @@ impl Laws {
         };
         // In the plane a node that is held along its tangent has nothing to tie.
         let ties = site.in_space && contact.friction.never_slips();
-        let is_smooth = site.is_smooth && !ties && !site.across;
+        let is_smooth = site.is_smooth && !ties && !site.slides_out;
         let s = if is_smooth { Bound::default() } else { contact.friction.bound(&seen) };
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));

@@ -186,7 +186,7 @@ impl Choice {
     }
 
     /// The words for a solver that is not chosen by what it takes.
-    pub const ASKED: &str = "solver.solver or a pair of bodies asks for it";
+    pub const ASKED: &str = "set by solver.solver, or because there is a pair of bodies";
 
     /// The solver that the case asks for.
     #[must_use]

@@ -253,13 +253,11 @@ impl ProblemData {
                         .hint(hint),
                 );
             }
-            let across = contact.foundation_velocity.iter().skip(self.mesh.dim).any(|v| !v.is_zero());
-            if across && contact.friction.never_slips() {
-                let found = "a velocity across the body of a foundation that sticks to it";
-                let hint = "remove the velocity, or give a friction law that lets go";
-                faults.push(
-                    Fault::new(format!("{path}.foundation_velocity"), found, "a body that can follow").hint(hint),
-                );
+            if contact.slides_out(self.mesh.dim) && contact.friction.never_slips() {
+                let found = "friction that never slips, with a velocity out of the plane of the body";
+                let hint = "remove the velocity out of the plane, or give another friction law";
+                let path = format!("{path}.foundation_velocity");
+                faults.push(Fault::new(path, found, "friction that can slip").hint(hint));
             }
             self.check_pair(side, &path, faults);
             if let Some(first) = self.contacts[..side].iter().position(|other| other.on == contact.on) {

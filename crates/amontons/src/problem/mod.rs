@@ -246,21 +246,20 @@ impl ProblemData {
 
     /// Whether a foundation, or the other side of a pair, slides out of the plane of the body, or about its axis.
     #[must_use]
-    pub fn slides_across(&self) -> bool {
-        let across = |contact: &Contact| contact.foundation_velocity.iter().skip(self.mesh.dim).any(|v| !v.is_zero());
-        self.contacts.iter().any(across)
+    pub fn slides_out(&self) -> bool {
+        self.contacts.iter().any(|contact| contact.slides_out(self.mesh.dim))
     }
 
     /// Number of components of tractions and slip velocities on Γ_C.
     #[must_use]
     pub fn components_on_contact(&self) -> usize {
-        if self.slides_across() { 3 } else { self.mesh.dim }
+        if self.slides_out() { 3 } else { self.mesh.dim }
     }
 
     /// Whether a foundation turns about the axis of a body of revolution.
     #[must_use]
     pub fn turns(&self) -> bool {
-        self.mesh.axisymmetric && self.slides_across()
+        self.mesh.axisymmetric && self.slides_out()
     }
 
     /// Number of components of forces on Γ_C: about the axis of revolution there is a moment in the place of a force.

@@ -227,6 +227,13 @@ fn with_constants() -> Vec<Case> {
              heat = { law = \"power\", coefficient = <W/m3K|50>, exponent = 1, foundation_temperature = <K|3*T> }\n",
         ),
         plane(
+            "foundation that slides out of the plane, wear (Q1)",
+            Elements::Q1,
+            STRAIN,
+            "normal = { law = \"compliance\", stiffness = <Pa/m|500> }\nfriction = { law = \"static-kinetic\", static = 0.4, kinetic = 0.3, decay_speed = <m/s|0.5> }\n\
+             wear = { law = \"archard\", coefficient = <1/Pa|0.05> }\nfoundation_velocity = <m/s|0.5*T; 0; 0.3 - 0.2*X>\nfrictional_heat = 0.5\n",
+        ),
+        plane(
             "Gauss points (P1)",
             Elements::P1,
             SHEET,

@@ -96,7 +96,7 @@ pub(in crate::case) struct Contact {
     /// for a foundation at rest.
     ///
     /// Only its tangential part is used. The slip velocity is w_τ − v_F. In the plane three entries are a velocity with
-    /// a part across the plane, of a body of revolution with one about its axis: ω r is `"100*x"` at 100 rad/s.
+    /// a part out of the plane, of a body of revolution with one about its axis: ω r is `"100*x"` at 100 rad/s.
     #[serde(default)]
     pub foundation_velocity: Vec<Datum>,
     /// Where the integrals over Γ_C are evaluated.

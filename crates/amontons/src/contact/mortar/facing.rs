@@ -22,9 +22,13 @@ pub struct Facing {
 }
 
 /// The pairs of bodies whose facets face each other, along their normals and without a third body between them, with at
-/// most the distance d in m between them, or overlap by as much at most. Facets that are not free are left out.
+/// most the distance d in m between them, or overlap by as much at most. Facets that are not free are left out. A mesh
+/// whose cells have nodes that do not exist has no pairs.
 #[must_use]
 pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u32]) -> bool) -> Vec<Facing> {
+    if mesh.check_nodes().is_err() {
+        return Vec::new();
+    }
     let mut body_of = vec![0; mesh.points.len()];
     let bodies = components(mesh);
     for (body, component) in bodies.iter().enumerate() {

@@ -27,6 +27,8 @@ struct Surface {
     /// The node of each vertex, and a corner of a triangle of the body that it is: three times the triangle and 0 to 2.
     nodes: Vec<u32>,
     corners: Vec<usize>,
+    /// Triangles of the body.
+    triangles: usize,
     /// Vertices before it was made coarser.
     before: usize,
 }
@@ -73,10 +75,10 @@ impl Surface {
             shape.outline = between(&mut s.surface.outline(&s.regions).into_iter());
             shape.mesh = between(&mut s.surface.edges.iter().map(|edge| edge.nodes));
         }
-        let before = shape.vertices.len();
+        let (before, triangles) = (shape.vertices.len(), shape.triangles.len());
         let (shape, kept) = shape.thinned(VERTICES);
         let (nodes, corners) = (kept.iter().map(|&i| nodes[i]).collect(), kept.iter().map(|&i| corners[i]).collect());
-        Some(Surface { shape, nodes, corners, before })
+        Some(Surface { shape, nodes, corners, triangles, before })
     }
 
     /// Values of a field of a run at the vertices.
@@ -155,7 +157,9 @@ impl Gathered {
 
     fn add(&mut self, run: &Run) -> Result<(), PlotError> {
         let u = displacement(run);
-        if self.surface.nodes.iter().any(|&node| node as usize >= u.len()) {
+        let triangles = run.snapshot.iter().map(|s| s.body.triangles.len());
+        let triangles: usize = triangles.chain(run.solid.iter().map(|s| s.surface.triangles.len())).sum();
+        if triangles != self.surface.triangles || self.surface.nodes.iter().any(|&node| node as usize >= u.len()) {
             let t = run.t;
             return Err(PlotError::Data(format!("the snapshot at t = {t} is of another mesh than the first")));
         }

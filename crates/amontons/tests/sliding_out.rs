@@ -1,4 +1,4 @@
-//! A foundation, or the other side of a pair, that slides across the plane of a body or about its axis of revolution.
+//! A foundation, or the other side of a pair, that slides out of the plane of a body or about its axis of revolution.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod common;
@@ -75,9 +75,7 @@ fn sums(problem: &Problem, run: &Memory) -> Vec<(&'static str, f64)> {
         |c: usize| weighted(&|i| contact.states[i].pressure * contact.states[i].normal[c] + contact.states[i].q[c]);
     let slip = |c: usize| weighted(&|i| contact.states[i].slip[c]);
     let largest = |values: &[f64]| common::largest(values);
-    assert!(
-        contact.states.iter().any(|s| s.status == Status::Slip) && problem.slides_across() == (problem.mesh.dim == 2)
-    );
+    assert!(contact.states.iter().any(|s| s.status == Status::Slip) && problem.slides_out() == (problem.mesh.dim == 2));
     vec![
         ("force x", of(0)),
         ("force y", of(1)),
@@ -102,7 +100,7 @@ fn sums(problem: &Problem, run: &Memory) -> Vec<(&'static str, f64)> {
 /// A plane case and the slab of thickness 1, where slip has two directions and the second is that of nodes that are
 /// held, are two ways to the same numbers.
 #[test]
-fn sliding_across_the_plane_is_that_of_a_slab() {
+fn sliding_out_of_the_plane_is_that_of_a_slab() {
     for seed in [3, 17, 4711, 90_210] {
         let [plane, slab] = [2, 3].map(|dim| {
             let problem = problem(&block(dim, seed));
@@ -208,15 +206,61 @@ frictional_heat = 0.3
 }
 
 #[test]
-fn a_tie_does_not_slide_across() {
+fn a_tie_does_not_slide_out_of_the_plane() {
     let slides = block(2, 17);
     let (before, rest) = slides.split_at(slides.find("friction = ").expect("a law"));
     let text = format!("{before}friction = {{ law = \"stick\" }}{}", &rest[rest.find('\n').expect("a line")..]);
     assert_eq!(
-        common::told(&Source::new("across.toml", text), &[]).lines().next(),
+        common::told(&Source::new("out.toml", text), &[]).lines().next(),
         Some(
-            "across.toml:32:23: contact.foundation_velocity: found a velocity across the body of a foundation that sticks to it, \
-             expected a body that can follow; remove the velocity, or give a friction law that lets go"
+            "out.toml:32:23: contact.foundation_velocity: found friction that never slips, with a velocity out of the plane \
+             of the body, expected friction that can slip; remove the velocity out of the plane, or give another friction law"
         )
     );
+}
+
+/// A rod that is pressed on a foundation which slides past its end: the power of friction is μ p ‖v‖ of both
+/// components, half of it enters the rod, and nothing moves.
+#[test]
+fn a_foundation_slides_past_the_end_of_a_rod() {
+    let ([p, mu], v) = ([2.0, 0.3], [0.6, -0.8]);
+    let text = format!(
+        r#"name = "rod"
+[mesh]
+kind = "interval"
+size = 1.0
+n = 4
+[time]
+end = 2.0
+steps = 4
+[material]
+density = 0
+heat_capacity = 1
+conductivity = 1
+elasticity = {{ law = "isotropic", young = 10, poisson = 0 }}
+[[boundary]]
+on = "right"
+displacement = [{shortened}]
+[contact]
+on = "left"
+normal = {{ law = "compliance", stiffness = 50 }}
+friction = {{ law = "coulomb", coefficient = {mu} }}
+foundation_velocity = [0, {v1}, {v2}]
+frictional_heat = 0.5
+"#,
+        v1 = v[0],
+        v2 = v[1],
+        // By the rod, of Young's modulus 10, and by the compliance.
+        shortened = -p * (1.0 / 10.0 + 1.0 / 50.0)
+    );
+    let run = common::solve(&problem(&text));
+    let (state, report) = (run.states.last().expect("a state"), run.reports.last().expect("a report"));
+    let point = &report.contact.states[0];
+    // Friction on the foundation is along the slip w − v_F = −v_F of unit length.
+    for (c, v) in v.iter().enumerate() {
+        assert!((point.q[c + 1] + mu * p * v).abs() <= 1e-12 * mu * p, "{point:?}");
+    }
+    let power = mu * p;
+    assert!((state.ledger.friction_dissipation - power * 2.0).abs() <= 1e-12 * power * 2.0);
+    assert!((state.ledger.heat_content - 0.5 * power * 2.0).abs() <= 1e-10 * power);
 }
