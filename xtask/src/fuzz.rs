@@ -151,8 +151,12 @@ fn watch() {
             let now = READ.load(Ordering::Relaxed);
             if now != last {
                 (last, since) = (now, (Instant::now(), processor_time()));
-            } else if processor_time().saturating_sub(since.1) > PATIENCE || since.0.elapsed() > WAITING {
-                eprintln!("an input takes longer than {PATIENCE:?}");
+            } else if processor_time().saturating_sub(since.1) > PATIENCE {
+                eprintln!("an input takes longer than {PATIENCE:?} of processor time");
+                std::process::exit(TOO_LONG);
+            } else if since.0.elapsed() > WAITING {
+                // Or the process was stopped, or the machine was out of memory.
+                eprintln!("an input takes longer than {WAITING:?} by the clock");
                 std::process::exit(TOO_LONG);
             }
         }

@@ -1,4 +1,5 @@
-//! Every backend has the same results: the benchmarks in space and ten in the plane by a factor and by an iteration.
+//! Every backend has the same results: the benchmarks in space, those of pairs and ten in the plane by a factor and
+//! by an iteration.
 #![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::sync::Arc;
@@ -6,7 +7,7 @@ use std::sync::Arc;
 use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
 use amontons::inclusion::Rule;
-use amontons::linalg::{Backend, BlockMatrix, Decided, EXACT, Entry, Layout, Multigrid, Supernodal, System};
+use amontons::linalg::{Backend, BlockMatrix, Decided, EXACT, Layout, Multigrid, Supernodal, System, Tangent};
 use amontons::material::{Isotropic, Material, StressState};
 use amontons::mesh::Block;
 use amontons::output::{Checkpoint, Memory, Work};
@@ -30,6 +31,8 @@ const IN_THE_PLANE: [&str; 10] = [
     "manufactured-c",
 ];
 
+/// Nodes from which on pairs of the plane are left out.
+const LARGE: usize = 1500;
 /// Steps of a benchmark that are made.
 const STEPS: usize = 6;
 
@@ -46,15 +49,21 @@ fn state(problem: &Problem, backend: Arc<dyn Backend>) -> State {
 
 #[test]
 fn an_iteration_has_the_results_of_a_factor() {
-    let (mut in_space, mut in_the_plane) = (0, 0);
+    let (mut in_space, mut of_pairs, mut in_the_plane) = (0, 0, 0);
     for (file, text) in BENCHMARKS {
         let problem =
             case::parse(&benchmark(file, text), &[]).unwrap_or_else(|faults| panic!("{file}: {faults}")).problem;
         let named = IN_THE_PLANE.contains(file);
-        if problem.mesh.dim < 3 && !named {
+        let is_pair =
+            problem.contacts.iter().any(|contact| contact.pair.is_some()) && problem.mesh.points.len() < LARGE;
+        if problem.mesh.dim < 3 && !named && !is_pair {
             continue;
         }
-        *(if problem.mesh.dim == 3 { &mut in_space } else { &mut in_the_plane }) += 1;
+        *(match problem.mesh.dim {
+            3 => &mut in_space,
+            _ if is_pair => &mut of_pairs,
+            _ => &mut in_the_plane,
+        }) += 1;
         let direct = state(&problem, Arc::new(Supernodal));
         let iterative = state(&problem, Arc::new(Multigrid::default()));
         let largest = |v: &[f64]| v.iter().fold(0.0f64, |m, v| m.max(v.abs()));
@@ -71,8 +80,9 @@ fn an_iteration_has_the_results_of_a_factor() {
             assert!(difference <= 1e-8 * scale, "{}: {name} differs by {:.2e}", file, difference / scale);
         }
     }
-    println!("{in_space} in space, {in_the_plane} in the plane");
-    assert!(in_space >= 4 && in_the_plane == IN_THE_PLANE.len(), "{in_space} in space, {in_the_plane} in the plane");
+    let counted = format!("{in_space} in space, {of_pairs} of pairs, {in_the_plane} in the plane");
+    println!("{counted}");
+    assert!(in_space >= 4 && of_pairs >= 20 && in_the_plane == IN_THE_PLANE.len(), "{counted}");
 }
 
 /// A matrix that joins nodes too weakly for a coarser level, as of very short steps of a body with lumped inertia, is
@@ -147,26 +157,22 @@ normal = { law = "signorini" }
 
 /// Contact points that stick, press and slide in turn, with friction's nonsymmetric entries, as stiff as those of a
 /// step.
-fn contact(system: &System, nodes: &[u32], size: usize) -> Vec<Entry> {
+fn contact(system: &System, nodes: &[u32], size: usize) -> Tangent {
     let position = system.unknowns().positions(size);
     let stiff = |unknown: u32| 2f64.powi(27) * system.condensed().scale()[unknown as usize];
-    let mut entries = Vec::new();
+    let mut tangent = Tangent::new();
     for (i, &node) in nodes.iter().enumerate() {
         let [x, y, z] = [0, 1, 2].map(|c| position[3 * node as usize + c]);
         let (Some(x), Some(y), Some(z)) = (x, y, z) else { continue };
         match i % 3 {
-            0 => entries.extend([x, y, z].map(|unknown| (unknown, unknown, stiff(unknown)))),
+            0 => tangent.add([x, y, z].map(|unknown| (unknown, unknown, stiff(unknown)))),
             1 => {
-                entries.extend([
-                    (z, z, stiff(z)),
-                    (x, z, 0.5 * stiff(z)),
-                    (y, y, 0.01 * system.condensed().scale()[0]),
-                ]);
+                tangent.add([(z, z, stiff(z)), (x, z, 0.5 * stiff(z)), (y, y, 0.01 * system.condensed().scale()[0])]);
             }
             _ => {}
         }
     }
-    entries
+    tangent
 }
 
 /// The body with its lower half 10⁴ times stiffer.
@@ -202,14 +208,12 @@ fn hard_bodies_take_few_iterations() {
         let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
         let backend: Arc<dyn Backend> = Arc::new(Multigrid::default());
         let mut system = System::new(&backend, &matrix, &layout).expect("a system");
-        let entries = contact(&system, &discrete.boundary.nodes, discrete.v.free.len());
+        let tangent = contact(&system, &discrete.boundary.nodes, discrete.v.free.len());
         let b: Vec<f64> = (0..system.condensed().len()).map(|i| (i as f64 * 0.7).sin()).collect();
         let mut x = b.clone();
-        system.condensed_mut().solve(&entries, &mut x, EXACT).expect("a solution");
+        system.condensed_mut().solve(&tangent, &mut x, EXACT).expect("a solution");
         let mut sum = system.condensed().apply(&x).expect("a product");
-        for &(i, j, value) in &entries {
-            sum[i as usize] += value * x[j as usize];
-        }
+        tangent.add_product(&x, &mut sum);
         let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
         let left = norm(&mut sum.iter().zip(&b).map(|(s, b)| s - b)) / norm(&mut b.iter().copied());
         println!("{name}: {} unknowns, {} iterations, {left:.1e}", b.len(), system.iterations());
@@ -264,6 +268,98 @@ fn contact_at_gauss_points_takes_few_iterations() {
         assert!(difference <= 1e-8 * scale, "{stiffness}: {:.1e}", difference / scale);
         let [newton, krylov] = [iterative.counts.newton_mechanics_total, iterative.counts.krylov_iterations];
         assert!(krylov <= 6 * newton, "{krylov} iterations in {newton} systems");
+    }
+}
+
+/// Two blocks of different meshes, the upper one pressed onto the lower and dragged: a part of it sticks. Their sides
+/// are not along the axes.
+const PAIR: &str = r#"
+name = "pair"
+[mesh]
+kind = "blocks"
+blocks = [
+    { name = "lower", size = [1.0, 0.5, 1.0], n = [6, 3, 6], elements = "P1" },
+    { name = "upper", origin = [0.1, 0.5, 0.1], size = [0.8, 0.4, 0.8], n = [7, 3, 7], elements = "Q1" },
+]
+[time]
+end = 1.0
+steps = 4
+[material]
+density = 0.1
+heat_capacity = 1
+conductivity = 1
+elasticity = { law = "isotropic", young = 2000.0, poisson = 0.3 }
+[[region]]
+on = "lower"
+[region.material]
+density = 0.1
+heat_capacity = 1
+conductivity = 1
+elasticity = { law = "isotropic", young = 2000.0, poisson = 0.3 }
+[[boundary]]
+on = "lower_bottom"
+displacement = [0, 0, 0]
+temperature = 0
+[[boundary]]
+on = "upper_top"
+pressure = "20 * t"
+traction = ["3*t", 0, "2*t"]
+[contact]
+on = "upper_bottom"
+with = "lower_top"
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.3 }
+heat = { law = "constant", conductance = 5 }
+frictional_heat = 0.5
+"#;
+
+/// What makes pairs hard for an iteration, as words of a case, with the most iterations per linear system.
+const PAIRS: [(&str, usize, &[&str]); 8] = [
+    ("as it is", 8, &[]),
+    ("compliance", 8, &["contact.normal={law=\"compliance\", stiffness=1e6}"]),
+    ("finer below", 12, &["mesh.blocks[0].n=[14, 3, 14]"]),
+    ("finer above", 11, &["mesh.blocks[1].n=[15, 3, 15]"]),
+    ("P2 on Q2", 16, &["mesh.blocks[0].elements=\"P2\"", "mesh.blocks[1].elements=\"Q2\""]),
+    ("stiff on soft", 13, &["material.elasticity.young=2e7"]),
+    ("soft on stiff", 8, &["region[0].material.elasticity.young=2e7"]),
+    ("held by friction alone", 8, &["material.density=0", "region[0].material.density=0"]),
+];
+
+/// A pair takes about as many iterations for a linear system as a body on a foundation, whichever side is finer or
+/// stiffer, and its results are those of a factor. Where the levels took each side for held to the ground, it took
+/// hundreds.
+#[test]
+fn a_pair_takes_few_iterations() {
+    for (name, most, overrides) in PAIRS {
+        let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+        let case = case::parse(&Source::new("pair.toml", PAIR), &overrides).unwrap_or_else(|f| panic!("{name}: {f}"));
+        // No side is along the axes.
+        let turned = case.problem.with(|data| {
+            let mut mesh = (*data.mesh).clone();
+            for [x, y, z] in &mut mesh.points {
+                (*x, *y) = (0.8 * *x - 0.6 * *y, 0.6 * *x + 0.8 * *y);
+                (*y, *z) = (0.28 * *y - 0.96 * *z, 0.96 * *y + 0.28 * *z);
+            }
+            data.mesh = Arc::new(mesh);
+        });
+        let problem = turned.expect("valid data");
+        let (direct, iterative) =
+            (state(&problem, Arc::new(Supernodal)), state(&problem, Arc::new(Multigrid::default())));
+        let counts = &iterative.counts;
+        let systems = counts.newton_mechanics_total + counts.newton_heat_total;
+        println!(
+            "{name}: {} iterations of {systems} systems, {} with a factor",
+            counts.krylov_iterations,
+            direct.counts.newton_mechanics_total + direct.counts.newton_heat_total
+        );
+        for (of, a, b) in [("u", &direct.u, &iterative.u), ("θ", &direct.theta, &iterative.theta)] {
+            let scale = a.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+            let difference = a.iter().zip(b).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+            assert!(difference <= 1e-8 * scale, "{name}: {of} differs by {:.1e}", difference / scale);
+        }
+        assert!(counts.krylov_iterations <= most * systems, "{name}: {} in {systems}", counts.krylov_iterations);
+        let newton = direct.counts.newton_mechanics_total;
+        assert!(counts.newton_mechanics_total <= newton + newton / 4 + 2, "{name}: {newton} steps with a factor");
     }
 }
 

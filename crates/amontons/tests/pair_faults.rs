@@ -80,8 +80,6 @@ faults! {
         "contact.obstacle: found `obstacle` besides `with`, expected a rigid foundation, or the other side of a pair, not both";
     gauss_points: "with = \"disc_top\"" => "with = \"disc_top\"\nquadrature = \"gauss\"",
         "contact.quadrature: found Gauss points on a pair, expected nodal quadrature; the points of a pair are the vertices of its nonmortar side";
-    an_iteration: "[contact]" => "[solver]\nsolver = \"iterative\"\n[contact]",
-        "solver.solver: found \"iterative\" with a pair, expected \"direct\" or \"auto\" with a pair";
     twice: "[contact]\non = \"pad_bottom\"" => "[[contact]]\non = \"disc_top\"\nwith = \"pad_bottom\"\nnormal = { law = \"signorini\" }\n[[contact]]\non = \"pad_bottom\"",
         "contact[1].with: found \"pad_bottom\" and \"disc_top\" again, expected each pair of sides once; remove it, or merge it with entry 1";
     nothing_holds_the_disc: "on = \"disc_bottom\"\ndisplacement = [0, 0]" => "on = \"disc_bottom\"\npressure = 0",

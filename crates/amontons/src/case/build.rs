@@ -35,12 +35,6 @@ pub(super) fn problem(
     notes: Notes,
     has_other_end: bool,
 ) -> (Option<Built>, Vec<Finding>) {
-    // The iteration does not know of pairs.
-    let has_pairs = raw.contact.iter().flat_map(raw::Contacts::each).any(|(_, contact)| contact.is_pair());
-    let solver = match raw.solver.solver {
-        raw::Backend::Auto if has_pairs => raw::Backend::Direct,
-        solver => solver,
-    };
     let mut build = Build {
         findings: Vec::new(),
         doubtful: notes.doubtful,
@@ -50,7 +44,7 @@ pub(super) fn problem(
         is_sound: notes.doubtful.is_empty(),
         mesh_file: raw.mesh.file().map(|(file, scale)| (file.to_owned(), scale)),
         dim: 2,
-        solver,
+        solver: raw.solver.solver,
         end: raw.time.end,
         steps: raw.time.steps,
         has_other_end,
@@ -84,7 +78,7 @@ pub(super) fn problem(
         mesh: Arc::new(mesh),
         backend: Arc::new(Supernodal),
     };
-    data.backend = backend(solver, &data);
+    data.backend = backend(raw.solver.solver, &data);
     let probes = build.probes(&raw.probe, &data);
     let verify = raw.verify.map(|raw| build.verify(&raw, &data, exact.is_some()));
     let checked = data.check().map_err(|faults| build.findings.extend(faults.0.into_iter().map(Finding::from)));

@@ -94,9 +94,5 @@ impl Build<'_> {
                 self.note(&format!("{path}.{key}"), At::Value, found, expected, Some("remove one of them"));
             }
         }
-        if matches!(self.solver, raw::Backend::Iterative) {
-            let expected = "\"direct\" or \"auto\" with a pair";
-            self.note("solver.solver", At::Value, "\"iterative\" with a pair", expected, None);
-        }
     }
 }

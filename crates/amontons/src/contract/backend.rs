@@ -4,9 +4,33 @@ use std::sync::Arc;
 
 use super::{near, samples};
 use crate::forms;
-use crate::linalg::{Backend, BlockMatrix, EXACT, Entry, Graph, Layout, SolveError, System, Turn};
+use crate::linalg::{Backend, BlockMatrix, EXACT, Graph, Layout, SolveError, System, Tangent, Turn};
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{Diagonal, Mesh};
+
+/// Entries as of contact points that see a node and, with the opposite sign, two others, as the points of a pair do:
+/// one holds them together, one presses and slides, one is open.
+fn pair_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
+    let mut tangent = Tangent::new();
+    for (i, nodes) in contact.windows(3).enumerate() {
+        let row = nodes.iter().zip([1.0, -0.7, -0.3]);
+        let unknowns: Vec<(u32, usize, f64)> = row
+            .flat_map(|(&node, on)| (0..2).map(move |c| (2 * node as usize + c, c, on)))
+            .filter_map(|(dof, c, on)| Some((position[dof]?, c, on)))
+            .collect();
+        let slope = match i % 3 {
+            0 => [[1e8, 0.0], [0.0, 1e8]],
+            1 => [[0.0, 12.0], [0.0, 40.0]],
+            _ => continue,
+        };
+        let (unknowns, slope) = (&unknowns, &slope);
+        let entries = unknowns.iter().flat_map(|&(row, a, on)| {
+            unknowns.iter().map(move |&(column, b, of)| (row, column, on * slope[a][b] * of))
+        });
+        tangent.add(entries);
+    }
+    tangent
+}
 
 /// The sweeps around a contact problem without forces solve the system; the condensed operator is symmetric, has the
 /// scale and the magnitude that it claims, and is solved with stiff and nonsymmetric entries in any basis; a body that
@@ -36,19 +60,20 @@ pub fn assert_backend(backend: &Arc<dyn Backend>) {
     );
     assert_sweeps(backend, &mut system, &stiffness, &free);
     assert_condensed(backend, &mut system);
-    let entries = contact_entries(&contact, &on_contact);
-    assert_solutions(backend, &mut system, &entries);
-    assert_bases(backend, &mut system, &entries, &contact);
+    let tangent = contact_tangent(&contact, &on_contact);
+    assert_solutions(backend, &mut system, &tangent);
+    assert_bases(backend, &mut system, &tangent, &contact);
+    assert_solutions(backend, &mut system, &pair_tangent(&contact, &on_contact));
     // Without its support the body is held by the entries alone.
     let loose = Layout { free: &all, ..layout };
     let Ok(mut system) = System::new(backend, &stiffness, &loose) else {
         panic!("{backend:?}: a body that only contact holds was refused")
     };
-    let entries = contact_entries(&contact, &system.unknowns().positions(all.len()));
-    assert_solutions(backend, &mut system, &entries);
+    let tangent = contact_tangent(&contact, &system.unknowns().positions(all.len()));
+    assert_solutions(backend, &mut system, &tangent);
     let mut pushed = vec![1.0; system.condensed().len()];
     assert!(
-        system.condensed_mut().solve(&[], &mut pushed, EXACT).is_err(),
+        system.condensed_mut().solve(&Tangent::new(), &mut pushed, EXACT).is_err(),
         "{backend:?}: a body that nothing holds was pushed and came to rest"
     );
     let mut indefinite = BlockMatrix::clone(&stiffness);
@@ -64,17 +89,17 @@ fn given<T>(result: Result<T, SolveError>, what: &str) -> T {
 }
 
 /// Entries as of contact points that are stuck, pressed and sliding in turn: stiff, and not symmetric.
-fn contact_entries(contact: &[u32], position: &[Option<u32>]) -> Vec<Entry> {
-    let mut entries = Vec::new();
+fn contact_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
+    let mut tangent = Tangent::new();
     for (i, &node) in contact.iter().enumerate() {
         let (Some(x), Some(y)) = (position[2 * node as usize], position[2 * node as usize + 1]) else { continue };
         match i % 3 {
-            0 => entries.extend([(x, x, 1e8), (y, y, 1e8)]),
-            1 => entries.extend([(y, y, 40.0), (x, y, 12.0)]),
+            0 => tangent.add([(x, x, 1e8), (y, y, 1e8)]),
+            1 => tangent.add([(y, y, 40.0), (x, y, 12.0)]),
             _ => {}
         }
     }
-    entries
+    tangent
 }
 
 /// The sweeps around the problem on the kept unknowns.
@@ -94,7 +119,7 @@ fn assert_sweeps(backend: &Arc<dyn Backend>, system: &mut System, matrix: &Block
     let mut found = vec![0.0; free.len()];
     let solved = system.expand(reduced, &mut found, |_, _| Ok::<_, SolveError>((kept.clone(), ())));
     given(solved, &text);
-    let plain = given(system.linearised(&[], &right), &text);
+    let plain = given(system.linearised(&Tangent::new(), &right), &text);
     for (dof, exact) in solution.iter().enumerate() {
         near(found[dof], *exact, 1e-11, &format!("{text} at degree of freedom {dof}"));
         near(plain[dof], *exact, 1e-10, &format!("{text} at degree of freedom {dof}, S solved"));
@@ -131,28 +156,31 @@ fn assert_condensed(backend: &Arc<dyn Backend>, system: &mut System) {
 }
 
 /// Unknowns at random; those that stiff entries hold move so little that the forces are of the same size.
-fn moved(system: &System, entries: &[Entry]) -> Vec<f64> {
+fn moved(system: &System, tangent: &Tangent) -> Vec<f64> {
     let mut random = samples();
     let mut held = vec![1.0; system.condensed().len()];
-    for &(i, j, value) in entries.iter().filter(|(i, j, _)| i == j) {
+    for &(i, j, value) in tangent.entries().iter().filter(|(i, j, _)| i == j) {
         held[i as usize] += value / system.condensed().scale()[j as usize];
     }
     held.iter().map(|held| random.number() / held).collect()
 }
 
 /// Systems with entries, and whether they are definite.
-fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, entries: &[Entry]) {
-    let exact = moved(system, entries);
+fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, tangent: &Tangent) {
+    let exact = moved(system, tangent);
     let text = format!("{backend:?}: a system with contact");
     let mut b = given(system.condensed().apply(&exact), &text);
-    for &(i, j, value) in entries {
-        b[i as usize] += value * exact[j as usize];
-    }
-    given(system.condensed_mut().solve(entries, &mut b, EXACT), &text);
+    tangent.add_product(&exact, &mut b);
+    given(system.condensed_mut().solve(tangent, &mut b, EXACT), &text);
     for (i, (found, exact)) in b.iter().zip(&exact).enumerate() {
         near(*found, *exact, 1e-9, &format!("{text}, unknown {i}"));
     }
-    let of = |sign: f64| entries.iter().filter(|e| e.0 == e.1).map(|e| (e.0, e.1, sign * e.2)).collect::<Vec<_>>();
+    let of = |sign: f64| {
+        let mut diagonal = Tangent::new();
+        let entries = tangent.entries().iter().filter(|(i, j, _)| i == j);
+        entries.for_each(|&(i, j, value)| diagonal.add([(i, j, sign * value)]));
+        diagonal
+    };
     for sign in [1.0, -1.0] {
         let found = given(system.condensed_mut().is_positive_definite(&of(sign)), &text);
         assert_eq!(found, sign > 0.0, "{text}: definiteness with the factor {sign}");
@@ -160,7 +188,7 @@ fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, entries: &[
 }
 
 /// In other bases the same system has the same solution.
-fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, entries: &[Entry], contact: &[u32]) {
+fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, tangent: &Tangent, contact: &[u32]) {
     let position = system.unknowns().positions(1 + system.unknowns().dofs.iter().fold(0, |m, &d| m.max(d as usize)));
     let (sin, cos) = 0.4f64.sin_cos();
     let turn = |&node: &u32| {
@@ -168,7 +196,7 @@ fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, entries: &[Entr
         Some(Turn { unknowns: [x, y, 0], basis: [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0; 3]], dim: 2 })
     };
     let turns: Vec<Turn> = contact.iter().filter_map(turn).collect();
-    let exact = moved(system, entries);
+    let exact = moved(system, tangent);
     let text = format!("{backend:?}: a system in other bases");
     let straight = given(system.condensed().apply(&exact), &text);
     let forward = |x: &[f64]| {
@@ -187,10 +215,8 @@ fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, entries: &[Entr
     // The entries are in the bases, and so are what they hold.
     let turned = exact;
     b = given(system.condensed().apply(&turned), &text);
-    for &(i, j, value) in entries {
-        b[i as usize] += value * turned[j as usize];
-    }
-    given(system.condensed_mut().solve(entries, &mut b, EXACT), &text);
+    tangent.add_product(&turned, &mut b);
+    given(system.condensed_mut().solve(tangent, &mut b, EXACT), &text);
     for (i, (found, exact)) in b.iter().zip(&turned).enumerate() {
         near(*found, *exact, 1e-9, &format!("{text}, unknown {i}"));
     }

@@ -18,7 +18,7 @@ use super::normal::Response;
 use super::point::{Laws, Multiplier};
 use super::{ITERATIONS, STIFF};
 use crate::contact::GraphKind;
-use crate::linalg::{Condensed, Entry, SolveError, dot, max_abs};
+use crate::linalg::{Condensed, SolveError, Tangent, dot, max_abs};
 
 /// Share of the diagonal of S that holds a body that nothing holds.
 const HOLD: f64 = 1.0 / STIFF;
@@ -109,13 +109,13 @@ impl Mechanical<'_> {
 
     /// Newton's direction; none where there is none that leads down.
     fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
-        let mut entries = self.curvature(now);
+        let mut curvature = self.curvature(now);
         let mut step: Vec<f64> = now.f.iter().map(|f| -f).collect();
-        let held = condensed.solve(&entries, &mut step, ACCURACY);
+        let held = condensed.solve(&curvature, &mut step, ACCURACY);
         if let Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) = held {
-            entries.extend((0..step.len()).map(|i| (i as u32, i as u32, HOLD * condensed.scale()[i])));
+            curvature.add_diagonal(condensed.scale().iter().map(|scale| HOLD * scale));
             step = now.f.iter().map(|f| -f).collect();
-            match condensed.solve(&entries, &mut step, ACCURACY) {
+            match condensed.solve(&curvature, &mut step, ACCURACY) {
                 // What it leaves is no obstacle: whether the direction leads down is asked for.
                 Ok(()) | Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => {}
                 Err(error) => return Err(error),
@@ -209,17 +209,17 @@ impl Mechanical<'_> {
         if self.contact(i).friction.is_frictionless() { 0.0 } else { self.rho[i] }
     }
 
-    fn curvature(&self, now: &Gradient) -> Vec<Entry> {
-        let mut entries = Vec::new();
+    fn curvature(&self, now: &Gradient) -> Tangent {
+        let mut curvature = Tangent::new();
         for (i, laws) in now.laws.iter().enumerate() {
             let mut tangent = [[0.0; 3]; 3];
             tangent[0][0] = laws.normal.slope;
             for a in 1..self.step.dim {
                 tangent[a][a] = self.drag(i);
             }
-            self.interface.entries(i, &tangent, &mut entries);
+            self.interface.add_tangent(i, &tangent, &mut curvature);
         }
-        entries
+        curvature
     }
 }
 

@@ -9,7 +9,7 @@ use super::newton::{Effort, Iterate, Right, Term, iterate};
 use super::{Failure, ITERATIONS, STIFF, Solved};
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, arrays};
-use crate::linalg::{Condensed, Entry};
+use crate::linalg::{Condensed, Tangent};
 use crate::tensor::{dot, length};
 
 /// What is known of a heat step on Γ_C before it is solved.
@@ -170,17 +170,17 @@ impl HeatStep<'_> {
     /// The derivative of Σ ω Nᵀ q·ν in θ at a solution. A foundation with a heat capacity follows all of its contact
     /// points: with c = Σ ω Nᵀ ∂(q·ν)/∂θ_F and r = Σ ω N ∂(q·ν)/∂θ, it adds c rᵀ over the slope of its balance.
     #[must_use]
-    pub fn tangent(&self, exchange: &Exchange) -> Vec<Entry> {
+    pub fn tangent(&self, exchange: &Exchange) -> Tangent {
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
         let slopes: Vec<[f64; 2]> =
             exchange.flux.iter().map(|flux| [flux.by_temperature, flux.by_foundation]).collect();
-        let mut entries = Vec::new();
-        self.add_entries(&interface, &slopes, &mut entries);
-        entries
+        let mut tangent = Tangent::new();
+        self.add_tangent(&interface, &slopes, &mut tangent);
+        tangent
     }
 
-    /// Adds the entries of fluxes with these slopes in θ and θ_F.
-    fn add_entries(&self, interface: &Interface, slopes: &[[f64; 2]], entries: &mut Vec<Entry>) {
+    /// Adds the derivative of fluxes with these slopes in θ and θ_F.
+    fn add_tangent(&self, interface: &Interface, slopes: &[[f64; 2]], out: &mut Tangent) {
         for (i, [by_temperature, by_other]) in slopes.iter().enumerate() {
             let mut tangent = [[0.0; 3]; 3];
             tangent[0][0] = *by_temperature;
@@ -189,7 +189,7 @@ impl HeatStep<'_> {
                 tangent[0][1] = -by_other;
                 tangent[1] = tangent[0];
             }
-            interface.entries(i, &tangent, entries);
+            interface.add_tangent(i, &tangent, out);
         }
         for (side, lumped) in self.lumped.iter().enumerate() {
             let Some(lumped) = lumped else { continue };
@@ -203,9 +203,12 @@ impl HeatStep<'_> {
                     by_body.extend(interface.scaled_row(i, *of_body));
                 }
             }
-            for &(row, c) in &by_foundation {
-                entries.extend(by_body.iter().map(|&(col, r)| (row, col, c * r / slope)));
-            }
+            let (by_body, slope) = (&by_body, &slope);
+            out.add(
+                by_foundation
+                    .iter()
+                    .flat_map(|&(row, c)| by_body.iter().map(move |&(column, r)| (row, column, c * r / slope))),
+            );
         }
     }
 }
@@ -334,7 +337,7 @@ impl Term for Thermal<'_> {
         laws.iter().enumerate().filter(|(i, _)| matters(*i)).map(of).fold(0.0, f64::max)
     }
 
-    fn linearise(&self, laws: &Vec<Law>, entries: &mut Vec<Entry>, right: &mut [f64]) {
+    fn linearise(&self, laws: &Vec<Law>, tangent: &mut Tangent, right: &mut [f64]) {
         let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
         let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
         let beyond: Vec<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
@@ -343,7 +346,7 @@ impl Term for Thermal<'_> {
             let flux = value + by_foundation * warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
             self.interface.scatter(i, &self.step.both(i, flux).map(|flux| -flux), right);
         }
-        self.step.add_entries(&self.interface, &slopes, entries);
+        self.step.add_tangent(&self.interface, &slopes, tangent);
     }
 
     fn after(&self, laws: &Vec<Law>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {

@@ -9,7 +9,7 @@
 //! the same whatever way the body is turned.
 
 use crate::contact::{ContactBoundary, PointOnBoundary};
-use crate::linalg::{Entry, Turn};
+use crate::linalg::{Tangent, Turn};
 use crate::tensor::{Point, dot, length};
 
 /// Stiffness of one side of a pair relative to that of the other that is round-off.
@@ -194,17 +194,16 @@ impl Interface {
         }
     }
 
-    /// Adds the entries of ω Nᵀ T N of one point.
-    pub fn entries(&self, i: usize, tangent: &LocalTangent, out: &mut Vec<Entry>) {
+    /// Adds ω Nᵀ T N of one point.
+    pub fn add_tangent(&self, i: usize, tangent: &LocalTangent, out: &mut Tangent) {
         let (row, n) = (&self.rows[i], self.components);
-        for (at, on) in &row.entries {
-            for (by, of) in &row.entries {
+        let entries = row.entries.iter().flat_map(|(at, on)| {
+            row.entries.iter().map(move |(by, of)| {
                 let value: f64 = (0..n).map(|a| on[a] * (0..n).map(|b| tangent[a][b] * of[b]).sum::<f64>()).sum();
-                if value != 0.0 {
-                    out.push((*at, *by, row.weight * value));
-                }
-            }
-        }
+                (*at, *by, row.weight * value)
+            })
+        });
+        out.add(entries.filter(|(.., value)| *value != 0.0));
     }
 
     /// The weighted sum of one component of the rows over the unknowns of a point: ω Nᵀ e₁ with a factor.

@@ -12,7 +12,7 @@ use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::rule::Rule;
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
-use crate::linalg::{Condensed, Entry, SolveError, max_abs};
+use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 use crate::tensor::{Point, dot, length};
 
 /// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is
@@ -264,25 +264,25 @@ impl MechanicalStep<'_> {
         term.at_points(of)
     }
 
-    /// The derivatives at a solution: the entries of that of the contact forces in the velocity, and all of them at
-    /// each point. The entries are in the basis that `condensed` has.
+    /// The derivatives at a solution: that of the contact forces in the velocity, in the basis that `condensed` has,
+    /// and all of them at each point.
     pub fn tangent(
         &self,
         condensed: &mut dyn Condensed,
         w: &[f64],
         multipliers: &Multipliers,
-    ) -> (Vec<Entry>, Vec<PointDerivative>) {
+    ) -> (Tangent, Vec<PointDerivative>) {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
-        let mut entries = Vec::new();
+        let mut tangent = Tangent::new();
         let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
         let points = laws.iter().enumerate().map(|(i, laws)| {
-            term.interface.entries(i, &laws.linear(self.dim).1, &mut entries);
+            term.interface.add_tangent(i, &laws.linear(self.dim).1, &mut tangent);
             laws.derivative(&term.interface.rows[i], self.dim)
         });
         let points = points.collect();
-        (entries, points)
+        (tangent, points)
     }
 
     /// What the laws make of a state at each point: the pressure on the graph along ν and q + ρ w_τ projected onto the
@@ -323,16 +323,16 @@ impl MechanicalStep<'_> {
             return Ok(false);
         }
         condensed.turn(&term.interface.turns);
-        let mut entries = Vec::new();
+        let mut sum = Tangent::new();
         for (i, [normal, tangential]) in slopes.into_iter().enumerate() {
             let mut tangent: LocalTangent = [[0.0; 3]; 3];
             tangent[0][0] = normal;
             for a in 1..self.dim {
                 tangent[a][a] = tangential;
             }
-            term.interface.entries(i, &tangent, &mut entries);
+            term.interface.add_tangent(i, &tangent, &mut sum);
         }
-        condensed.is_positive_definite(&entries)
+        condensed.is_positive_definite(&sum)
     }
 }
 
@@ -418,11 +418,11 @@ impl Term for Mechanical<'_> {
         })
     }
 
-    fn linearise(&self, laws: &Vec<Laws>, entries: &mut Vec<Entry>, right: &mut [f64]) {
+    fn linearise(&self, laws: &Vec<Laws>, tangent: &mut Tangent, right: &mut [f64]) {
         for (i, laws) in laws.iter().enumerate() {
-            let (force, tangent) = laws.linear(self.step.dim);
+            let (force, slope) = laws.linear(self.step.dim);
             self.interface.scatter(i, &force.map(|f| -f), right);
-            self.interface.entries(i, &tangent, entries);
+            self.interface.add_tangent(i, &slope, tangent);
         }
     }
 

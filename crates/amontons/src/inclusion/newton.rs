@@ -6,7 +6,7 @@
 
 use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
-use crate::linalg::{Condensed, Entry, SolveError, max_abs};
+use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
 /// the residual has to fall by, and the least that is asked for at once.
@@ -32,8 +32,8 @@ pub(super) trait Term {
     fn is_sharp(&self, _x: &[f64], _laws: &Self::Laws, _tolerance: f64) -> bool {
         true
     }
-    /// The linearised laws: adds the entries of J = Σ ω Nᵀ T N, takes Σ ω Nᵀ f at an unchanged x off `right`.
-    fn linearise(&self, laws: &Self::Laws, entries: &mut Vec<Entry>, right: &mut [f64]);
+    /// The linearised laws: adds J = Σ ω Nᵀ T N, takes Σ ω Nᵀ f at an unchanged x off `right`.
+    fn linearise(&self, laws: &Self::Laws, tangent: &mut Tangent, right: &mut [f64]);
     /// The multipliers of the linearised laws after the step δx.
     fn after(&self, laws: &Self::Laws, before: &Self::Multipliers, step: &[f64]) -> Self::Multipliers;
     /// The multipliers a part α of the way from one to another.
@@ -252,14 +252,14 @@ fn newton_step<T: Term>(
     right: &Right,
     now: &Evaluation<T>,
 ) -> Result<Option<Vec<f64>>, SolveError> {
-    let (mut entries, mut step) = (Vec::new(), now.rest.clone());
-    term.linearise(&now.laws, &mut entries, &mut step);
+    let (mut tangent, mut step) = (Tangent::new(), now.rest.clone());
+    term.linearise(&now.laws, &mut tangent, &mut step);
     if let Some((beta, _)) = right.proximal {
-        entries.extend((0..step.len()).map(|i| (i as u32, i as u32, beta * condensed.scale()[i])));
+        tangent.add_diagonal(condensed.scale().iter().map(|scale| beta * scale));
     }
     // As far as the residual has to fall, but not further than a step with an unchanged contact pattern goes.
     let enough = (SHARE * now.tolerance / now.residual).max(ENOUGH);
-    match condensed.solve(&entries, &mut step, enough) {
+    match condensed.solve(&tangent, &mut step, enough) {
         Ok(()) => Ok(Some(step)),
         Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => Ok(None),
         Err(error) => Err(error),

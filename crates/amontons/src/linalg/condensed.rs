@@ -8,13 +8,11 @@ use std::fmt::Debug;
 use faer::Mat;
 
 use super::error::SolveError;
+use super::tangent::Tangent;
 use super::turn::Turn;
 
 /// Residual, relative to that of x = 0, of a solution as good as double precision has it.
 pub const EXACT: f64 = 1e-13;
-
-/// An entry that the boundary term adds to S: row, column, value.
-pub type Entry = (u32, u32, f64);
 
 /// What tells a tangent from others: a hash of its entries and of the bases of its nodes.
 pub type TangentKey = [u8; 32];
@@ -44,7 +42,7 @@ pub trait Condensed: Debug + Send + Sync {
         f64::INFINITY
     }
 
-    /// Solves (S + J) x = b in place, J the sum of the entries, until the residual is nearly `enough` times that of
+    /// Solves (S + J) x = b in place until the residual is nearly `enough` times that of
     /// x = 0; a backend with a factor leaves what its round-off leaves. Where J is much stiffer than S, a residual
     /// counts as the displacement that it means, times the stiffness of S: otherwise it would hide the residuals of
     /// the other unknowns.
@@ -52,13 +50,13 @@ pub trait Condensed: Debug + Send + Sync {
     /// # Errors
     /// [`SolveError::Singular`] where a solution leaves much of b, as that of a singular matrix does; another one when
     /// the system cannot be solved.
-    fn solve(&mut self, entries: &[Entry], b: &mut [f64], enough: f64) -> Result<(), SolveError>;
+    fn solve(&mut self, tangent: &Tangent, b: &mut [f64], enough: f64) -> Result<(), SolveError>;
 
-    /// Whether S + J is positive definite, J the sum of the entries, which is symmetric.
+    /// Whether S + J is positive definite, J symmetric.
     ///
     /// # Errors
     /// When that cannot be found out.
-    fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError>;
+    fn is_positive_definite(&mut self, tangent: &Tangent) -> Result<bool, SolveError>;
 
     /// Takes the unknowns of some nodes in other bases: from here on S, products, solutions and entries are in these.
     fn turn(&mut self, turns: &[Turn]);

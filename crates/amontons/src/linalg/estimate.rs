@@ -186,7 +186,7 @@ impl Choice {
     }
 
     /// The words for a solver that is not chosen by what it takes.
-    pub const ASKED: &str = "set by solver.solver, or because there is a pair of bodies";
+    pub const ASKED: &str = "set by solver.solver";
 
     /// The solver that the case asks for.
     #[must_use]

@@ -1,11 +1,17 @@
-//! Dense factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on
+//! Factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on
 //! the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt;
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::PermRef;
+use faer::prelude::Solve;
+use faer::sparse::linalg::solvers;
+use faer::sparse::{SparseColMat, Triplet};
 use faer::{Mat, MatMut, Par, Spec};
+
+use super::error::SolveError;
+use super::tangent::Entry;
 
 /// A = P⁻¹ L U with partial pivoting.
 #[derive(Debug)]
@@ -70,6 +76,44 @@ pub(super) fn is_positive_definite(mut matrix: Mat<f64>) -> bool {
         Spec::default(),
     )
     .is_ok()
+}
+
+/// A sparse matrix with its factors.
+#[derive(Debug)]
+pub(super) struct SparseLu {
+    matrix: SparseColMat<usize, f64>,
+    factors: solvers::Lu<usize, f64>,
+}
+
+impl SparseLu {
+    /// Factorizes the square matrix that is the sum of the entries.
+    ///
+    /// # Errors
+    /// When it is singular.
+    pub fn new(size: usize, entries: impl Iterator<Item = Entry>) -> Result<SparseLu, SolveError> {
+        let singular = || SolveError::Singular { size };
+        let triplets: Vec<_> = entries.map(|(i, j, value)| Triplet::new(i as usize, j as usize, value)).collect();
+        let matrix = SparseColMat::try_new_from_triplets(size, size, &triplets).map_err(|_| singular())?;
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().map_err(|_| singular())?;
+        let factors = pool.install(|| matrix.sp_lu()).map_err(|_| singular())?;
+        Ok(SparseLu { matrix, factors })
+    }
+
+    /// A⁻¹ b.
+    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+        let solved = self.factors.solve(&Mat::from_fn(b.len(), 1, |i, _| b[i]));
+        (0..b.len()).map(|i| solved[(i, 0)]).collect()
+    }
+
+    /// A x.
+    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        for (j, &x) in x.iter().enumerate() {
+            let column = self.matrix.row_idx_of_col(j).zip(self.matrix.val_of_col(j));
+            column.for_each(|(i, value)| y[i] += value * x);
+        }
+        y
+    }
 }
 
 #[cfg(test)]

@@ -18,13 +18,14 @@ mod stop;
 mod supernodal;
 mod sweeps;
 mod system;
+mod tangent;
 mod turn;
 mod unknowns;
 
 use std::sync::Arc;
 
 pub use automatic::Automatic;
-pub use condensed::{Condensed, EXACT, Entry, TangentKey};
+pub use condensed::{Condensed, EXACT, TangentKey};
 pub use dense::Dense;
 pub use eigen::{Eigenpair, Pencil, Quotient, largest};
 pub use error::SolveError;
@@ -36,6 +37,7 @@ pub use ordering::{Ordering, column_lengths, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
 pub use supernodal::Supernodal;
 pub use system::System;
+pub use tangent::{Entry, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
 

@@ -8,12 +8,13 @@ use faer::Mat;
 use rayon::prelude::*;
 use sha2::{Digest, Sha256};
 
-use super::condensed::{Condensed, Entry, TangentKey};
+use super::condensed::{Condensed, TangentKey};
 use super::error::SolveError;
 use super::krylov::gmres;
-use super::lu::{Lu, is_positive_definite};
+use super::lu::{Lu, SparseLu, is_positive_definite};
 use super::sparse::max_abs;
 use super::stop::Stop;
+use super::tangent::Tangent;
 use super::turn::{Turn, turned};
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
@@ -21,6 +22,9 @@ const KEPT: usize = 8;
 
 /// Unknowns on Γ_C from which on a factor of S + J, whose work is of their third power, costs more than an iteration.
 const LARGE: usize = 2000;
+/// Entries of J for each unknown up to which they are those of neighbours; the temperature of a foundation that follows
+/// all of its points joins each unknown with every other.
+const NEIGHBOURS: usize = 1500;
 /// Residual of the iteration, and most products with S that it makes. Newton's method meets what is left.
 const TOLERANCE: f64 = 1e-13;
 const PRODUCTS: usize = 400;
@@ -66,32 +70,29 @@ pub(super) struct Schur {
 #[derive(Debug)]
 enum Kept {
     /// With the factor of S + J.
-    Factor(Vec<Entry>, Lu),
+    Factor(Tangent, Lu),
     /// By its key alone: the run that this one goes on from had the factor.
     Known(TangentKey),
 }
 
 impl Kept {
-    fn is(&self, entries: &[Entry], turns: &[Turn]) -> bool {
+    fn is(&self, tangent: &Tangent, turns: &[Turn]) -> bool {
         match self {
-            Kept::Factor(kept, _) => {
-                kept.len() == entries.len()
-                    && kept.iter().zip(entries).all(|(a, b)| a.0 == b.0 && a.1 == b.1 && a.2.to_bits() == b.2.to_bits())
-            }
-            Kept::Known(key) => *key == tangent_key(entries, turns),
+            Kept::Factor(kept, _) => kept.is_same(tangent),
+            Kept::Known(key) => *key == tangent_key(tangent, turns),
         }
     }
 }
 
 /// What tells J in the bases of its nodes from another one.
-fn tangent_key(entries: &[Entry], turns: &[Turn]) -> TangentKey {
+fn tangent_key(tangent: &Tangent, turns: &[Turn]) -> TangentKey {
     let mut hash = Sha256::new();
     for turn in turns {
         turn.unknowns.iter().for_each(|unknown| hash.update(unknown.to_le_bytes()));
         turn.basis.iter().flatten().for_each(|component| hash.update(component.to_bits().to_le_bytes()));
     }
     hash.update((turns.len() as u64).to_le_bytes());
-    for (row, column, value) in entries {
+    for (row, column, value) in tangent.entries() {
         hash.update(row.to_le_bytes());
         hash.update(column.to_le_bytes());
         hash.update(value.to_bits().to_le_bytes());
@@ -118,10 +119,10 @@ impl Schur {
         }
     }
 
-    /// S + J, J the sum of the entries.
-    fn with(&self, entries: &[Entry]) -> Mat<f64> {
+    /// S + J.
+    fn with(&self, tangent: &Tangent) -> Mat<f64> {
         let mut matrix = Mat::clone(&self.s);
-        for &(i, j, value) in entries {
+        for &(i, j, value) in tangent.entries() {
             matrix[(i as usize, j as usize)] += value;
         }
         matrix
@@ -143,19 +144,19 @@ impl Schur {
         y
     }
 
-    fn solve_unchecked(&mut self, entries: &[Entry], b: &mut [f64]) -> Result<(), SolveError> {
+    fn solve_unchecked(&mut self, tangent: &Tangent, b: &mut [f64]) -> Result<(), SolveError> {
         self.stop.go_on()?;
         // S alone is solved with over and over, by eigenvalue problems; S + J changes with the contact pattern.
-        if self.is_large && !entries.is_empty() {
-            b.copy_from_slice(&self.iterate(entries, b)?);
+        if self.is_large && !tangent.is_empty() {
+            b.copy_from_slice(&self.iterate(tangent, b)?);
             return Ok(());
         }
-        let found = self.kept.iter().position(|kept| kept.is(entries, &self.turns));
+        let found = self.kept.iter().position(|kept| kept.is(tangent, &self.turns));
         let kept = match found.and_then(|found| self.kept.remove(found)) {
             Some(factor @ Kept::Factor(..)) => factor,
             known => {
                 self.factorizations += usize::from(known.is_none());
-                Kept::Factor(entries.to_vec(), Lu::new(self.with(entries)))
+                Kept::Factor(tangent.clone(), Lu::new(self.with(tangent)))
             }
         };
         if let Kept::Factor(_, lu) = &kept {
@@ -167,17 +168,17 @@ impl Schur {
     }
 
     /// The same by GMRES, preconditioned from the right.
-    fn iterate(&self, entries: &[Entry], b: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let blocks = self.blocks(entries);
+    fn iterate(&self, tangent: &Tangent, b: &[f64]) -> Result<Vec<f64>, SolveError> {
+        let near = self.near(tangent)?;
         let mut x = vec![0.0; b.len()];
         let mut rest = b.to_vec();
         for _ in 0..PASSES {
             let before = max_abs(&rest);
             let wanted = (TOLERANCE * max_abs(b) / before).max(PASS);
-            let product = |y: &[f64]| self.stop.go_on().map(|()| self.sum(entries, &precondition(&blocks, y)));
+            let product = |y: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, &near.solve(y)));
             let solved = gmres(product, &rest, wanted, PRODUCTS)?;
-            x.iter_mut().zip(precondition(&blocks, &solved.x)).for_each(|(x, change)| *x += change);
-            rest.iter_mut().zip(b).zip(self.sum(entries, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
+            x.iter_mut().zip(near.solve(&solved.x)).for_each(|(x, change)| *x += change);
+            rest.iter_mut().zip(b).zip(self.sum(tangent, &x)).for_each(|((rest, b), sum)| *rest = b - sum);
             if max_abs(&rest) <= TOLERANCE * max_abs(b) || max_abs(&rest) > 0.1 * before {
                 break;
             }
@@ -186,35 +187,33 @@ impl Schur {
     }
 
     /// (S + J) x.
-    fn sum(&self, entries: &[Entry], x: &[f64]) -> Vec<f64> {
+    fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
         let mut y = self.product(x, |s, x| s * x);
-        for &(i, j, value) in entries {
-            y[i as usize] += value * x[j as usize];
-        }
+        tangent.add_product(x, &mut y);
         y
     }
 
-    /// The blocks of S + J on the diagonal, a node each, factorized.
-    fn blocks(&self, entries: &[Entry]) -> Vec<(usize, Lu)> {
+    /// The blocks of S on the diagonal, a node each, with J, factorized.
+    fn near(&self, tangent: &Tangent) -> Result<Near, SolveError> {
         let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.s.nrows());
-        let mut blocks: Vec<(usize, Mat<f64>)> = self
-            .nodes
-            .iter()
-            .enumerate()
-            .map(|(node, &first)| {
-                (first, self.s.submatrix(first, first, end(node) - first, end(node) - first).to_owned())
-            })
-            .collect();
-        for &(i, j, value) in entries {
-            let (i, j) = (i as usize, j as usize);
-            let node = self.nodes.partition_point(|&first| first <= i).saturating_sub(1);
-            if let Some((first, block)) =
-                blocks.get_mut(node).filter(|(first, block)| j >= *first && j < *first + block.ncols())
-            {
-                block[(i - *first, j - *first)] += value;
+        let blocks = self.nodes.iter().enumerate().map(|(node, &first)| (first, end(node) - first));
+        let node_of = |i: u32| self.nodes.partition_point(|&first| first <= i as usize).saturating_sub(1);
+        let couples = || tangent.entries().iter().any(|&(i, j, _)| node_of(i) != node_of(j));
+        if tangent.entries().len() <= NEIGHBOURS * self.s.nrows() && couples() {
+            let of_block =
+                |(first, size): (usize, usize)| (0..size * size).map(move |k| (first + k / size, first + k % size));
+            let own = blocks.flat_map(of_block).map(|(i, j)| (i as u32, j as u32, self.s[(i, j)]));
+            let sum = own.chain(tangent.entries().iter().copied());
+            return Ok(Near::Coupled(Box::new(SparseLu::new(self.s.nrows(), sum)?)));
+        }
+        let own = |(first, size)| (first, self.s.submatrix(first, first, size, size).to_owned());
+        let mut blocks: Vec<(usize, Mat<f64>)> = blocks.map(own).collect();
+        for &(i, j, value) in tangent.entries() {
+            if let Some((first, block)) = blocks.get_mut(node_of(i)) {
+                block[(i as usize - *first, j as usize - *first)] += value;
             }
         }
-        blocks.into_iter().map(|(first, block)| (first, Lu::new(block))).collect()
+        Ok(Near::Nodes(blocks.into_iter().map(|(first, block)| (first, Lu::new(block))).collect()))
     }
 }
 
@@ -236,9 +235,9 @@ impl Condensed for Schur {
         2.0 * self.largest * x.iter().map(|x| x.abs()).sum::<f64>()
     }
 
-    fn solve(&mut self, entries: &[Entry], b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
+    fn solve(&mut self, tangent: &Tangent, b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
         let right = b.to_vec();
-        self.solve_unchecked(entries, b)?;
+        self.solve_unchecked(tangent, b)?;
         // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
         let round_off = f64::EPSILON * self.largest * max_abs(b);
         let suspicious = round_off > SUSPICIOUS * max_abs(&right);
@@ -249,12 +248,12 @@ impl Condensed for Schur {
         if !suspicious && !max_abs(b).is_nan() {
             return Ok(());
         }
-        let left: Vec<f64> = self.sum(entries, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
+        let left: Vec<f64> = self.sum(tangent, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
         if max_abs(&left) <= LEFT * max_abs(&right) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
     }
 
-    fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError> {
-        Ok(is_positive_definite(self.with(entries)))
+    fn is_positive_definite(&mut self, tangent: &Tangent) -> Result<bool, SolveError> {
+        Ok(is_positive_definite(self.with(tangent)))
     }
 
     fn turn(&mut self, turns: &[Turn]) {
@@ -280,7 +279,7 @@ impl Condensed for Schur {
 
     fn kept(&self) -> Vec<TangentKey> {
         let key = |kept: &Kept| match kept {
-            Kept::Factor(entries, _) => tangent_key(entries, &self.turns),
+            Kept::Factor(tangent, _) => tangent_key(tangent, &self.turns),
             Kept::Known(key) => *key,
         };
         self.kept.iter().map(key).collect()
@@ -302,13 +301,29 @@ fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
     scale
 }
 
-/// The solution of the systems on the diagonal.
-fn precondition(blocks: &[(usize, Lu)], y: &[f64]) -> Vec<f64> {
-    let mut x = y.to_vec();
-    for (first, lu) in blocks {
-        lu.solve(&mut x[*first..first + lu.size()]);
+/// The part of S + J that is stiff: J, and of S what joins the unknowns of a node.
+#[derive(Debug)]
+enum Near {
+    /// Node by node.
+    Nodes(Vec<(usize, Lu)>),
+    /// As a whole, where contact couples nodes as that of a pair does.
+    Coupled(Box<SparseLu>),
+}
+
+impl Near {
+    /// The solution with this part alone.
+    fn solve(&self, y: &[f64]) -> Vec<f64> {
+        match self {
+            Near::Nodes(blocks) => {
+                let mut x = y.to_vec();
+                for (first, lu) in blocks {
+                    lu.solve(&mut x[*first..first + lu.size()]);
+                }
+                x
+            }
+            Near::Coupled(factors) => factors.solve(y),
+        }
     }
-    x
 }
 
 #[cfg(test)]
@@ -327,11 +342,11 @@ mod tests {
             let scalar: f64 = (0..nodes).map(|k| (k as f64 + 1.0) * mode(k, i / dim) * mode(k, j / dim)).sum();
             scalar * if i % dim == j % dim { 2.0 } else { 0.3 }
         });
-        let mut entries = Vec::new();
+        let mut tangent = Tangent::new();
         for node in (0..nodes as u32).filter(|node| node % 3 > 0) {
             let at = |c: u32| node * dim as u32 + c;
             let stiff = if node % 3 == 1 { 1e12 } else { 0.0 };
-            entries.extend([(at(1), at(1), 1e5), (at(0), at(1), 4e4), (at(0), at(0), stiff), (at(2), at(2), stiff)]);
+            tangent.add([(at(1), at(1), 1e5), (at(0), at(1), 4e4), (at(0), at(0), stiff), (at(2), at(2), stiff)]);
         }
         let first: Vec<usize> = (0..nodes).map(|node| node * dim).collect();
         let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
@@ -341,12 +356,27 @@ mod tests {
         );
         iteration.is_large = true;
         let (mut x, mut y) = (b.clone(), b.clone());
-        assert_eq!(factor.solve(&entries, &mut x, 0.0), Ok(()));
-        assert_eq!(iteration.solve(&entries, &mut y, 0.0), Ok(()));
-        let rest: Vec<f64> = iteration.sum(&entries, &y).iter().zip(&b).map(|(s, b)| s - b).collect();
+        assert_eq!(factor.solve(&tangent, &mut x, 0.0), Ok(()));
+        assert_eq!(iteration.solve(&tangent, &mut y, 0.0), Ok(()));
+        let rest: Vec<f64> = iteration.sum(&tangent, &y).iter().zip(&b).map(|(s, b)| s - b).collect();
         assert!(max_abs(&rest) < 1e-11, "{:e}", max_abs(&rest));
         let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
         assert!(max_abs(&difference) < 1e-10 * max_abs(&x), "{:e}", max_abs(&difference));
+        // A node held to three others, as at a point of a pair.
+        let mut joined = Tangent::new();
+        for node in (0..nodes as u32 / 2).filter(|node| node % 4 > 0) {
+            let others = &[(node, 1.0), (59 - node, -0.5), (58 - node, -0.3), (57 - node, -0.2)];
+            joined.add((0..dim as u32).flat_map(|c| {
+                others.iter().flat_map(move |&(i, on)| {
+                    others.iter().map(move |&(j, of)| (i * dim as u32 + c, j * dim as u32 + c, 1e12 * on * of))
+                })
+            }));
+        }
+        let (mut x, mut y) = (b.clone(), b.clone());
+        assert_eq!(factor.solve(&joined, &mut x, 0.0), Ok(()));
+        assert_eq!(iteration.solve(&joined, &mut y, 0.0), Ok(()));
+        let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
+        assert!(max_abs(&difference) < 1e-7 * max_abs(&x), "{:e}", max_abs(&difference));
         let (small, large) = (factor.apply(&b), iteration.apply(&b));
         assert_eq!(small, large, "products in parts have the bits of those in one");
         assert!(factor.magnitude(&b).is_ok_and(|size| size <= factor.magnitude_bound(&b)));

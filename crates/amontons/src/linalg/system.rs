@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use super::condensed::{Condensed, EXACT, Entry};
+use super::condensed::{Condensed, EXACT};
 use super::error::SolveError;
 use super::estimate::Choice;
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
+use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 
 /// A system K x = r, factorized by a backend, with its condensed operator.
@@ -126,20 +127,20 @@ impl System {
         Ok(result)
     }
 
-    /// Solves the system with the entries of a contact term added, for all degrees of freedom.
+    /// Solves the system with the tangent of a contact term added, for all degrees of freedom.
     ///
     /// # Errors
-    /// When the system with the entries is singular, or cannot be solved.
-    pub fn linearised(&mut self, entries: &[Entry], right: &[f64]) -> Result<Vec<f64>, SolveError> {
+    /// When the system with the tangent is singular, or cannot be solved.
+    pub fn linearised(&mut self, tangent: &Tangent, right: &[f64]) -> Result<Vec<f64>, SolveError> {
         let mut x = self.reduce(right)?;
         let (_, kept) = x.split_at_mut(self.unknowns.interior);
         if !kept.is_empty() {
-            // The entries are in the bases of the contact points.
+            // The tangent is in the bases of the contact points.
             let turns = self.condensed.turns().to_vec();
             for turn in &turns {
                 turn.forward(kept);
             }
-            self.condensed.solve(entries, kept, EXACT)?;
+            self.condensed.solve(tangent, kept, EXACT)?;
             for turn in &turns {
                 turn.back(kept);
             }
@@ -156,7 +157,7 @@ impl System {
     /// # Errors
     /// When S is singular, or the system cannot be solved.
     pub fn solve_condensed(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {
-        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&[], r, enough) }
+        if self.condensed.is_empty() { Ok(()) } else { self.condensed.solve(&Tangent::new(), r, enough) }
     }
 
     /// Whether systems are solved with a factor.

@@ -11,7 +11,7 @@ use super::mechanics::Mechanics;
 use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
 use super::{Contraction, CouplingReport, StepError};
 use crate::inclusion::{PointDerivative, Rule};
-use crate::linalg::{BlockMatrix, Entry, SolveError, dot, gmres, max_abs};
+use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
@@ -194,7 +194,7 @@ impl<'a> Coupled<'a> {
     /// shorter parts of the Newton step.
     fn newton(&mut self, now: &Iterate) -> Option<Iterate> {
         // A direction that cannot be found is none: passes of the fixed point go on.
-        let tangent = Tangent::new(self, &now.pass).ok()?;
+        let tangent = Linearised::new(self, &now.pass).ok()?;
         let most = now.residual.len().min(PRODUCTS);
         let right = tangent.right(self, &now.residual).ok()?;
         let change = gmres(|change| tangent.apply(self, change), &right, LINEAR, most).ok()?.x;
@@ -285,10 +285,10 @@ impl Progress {
 }
 
 /// The derivative of both half-steps at a solution.
-struct Tangent {
-    mechanics: Vec<Entry>,
+struct Linearised {
+    mechanics: Tangent,
     points: Vec<PointDerivative>,
-    heat: Vec<Entry>,
+    heat: Tangent,
     /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q, the slip and ν at each contact point.
     fluxes: Vec<[f64; 4]>,
     friction: Vec<[Point; 2]>,
@@ -301,9 +301,9 @@ struct Tangent {
     rubs: Vec<bool>,
 }
 
-impl Tangent {
+impl Linearised {
     /// Where matrices depend on the temperature they are factorized at the solution.
-    fn new(coupled: &mut Coupled, pass: &Pass) -> Result<Tangent, SolveError> {
+    fn new(coupled: &mut Coupled, pass: &Pass) -> Result<Linearised, SolveError> {
         let Step { discrete, .. } = coupled.step;
         if discrete.softens() {
             pass.mechanics.renew(&coupled.step, coupled.mechanics)?;
@@ -327,7 +327,7 @@ impl Tangent {
         let heat_slope = discrete.thermal_slope(&pass.heat.theta);
         let contacts = coupled.step.contacts;
         let rubs = coupled.step.boundary.points.iter().map(|point| contacts[point.contact].rubs()).collect();
-        Ok(Tangent { mechanics, points, heat, fluxes, friction, normals, force_slope, heat_slope, rubs })
+        Ok(Linearised { mechanics, points, heat, fluxes, friction, normals, force_slope, heat_slope, rubs })
     }
 
     /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the

@@ -5,7 +5,7 @@ use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{Entry, SolveError, max_abs};
+use crate::linalg::{SolveError, Tangent, max_abs};
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -275,12 +275,12 @@ impl Heat {
         half.replace(step.discrete.thermal_tangent(step.rule, &self.theta), &self.theta)
     }
 
-    /// The derivative of χ in θ at the solution: the entries it adds to S.
-    pub fn contact_tangent(&self, step: &Step, half: &HalfStep, states: &[PointState]) -> Vec<Entry> {
+    /// The derivative of χ in θ at the solution.
+    pub fn contact_tangent(&self, step: &Step, half: &HalfStep, states: &[PointState]) -> Tangent {
         let given = Given::new(step, &self.theta);
         given
             .on_boundary(step, &half.on_contact, states)
-            .map_or_else(Vec::new, |on_boundary| on_boundary.tangent(&self.exchange))
+            .map_or_else(Tangent::new, |on_boundary| on_boundary.tangent(&self.exchange))
     }
 }
 

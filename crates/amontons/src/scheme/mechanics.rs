@@ -5,7 +5,7 @@ use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Step, on_degrees, witho
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{Entry, SolveError, max_abs};
+use crate::linalg::{SolveError, Tangent, max_abs};
 use crate::tensor::Point;
 
 /// What the mechanical half-step found.
@@ -191,9 +191,8 @@ impl Mechanics {
         on_degrees(step.boundary, &step.discrete.v, change)
     }
 
-    /// The derivatives of the contact forces at the solution: the entries they add to S, and what each contact point
-    /// sees.
-    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Vec<Entry>, Vec<PointDerivative>) {
+    /// The derivatives of the contact forces at the solution: what they add to S, and what each contact point sees.
+    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, Vec<PointDerivative>) {
         let w = half.system.kept_of(&self.w);
         let HalfStep { system, on_contact, .. } = half;
         self.given

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{Failure, NotConverged, Rule};
-use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System};
+use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
@@ -277,7 +277,7 @@ pub(super) fn without_contact(
 ) -> Result<(Vec<f64>, usize), Failure> {
     let mut x = r.to_vec();
     if !x.is_empty() {
-        condensed.solve(&[], &mut x, EXACT)?;
+        condensed.solve(&Tangent::new(), &mut x, EXACT)?;
         x.iter_mut().zip(guess).for_each(|(x, guess)| *x += guess);
     }
     Ok((x, 0))

@@ -16,13 +16,6 @@ pub(in crate::case) enum Contacts {
     Several(Vec<Contact>),
 }
 
-impl Contact {
-    /// Whether it is contact of two deformable sides.
-    pub fn is_pair(&self) -> bool {
-        self.with.is_some() || self.automatic.is_some()
-    }
-}
-
 impl Contacts {
     /// The contacts with their paths.
     pub fn all(self) -> Vec<(String, Contact)> {

@@ -4,11 +4,12 @@ use std::sync::Arc;
 
 use super::local::Local;
 use super::precondition::{Body, Preconditioner};
-use crate::linalg::condensed::{Condensed, Entry};
+use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
 use crate::linalg::sparse::{BlockMatrix, max_abs};
 use crate::linalg::stop::Stop;
+use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
 
@@ -35,8 +36,8 @@ pub(super) struct Iterative {
     scale: Vec<f64>,
     turns: Vec<Turn>,
     preconditioner: Option<Preconditioner>,
-    /// The entries that the preconditioner has taken up.
-    entries: Vec<Entry>,
+    /// What the preconditioner has taken up; none where that is in other bases.
+    tangent: Option<Tangent>,
     iterations: usize,
     stop: Stop,
 }
@@ -65,7 +66,7 @@ impl Iterative {
             scale,
             turns: Vec::new(),
             preconditioner: None,
-            entries: Vec::new(),
+            tangent: None,
             iterations: 0,
             stop,
         }
@@ -78,10 +79,9 @@ impl Iterative {
         full
     }
 
-    /// Entries and turns by degree of freedom.
-    fn by_degree(&self, entries: &[Entry]) -> (Vec<Entry>, Vec<Turn>) {
+    /// The tangent and the turns by degree of freedom.
+    fn by_degree(&self, tangent: &Tangent) -> (Tangent, Vec<Turn>) {
         let dof = |u: u32| self.unknowns.dofs[u as usize];
-        let entries = entries.iter().map(|&(i, j, value)| (dof(i), dof(j), value)).collect();
         let n = self.matrix.block_shape().0;
         let of = |turn: &Turn| {
             let mut unknowns = [0; 3];
@@ -90,15 +90,13 @@ impl Iterative {
             }
             Turn { unknowns, ..*turn }
         };
-        (entries, self.turns.iter().map(of).collect())
+        (tangent.renamed(dof), self.turns.iter().map(of).collect())
     }
 
     /// (S + J) x.
-    fn sum(&self, entries: &[Entry], x: &[f64]) -> Vec<f64> {
+    fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
         let mut y = self.product(x);
-        for &(i, j, value) in entries {
-            y[i as usize] += value * x[j as usize];
-        }
+        tangent.add_product(x, &mut y);
         y
     }
 
@@ -120,20 +118,20 @@ impl Iterative {
         y
     }
 
-    /// Makes the preconditioner, or has it take up other entries.
-    fn prepare(&mut self, entries: &[Entry]) -> Result<(), SolveError> {
-        let is_same = self.entries.iter().map(bits).eq(entries.iter().map(bits));
+    /// Makes the preconditioner, or has it take up another tangent.
+    fn prepare(&mut self, tangent: &Tangent) -> Result<(), SolveError> {
+        let is_same = self.tangent.as_ref().is_some_and(|taken| taken.is_same(tangent));
         if is_same && self.preconditioner.is_some() {
             return Ok(());
         }
-        let (by_degree, turns) = self.by_degree(entries);
+        let (by_degree, turns) = self.by_degree(tangent);
         let body = Body { matrix: &self.matrix, points: &self.unknowns.points, free: &self.free };
         let mut preconditioner = match self.preconditioner.take() {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
         };
         preconditioner.add(&body, &by_degree, &turns)?;
-        (self.preconditioner, self.entries) = (Some(preconditioner), entries.to_vec());
+        (self.preconditioner, self.tangent) = (Some(preconditioner), Some(tangent.clone()));
         Ok(())
     }
 
@@ -184,8 +182,8 @@ impl Iterative {
     }
 
     /// b − (S + J) x.
-    fn leave(&self, entries: &[Entry], b: &[f64], x: &[f64], rest: &mut [f64]) {
-        rest.iter_mut().zip(b).zip(self.sum(entries, x)).for_each(|((rest, b), sum)| *rest = b - sum);
+    fn leave(&self, tangent: &Tangent, b: &[f64], x: &[f64], rest: &mut [f64]) {
+        rest.iter_mut().zip(b).zip(self.sum(tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
     }
 
     /// GMRES with a preconditioner that is not quite linear, as one in single precision: what it makes of each vector
@@ -212,14 +210,14 @@ impl Iterative {
     }
 
     /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves.
-    fn iterate(&mut self, entries: &[Entry], b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
-        let is_symmetric = is_symmetric(entries);
+    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
+        let is_symmetric = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
         let whole = norm(&self.weighed(b));
         let products = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
-            let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(entries, v));
+            let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
             let (change, made) = if is_symmetric {
                 let solved = conjugate_gradients(
                     product,
@@ -234,9 +232,9 @@ impl Iterative {
             };
             self.iterations += made;
             x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
-            self.leave(entries, b, &x, &mut rest);
+            self.leave(tangent, b, &x, &mut rest);
             self.settle(&rest, &mut x);
-            self.leave(entries, b, &x, &mut rest);
+            self.leave(tangent, b, &x, &mut rest);
             let now = norm(&self.weighed(&rest)) / whole;
             let stalls = now > 0.5 * left || now.is_nan();
             left = now;
@@ -262,12 +260,12 @@ impl Condensed for Iterative {
         Ok(max_abs(&self.unknowns.gather(&self.matrix.magnitude(&self.spread(x)))))
     }
 
-    fn solve(&mut self, entries: &[Entry], b: &mut [f64], enough: f64) -> Result<(), SolveError> {
+    fn solve(&mut self, tangent: &Tangent, b: &mut [f64], enough: f64) -> Result<(), SolveError> {
         if b.iter().all(|b| *b == 0.0) {
             return Ok(());
         }
-        self.prepare(entries)?;
-        let (x, left) = self.iterate(entries, b, enough)?;
+        self.prepare(tangent)?;
+        let (x, left) = self.iterate(tangent, b, enough)?;
         b.copy_from_slice(&x);
         // Half of the digits that were asked for are as good as a stalled iteration has to be.
         if left <= enough.sqrt() {
@@ -279,14 +277,14 @@ impl Condensed for Iterative {
         }
     }
 
-    fn is_positive_definite(&mut self, entries: &[Entry]) -> Result<bool, SolveError> {
+    fn is_positive_definite(&mut self, tangent: &Tangent) -> Result<bool, SolveError> {
         if self.is_empty() {
             return Ok(true);
         }
-        self.prepare(entries)?;
+        self.prepare(tangent)?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
-        let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(entries, v));
+        let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
         let solved = conjugate_gradients(product, |r| self.precondition(r), &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
         self.iterations += solved.iterations;
         match solved.definite {
@@ -303,8 +301,7 @@ impl Condensed for Iterative {
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
             self.turns = turns.to_vec();
-            // Other entries are taken up in any case.
-            self.entries = vec![(u32::MAX, u32::MAX, 0.0)];
+            self.tangent = None;
         }
     }
 
@@ -315,25 +312,6 @@ impl Condensed for Iterative {
     fn iterations(&self) -> usize {
         self.iterations
     }
-}
-
-fn bits(entry: &Entry) -> (u32, u32, u64) {
-    (entry.0, entry.1, entry.2.to_bits())
-}
-
-/// Whether the entries are those of a symmetric matrix.
-fn is_symmetric(entries: &[Entry]) -> bool {
-    let mut pairs: Vec<(u32, u32, f64)> = entries
-        .iter()
-        .filter(|(i, j, _)| i != j)
-        .map(|&(i, j, value)| (i.min(j), i.max(j), if i < j { value } else { -value }))
-        .collect();
-    pairs.sort_by_key(|&(i, j, _)| (i, j));
-    pairs.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|same| {
-        let (sum, size) =
-            same.iter().fold((0.0, 0.0), |(sum, size), pair| (sum + pair.2, f64::max(size, pair.2.abs())));
-        sum.abs() <= 1e-12 * size
-    })
 }
 
 fn norm(v: &[f64]) -> f64 {

@@ -29,12 +29,21 @@ const SHIFT: f64 = 1e-7;
 struct Level {
     /// A, with what contact adds.
     matrix: Blocks<f32>,
+    /// What contact adds where A has no blocks: between nodes of different bodies.
+    beside: Beside,
     /// The inverse blocks on the diagonal.
     diagonal: Vec<f32>,
     /// Largest eigenvalue of D⁻¹A.
     largest: f32,
     /// P and Pᵀ; none on the coarsest level.
     transfer: Option<[Blocks<f32>; 2]>,
+}
+
+/// Blocks by rows and columns, few of them.
+#[derive(Debug, Default)]
+struct Beside {
+    at: Vec<[u32; 2]>,
+    values: Vec<f32>,
 }
 
 /// The levels.
@@ -91,6 +100,7 @@ impl Hierarchy {
             let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
             let single = |transfer| Level {
                 matrix: matrix.single(scale),
+                beside: Beside::default(),
                 // What has no place in single precision is left to the iteration.
                 diagonal: diagonal
                     .iter()
@@ -132,10 +142,11 @@ impl Hierarchy {
                 level.diagonal[row * inverse.len()..][..inverse.len()].copy_from_slice(&inverse);
             }
         }
+        let couples = (0..contact.len()).any(|i| contact.row(i).any(|(j, _)| j != i));
         let mut added = contact.single(self.scale);
         for l in 0..self.levels.len() {
             let next = self.levels[l].transfer.as_ref().map(|[p, r]| r.times(&added.times(p)));
-            self.patch(l, &added);
+            self.patch(l, &added, couples);
             match next {
                 Some(next) => added = next,
                 None => self.solve_with(&added),
@@ -143,19 +154,29 @@ impl Hierarchy {
         }
     }
 
-    /// Adds a matrix to that of a level.
-    fn patch(&mut self, l: usize, added: &Blocks<f32>) {
+    /// Adds a matrix to that of a level. Where contact couples nodes, the smoother takes the blocks of a row for one
+    /// on the diagonal that is no less: D⁻¹A then has no larger eigenvalues than without contact, and the polynomial
+    /// damps.
+    fn patch(&mut self, l: usize, added: &Blocks<f32>, couples: bool) {
         let level = &mut self.levels[l];
         let n = level.matrix.shape[0];
+        level.beside = Beside::default();
         for i in 0..added.len() {
+            let others = added.row(i).filter(|(j, _)| couples && *j != i);
+            let beyond: f64 = others.map(|(_, block)| size(block, n)).sum();
             for (j, block) in added.row(i) {
                 let (from, to) = (level.matrix.start[i] as usize, level.matrix.start[i + 1] as usize);
-                let Some(at) = (from..to).find(|&k| level.matrix.columns[k] as usize == j) else { continue };
+                let Some(at) = (from..to).find(|&k| level.matrix.columns[k] as usize == j) else {
+                    level.beside.at.push([i as u32, j as u32]);
+                    level.beside.values.extend(block);
+                    continue;
+                };
                 let values = &mut level.matrix.values[at * n * n..][..n * n];
                 let before = values.to_vec();
                 values.iter_mut().zip(block).for_each(|(value, added)| *value += added);
                 let inverse = (i == j).then(|| {
-                    let whole: Vec<f64> = values.iter().map(|v| f64::from(*v)).collect();
+                    let mut whole: Vec<f64> = values.iter().map(|v| f64::from(*v)).collect();
+                    (0..n).for_each(|c| whole[c * n + c] += beyond);
                     let mut inverse = vec![0.0; n * n];
                     invert(&whole, &mut inverse, n);
                     let place = &mut level.diagonal[i * n * n..][..n * n];
@@ -221,11 +242,22 @@ impl Hierarchy {
     }
 }
 
+impl Beside {
+    /// y += A x, the blocks of size n.
+    fn add(&self, n: usize, x: &[f32], y: &mut [f32]) {
+        for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
+            let (x, y) = (&x[j as usize * n..][..n], &mut y[i as usize * n..][..n]);
+            super::blocks::add_product(block, x, y, [n, n, 1]);
+        }
+    }
+}
+
 impl Level {
     /// b − A x.
     fn rest(&self, b: &[f32], x: &[f32]) -> Vec<f32> {
         let mut rest = vec![0.0; b.len()];
         self.matrix.apply(x, &mut rest, false);
+        self.beside.add(self.matrix.shape[0], x, &mut rest);
         rest.par_iter_mut().zip(b).for_each(|(rest, b)| *rest = b - *rest);
         rest
     }
@@ -269,6 +301,15 @@ impl Level {
         });
         out
     }
+}
+
+/// A bound on the norm of a block: the mean, √(a b), of its largest sum over a row and over a column.
+fn size(block: &[f32], n: usize) -> f64 {
+    let sum = |k: usize, stride: usize, from: usize| {
+        (0..n).map(|c| f64::from(block[k * from + c * stride].abs())).sum::<f64>()
+    };
+    let largest = |stride, from| (0..n).map(|k| sum(k, stride, from)).fold(0.0, f64::max);
+    (largest(1, n) * largest(n, 1)).sqrt()
 }
 
 /// P = (I − 4/3λ D⁻¹A) T, λ the largest eigenvalue of D⁻¹A: rows of degrees of freedom that are left out are zero.

@@ -13,10 +13,10 @@ use faer::Mat;
 
 use super::precondition::{AXES, Body, block_of, cut, in_basis};
 use super::surface::{Surface, couples};
-use crate::linalg::condensed::Entry;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Lu, is_positive_definite};
 use crate::linalg::sparse::BlockMatrix;
+use crate::linalg::tangent::Entry;
 use crate::linalg::turn::Turn;
 use crate::tensor::Point;
 
@@ -57,11 +57,10 @@ impl Local {
     pub fn new(body: &Body, entries: &[Entry], turns: &[Turn]) -> Result<Local, SolveError> {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
-        let mut nodes: Vec<u32> = entries.iter().flat_map(|(i, j, _)| [*i / n as u32, *j / n as u32]).collect();
-        nodes.sort_unstable();
-        nodes.dedup();
-        let solver = if couples(entries, n) {
-            Solver::Surface(Box::new(Surface::new(body, entries, &bases)?))
+        let is_coupled = couples(entries, n);
+        let nodes = if is_coupled { joined(body, entries) } else { seen(entries, n) };
+        let solver = if is_coupled {
+            Solver::Surface(Box::new(Surface::new(body, &nodes, entries, &bases)?))
         } else {
             Solver::Nodes(
                 blocks(entries, n).into_iter().filter_map(|(i, b)| node_of(body, i, bases.get(&i), &b)).collect(),
@@ -135,6 +134,37 @@ impl Local {
         }
         rest
     }
+}
+
+/// The nodes that have entries.
+fn seen(entries: &[Entry], n: usize) -> Vec<u32> {
+    let mut nodes: Vec<u32> = entries.iter().flat_map(|(i, j, _)| [*i / n as u32, *j / n as u32]).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
+}
+
+/// The nodes between which contact has forces, and those on which it acts alone and as stiffly as the body. What it
+/// adds everywhere, as a step of the proximal method does, is left to the cycle.
+fn joined(body: &Body, entries: &[Entry]) -> Vec<u32> {
+    let n = body.matrix.block_shape().0 as u32;
+    let (mut nodes, mut alone) = (Vec::new(), BTreeMap::new());
+    for &(i, j, value) in entries {
+        if i / n == j / n {
+            *alone.entry((i / n, i % n, j % n)).or_insert(0.0) += value;
+        } else {
+            nodes.extend([i / n, j / n]);
+        }
+    }
+    let is_stiff = |&(&(node, a, b), value): &(&(u32, u32, u32), &f64)| {
+        let (node, a, b) = (node as usize, a as usize, b as usize);
+        let own = |c| body.matrix.get(node, c, node, c);
+        value.abs() >= (own(a) * own(b)).sqrt()
+    };
+    nodes.extend(alone.iter().filter(is_stiff).map(|((node, ..), _)| *node));
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes
 }
 
 /// Products of a matrix of each node with the node's part of a vector.

@@ -20,6 +20,7 @@ use super::estimate::{Choice, Estimate};
 use super::factor::{Backend, Factor};
 use super::sparse::BlockMatrix;
 use super::stop::Stop;
+use super::tangent::Tangent;
 use super::unknowns::{Layout, Unknowns};
 use condensed::Iterative;
 
@@ -65,7 +66,7 @@ impl Backend for Multigrid {
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         let unknowns = self.order(matrix, layout);
         match self.factorize(matrix, &unknowns) {
-            Ok(factor) => factor.condensed().is_positive_definite(&[]),
+            Ok(factor) => factor.condensed().is_positive_definite(&Tangent::new()),
             Err(SolveError::NotPositive { .. }) => Ok(false),
             Err(error) => Err(error),
         }

@@ -8,11 +8,10 @@ use std::collections::BTreeMap;
 use super::blocks::{Blocks, Rows};
 use super::hierarchy::{Hierarchy, Plan};
 use super::local::{Local, bases, blocks};
-use super::surface::couples;
-use crate::linalg::condensed::Entry;
 use crate::linalg::error::SolveError;
 use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::Stop;
+use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
 use crate::tensor::{Point, Sym};
 
@@ -46,17 +45,16 @@ impl Preconditioner {
         Ok(Preconditioner { hierarchy, local: None })
     }
 
-    /// Takes up the entries of contact, which are by degree of freedom in the bases of `turns`.
+    /// Takes up the tangent of contact, which is by degree of freedom in the bases of `turns`.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn add(&mut self, body: &Body, entries: &[Entry], turns: &[Turn]) -> Result<(), SolveError> {
+    pub fn add(&mut self, body: &Body, tangent: &Tangent, turns: &[Turn]) -> Result<(), SolveError> {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
-        let has_turns = !turns.is_empty();
-        self.local = if entries.is_empty() && !has_turns { None } else { Some(Local::new(body, entries, turns)?) };
-        let added = if couples(entries, n) { coupled(body, entries, &bases) } else { nodal(body, entries, &bases) };
-        self.hierarchy.add(&added);
+        let is_untouched = tangent.is_empty() && turns.is_empty();
+        self.local = if is_untouched { None } else { Some(Local::new(body, tangent.entries(), turns)?) };
+        self.hierarchy.add(&softened(body, tangent, &bases));
         Ok(())
     }
 
@@ -72,30 +70,86 @@ impl Preconditioner {
     }
 }
 
-/// What contact at nodes adds to the levels.
-fn nodal(body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) -> Blocks<f64> {
+/// A block of J at a node, or between two: row, column, and its entries.
+type Joint = (u32, u32, [f64; 9]);
+
+/// What contact adds to the levels, in the axes of space: J, its forces at a node cut off at [`FIRM`].
+fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>) -> Blocks<f64> {
     let (n, _) = body.matrix.block_shape();
-    let cut: BTreeMap<usize, Vec<f64>> = blocks(entries, n)
-        .into_iter()
-        .map(|(node, block)| {
-            let basis = bases.get(&node).copied().unwrap_or(AXES);
-            let own = block_of(body.matrix, node, n);
-            let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
-            (node, in_basis(&cut(&block, firm, n), [&basis; 2], n, false))
-        })
-        .collect();
+    let mut joints: Vec<Joint> = Vec::new();
+    let mut alone: Vec<Entry> = Vec::new();
+    for point in tangent.points() {
+        let is_alone = point
+            .iter()
+            .all(|(i, j, _)| point.first().is_none_or(|e| [*i, *j].map(|u| u / n as u32) == [e.0 / n as u32; 2]));
+        if is_alone { alone.extend(point) } else { softened_point(body, point, &mut joints) }
+    }
+    for (node, block) in blocks(&alone, n) {
+        let basis = bases.get(&node).copied().unwrap_or(AXES);
+        let cut = in_basis(&cut(&block, firm(body, node), n), [&basis; 2], n, false);
+        joints.push((node as u32, node as u32, padded(&cut)));
+    }
+    joints.sort_by_key(|(i, j, _)| (*i, *j));
     let rows = body.free.len() / n;
     Blocks::from_rows(rows, rows, [n, n], |range| {
         let mut made = Rows::default();
         for i in range {
-            if let Some(block) = cut.get(&i) {
-                made.columns.push(i as u32);
-                made.values.extend(block);
+            let from = joints.partition_point(|(row, ..)| (*row as usize) < i);
+            let to = from + joints[from..].partition_point(|(row, ..)| *row as usize == i);
+            for same in joints[from..to].chunk_by(|a, b| a.1 == b.1) {
+                made.columns.extend(same.first().map(|(_, j, _)| *j));
+                made.values.extend((0..n * n).map(|k| same.iter().map(|(.., block)| block[k]).sum::<f64>()));
             }
             made.ends.push(made.columns.len() as u32);
         }
         made
     })
+}
+
+/// The forces of a point that sees several nodes, in the axes of space. The blocks of J are there multiples of one, so
+/// that they are cut off all alike: a motion of all nodes that it does not resist is one that it does not resist then.
+fn softened_point(body: &Body, point: &[Entry], joints: &mut Vec<Joint>) {
+    let (n, _) = body.matrix.block_shape();
+    let size = n as u32;
+    let mut nodes: Vec<u32> = point.iter().flat_map(|(i, j, _)| [i / size, j / size]).collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    let place = |node: u32| nodes.binary_search(&node).unwrap_or(0);
+    let mut blocks = vec![[0.0; 9]; nodes.len() * nodes.len()];
+    for &(i, j, value) in point {
+        let block = &mut blocks[place(i / size) * nodes.len() + place(j / size)];
+        block[(i % size * size + j % size) as usize] += value;
+    }
+    let of_node = |k: usize| &blocks[k * nodes.len() + k];
+    let product = |a: &[f64; 9], b: &[f64; 9]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let norm = |k: usize| product(of_node(k), of_node(k)).sqrt();
+    let Some(first) = (0..nodes.len()).max_by(|&a, &b| norm(a).total_cmp(&norm(b))).filter(|&k| norm(k) > 0.0) else {
+        return;
+    };
+    let (one, whole) = (of_node(first), norm(first));
+    let bound = |(k, node): (usize, &u32)| firm(body, *node as usize) * whole / norm(k);
+    let least = nodes.iter().enumerate().map(bound).filter(|bound| !bound.is_nan()).fold(f64::INFINITY, f64::min);
+    let soft = padded(&cut(&one[..n * n], least, n));
+    for (a, &i) in nodes.iter().enumerate() {
+        for (b, &j) in nodes.iter().enumerate() {
+            let of = |a: usize, b: usize| product(&blocks[a * nodes.len() + b], one) / (whole * whole);
+            let share = 0.5 * (of(a, b) + of(b, a));
+            let is_free = |k: usize| body.free[i as usize * n + k / n] && body.free[j as usize * n + k % n];
+            joints.push((i, j, std::array::from_fn(|k| if k < n * n && is_free(k) { share * soft[k] } else { 0.0 })));
+        }
+    }
+}
+
+/// The stiffness of contact above which it holds a node.
+fn firm(body: &Body, node: usize) -> f64 {
+    let (n, _) = body.matrix.block_shape();
+    let own = block_of(body.matrix, node, n);
+    FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max)
+}
+
+/// A block of at most nine entries, with zeros.
+fn padded(block: &[f64]) -> [f64; 9] {
+    std::array::from_fn(|k| block.get(k).copied().unwrap_or(0.0))
 }
 
 /// The block of a node on the diagonal.
@@ -117,42 +171,6 @@ pub(super) fn in_basis(block: &[f64], [left, right]: [&[Point; 3]; 2], n: usize,
         }
     }
     out
-}
-
-/// What contact that couples nodes adds to the levels: of every component in its basis the part of its own, cut off at
-/// [`FIRM`] by scaling rows and columns, so that motions without force stay so.
-fn coupled(body: &Body, entries: &[Entry], bases: &BTreeMap<usize, [Point; 3]>) -> Blocks<f64> {
-    let (n, _) = body.matrix.block_shape();
-    let basis = |node: usize| bases.get(&node).copied().unwrap_or(AXES);
-    let mut blocks: BTreeMap<(usize, usize), Vec<f64>> = BTreeMap::new();
-    for &(i, j, value) in entries.iter().filter(|(i, j, _)| *i as usize % n == *j as usize % n) {
-        let (i, j) = (i as usize, j as usize);
-        for (row, column) in [(i, j), (j, i)] {
-            let block = blocks.entry((row / n, column / n)).or_insert_with(|| vec![0.0; n * n]);
-            block[(row % n) * n + column % n] += 0.5 * value;
-        }
-    }
-    let scale = |node: usize| -> Vec<f64> {
-        let own = in_basis(&block_of(body.matrix, node, n), [&basis(node); 2], n, true);
-        let firm = FIRM * (0..n).map(|c| own[c * n + c]).fold(0.0, f64::max);
-        let diagonal = |c: usize| blocks.get(&(node, node)).map_or(0.0, |block| block[c * n + c]);
-        (0..n).map(|c| (firm / diagonal(c).max(firm)).sqrt()).collect()
-    };
-    let scales: BTreeMap<usize, Vec<f64>> = blocks.keys().map(|&(i, _)| (i, scale(i))).collect();
-    let rows = body.free.len() / n;
-    Blocks::from_rows(rows, rows, [n, n], |range| {
-        let mut made = Rows::default();
-        for i in range {
-            for (&(_, j), block) in blocks.range((i, 0)..(i + 1, 0)) {
-                let (Some(left), Some(right)) = (scales.get(&i), scales.get(&j)) else { continue };
-                let cut: Vec<f64> = block.iter().enumerate().map(|(k, v)| v * left[k / n] * right[k % n]).collect();
-                made.columns.push(j as u32);
-                made.values.extend(in_basis(&cut, [&basis(i), &basis(j)], n, false));
-            }
-            made.ends.push(made.columns.len() as u32);
-        }
-        made
-    })
 }
 
 /// The symmetric part of a block of contact with its principal values from zero to `firm`: what is beyond is cut off,
