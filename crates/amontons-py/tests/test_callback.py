@@ -67,8 +67,8 @@ def test_ctrl_c_is_answered(paper):
     with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
         assert process.stdout.readline() == "go\n"
         os.kill(process.pid, signal.SIGINT)
-        out, _ = process.communicate(timeout=60)
-    assert out.startswith("Interrupted interrupted True interrupted after step "), out
+        out, why = process.communicate(timeout=60)
+    assert out.startswith("Interrupted interrupted True interrupted after step "), (out, why)
 
 
 def test_other_threads_go_on_during_a_run(paper):
