@@ -111,9 +111,8 @@ impl Friction {
     /// A point that sticks is held by the stiffness 2²⁷ ρ that starts from the multiplier of the last iterate, exact in
     /// the limit. Across the direction n of slip the projection turns: δq = s/‖z‖ (δq + ρ δw) is solved for δq.
     pub fn linear(&self, change: f64, in_space: bool) -> (Tangential, [Tangential; 2]) {
-        let (q, slip, projected) = self.shape.map_or((self.q, self.slip, self.projected), |s| {
-            (map(&s.inverse, &self.q), map(&s.factor, &self.slip), map(&s.inverse, &self.projected))
-        });
+        let (q, slip) =
+            self.shape.map_or((self.q, self.slip), |s| (map(&s.inverse, &self.q), map(&s.factor, &self.slip)));
         let (mut force, mut tangent) = ([0.0; 2], [[0.0; 2]; 2]);
         if self.is_smooth {
             // That of q √(‖w̃‖² + ε²) = s w̃ in q and w̃ (Chan, Golub and Mulet, SIAM J. Sci. Comput. 20 (1999) 1964),
@@ -136,18 +135,19 @@ impl Friction {
                 tangent[a][a] = stiffness;
             }
         } else {
+            // Across n, with Π = s n: q = s/(‖z‖ − s) (ρ δw − q). A point that hardly slips turns as stiffly as one
+            // that sticks is held. Along n nothing is added: the round-off of q would be s/(‖z‖ − s) times as large
+            // there.
             let n = self.z.map(|c| c / self.z_length);
-            let beyond = self.z_length - self.bound;
-            let turn = (self.bound * self.rho / beyond).min(STIFF * self.rho);
-            let along = q[0] * n[0] + q[1] * n[1];
+            let m = [-n[1], n[0]];
+            let turn = (self.bound / (self.z_length - self.bound)).min(STIFF);
+            let across = q[0] * m[0] + q[1] * m[1];
             for a in 0..2 {
                 force[a] = (self.bound + change) * n[a];
                 if in_space {
-                    let across = q[a] - along * n[a];
-                    let lag = (projected[a] - q[a]) - (self.bound - along) * n[a];
-                    force[a] += across + lag * self.z_length / beyond;
+                    force[a] -= turn * across * m[a];
                     for b in 0..2 {
-                        tangent[a][b] = turn * (f64::from(u8::from(a == b)) - n[a] * n[b]);
+                        tangent[a][b] = turn * self.rho * m[a] * m[b];
                     }
                 }
             }
@@ -159,5 +159,34 @@ impl Friction {
             std::array::from_fn(|b| shape.factor[a][0] * columns[0][b] + shape.factor[a][1] * columns[1][b])
         });
         (map(&shape.factor, &force), rows)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// However slowly a point slips, and in whatever direction, the linearised law keeps q at the bound along the slip
+    /// to the last bits, and a consistent state in its place.
+    #[test]
+    fn a_point_that_hardly_slips_keeps_the_bound() {
+        let (bound, rho) = (5.9e6, 2.6e12);
+        for k in 0..200 {
+            let (angle, beyond) = (0.1 + 0.37 * f64::from(k), bound * 10f64.powf(-f64::from(k % 40) / 3.0));
+            let direction = [angle.cos(), angle.sin()];
+            let (q, slip) = (direction.map(|c| bound * c), direction.map(|c| beyond / rho * c));
+            let friction = Friction::new(q, slip, rho, bound, None, Slip::Exact);
+            let (force, tangent) = friction.linear(0.0, true);
+            let n = friction.direction();
+            if friction.sticks {
+                continue;
+            }
+            let along = force[0] * n[0] + force[1] * n[1];
+            assert!((along - bound).abs() <= 4.0 * f64::EPSILON * bound, "{along:e} for {bound:e}, {beyond:e} beyond");
+            // What is left across is taken back by a turn that is within the round-off of the bound.
+            let across = force[1] * n[0] - force[0] * n[1];
+            let stiffness = tangent[0][0] + tangent[1][1];
+            assert!(across.abs() <= 4.0 * f64::EPSILON * stiffness / rho * bound, "{across:e}, {beyond:e} beyond");
+        }
     }
 }

@@ -101,9 +101,9 @@ impl Mechanical<'_> {
         }
     }
 
-    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method; where
-    /// that does not end, from the end of a path of steps with smooth friction; and where that does not either, by
-    /// proximal steps.
+    /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method from
+    /// there; where that does not end, from the body at rest if less is left of the equations there; then from the
+    /// end of a path of steps with smooth friction; and where that does not end either, by proximal steps.
     fn on_branches(
         &self,
         condensed: &mut dyn Condensed,
@@ -111,8 +111,16 @@ impl Mechanical<'_> {
         start: Mechanics,
     ) -> Result<(Mechanics, usize), Failure> {
         let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
+        let (from, at_rest) = (start.clone(), self.at_rest(right, &start.multipliers));
         let mut made = iterate(self, condensed, right, start, &FIRST)?;
         let mut iterations = made.iterations;
+        if made.failure.is_some() {
+            let [from, rest] = [from, at_rest.clone()].map(|at| Evaluation::new(self, condensed, right, at));
+            if rest?.norm < from?.norm {
+                made = iterate(self, condensed, right, at_rest, &FIRST)?;
+                iterations += made.iterations;
+            }
+        }
         if made.failure.is_some() {
             let (start, before) = self.path(condensed, right, &held)?;
             made = iterate(self, condensed, right, start, &SECOND)?;
@@ -122,6 +130,14 @@ impl Mechanical<'_> {
             None => Ok((made.end, iterations)),
             Some(why) => self.approach(condensed, right, made.end, NotConverged { iterations, ..why }),
         }
+    }
+
+    /// The body at rest under the tractions of the step before: the solution where what has moved the body stands still
+    /// from now on, as after a press-in, and near it where motion turns round. From the velocity of the step before it
+    /// is far where most points are at their bound. Points whose bound drops stay on the branch they are on.
+    fn at_rest(&self, right: &Right, before: &[Multiplier]) -> Mechanics {
+        let of = |(i, m): (usize, &Multiplier)| Multiplier { sticks: m.sticks || !self.drops(i), ..*m };
+        Iterate { x: vec![0.0; right.guess.len()], multipliers: before.iter().enumerate().map(of).collect() }
     }
 
     /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
