@@ -258,7 +258,7 @@ const UNITS: &[(&str, &str)] = &[
     ("kg/m³", "Material.density"),
     (
         "m",
-        "Automatic.distance, Block.origin, Block.size, Boundary.displacement, Boundary.normal_displacement, \
+        "Automatic.distance, Block.height, Block.origin, Block.radii, Block.size, Boundary.displacement, Boundary.normal_displacement, \
           Check probe.at, Contact.gap, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
           HeatTerm ramp.width, HeatTerm gap.roughness, Initial.displacement, Mesh rectangle.origin, \
           Mesh rectangle.size, Mesh interval.size, Mesh box.size, Mesh disc.radius, Mesh ring.radii, \
@@ -274,7 +274,7 @@ const UNITS: &[(&str, &str)] = &[
     ),
     (
         "rad",
-        "Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Mesh ring.angle, \
+        "Block.angle, Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Mesh ring.angle, \
           Viscosity anisotropic.orientation",
     ),
     (

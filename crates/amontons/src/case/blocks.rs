@@ -18,7 +18,7 @@ impl Build<'_> {
         available: Option<Memory>,
     ) -> Option<Mesh> {
         let (mut bodies, mut nodes, mut contact_nodes) = (Vec::new(), 0.0, 0.0);
-        let dim = blocks.first().map_or(0, |block| block.size.len());
+        let dim = blocks.first().map_or(0, dimension);
         for (i, block) in blocks.iter().enumerate() {
             let path = format!("mesh.blocks[{i}]");
             if blocks[..i].iter().any(|other| other.name == block.name) {
@@ -56,22 +56,38 @@ impl Build<'_> {
 
     /// The block as a mesh of its own, and its cells; none where its entries do not fit.
     fn block_shape(&mut self, path: &str, block: &raw::Block, dim: usize) -> Option<(raw::Mesh, Vec<usize>)> {
-        let n = block.n.clone();
-        for (key, found) in [("size", block.size.len()), ("n", n.len()), ("origin", block.origin.len())] {
+        let (n, elements) = (block.n.clone(), block.elements);
+        if let Some((key, expected)) = misplaced(block) {
+            self.note(&format!("{path}.{key}"), At::Key, format!("`{key}`"), expected, Some("remove it"));
+            return None;
+        }
+        if block.size.is_empty() == block.radii.is_none() {
+            let found = if block.radii.is_some() { "both `size` and `radii`" } else { "neither `size` nor `radii`" };
+            let expected = "one of them: `size` of an interval, rectangle or box, `radii` of a round body";
+            self.note(path, At::Value, found, expected, None);
+            return None;
+        }
+        let own = if block.size.is_empty() { "radii" } else { "size" };
+        for (key, found) in [(own, dimension(block)), ("n", n.len()), ("origin", block.origin.len())] {
             let is_left_out = key == "origin" && found == 0;
             if !is_left_out && (found != dim || !(1..=3).contains(&dim)) {
-                let expected = match dim {
-                    1..=3 => format!("{dim} of them, as `size` of the first block has"),
-                    _ => "1, 2 or 3 of them".to_owned(),
+                let (found, expected) = match dim {
+                    1..=3 if key == "radii" => {
+                        (format!("a body in {found} dimensions"), format!("one in {dim}, as the first block is"))
+                    }
+                    1..=3 => (
+                        format!("{found} numbers"),
+                        format!("{dim} of them, as the first block is in {dim} dimensions"),
+                    ),
+                    _ => (format!("{found} numbers"), "1, 2 or 3 of them".to_owned()),
                 };
-                self.note(&format!("{path}.{key}"), At::Value, format!("{found} numbers"), expected, None);
+                self.note(&format!("{path}.{key}"), At::Value, found, expected, None);
                 return None;
             }
         }
-        let (size, elements) = (&block.size, block.elements);
-        let shape = match size[..] {
-            [size] => raw::Mesh::Interval { size, n: n[0], elements },
-            [x, y] => raw::Mesh::Rectangle {
+        let shape = match (&block.size[..], block.radii, block.height) {
+            (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements },
+            (&[x, y], ..) => raw::Mesh::Rectangle {
                 size: [x, y],
                 n: raw::Cells2::Each([n[0], n[1]]),
                 elements,
@@ -79,9 +95,40 @@ impl Build<'_> {
                 origin: [0.0; 2],
                 axisymmetric: false,
             },
-            [x, y, z] => raw::Mesh::Box { size: [x, y, z], n: raw::Cells3::Each([n[0], n[1], n[2]]), elements },
+            (&[x, y, z], ..) => raw::Mesh::Box { size: [x, y, z], n: raw::Cells3::Each([n[0], n[1], n[2]]), elements },
+            (_, Some(radii), Some(height)) => {
+                raw::Mesh::Cylinder { radii, height, n: raw::Cells3::Each([n[0], n[1], n[2]]), elements }
+            }
+            (_, Some([0.0, radius]), None) if block.angle.is_none() => {
+                raw::Mesh::Disc { radius, n: raw::Cells2::Each([n[0], n[1]]), elements }
+            }
+            (_, Some(radii), None) => {
+                raw::Mesh::Ring { radii, angle: block.angle, n: raw::Cells2::Each([n[0], n[1]]), elements }
+            }
             _ => return None,
         };
         Some((shape, n))
+    }
+}
+
+/// A key that means nothing in a block, and where it does.
+fn misplaced(block: &raw::Block) -> Option<(&'static str, &'static str)> {
+    let is_rectangle = block.size.len() == 2 && matches!(block.elements, raw::Elements::P1 | raw::Elements::P2);
+    if block.height.is_some() && block.radii.is_none() {
+        Some(("height", "it only besides the `radii` of a cylinder"))
+    } else if block.angle.is_some() && (block.radii.is_none() || block.height.is_some()) {
+        Some(("angle", "it only besides the `radii` of a ring"))
+    } else if block.diagonal.is_some() && !is_rectangle {
+        Some(("diagonal", "it only in a rectangle of triangles, P1 or P2"))
+    } else {
+        None
+    }
+}
+
+/// In how many dimensions a block is.
+fn dimension(block: &raw::Block) -> usize {
+    match block.radii {
+        Some(_) if block.size.is_empty() => 2 + usize::from(block.height.is_some()),
+        _ => block.size.len(),
     }
 }

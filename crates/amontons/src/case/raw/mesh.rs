@@ -91,8 +91,8 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         elements: Elements,
     },
-    /// Several bodies side by side, each an interval, a rectangle or a box, with nodes of its own. Each is a region;
-    /// its sides are named after it: `pad_left`, `pad_top`.
+    /// Several bodies side by side, each with nodes of its own: intervals, rectangles and rings, or boxes and
+    /// cylinders. Each is a region; its sides are named after it: `pad_left`, `pad_top`, `shaft_outer`.
     Blocks {
         /// The bodies.
         #[schemars(length(min = 1))]
@@ -131,19 +131,33 @@ impl Mesh {
     }
 }
 
-/// A body of a mesh of several: an interval, a rectangle or a box by the number of its sizes.
+/// A body of a mesh of several: an interval, a rectangle or a box by the number of its sizes, or a round body with
+/// `radii` in the place of `size`: a ring or disc in the plane, a cylinder where it has a `height`.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Block {
     /// Name of the body: that of its region, and the first part of the names of its sides.
     pub name: String,
     /// Lengths of the sides in m: one, two or three.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     #[schemars(transform = positive_items)]
     pub size: Vec<f64>,
-    /// Cells per side.
+    /// Inner radius, 0 for a solid body, and outer radius in m of a round body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radii: Option<[f64; 2]>,
+    /// Height in m of a cylinder around a line along z.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub height: Option<f64>,
+    /// Angle of the sector of a ring in rad; default: a whole ring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[schemars(extend("exclusiveMinimum" = 0))]
+    pub angle: Option<f64>,
+    /// Cells per side; of a round body layers, cells around, and cells over the height.
     #[schemars(inner(range(min = 1)))]
     pub n: Vec<usize>,
-    /// Corner with the least coordinates in m; default: the origin.
+    /// Corner with the least coordinates in m, or the centre of a round body, of a cylinder that of its bottom;
+    /// default: the origin.
     #[serde(default)]
     pub origin: Vec<f64>,
     /// Element type of the cells.
