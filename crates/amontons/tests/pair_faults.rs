@@ -87,9 +87,25 @@ faults! {
     nothing_holds_anything: "displacement = [0, -1e-3]\ntemperature = 1" => "pressure = 1\ntemperature = 1",
         "no fault";
     blocks_of_other_dimensions: "size = [2.0, 1.0]" => "size = [2.0, 1.0, 1.0]",
-        "mesh.blocks[1].size: found 3 numbers, expected 2 of them, as `size` of the first block has";
+        "mesh.blocks[1].size: found 3 numbers, expected 2 of them, as the first block is in 2 dimensions";
     blocks_of_one_name: "name = \"pad\"" => "name = \"disc\"",
         "mesh.blocks[1].name: found \"disc\" again, expected a name of its own for each block";
+    a_block_without_a_size: "size = [2.0, 1.0]\n" => "",
+        "mesh.blocks[1]: found neither `size` nor `radii`, expected one of them: `size` of an interval, rectangle or box, `radii` of a round body";
+    a_block_of_two_shapes: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\nradii = [0, 1]",
+        "mesh.blocks[1]: found both `size` and `radii`, expected one of them";
+    a_cylinder_in_the_plane: "size = [2.0, 1.0]" => "radii = [0.5, 1.0]\nheight = 1.0",
+        "mesh.blocks[1].radii: found a body in 3 dimensions, expected one in 2, as the first block is";
+    a_height_of_a_rectangle: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\nheight = 1.0",
+        "mesh.blocks[1].height: found `height`, expected it only besides the `radii` of a cylinder; remove it";
+    an_angle_of_a_rectangle: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\nangle = 1.0",
+        "mesh.blocks[1].angle: found `angle`, expected it only besides the `radii` of a ring; remove it";
+    a_diagonal_of_quadrilaterals: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\ndiagonal = \"left\"\nelements = \"Q1\"",
+        "mesh.blocks[1].diagonal: found `diagonal`, expected it only in a rectangle of triangles, P1 or P2; remove it";
+    a_ring_with_a_hole_that_is_too_large: "size = [2.0, 1.0]" => "radii = [1.0, 0.5]",
+        "mesh.blocks[1]: found ";
+    a_disc_of_five_cells_around: "size = [2.0, 1.0]\nn = [4, 2]" => "radii = [0, 0.5]\nn = [4, 5]",
+        "mesh.blocks[1]: found 5";
 }
 
 /// Parts that hold each other by pairs, but that nothing holds.
@@ -146,6 +162,7 @@ fn what_faces_what_is_told() {
 }
 
 /// The finer side bears the points where none is named; the other one if it is.
+/// The finer side; of similar ones the smaller side, of equal ones that of the softer body, or the finer one.
 #[test]
 fn the_finer_side_is_nonmortar() {
     let bearing = |text: &str| {
@@ -153,7 +170,27 @@ fn the_finer_side_is_nonmortar() {
         case.problem.contacts[0].bearing().to_owned()
     };
     assert_eq!(bearing(CASE), "pad_bottom");
-    assert_eq!(bearing(&CASE.replace("n = [7, 2]", "n = [9, 2]")), "disc_top");
+    assert_eq!(bearing(&CASE.replace("n = [7, 2]", "n = [15, 2]")), "pad_bottom");
+    assert_eq!(bearing(&CASE.replace("n = [7, 2]", "n = [17, 2]")), "disc_top");
+    let swapped = CASE.replace("on = \"pad_bottom\"\nwith = \"disc_top\"", "on = \"disc_top\"\nwith = \"pad_bottom\"");
+    assert_eq!(bearing(&swapped), "pad_bottom");
+    assert_eq!(bearing(&swapped.replace("n = [7, 2]", "n = [17, 2]")), "disc_top");
+    // Both 4 m long.
+    let long =
+        swapped.replace("size = [2.0, 1.0]", "size = [4.0, 1.0]").replace("origin = [1.0, 1.0]", "origin = [0.0, 1.0]");
+    let soft = |body: &str, young: f64| {
+        let law =
+            format!("{{ law = \"isotropic\", young = {young:e}, poisson = 0.3, stress_state = \"plane-strain\" }}");
+        format!(
+            "{long}[[region]]\non = \"{body}\"\n[region.material]\ndensity = 0\nheat_capacity = 0\nconductivity = 1\nelasticity = {law}\n"
+        )
+    };
+    assert_eq!(bearing(&long), "disc_top");
+    assert_eq!(bearing(&soft("pad", 1e5)), "pad_bottom");
+    assert_eq!(bearing(&soft("disc", 1e7)), "pad_bottom");
+    assert_eq!(bearing(&soft("disc", 1e5)), "disc_top");
+    assert_eq!(bearing(&soft("pad", 8e5)), "disc_top");
+    assert_eq!(bearing(&soft("pad", 8e5).replace("n = [4, 2]", "n = [9, 2]")), "pad_bottom");
     let named = "with = \"disc_top\"\nnonmortar = \"disc_top\"";
     assert_eq!(bearing(&CASE.replace("with = \"disc_top\"", named)), "disc_top");
 }

@@ -2,9 +2,9 @@
 
 use std::sync::Arc;
 
+use super::behind::Behind;
 use super::build::{Build, side};
 use super::coefficient::{Plan, Sites};
-use super::effusivity::Effusivities;
 use super::laws::{self, Keyed};
 use super::place::At;
 use super::raw::{self, Datum};
@@ -17,9 +17,9 @@ use crate::mesh::Mesh;
 use crate::tensor::Point;
 
 impl Build<'_> {
-    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, effusivities: &Effusivities) -> Contact {
-        self.partition(path, &mut raw, effusivities);
-        let pair = self.pair(path, &raw, mesh);
+    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, behind: &Behind) -> Contact {
+        self.partition(path, &mut raw, behind);
+        let pair = self.pair(path, &raw, behind);
         let bearing = pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&raw.on, |pair| &pair.with).clone();
         let (points, is_pair) = (side(mesh, &bearing), pair.is_some());
         let components = raw.foundation_velocity.len();

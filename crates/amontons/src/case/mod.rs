@@ -16,6 +16,7 @@
 //! ```
 
 mod automatic;
+mod behind;
 mod benchmark;
 mod blocks;
 mod build;
@@ -23,7 +24,6 @@ mod check;
 mod coefficient;
 mod contact;
 mod data;
-mod effusivity;
 mod elasticity;
 mod fault;
 mod files;

@@ -1,23 +1,33 @@
 //! Pairs of sides: `with`, `nonmortar`, `geometry`, and what a pair has no use for.
 
+use super::behind::Behind;
 use super::build::Build;
-use super::effusivity::Effusivities;
 use super::place::At;
 use super::raw::{self, Datum};
-use crate::contact::mortar::mean_facet;
 use crate::contact::{Geometry, Pair};
-use crate::mesh::Mesh;
 
-/// Sizes of facets whose quotient is nearer to 1 count as equal.
+/// Sizes whose quotient is nearer to 1 are equal, and facets or moduli similar.
 const EQUAL: f64 = 1.01;
+const SIMILAR: f64 = 2.0;
+
+/// Whether the first of two sides is the one to bear the contact points: that with the finer facets; where these are
+/// similar the smaller side, which the other is more likely to face as a whole, or that of the softer body.
+fn is_better(sides: [&str; 2], behind: &Behind) -> bool {
+    let [[facet, size], [other_facet, other_size]] = sides.map(|side| behind.sizes(side));
+    let stiffness = sides.map(|side| behind.stiffness(side).unwrap_or(0.0));
+    let facets = [facet, other_facet];
+    let criteria = [(facets, SIMILAR), ([size, other_size], EQUAL), (stiffness, SIMILAR), (facets, EQUAL)];
+    let decisive = criteria.into_iter().find(|([a, b], factor)| a * factor < *b || b * factor < *a);
+    decisive.is_some_and(|([a, b], _)| a < b)
+}
 
 impl Build<'_> {
     /// Puts the fraction by effusivity in the place of the word.
-    pub fn partition(&mut self, path: &str, raw: &mut raw::Contact, effusivities: &Effusivities) {
+    pub fn partition(&mut self, path: &str, raw: &mut raw::Contact, behind: &Behind) {
         if !matches!(&raw.frictional_heat, Datum::Expression(word) if word.trim() == "effusivity") {
             return;
         }
-        let of = |side: &str| effusivities.of(side);
+        let of = |side: &str| behind.effusivity(side);
         let both = raw.with.as_deref().and_then(|with| Some((of(&raw.on)?, of(with)?)));
         let share = both.map(|(on, with)| on / (on + with)).filter(|share| share.is_finite());
         raw.frictional_heat = Datum::Number(share.unwrap_or(0.0));
@@ -28,7 +38,7 @@ impl Build<'_> {
     }
 
     /// The second side of a contact; none where the foundation is rigid.
-    pub fn pair(&mut self, path: &str, raw: &raw::Contact, mesh: &Mesh) -> Option<Pair> {
+    pub fn pair(&mut self, path: &str, raw: &raw::Contact, behind: &Behind) -> Option<Pair> {
         let Some(with) = &raw.with else {
             self.without_pair(path, raw);
             return None;
@@ -42,10 +52,7 @@ impl Build<'_> {
                 self.note(&format!("{path}.nonmortar"), At::Value, format!("\"{side}\""), expected, None);
                 false
             }
-            None => {
-                let size = |side: &str| mesh.facets.get(side).map_or(0.0, |set| mean_facet(mesh, set));
-                size(with) * EQUAL < size(&raw.on)
-            }
+            None => is_better([with, &raw.on], behind),
         };
         Some(Pair {
             with: with.clone(),

@@ -67,7 +67,8 @@ pub(in crate::case) struct Contact {
     /// In the place of `on` and `with`: all bodies that are near each other at rest are pairs with these laws.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,
-    /// The side of a pair that bears the contact points and their laws, `on` or `with`; default: the finer one.
+    /// The side of a pair that bears the contact points and their laws, `on` or `with`; default: the finer one,
+    /// of similar ones the smaller one, or that of the softer body.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nonmortar: Option<String>,
     /// When the points of a pair that face each other are found; default: `reference`.
