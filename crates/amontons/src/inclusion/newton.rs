@@ -101,7 +101,7 @@ pub(super) struct Evaluation<T: Term> {
     /// r − S (x − x̂).
     rest: Vec<f64>,
     /// Euclidean norm of the errors.
-    pub norm: f64,
+    norm: f64,
     pub residual: f64,
     pub scale: f64,
     tolerance: f64,

@@ -102,8 +102,8 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step with the bounds that drop when slip starts on the branches of `start`: by Newton's method from
-    /// there; where that does not end, from the body at rest if less is left of the equations there; then from the
-    /// end of a path of steps with smooth friction; and where that does not end either, by proximal steps.
+    /// there; where that does not end, from the body at rest if it is nearly a solution; then from the end of a path of
+    /// steps with smooth friction; and where that does not end either, by proximal steps.
     fn on_branches(
         &self,
         condensed: &mut dyn Condensed,
@@ -111,12 +111,12 @@ impl Mechanical<'_> {
         start: Mechanics,
     ) -> Result<(Mechanics, usize), Failure> {
         let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
-        let (from, at_rest) = (start.clone(), self.at_rest(right, &start.multipliers));
+        let at_rest = self.at_rest(right, &start.multipliers);
         let mut made = iterate(self, condensed, right, start, &FIRST)?;
         let mut iterations = made.iterations;
         if made.failure.is_some() {
-            let [from, rest] = [from, at_rest.clone()].map(|at| Evaluation::new(self, condensed, right, at));
-            if rest?.norm < from?.norm {
+            let rest = Evaluation::new(self, condensed, right, at_rest.clone())?;
+            if rest.residual <= SMOOTH.enough * rest.scale {
                 made = iterate(self, condensed, right, at_rest, &FIRST)?;
                 iterations += made.iterations;
             }
