@@ -164,13 +164,13 @@ fn contact(system: &System, nodes: &[u32], size: usize) -> Tangent {
     for (i, &node) in nodes.iter().enumerate() {
         let [x, y, z] = [0, 1, 2].map(|c| position[3 * node as usize + c]);
         let (Some(x), Some(y), Some(z)) = (x, y, z) else { continue };
-        match i % 3 {
-            0 => tangent.add([x, y, z].map(|unknown| (unknown, unknown, stiff(unknown)))),
-            1 => {
-                tangent.add([(z, z, stiff(z)), (x, z, 0.5 * stiff(z)), (y, y, 0.01 * system.condensed().scale()[0])]);
-            }
-            _ => {}
-        }
+        let soft = 0.01 * system.condensed().scale()[0];
+        let slope = match i % 3 {
+            0 => [[stiff(x), 0.0, 0.0], [0.0, stiff(y), 0.0], [0.0, 0.0, stiff(z)]],
+            1 => [[0.0, 0.0, 0.5 * stiff(z)], [0.0, soft, 0.0], [0.0, 0.0, stiff(z)]],
+            _ => continue,
+        };
+        tangent.add(1.0, &[(x, [1.0, 0.0, 0.0]), (y, [0.0, 1.0, 0.0]), (z, [0.0, 0.0, 1.0])], &slope);
     }
     tangent
 }
@@ -213,7 +213,7 @@ fn hard_bodies_take_few_iterations() {
         let mut x = b.clone();
         system.condensed_mut().solve(&tangent, &mut x, EXACT).expect("a solution");
         let mut sum = system.condensed().apply(&x).expect("a product");
-        tangent.add_product(&x, &mut sum);
+        tangent.add_product(1.0, &x, &mut sum);
         let norm = |v: &mut dyn Iterator<Item = f64>| v.map(|v| v * v).sum::<f64>().sqrt();
         let left = norm(&mut sum.iter().zip(&b).map(|(s, b)| s - b)) / norm(&mut b.iter().copied());
         println!("{name}: {} unknowns, {} iterations, {left:.1e}", b.len(), system.iterations());

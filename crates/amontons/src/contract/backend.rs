@@ -4,30 +4,30 @@ use std::sync::Arc;
 
 use super::{near, samples};
 use crate::forms;
-use crate::linalg::{Backend, BlockMatrix, EXACT, Graph, Layout, SolveError, System, Tangent, Turn};
+use crate::linalg::{Backend, BlockMatrix, EXACT, Graph, Layout, Share, SolveError, System, Tangent, Turn};
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{Diagonal, Mesh};
 
-/// Entries as of contact points that see a node and, with the opposite sign, two others, as the points of a pair do:
+/// The slope of the laws of points that stick, slide under pressure, and are open, in turn.
+fn slope_of(i: usize) -> [[f64; 3]; 3] {
+    match i % 3 {
+        0 => [[1e8, 0.0, 0.0], [0.0, 1e8, 0.0], [0.0; 3]],
+        1 => [[0.0, 12.0, 0.0], [0.0, 40.0, 0.0], [0.0; 3]],
+        _ => [[0.0; 3]; 3],
+    }
+}
+
+/// A tangent as of contact points that see a node and, with the opposite sign, two others, as the points of a pair do:
 /// one holds them together, one presses and slides, one is open.
 fn pair_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
     let mut tangent = Tangent::new();
     for (i, nodes) in contact.windows(3).enumerate() {
         let row = nodes.iter().zip([1.0, -0.7, -0.3]);
-        let unknowns: Vec<(u32, usize, f64)> = row
-            .flat_map(|(&node, on)| (0..2).map(move |c| (2 * node as usize + c, c, on)))
-            .filter_map(|(dof, c, on)| Some((position[dof]?, c, on)))
+        let unknowns: Vec<Share> = row
+            .flat_map(|(&node, on)| [(2 * node as usize, [on, 0.0, 0.0]), (2 * node as usize + 1, [0.0, on, 0.0])])
+            .filter_map(|(dof, on)| Some((position[dof]?, on)))
             .collect();
-        let slope = match i % 3 {
-            0 => [[1e8, 0.0], [0.0, 1e8]],
-            1 => [[0.0, 12.0], [0.0, 40.0]],
-            _ => continue,
-        };
-        let (unknowns, slope) = (&unknowns, &slope);
-        let entries = unknowns.iter().flat_map(|&(row, a, on)| {
-            unknowns.iter().map(move |&(column, b, of)| (row, column, on * slope[a][b] * of))
-        });
-        tangent.add(entries);
+        tangent.add(1.0, &unknowns, &slope_of(i));
     }
     tangent
 }
@@ -88,16 +88,12 @@ fn given<T>(result: Result<T, SolveError>, what: &str) -> T {
     result.unwrap_or_else(|error| panic!("{what}: {error}"))
 }
 
-/// Entries as of contact points that are stuck, pressed and sliding in turn: stiff, and not symmetric.
+/// A tangent as of contact points that are stuck, pressed and sliding in turn: stiff, and not symmetric.
 fn contact_tangent(contact: &[u32], position: &[Option<u32>]) -> Tangent {
     let mut tangent = Tangent::new();
     for (i, &node) in contact.iter().enumerate() {
         let (Some(x), Some(y)) = (position[2 * node as usize], position[2 * node as usize + 1]) else { continue };
-        match i % 3 {
-            0 => tangent.add([(x, x, 1e8), (y, y, 1e8)]),
-            1 => tangent.add([(y, y, 40.0), (x, y, 12.0)]),
-            _ => {}
-        }
+        tangent.add(1.0, &[(x, [1.0, 0.0, 0.0]), (y, [0.0, 1.0, 0.0])], &slope_of(i));
     }
     tangent
 }
@@ -159,7 +155,7 @@ fn assert_condensed(backend: &Arc<dyn Backend>, system: &mut System) {
 fn moved(system: &System, tangent: &Tangent) -> Vec<f64> {
     let mut random = samples();
     let mut held = vec![1.0; system.condensed().len()];
-    for &(i, j, value) in tangent.entries().iter().filter(|(i, j, _)| i == j) {
+    for (i, j, value) in tangent.entries().filter(|(i, j, _)| i == j) {
         held[i as usize] += value / system.condensed().scale()[j as usize];
     }
     held.iter().map(|held| random.number() / held).collect()
@@ -170,16 +166,18 @@ fn assert_solutions(backend: &Arc<dyn Backend>, system: &mut System, tangent: &T
     let exact = moved(system, tangent);
     let text = format!("{backend:?}: a system with contact");
     let mut b = given(system.condensed().apply(&exact), &text);
-    tangent.add_product(&exact, &mut b);
+    tangent.add_product(1.0, &exact, &mut b);
     given(system.condensed_mut().solve(tangent, &mut b, EXACT), &text);
     for (i, (found, exact)) in b.iter().zip(&exact).enumerate() {
         near(*found, *exact, 1e-9, &format!("{text}, unknown {i}"));
     }
+    let size = system.condensed().len();
     let of = |sign: f64| {
-        let mut diagonal = Tangent::new();
-        let entries = tangent.entries().iter().filter(|(i, j, _)| i == j);
-        entries.for_each(|&(i, j, value)| diagonal.add([(i, j, sign * value)]));
-        diagonal
+        let mut diagonal = vec![0.0; size];
+        tangent.entries().filter(|(i, j, _)| i == j).for_each(|(i, _, value)| diagonal[i as usize] += sign * value);
+        let mut alone = Tangent::new();
+        alone.add_diagonal(diagonal);
+        alone
     };
     for sign in [1.0, -1.0] {
         let found = given(system.condensed_mut().is_positive_definite(&of(sign)), &text);
@@ -215,7 +213,7 @@ fn assert_bases(backend: &Arc<dyn Backend>, system: &mut System, tangent: &Tange
     // The entries are in the bases, and so are what they hold.
     let turned = exact;
     b = given(system.condensed().apply(&turned), &text);
-    tangent.add_product(&turned, &mut b);
+    tangent.add_product(1.0, &turned, &mut b);
     given(system.condensed_mut().solve(tangent, &mut b, EXACT), &text);
     for (i, (found, exact)) in b.iter().zip(&turned).enumerate() {
         near(*found, *exact, 1e-9, &format!("{text}, unknown {i}"));

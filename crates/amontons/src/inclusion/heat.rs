@@ -203,12 +203,7 @@ impl HeatStep<'_> {
                     by_body.extend(interface.scaled_row(i, *of_body));
                 }
             }
-            let (by_body, slope) = (&by_body, &slope);
-            out.add(
-                by_foundation
-                    .iter()
-                    .flat_map(|&(row, c)| by_body.iter().map(move |&(column, r)| (row, column, c * r / slope))),
-            );
+            out.add_product_of(slope.recip(), &by_foundation, &by_body);
         }
     }
 }

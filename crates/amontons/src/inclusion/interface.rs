@@ -9,7 +9,7 @@
 //! the same whatever way the body is turned.
 
 use crate::contact::{ContactBoundary, PointOnBoundary};
-use crate::linalg::{Tangent, Turn};
+use crate::linalg::{Share, Tangent, Turn};
 use crate::tensor::{Point, dot, length};
 
 /// Stiffness of one side of a pair relative to that of the other that is round-off.
@@ -31,7 +31,7 @@ pub struct Row {
     /// ν, t₁ and t₂; tangents beyond the dimension are those in which a body does not move.
     pub basis: [Point; 3],
     /// Unknowns on Γ_C with what each adds to the components of the jump.
-    entries: Vec<(u32, Local)>,
+    entries: Vec<Share>,
     /// What prescribed values add to the jump.
     prescribed: Local,
 }
@@ -197,13 +197,8 @@ impl Interface {
     /// Adds ω Nᵀ T N of one point.
     pub fn add_tangent(&self, i: usize, tangent: &LocalTangent, out: &mut Tangent) {
         let (row, n) = (&self.rows[i], self.components);
-        let entries = row.entries.iter().flat_map(|(at, on)| {
-            row.entries.iter().map(move |(by, of)| {
-                let value: f64 = (0..n).map(|a| on[a] * (0..n).map(|b| tangent[a][b] * of[b]).sum::<f64>()).sum();
-                (*at, *by, row.weight * value)
-            })
-        });
-        out.add(entries.filter(|(.., value)| *value != 0.0));
+        let moving = |a: usize, b: usize| if a < n && b < n { tangent[a][b] } else { 0.0 };
+        out.add(row.weight, &row.entries, &std::array::from_fn(|a| std::array::from_fn(|b| moving(a, b))));
     }
 
     /// The weighted sum of one component of the rows over the unknowns of a point: ω Nᵀ e₁ with a factor.

@@ -37,7 +37,7 @@ pub use ordering::{Ordering, column_lengths, nested_dissection};
 pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
 pub use supernodal::Supernodal;
 pub use system::System;
-pub use tangent::{Entry, Tangent};
+pub use tangent::{Entry, Share, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
 

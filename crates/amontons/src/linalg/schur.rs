@@ -92,11 +92,7 @@ fn tangent_key(tangent: &Tangent, turns: &[Turn]) -> TangentKey {
         turn.basis.iter().flatten().for_each(|component| hash.update(component.to_bits().to_le_bytes()));
     }
     hash.update((turns.len() as u64).to_le_bytes());
-    for (row, column, value) in tangent.entries() {
-        hash.update(row.to_le_bytes());
-        hash.update(column.to_le_bytes());
-        hash.update(value.to_bits().to_le_bytes());
-    }
+    tangent.bits().for_each(|bits| hash.update(bits.to_le_bytes()));
     hash.finalize().into()
 }
 
@@ -122,7 +118,7 @@ impl Schur {
     /// S + J.
     fn with(&self, tangent: &Tangent) -> Mat<f64> {
         let mut matrix = Mat::clone(&self.s);
-        for &(i, j, value) in tangent.entries() {
+        for (i, j, value) in tangent.entries() {
             matrix[(i as usize, j as usize)] += value;
         }
         matrix
@@ -189,7 +185,7 @@ impl Schur {
     /// (S + J) x.
     fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
         let mut y = self.product(x, |s, x| s * x);
-        tangent.add_product(x, &mut y);
+        tangent.add_product(1.0, x, &mut y);
         y
     }
 
@@ -198,17 +194,17 @@ impl Schur {
         let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.s.nrows());
         let blocks = self.nodes.iter().enumerate().map(|(node, &first)| (first, end(node) - first));
         let node_of = |i: u32| self.nodes.partition_point(|&first| first <= i as usize).saturating_sub(1);
-        let couples = || tangent.entries().iter().any(|&(i, j, _)| node_of(i) != node_of(j));
-        if tangent.entries().len() <= NEIGHBOURS * self.s.nrows() && couples() {
+        let couples = || tangent.entries().any(|(i, j, _)| node_of(i) != node_of(j));
+        if tangent.entries().count() <= NEIGHBOURS * self.s.nrows() && couples() {
             let of_block =
                 |(first, size): (usize, usize)| (0..size * size).map(move |k| (first + k / size, first + k % size));
             let own = blocks.flat_map(of_block).map(|(i, j)| (i as u32, j as u32, self.s[(i, j)]));
-            let sum = own.chain(tangent.entries().iter().copied());
+            let sum = own.chain(tangent.entries());
             return Ok(Near::Coupled(Box::new(SparseLu::new(self.s.nrows(), sum)?)));
         }
         let own = |(first, size)| (first, self.s.submatrix(first, first, size, size).to_owned());
         let mut blocks: Vec<(usize, Mat<f64>)> = blocks.map(own).collect();
-        for &(i, j, value) in tangent.entries() {
+        for (i, j, value) in tangent.entries() {
             if let Some((first, block)) = blocks.get_mut(node_of(i)) {
                 block[(i as usize - *first, j as usize - *first)] += value;
             }
@@ -329,6 +325,7 @@ impl Near {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::tangent::Share;
 
     /// A matrix like S, of first order: the eigenvalues of sin(π k i) are k. With stiff entries at some nodes and a
     /// nonsymmetric coupling, as pressed and sliding points make them, the iteration agrees with the factor.
@@ -346,7 +343,8 @@ mod tests {
         for node in (0..nodes as u32).filter(|node| node % 3 > 0) {
             let at = |c: u32| node * dim as u32 + c;
             let stiff = if node % 3 == 1 { 1e12 } else { 0.0 };
-            tangent.add([(at(1), at(1), 1e5), (at(0), at(1), 4e4), (at(0), at(0), stiff), (at(2), at(2), stiff)]);
+            let row = [(at(0), [1.0, 0.0, 0.0]), (at(1), [0.0, 1.0, 0.0]), (at(2), [0.0, 0.0, 1.0])];
+            tangent.add(1.0, &row, &[[stiff, 4e4, 0.0], [0.0, 1e5, 0.0], [0.0, 0.0, stiff]]);
         }
         let first: Vec<usize> = (0..nodes).map(|node| node * dim).collect();
         let b: Vec<f64> = (0..n).map(|i| (i as f64).sin()).collect();
@@ -366,11 +364,10 @@ mod tests {
         let mut joined = Tangent::new();
         for node in (0..nodes as u32 / 2).filter(|node| node % 4 > 0) {
             let others = &[(node, 1.0), (59 - node, -0.5), (58 - node, -0.3), (57 - node, -0.2)];
-            joined.add((0..dim as u32).flat_map(|c| {
-                others.iter().flat_map(move |&(i, on)| {
-                    others.iter().map(move |&(j, of)| (i * dim as u32 + c, j * dim as u32 + c, 1e12 * on * of))
-                })
-            }));
+            let along = |c: usize, on: f64| std::array::from_fn(|a| if a == c { on } else { 0.0 });
+            let of = |&(i, on): &(u32, f64)| (0..dim).map(move |c| (i * dim as u32 + c as u32, along(c, on)));
+            let row: Vec<Share> = others.iter().flat_map(of).collect();
+            joined.add(1.0, &row, &[[1e12, 0.0, 0.0], [0.0, 1e12, 0.0], [0.0, 0.0, 1e12]]);
         }
         let (mut x, mut y) = (b.clone(), b.clone());
         assert_eq!(factor.solve(&joined, &mut x, 0.0), Ok(()));

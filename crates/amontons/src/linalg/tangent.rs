@@ -1,17 +1,36 @@
 //! What the boundary term adds to S.
 
-/// An entry that the boundary term adds to S: row, column, value.
+use std::ops::Range;
+
+/// An entry of J: row, column, value.
 pub type Entry = (u32, u32, f64);
 
-/// J = Σ ω Nᵀ T N, the derivative of the forces on Γ_C: a sum over contact points, the entries of each together.
+/// An unknown with what it adds to the components of a jump along (ν, t₁, t₂): an entry of N.
+pub type Share = (u32, [f64; 3]);
+
+/// Difference of the halves of a matrix, relative to its largest entry, that is round-off.
+const ROUND_OFF: f64 = 1e-12;
+
+/// J = Σ ω Nᵀ T N, the derivative of the forces on Γ_C: a sum over contact points, kept as N and T. A point of a pair
+/// in space sees forty unknowns, so that its part of J has fifteen times the numbers of N and T.
 ///
 /// A backend that needs to know J up to a factor only, as a preconditioner does, may take each point by itself: a
 /// motion that no point resists is then still one that no point resists.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Tangent {
-    entries: Vec<Entry>,
-    /// Where the entries of each point end.
-    ends: Vec<usize>,
+    /// The rows of N of all points, one after the other.
+    shares: Vec<Share>,
+    points: Vec<Point>,
+}
+
+/// ω Fᵀ T N of a point: F = N but for terms that have no such form.
+#[derive(Clone, Debug, PartialEq)]
+struct Point {
+    /// F and N in [`Tangent::shares`].
+    force: Range<usize>,
+    jump: Range<usize>,
+    weight: f64,
+    slope: [[f64; 3]; 3],
 }
 
 impl Tangent {
@@ -21,70 +40,178 @@ impl Tangent {
         Tangent::default()
     }
 
-    /// Adds the entries of one contact point.
-    pub fn add(&mut self, entries: impl IntoIterator<Item = Entry>) {
-        self.entries.extend(entries);
-        self.ends.push(self.entries.len());
+    /// Adds ω Nᵀ T N of one contact point: its weight ω, its row of N and T, rows the force.
+    pub fn add(&mut self, weight: f64, row: &[Share], slope: &[[f64; 3]; 3]) {
+        let counts: [bool; 3] = std::array::from_fn(|a| row.iter().any(|(_, on)| on[a] != 0.0));
+        let counted = |a: usize, b: usize| if counts[a] && counts[b] { slope[a][b] } else { 0.0 };
+        let slope: [[f64; 3]; 3] = std::array::from_fn(|a| std::array::from_fn(|b| counted(a, b)));
+        if slope.iter().flatten().all(|slope| *slope == 0.0) {
+            return;
+        }
+        let place = self.push(row.iter().copied());
+        self.points.push(Point { force: place.clone(), jump: place, weight, slope });
+    }
+
+    /// Adds f nᵀ times a factor, f and n with an entry for each of some unknowns.
+    pub fn add_product_of(&mut self, factor: f64, force: &[(u32, f64)], jump: &[(u32, f64)]) {
+        let along = |(unknown, value): &(u32, f64)| (*unknown, [*value, 0.0, 0.0]);
+        let (force, jump) = (self.push(force.iter().map(along)), self.push(jump.iter().map(along)));
+        let mut slope = [[0.0; 3]; 3];
+        slope[0][0] = 1.0;
+        self.points.push(Point { force, jump, weight: factor, slope });
     }
 
     /// Adds values on the diagonal, each by itself.
     pub fn add_diagonal(&mut self, values: impl IntoIterator<Item = f64>) {
-        values.into_iter().enumerate().for_each(|(i, value)| self.add([(i as u32, i as u32, value)]));
+        let one = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+        let of = |(i, value): (usize, f64)| self.add(value, &[(i as u32, [1.0, 0.0, 0.0])], &one);
+        values.into_iter().enumerate().for_each(of);
     }
 
-    /// The entries of all points: J is their sum.
-    #[must_use]
-    pub fn entries(&self) -> &[Entry] {
-        &self.entries
+    fn push(&mut self, shares: impl Iterator<Item = Share>) -> Range<usize> {
+        let start = self.shares.len();
+        self.shares.extend(shares);
+        start..self.shares.len()
+    }
+
+    /// The entries of all points that are not zero: J is their sum.
+    pub fn entries(&self) -> impl Iterator<Item = Entry> + Clone + '_ {
+        self.points.iter().flat_map(|point| self.of_point(point))
     }
 
     /// The entries of one point after the other.
-    pub fn points(&self) -> impl Iterator<Item = &[Entry]> {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| &self.entries[start..end])
+    pub fn points(&self) -> impl Iterator<Item = Vec<Entry>> + '_ {
+        self.points.iter().map(|point| self.of_point(point).collect())
     }
 
-    /// The same with other names of rows and columns.
+    fn of_point<'a>(&'a self, point: &'a Point) -> impl Iterator<Item = Entry> + Clone + 'a {
+        let entries = self.shares[point.force.clone()].iter().flat_map(|(row, on)| {
+            self.shares[point.jump.clone()].iter().map(|(column, of)| {
+                let force = |a: usize| (0..3).map(|b| point.slope[a][b] * of[b]).sum::<f64>();
+                (*row, *column, point.weight * (0..3).map(|a| on[a] * force(a)).sum::<f64>())
+            })
+        });
+        entries.filter(|(.., value)| *value != 0.0)
+    }
+
+    /// The same with other names of unknowns.
     #[must_use]
     pub fn renamed(&self, name: impl Fn(u32) -> u32) -> Tangent {
-        let entries = self.entries.iter().map(|&(i, j, value)| (name(i), name(j), value)).collect();
-        Tangent { entries, ends: self.ends.clone() }
+        let shares = self.shares.iter().map(|&(unknown, on)| (name(unknown), on)).collect();
+        Tangent { shares, points: self.points.clone() }
     }
 
-    /// y += J x.
-    pub fn add_product(&self, x: &[f64], y: &mut [f64]) {
-        for &(i, j, value) in &self.entries {
-            y[i as usize] += value * x[j as usize];
+    /// y += J x times a factor.
+    pub fn add_product(&self, factor: f64, x: &[f64], y: &mut [f64]) {
+        for point in &self.points {
+            let mut jump = [0.0; 3];
+            for (unknown, of) in &self.shares[point.jump.clone()] {
+                let x = x[*unknown as usize];
+                (0..3).for_each(|b| jump[b] += of[b] * x);
+            }
+            let scale = factor * point.weight;
+            let force = point.slope.map(|row| scale * (row[0] * jump[0] + row[1] * jump[1] + row[2] * jump[2]));
+            for (unknown, on) in &self.shares[point.force.clone()] {
+                y[*unknown as usize] += on[0] * force[0] + on[1] * force[1] + on[2] * force[2];
+            }
         }
     }
 
     /// Whether nothing is added.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
+        self.points.is_empty()
     }
 
     /// Whether it is the same to the last bit.
     #[must_use]
     pub fn is_same(&self, other: &Tangent) -> bool {
-        let bits = |&(i, j, value): &Entry| (i, j, value.to_bits());
-        self.entries.iter().map(bits).eq(other.entries.iter().map(bits))
+        self.bits().eq(other.bits())
     }
 
-    /// Whether it is symmetric to round-off.
+    /// What tells it from another one.
+    pub(super) fn bits(&self) -> impl Iterator<Item = u64> + '_ {
+        let of_point = |point: &Point| {
+            let places = [point.force.start, point.force.end, point.jump.start, point.jump.end].map(|at| at as u64);
+            let numbers = std::iter::once(point.weight).chain(point.slope.into_iter().flatten());
+            places.into_iter().chain(numbers.map(f64::to_bits))
+        };
+        let of_share =
+            |&(unknown, on): &Share| std::iter::once(u64::from(unknown)).chain(on.into_iter().map(f64::to_bits));
+        self.points.iter().flat_map(of_point).chain(self.shares.iter().flat_map(of_share))
+    }
+
+    /// Whether the part of every point is symmetric to round-off.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
-        let mut pairs: Vec<Entry> = self
-            .entries
-            .iter()
-            .filter(|(i, j, _)| i != j)
-            .map(|&(i, j, value)| (i.min(j), i.max(j), if i < j { value } else { -value }))
-            .collect();
-        pairs.sort_by_key(|&(i, j, _)| (i, j));
-        pairs.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)).all(|same| {
-            let (sum, size) =
-                same.iter().fold((0.0, 0.0), |(sum, size), pair| (sum + pair.2, f64::max(size, pair.2.abs())));
-            sum.abs() <= 1e-12 * size
+        self.points.iter().all(|point| {
+            if point.force == point.jump {
+                let t = &point.slope;
+                let largest = t.iter().flatten().fold(0.0, |largest: f64, t| largest.max(t.abs()));
+                [(0, 1), (0, 2), (1, 2)].iter().all(|&(a, b)| (t[a][b] - t[b][a]).abs() <= ROUND_OFF * largest)
+            } else {
+                are_parallel(&self.shares[point.force.clone()], &self.shares[point.jump.clone()])
+            }
         })
+    }
+}
+
+/// Whether two vectors are multiples of one another, as those of a symmetric f nᵀ.
+fn are_parallel(force: &[Share], jump: &[Share]) -> bool {
+    let first = |(_, on): &Share| on[0];
+    let place = (0..jump.len()).max_by(|&a, &b| first(&jump[a]).abs().total_cmp(&first(&jump[b]).abs()));
+    let Some((f, n)) = place.and_then(|k| Some((first(force.get(k)?), first(jump.get(k)?)))) else {
+        return force.is_empty();
+    };
+    let agree = |(a, b): (&Share, &Share)| {
+        a.0 == b.0 && (first(a) * n - first(b) * f).abs() <= ROUND_OFF * (first(a) * n).abs().max((first(b) * f).abs())
+    };
+    force.len() == jump.len() && force.iter().zip(jump).all(agree)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The product by points is that by entries, whatever the form of the points.
+    #[test]
+    fn the_product_is_that_of_the_entries() {
+        let mut tangent = Tangent::new();
+        let row = |first: u32| [0, 1, 2, 3].map(|k| (first + k, [0.3 * f64::from(k) - 0.4, 0.7, f64::from(k * k)]));
+        tangent.add(2.0, &row(0), &[[3.0, 0.1, 0.0], [0.5, 2.0, -1.0], [0.0, 4.0, 1.0]]);
+        tangent.add(0.5, &row(3), &[[1e8, 0.0, 0.0], [0.0; 3], [0.0; 3]]);
+        tangent.add_product_of(-0.3, &[(1, 2.0), (5, 3.0)], &[(0, 1.0), (6, -2.0), (2, 0.5)]);
+        tangent.add_diagonal([0.0, 1.0, 0.0, 4.0]);
+        let x: Vec<f64> = (0..8).map(|i| f64::from(i).sin()).collect();
+        let (mut by_points, mut by_entries) = (vec![1.0; 8], vec![1.0; 8]);
+        tangent.add_product(-1.0, &x, &mut by_points);
+        tangent.entries().for_each(|(i, j, value)| by_entries[i as usize] -= value * x[j as usize]);
+        let largest = by_entries.iter().fold(0.0, |largest: f64, y| largest.max(y.abs()));
+        assert!(by_points.iter().zip(&by_entries).all(|(a, b)| (a - b).abs() <= 1e-14 * largest));
+        let all: Vec<Entry> = tangent.points().flatten().collect();
+        assert_eq!(all, tangent.entries().collect::<Vec<Entry>>());
+    }
+
+    /// Symmetry is told as it is found from the entries; a component that no unknown has does not count.
+    #[test]
+    fn symmetry_is_that_of_the_entries() {
+        let row = [(0, [1.0, 0.0, 0.0]), (2, [0.0, 1.0, 0.0]), (3, [-0.4, 0.2, 0.0])];
+        let sliding = [[2.0, 0.0, 0.0], [0.6, 1.0, 0.0], [0.0; 3]];
+        let across = [[2.0, 0.0, 0.9], [0.0, 1.0, 0.0], [0.6, 0.0, 1.0]];
+        let of = |slope| {
+            let mut tangent = Tangent::new();
+            tangent.add(3.0, &row, slope);
+            tangent
+        };
+        assert!(!of(&sliding).is_symmetric());
+        assert!(of(&across).is_symmetric());
+        assert!(of(&[[0.0; 3], [0.0; 3], [0.0, 0.0, 1.0]]).is_empty());
+        let product = |right: [f64; 2]| {
+            let mut tangent = Tangent::new();
+            tangent.add_product_of(1.0, &[(0, 2.0), (4, -3.0)], &[(0, right[0]), (4, right[1])]);
+            tangent
+        };
+        assert!(product([-4.0, 6.0]).is_symmetric());
+        assert!(!product([-4.0, 6.1]).is_symmetric());
     }
 }

@@ -96,7 +96,7 @@ impl Iterative {
     /// (S + J) x.
     fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
         let mut y = self.product(x);
-        tangent.add_product(x, &mut y);
+        tangent.add_product(1.0, x, &mut y);
         y
     }
 

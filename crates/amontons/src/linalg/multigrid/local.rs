@@ -16,15 +16,15 @@ use super::surface::{Surface, couples};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Lu, is_positive_definite};
 use crate::linalg::sparse::BlockMatrix;
-use crate::linalg::tangent::Entry;
+use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
 use crate::tensor::Point;
 
-/// What contact touches, with the entries of J by degree of freedom in the bases of the turns.
+/// What contact touches, with J by degree of freedom in the bases of the turns.
 #[derive(Debug)]
 pub(super) struct Local {
     solver: Solver,
-    entries: Vec<Entry>,
+    tangent: Tangent,
     turns: Vec<Turn>,
     /// The nodes that contact touches, and these with their neighbours.
     nodes: Vec<u32>,
@@ -50,28 +50,29 @@ struct Node {
 }
 
 impl Local {
-    /// For the entries of contact, some at least.
+    /// For the tangent of contact, with some entries at least.
     ///
     /// # Errors
     /// When contact couples nodes and K + J is singular on them.
-    pub fn new(body: &Body, entries: &[Entry], turns: &[Turn]) -> Result<Local, SolveError> {
+    pub fn new(body: &Body, tangent: &Tangent, turns: &[Turn]) -> Result<Local, SolveError> {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
-        let is_coupled = couples(entries, n);
-        let nodes = if is_coupled { joined(body, entries) } else { seen(entries, n) };
+        let entries: Vec<Entry> = tangent.entries().collect();
+        let is_coupled = couples(&entries, n);
+        let nodes = if is_coupled { joined(body, &entries) } else { seen(&entries, n) };
         let solver = if is_coupled {
-            Solver::Surface(Box::new(Surface::new(body, &nodes, entries, &bases)?))
+            Solver::Surface(Box::new(Surface::new(body, &nodes, &entries, &bases)?))
         } else {
             Solver::Nodes(
-                blocks(entries, n).into_iter().filter_map(|(i, b)| node_of(body, i, bases.get(&i), &b)).collect(),
+                blocks(&entries, n).into_iter().filter_map(|(i, b)| node_of(body, i, bases.get(&i), &b)).collect(),
             )
         };
         let neighbours = nodes.iter().flat_map(|&node| body.matrix.row(node as usize).map(|(j, _)| j as u32));
         let mut reach: Vec<u32> = neighbours.collect();
         reach.sort_unstable();
         reach.dedup();
-        let (entries, turns, free) = (entries.to_vec(), turns.to_vec(), body.free.to_vec());
-        Ok(Local { solver, entries, turns, nodes, reach, free })
+        let (tangent, turns, free) = (tangent.clone(), turns.to_vec(), body.free.to_vec());
+        Ok(Local { solver, tangent, turns, nodes, reach, free })
     }
 
     /// L r, by degree of freedom.
@@ -114,9 +115,7 @@ impl Local {
     fn rest(&self, matrix: &BlockMatrix, nodes: &[u32], r: &[f64], x: &[f64]) -> Vec<f64> {
         let (n, _) = matrix.block_shape();
         let (mut rest, mut straight) = (r.to_vec(), x.to_vec());
-        for &(i, j, value) in &self.entries {
-            rest[i as usize] -= value * x[j as usize];
-        }
+        self.tangent.add_product(-1.0, x, &mut rest);
         for turn in &self.turns {
             turn.back(&mut rest);
             turn.back(&mut straight);

@@ -53,7 +53,7 @@ impl Preconditioner {
         let (n, _) = body.matrix.block_shape();
         let bases = bases(turns, n);
         let is_untouched = tangent.is_empty() && turns.is_empty();
-        self.local = if is_untouched { None } else { Some(Local::new(body, tangent.entries(), turns)?) };
+        self.local = if is_untouched { None } else { Some(Local::new(body, tangent, turns)?) };
         self.hierarchy.add(&softened(body, tangent, &bases));
         Ok(())
     }
@@ -82,7 +82,7 @@ fn softened(body: &Body, tangent: &Tangent, bases: &BTreeMap<usize, [Point; 3]>)
         let is_alone = point
             .iter()
             .all(|(i, j, _)| point.first().is_none_or(|e| [*i, *j].map(|u| u / n as u32) == [e.0 / n as u32; 2]));
-        if is_alone { alone.extend(point) } else { softened_point(body, point, &mut joints) }
+        if is_alone { alone.extend(point) } else { softened_point(body, &point, &mut joints) }
     }
     for (node, block) in blocks(&alone, n) {
         let basis = bases.get(&node).copied().unwrap_or(AXES);
