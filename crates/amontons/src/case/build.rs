@@ -12,6 +12,7 @@ use super::place::{At, Finding};
 use super::raw;
 use super::schema::Limits;
 use super::verify::{Expected, Verify};
+use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
 use crate::field::Field;
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
@@ -115,7 +116,13 @@ fn backend(raw: raw::Backend, problem: &ProblemData) -> Arc<dyn Backend> {
 fn workload(problem: &ProblemData) -> Workload {
     let steps = problem.steps as f64;
     let is_linear = problem.materials.iter().all(|m| m.elasticity.is_linear() && m.viscosity.is_linear());
-    Workload { factorizations: if is_linear { 1.0 } else { 3.0 * steps }, steps }
+    let joins = |contact: &Contact| contact.pair.is_some() || contact.quadrature != Quadrature::Nodal;
+    Workload {
+        factorizations: if is_linear { 1.0 } else { 3.0 * steps },
+        steps,
+        rubs: problem.contacts.iter().any(|contact| !contact.friction.is_frictionless()),
+        joins: problem.contacts.iter().any(joins),
+    }
 }
 
 fn coupling(raw: raw::Coupling) -> Coupling {

@@ -72,7 +72,7 @@ impl Backend for Automatic {
         let layout = Layout { contact: &[], ..*layout };
         let ordering = layout.ordering(matrix.graph());
         // A factor answers without a system being solved.
-        let work = Workload { factorizations: 1.0, steps: 1.0 };
+        let work = Workload { steps: 1.0, ..Workload::default() };
         let estimate = Estimate::of(matrix.graph(), layout.free, layout.components, &ordering);
         if Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes)).is_direct() {
             self.direct.is_positive_definite(matrix, &layout)

@@ -16,9 +16,13 @@ const RELAXED: f64 = 1.15;
 /// reads: measured on cubes of 14 thousand to a million unknowns.
 const LEVELS: f64 = 60.0;
 const CYCLE: f64 = 25.0;
-/// Products that a step takes with contact, and what making the levels takes, in products.
+/// Products that a step takes with contact, how many more where it rubs, and what making the levels takes, in products.
 const PRODUCTS: f64 = 60.0;
+const RUBBING: f64 = 1.5;
 const MAKING: f64 = 35.0;
+/// What contact adds to a product where its points join nodes, with its share of the work that each tangent takes, in
+/// bytes that could be read meanwhile per unknown on Γ_C: measured 7e4 on pairs of 8 thousand to a million unknowns.
+const JOINING: f64 = 7e4;
 /// Contact patterns of a step for each of which S + J is factorized; unknowns on Γ_C from which on it is not, and
 /// products with S that a step then takes.
 const PATTERNS: f64 = 3.0;
@@ -34,12 +38,16 @@ pub struct Workload {
     pub factorizations: f64,
     /// Steps: a pair of sweeps with the contact solved between them.
     pub steps: f64,
+    /// Whether there is friction.
+    pub rubs: bool,
+    /// Whether a point of contact joins nodes, as those of a pair do.
+    pub joins: bool,
 }
 
 impl Default for Workload {
-    /// One matrix, solved with a hundred times.
+    /// One matrix, solved with a hundred times, with contact without friction.
     fn default() -> Workload {
-        Workload { factorizations: 1.0, steps: 100.0 }
+        Workload { factorizations: 1.0, steps: 100.0, rubs: false, joins: false }
     }
 }
 
@@ -109,8 +117,10 @@ impl Estimate {
     /// With conjugate gradients or GMRES and smoothed aggregation.
     #[must_use]
     pub fn iterative(&self, work: &Workload) -> Demand {
-        let product = CYCLE * self.entries / READING;
-        let seconds = product * (MAKING * work.factorizations + PRODUCTS * work.steps);
+        let cycle = CYCLE * self.entries / READING;
+        let product = cycle + if work.joins { JOINING * self.contact as f64 / READING } else { 0.0 };
+        let products = if work.rubs { RUBBING * PRODUCTS } else { PRODUCTS };
+        let seconds = cycle * MAKING * work.factorizations + product * products * work.steps;
         Demand { seconds, bytes: LEVELS * self.entries }
     }
 
@@ -238,7 +248,7 @@ mod tests {
     fn the_faster_one_that_fits_is_chosen() {
         let plane = Estimate { unknowns: 130_000, contact: 514, entries: 1.8e6, stored: 1.1e7, flops: 4e9 };
         let space = Estimate { unknowns: 105_000, contact: 3267, entries: 4.6e6, stored: 1.6e8, flops: 5e11 };
-        let work = Workload { factorizations: 1.0, steps: 4.0 };
+        let work = Workload { steps: 4.0, ..Workload::default() };
         let solver = |estimate: &Estimate, free: Option<f64>| Choice::new(estimate, &work, free).solver;
         for free in [None, Some(1e12)] {
             assert_eq!([solver(&plane, free), solver(&space, free)], ["direct", "iterative"]);
