@@ -53,8 +53,10 @@ def test_an_exception_in_the_callback_ends_the_run(paper):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_is_answered(paper):
+    # Shells start what runs in the background deaf to Ctrl-C, and so is what it starts.
     code = """
-        import sys, amontons
+        import signal, sys, amontons
+        signal.signal(signal.SIGINT, signal.default_int_handler)
         def tell(snapshot):
             if snapshot.step == 2:
                 print("go", flush=True)
