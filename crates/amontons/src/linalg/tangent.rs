@@ -192,9 +192,9 @@ mod tests {
         assert_eq!(all, tangent.entries().collect::<Vec<Entry>>());
     }
 
-    /// Symmetry is told as it is found from the entries; a component that no unknown has does not count.
+    /// Friction makes a point nonsymmetric, but not by components that no unknown has.
     #[test]
-    fn symmetry_is_that_of_the_entries() {
+    fn friction_is_not_symmetric() {
         let row = [(0, [1.0, 0.0, 0.0]), (2, [0.0, 1.0, 0.0]), (3, [-0.4, 0.2, 0.0])];
         let sliding = [[2.0, 0.0, 0.0], [0.6, 1.0, 0.0], [0.0; 3]];
         let across = [[2.0, 0.0, 0.9], [0.0, 1.0, 0.0], [0.6, 0.0, 1.0]];

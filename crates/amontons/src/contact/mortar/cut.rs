@@ -1,6 +1,7 @@
 //! The part of a nonmortar facet that mortar facets face, with points of quadrature on both.
 
 use super::part::{Facets, Part};
+use super::tree::Tree;
 use crate::mesh::cross;
 use crate::quadrature::{Rule, Shape, rule};
 use crate::tensor::{Point, dot, length};
@@ -23,22 +24,20 @@ pub(super) struct Sample {
     pub other: (usize, Point),
 }
 
-/// The samples of a nonmortar facet, exact for the products of shape functions on straight facets.
-pub(super) fn samples(nonmortar: &Facets, mortar: &Facets, facet: usize) -> Vec<Sample> {
-    samples_among(nonmortar, mortar, facet, &|_| mortar.parts().iter().collect())
-}
-
-/// The same with the mortar parts that each part of the facet may face.
-pub(super) fn samples_among<'f>(
+/// The samples of a nonmortar facet, exact for the products of shape functions on straight facets. `tree` is that of
+/// the mortar parts, of which those within a distance count, where one is given.
+pub(super) fn samples(
     nonmortar: &Facets,
-    mortar: &'f Facets,
+    (mortar, tree): (&Facets, &Tree),
     facet: usize,
-    candidates: &dyn Fn(&Part) -> Vec<&'f Part>,
+    distance: Option<f64>,
 ) -> Vec<Sample> {
     let mut all = Vec::new();
     for part in nonmortar.parts_of(facet) {
-        let facing: Vec<&Part> =
-            candidates(part).into_iter().filter(|other| part.faces(other) && part.may_cover(other)).collect();
+        let is_near =
+            |centre: &Point, radius: f64| distance.is_none_or(|distance| part.is_within(distance, centre, radius));
+        let mut facing = tree.met(&|centre, radius| part.may_cover(centre, radius) && is_near(centre, radius));
+        facing.retain(|other| part.faces(other));
         match part.corners.len() {
             1 => all.extend(opposite(part, &facing)),
             2 => segments(nonmortar, mortar, part, &facing, &mut all),

@@ -3,11 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::cut;
-use super::part::{Facets, Part};
+use super::part::Facets;
+use super::tree::Tree;
 use crate::element::Element;
 use crate::mesh::defects::components;
 use crate::mesh::{FacetSet, Mesh};
-use crate::tensor::{Point, dot, length};
+use crate::tensor::length;
 
 /// Relative round-off of a distance that is that of the bodies.
 const ROUND_OFF: f64 = 1e-9;
@@ -70,10 +71,10 @@ pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u
 /// The facets of the first surface with those of the second that they face within the distance.
 fn near(mesh: &Mesh, surfaces: [&FacetSet; 2], distance: f64) -> Vec<(usize, usize)> {
     let [own, other] = surfaces.map(|set| Facets::new(mesh, &mesh.points, set));
-    let near = Near::new(other.parts(), distance);
+    let tree = Tree::new(other.parts());
     let mut all = Vec::new();
     for facet in 0..own.len() {
-        for sample in cut::samples_among(&own, &other, facet, &|part| near.to(part)) {
+        for sample in cut::samples(&own, (&other, &tree), facet, Some(distance)) {
             let (from, to) = (own.position(facet, &sample.own), other.position(sample.other.0, &sample.other.1));
             if length(&std::array::from_fn(|c| to[c] - from[c])) <= distance * (1.0 + ROUND_OFF) {
                 all.push((facet, sample.other.0));
@@ -82,39 +83,4 @@ fn near(mesh: &Mesh, surfaces: [&FacetSet; 2], distance: f64) -> Vec<(usize, usi
     }
     all.dedup();
     all
-}
-
-/// Parts in the order of a coordinate, to find those near a point.
-struct Near<'p> {
-    parts: Vec<&'p Part>,
-    axis: usize,
-    reach: f64,
-}
-
-impl<'p> Near<'p> {
-    /// Along the axis in which the parts are spread the widest.
-    fn new(parts: &'p [Part], distance: f64) -> Near<'p> {
-        let spread = |c: usize| {
-            let along = || parts.iter().map(|part| part.centre[c]);
-            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-        };
-        let axis = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
-        let reach = distance + parts.iter().map(|part| part.radius).fold(0.0, f64::max);
-        let mut parts: Vec<&Part> = parts.iter().collect();
-        parts.sort_by(|a, b| a.centre[axis].total_cmp(&b.centre[axis]));
-        Near { parts, axis, reach }
-    }
-
-    /// The parts that may be within the distance of one.
-    fn to(&self, part: &Part) -> Vec<&'p Part> {
-        let (centre, reach) = (part.centre[self.axis], part.radius + self.reach);
-        let from = self.parts.partition_point(|other| other.centre[self.axis] < centre - reach);
-        let near = self.parts[from..].iter().take_while(|other| other.centre[self.axis] <= centre + reach);
-        near.filter(|other| {
-            let apart: Point = std::array::from_fn(|c| other.centre[c] - part.centre[c]);
-            dot(&apart, &apart) <= reach * reach
-        })
-        .copied()
-        .collect()
-    }
 }

@@ -25,6 +25,7 @@ mod cut;
 mod dual;
 mod facing;
 mod part;
+mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -34,6 +35,7 @@ pub use facing::{Facing, facing};
 
 use cut::Sample;
 use part::{Facets, Part};
+use tree::Tree;
 
 /// Share of the largest weight below which a node is not covered.
 const COVERED: f64 = 1e-12;
@@ -129,9 +131,9 @@ impl Mortar {
                 held.insert(node, is_held.iter().take(sides.mesh.dim).any(|held| *held));
             }
         }
-        let mut made = Mortar::default();
+        let (mut made, tree) = (Mortar::default(), Tree::new(mortar.parts()));
         for facet in 0..nonmortar.len() {
-            let samples = cut::samples(&nonmortar, &mortar, facet);
+            let samples = cut::samples(&nonmortar, (&mortar, &tree), facet, None);
             made.measure += nonmortar.measure(facet);
             made.covered += samples.iter().map(|sample| sample.weight).sum::<f64>();
             gather(&nonmortar, &mortar, facet, &samples, &held, &mut nodes);

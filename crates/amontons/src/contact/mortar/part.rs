@@ -163,7 +163,7 @@ fn doubled_area(corners: &[Point]) -> Point {
 }
 
 impl Part {
-    fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>) -> Part {
+    pub fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>) -> Part {
         let n = corners.len() as f64;
         let centre: Point = std::array::from_fn(|c| corners.iter().map(|x| x[c]).sum::<f64>() / n);
         let distance = |x: &Point| length(&std::array::from_fn(|c| x[c] - centre[c]));
@@ -178,11 +178,17 @@ impl Part {
         Part { facet, corners, reference, normal: normal.map(|c| c / size), centre, radius }
     }
 
-    /// Whether the parts may cover each other, seen along the normal of this one.
-    pub fn may_cover(&self, other: &Part) -> bool {
-        let apart: Point = std::array::from_fn(|c| other.centre[c] - self.centre[c]);
+    /// Whether the part and what is in a sphere may cover each other, seen along the normal of the part.
+    pub fn may_cover(&self, centre: &Point, radius: f64) -> bool {
+        let apart: Point = std::array::from_fn(|c| centre[c] - self.centre[c]);
         let along = dot(&apart, &self.normal);
         let across = dot(&apart, &apart) - along * along;
-        across <= (self.radius + other.radius).powi(2) * (1.0 + 1e-9)
+        across <= (self.radius + radius).powi(2) * (1.0 + 1e-9)
+    }
+
+    /// Whether what is in a sphere may be within a distance of the part.
+    pub fn is_within(&self, distance: f64, centre: &Point, radius: f64) -> bool {
+        let apart: Point = std::array::from_fn(|c| centre[c] - self.centre[c]);
+        dot(&apart, &apart) <= (self.radius + radius + distance).powi(2) * (1.0 + 1e-9)
     }
 }
