@@ -16,6 +16,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, CaseError, Files, Source};
 use amontons::material::Dilatation;
+use amontons::mesh::FacetSet;
 use amontons::output::Memory;
 use amontons::run::{Settings, run};
 use amontons::scheme::State;
@@ -175,6 +176,36 @@ fn meshes_of_every_kind() {
             "{mesh}"
         );
         assert_eq!(found.points.iter().map(|p| p[0]).fold(0.0, f64::max) < 0.01, mesh.contains("scale"), "{mesh}");
+    }
+}
+
+/// Blocks in a row: each has its sides, about its own origin, and a disc in the half-plane of revolution is a torus.
+#[test]
+fn round_blocks_lie_at_their_origins() {
+    let blocks = "kind = \"blocks\"\n[[mesh.blocks]]\nname = \"tyre\"\nradii = [0, 0.5]\norigin = [3, -1]\nn = [2, 12]\n\
+                  [[mesh.blocks]]\nname = \"shoe\"\nradii = [0.5, 0.75]\nangle = 1.5707963267948966\norigin = [3, -1]\nn = [1, 6]\nelements = \"Q1\"";
+    for (round, names) in [
+        (blocks.to_owned(), "shoe_end shoe_inner shoe_outer shoe_start tyre_outer"),
+        (blocks.replace("blocks\"\n", "blocks\"\naxisymmetric = true\n"), "shoe_end shoe_inner shoe_outer shoe_start tyre_outer"),
+        (
+            "kind = \"blocks\"\n[[mesh.blocks]]\nname = \"tyre\"\nradii = [0.25, 0.5]\nheight = 2\norigin = [3, -1, 4]\nn = [2, 12, 2]".to_owned(),
+            "tyre_bottom tyre_inner tyre_outer tyre_top",
+        ),
+    ] {
+        let dim = if round.contains("height") { 3 } else { 2 };
+        let held = "[[boundary]]\non = \"shoe_outer\"\ndisplacement = [0, 0]\ntemperature = 0\n";
+        let held = if round.contains("shoe") { held } else { "" };
+        let case = read(body(&round, dim).replace("on = \"left\"", "on = \"tyre_outer\"") + held);
+        let mesh = &case.problem.mesh;
+        assert_eq!(mesh.facets.keys().map(String::as_str).collect::<Vec<_>>().join(" "), names, "{round}");
+        for (side, radius) in [("tyre_outer", 0.5), ("tyre_inner", 0.25), ("shoe_inner", 0.5), ("shoe_outer", 0.75)] {
+            for node in mesh.facets.get(side).map(FacetSet::node_list).unwrap_or_default() {
+                let [x, y, z] = mesh.points[node as usize];
+                assert!(((x - 3.0).hypot(y + 1.0) - radius).abs() < 1e-15, "{round}: {side} at ({x}, {y})");
+                assert!(dim == 2 && z == 0.0 || dim == 3 && (4.0..=6.0).contains(&z), "{round}: {side} at z = {z}");
+            }
+        }
+        assert_eq!(mesh.axisymmetric, round.contains("axisymmetric"), "{round}");
     }
 }
 

@@ -67,23 +67,8 @@ impl Build<'_> {
             self.note(path, At::Value, found, expected, None);
             return None;
         }
-        let own = if block.size.is_empty() { "radii" } else { "size" };
-        for (key, found) in [(own, dimension(block)), ("n", n.len()), ("origin", block.origin.len())] {
-            let is_left_out = key == "origin" && found == 0;
-            if !is_left_out && (found != dim || !(1..=3).contains(&dim)) {
-                let (found, expected) = match dim {
-                    1..=3 if key == "radii" => {
-                        (format!("a body in {found} dimensions"), format!("one in {dim}, as the first block is"))
-                    }
-                    1..=3 => (
-                        format!("{found} numbers"),
-                        format!("{dim} of them, as the first block is in {dim} dimensions"),
-                    ),
-                    _ => (format!("{found} numbers"), "1, 2 or 3 of them".to_owned()),
-                };
-                self.note(&format!("{path}.{key}"), At::Value, found, expected, None);
-                return None;
-            }
+        if !self.has_dimension(path, block, dim) {
+            return None;
         }
         let shape = match (&block.size[..], block.radii, block.height) {
             (&[size], ..) => raw::Mesh::Interval { size, n: n[0], elements },
@@ -108,6 +93,29 @@ impl Build<'_> {
             _ => return None,
         };
         Some((shape, n))
+    }
+
+    /// Whether all keys of the block have a number for each of the `dim` dimensions.
+    fn has_dimension(&mut self, path: &str, block: &raw::Block, dim: usize) -> bool {
+        let own = if block.size.is_empty() { "radii" } else { "size" };
+        for (key, found) in [(own, dimension(block)), ("n", block.n.len()), ("origin", block.origin.len())] {
+            let is_left_out = key == "origin" && found == 0;
+            if !is_left_out && (found != dim || !(1..=3).contains(&dim)) {
+                let (found, expected) = match dim {
+                    1..=3 if key == "radii" => {
+                        (format!("a body in {found} dimensions"), format!("one in {dim}, as the first block is"))
+                    }
+                    1..=3 => (
+                        format!("{found} numbers"),
+                        format!("{dim} of them, as the first block is in {dim} dimensions"),
+                    ),
+                    _ => (format!("{found} numbers"), "1, 2 or 3 of them".to_owned()),
+                };
+                self.note(&format!("{path}.{key}"), At::Value, found, expected, None);
+                return false;
+            }
+        }
+        true
     }
 }
 

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use super::behind::Behind;
 use super::files::{Files, Loader};
 use super::nearest::nearest;
 use super::path::{Doubtful, Path, Segment};
@@ -11,6 +10,7 @@ use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
 use super::schema::Limits;
+use super::side_materials::SideMaterials;
 use super::verify::{Expected, Verify};
 use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
@@ -60,7 +60,7 @@ pub(super) fn problem(
     let materials = build.materials(&raw, &mesh);
     let bodies = materials.clone();
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
-    let behind = Behind::new(&mesh, &bodies);
+    let of_sides = SideMaterials::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
         name: raw.name,
@@ -73,7 +73,7 @@ pub(super) fn problem(
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
-        contacts: contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &behind)).collect(),
+        contacts: contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect(),
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),

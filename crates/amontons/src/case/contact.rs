@@ -2,12 +2,12 @@
 
 use std::sync::Arc;
 
-use super::behind::Behind;
 use super::build::{Build, side};
 use super::coefficient::{Plan, Sites};
 use super::laws::{self, Keyed};
 use super::place::At;
 use super::raw::{self, Datum};
+use super::side_materials::SideMaterials;
 use crate::contact::{
     Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Pair,
     Quadrature, Signorini, Sum, WearLaw,
@@ -17,9 +17,9 @@ use crate::mesh::Mesh;
 use crate::tensor::Point;
 
 impl Build<'_> {
-    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, behind: &Behind) -> Contact {
-        self.partition(path, &mut raw, behind);
-        let pair = self.pair(path, &raw, behind);
+    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, materials: &SideMaterials) -> Contact {
+        self.partition(path, &mut raw, materials);
+        let pair = self.pair(path, &raw, materials);
         let bearing = pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&raw.on, |pair| &pair.with).clone();
         let (points, is_pair) = (side(mesh, &bearing), pair.is_some());
         let components = raw.foundation_velocity.len();

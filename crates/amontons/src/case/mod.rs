@@ -16,7 +16,6 @@
 //! ```
 
 mod automatic;
-mod behind;
 mod benchmark;
 mod blocks;
 mod build;
@@ -46,6 +45,7 @@ mod quantity;
 mod raw;
 mod request;
 mod schema;
+mod side_materials;
 mod sides;
 mod study;
 mod syntax;

@@ -8,14 +8,14 @@ use crate::mesh::{FacetMap, Mesh};
 use crate::tensor::dot;
 
 /// The bodies behind the sides of a mesh.
-pub(super) struct Behind<'m> {
+pub(super) struct SideMaterials<'m> {
     mesh: &'m Mesh,
     materials: &'m [Material],
 }
 
-impl<'m> Behind<'m> {
-    pub fn new(mesh: &'m Mesh, materials: &'m [Material]) -> Behind<'m> {
-        Behind { mesh, materials }
+impl<'m> SideMaterials<'m> {
+    pub fn new(mesh: &'m Mesh, materials: &'m [Material]) -> SideMaterials<'m> {
+        SideMaterials { mesh, materials }
     }
 
     /// √(Kc), c the heat capacity per volume and K the conductivity along the normal, as its mean over the facets of a
