@@ -166,12 +166,19 @@ fn thermal(name: &'static str, case: Case) -> Case {
     Case { name, template, ..case }
 }
 
+/// A case whose linear systems an iteration solves: its levels and smoothers know nothing of axes, units and numbers.
+fn iterated(name: &'static str, case: Case) -> Case {
+    Case { name, template: format!("solver = {{ solver = \"iterative\" }}\n{}", case.template), ..case }
+}
+
 pub fn all() -> Vec<Case> {
     let laws = "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
                 heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n";
     let mut all = with_constants();
     let rigid = "normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\nfrictional_heat = 0.6\n\
                  heat = { law = \"pressure\", coefficient = <W/m2K/Pa.95|0.4>, exponent = 0.95 }\n";
+    let held = "normal = { law = \"signorini\" }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n\
+                heat = { law = \"pressure\", coefficient = <W/m2K/Pa.95|0.4>, exponent = 0.95, foundation_temperature = <K|3*T> }\n";
     let soft = "normal = { law = \"compliance\", stiffness = <Pa/m|1e3> }\nfriction = { law = \"coulomb\", coefficient = 0.3 }\n\
                 heat = { law = \"constant\", conductance = <W/m2K|2> }\n";
     all.push(pair("two bodies: Signorini, Coulomb (P1)", 2, [Elements::P1; 2], rigid));
@@ -183,6 +190,13 @@ pub fn all() -> Vec<Case> {
     all.push(graded("coefficients in space, P1", space("", Elements::P1, [3, 2, 2], laws)));
     all.push(thermal("coefficients of the temperature, P1 in the plane", plane("", Elements::P1, STRAIN, laws)));
     all.push(thermal("coefficients of the temperature, P1", space("", Elements::P1, [3, 2, 2], laws)));
+    all.push(iterated(
+        "by an iteration: compliance, Coulomb, ramp (tetrahedra)",
+        space("", Elements::P1, [6, 5, 5], laws),
+    ));
+    all.push(iterated("by an iteration: Signorini, Coulomb (hexahedra)", space("", Elements::Q1, [6, 5, 5], held)));
+    all.push(iterated("by an iteration, two bodies: Signorini, Coulomb (P1)", pair("", 3, [Elements::P1; 2], rigid)));
+    all.push(iterated("by an iteration, two bodies: compliance, Coulomb (Q1)", pair("", 3, [Elements::Q1; 2], soft)));
     all
 }
 
