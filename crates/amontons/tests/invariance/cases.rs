@@ -195,7 +195,7 @@ pub fn all() -> Vec<Case> {
         space("", Elements::P1, [6, 5, 5], laws),
     ));
     all.push(iterated("by an iteration: Signorini, Coulomb (hexahedra)", space("", Elements::Q1, [6, 5, 5], held)));
-    all.push(iterated("by an iteration, two bodies: Signorini, Coulomb (P1)", pair("", 3, [Elements::P1; 2], rigid)));
+    all.push(iterated("by an iteration, two bodies: Signorini, Coulomb (P2)", pair("", 3, [Elements::P2; 2], rigid)));
     all.push(iterated("by an iteration, two bodies: compliance, Coulomb (Q1)", pair("", 3, [Elements::Q1; 2], soft)));
     all
 }

@@ -81,6 +81,11 @@ fn relative(pairs: &[(f64, f64)]) -> f64 {
     if worst == 0.0 { 0.0 } else { worst / size }
 }
 
+/// Whether every contact point has a node, or as a vertex of a pair a dual function, of its own.
+fn is_unique(outcome: &Outcome) -> bool {
+    outcome.boundary.points.iter().all(|point| point.own == 1 || point.nodes.len() > point.own)
+}
+
 /// p ν + q at the contact points; with Gauss points, whose tractions need not be unique where more of them stick than
 /// there are nodes, the mean tractions of the nodes, Σ ω N (p ν + q)/Σ ω N.
 fn tractions(outcome: &Outcome, report: &StepReport) -> Vec<Point> {
@@ -89,7 +94,7 @@ fn tractions(outcome: &Outcome, report: &StepReport) -> Vec<Point> {
         .states
         .iter()
         .map(|state| std::array::from_fn(|d| state.pressure * state.normal[d] + state.q[d]));
-    if outcome.boundary.points.iter().all(|point| point.own == 1) {
+    if is_unique(outcome) {
         return states.collect();
     }
     let mut sums = vec![([0.0; 3], 0.0); outcome.boundary.nodes.len()];
@@ -105,8 +110,7 @@ fn tractions(outcome: &Outcome, report: &StepReport) -> Vec<Point> {
 /// Where [`tractions`] are.
 fn spots(outcome: &Outcome) -> Vec<Point> {
     let nodes = outcome.boundary.nodes.iter().map(|&node| outcome.mesh.points[node as usize]);
-    let at_nodes = outcome.boundary.points.iter().all(|point| point.own == 1);
-    if at_nodes { outcome.boundary.points.iter().map(|point| point.x).collect() } else { nodes.collect() }
+    if is_unique(outcome) { outcome.boundary.points.iter().map(|point| point.x).collect() } else { nodes.collect() }
 }
 
 /// What differs, if something does: of fields at all nodes and of tractions and heat fluxes on Γ_C, at all times.
