@@ -117,6 +117,28 @@ fn bodies_that_nothing_holds() {
     assert!(told.contains("found no displacement prescribed and density 0 in part 1 of the body"), "{told}");
 }
 
+/// A pad that only its pair holds: where a side of the pair is unknown, nothing else is told.
+#[test]
+fn a_body_that_an_unknown_pair_would_hold() {
+    let loose = CASE.replace("displacement = [0, -1e-3]\ntemperature = 1", "pressure = 1");
+    let told = |old: &str, new: &str| common::told(&Source::new("pad.toml", common::spoil(&loose, old, new)), &[]);
+    let pair = "on = \"pad_bottom\"\nwith = \"disc_top\"";
+    assert_eq!(told("", ""), "no fault");
+    for (new, begin) in [
+        ("on = \"pad_bottom\"\nwith = \"disc_tpo\"", "contact.with: found \"disc_tpo\""),
+        ("on = \"pad_botom\"\nwith = \"disc_top\"", "contact.on: found \"pad_botom\""),
+    ] {
+        let told = told(pair, new);
+        assert!(told.contains(begin) && told.lines().count() == 1, "{told}");
+    }
+    let apart = "origin = [1.0, 1.1]";
+    let loose = common::spoil(&loose, "origin = [1.0, 1.0]", apart);
+    let text = common::spoil(&loose, pair, "automatic = { distance = 1e-3 }");
+    let told = common::told(&Source::new("pad.toml", text), &[]);
+    assert!(told.contains("found no two bodies within 1e-3 m of each other"), "{told}");
+    assert_eq!(told.lines().count(), 1, "{told}");
+}
+
 /// Sides that share facets.
 #[test]
 fn sides_that_overlap() {
@@ -161,8 +183,8 @@ fn what_faces_what_is_told() {
     assert_eq!(closed.status, FindingStatus::Holds);
 }
 
-/// The finer side bears the points where none is named; the other one if it is.
-/// The finer side; of similar ones the smaller side, of equal ones that of the softer body, or the finer one.
+/// Where no side is named: the finer side; of similar ones the smaller side, of equal ones that of the softer body, or
+/// the finer one.
 #[test]
 fn the_finer_side_is_nonmortar() {
     let bearing = |text: &str| {

@@ -236,9 +236,16 @@ impl Build<'_> {
         if self.no_mesh && !["mesh", "name", "time"].iter().any(|table| path.is_in(table)) {
             return true;
         }
+        let ends_with = |path: &Path, key: &str| path.0.last() == Some(&Segment::Key(key.to_owned()));
+        // What holds a body cannot be said while one of the sides of its contacts is unknown.
+        let is_unknown_side = |finding: &Finding| {
+            finding.path.is_in("contact") && ["on", "with", "distance"].iter().any(|key| ends_with(&finding.path, key))
+        };
+        if path.0 == [Segment::Key("boundary".to_owned())] && self.findings.iter().any(is_unknown_side) {
+            return true;
+        }
         // A side cannot be looked up while the mesh that has the sides is unknown.
-        let names_side = path.0.last() == Some(&Segment::Key("on".to_owned()));
-        (names_side && self.doubtful.mesh_unknown) || self.doubtful.is_related(path)
+        (ends_with(path, "on") && self.doubtful.mesh_unknown) || self.doubtful.is_related(path)
     }
 
     /// The name is that of a folder too.
