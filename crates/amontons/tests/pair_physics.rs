@@ -1,11 +1,15 @@
 //! What pairs of bodies do as a whole: sliding over facets, sides that are swapped, cracks, stiffness, rigid motions.
 #![allow(clippy::expect_used, clippy::panic, reason = "a test fails by panicking")]
 
+mod common;
+
 use amontons::case::{self, Source};
 use amontons::contact::Status;
+use amontons::inclusion::PointState;
 use amontons::output::Memory;
 use amontons::problem::Problem;
 use amontons::run::{self, Settings};
+use amontons::scheme::Discretization;
 
 fn problem(text: &str) -> Problem {
     case::parse(&Source::new("pair.toml", text), &[]).unwrap_or_else(|error| panic!("{error}\n{text}")).problem
@@ -187,4 +191,131 @@ fn the_faces_of_a_slit_bear_the_pressure() {
     // All vertices but the tip.
     assert_eq!(states.len(), 4);
     assert!(states.iter().all(|state| (state.pressure - 2.0).abs() < 1e-12), "{states:?}");
+}
+
+/// A block that rubs on another and is warmer: conduction, radiation and friction at once.
+fn rubbing(geometry: &str, curved: bool, nonmortar: &str) -> Problem {
+    let heat = "{ law = \"sum\", laws = [{ law = \"pressure\", coefficient = 2.0, exponent = 0.95 }, \
+                { law = \"constant\", conductance = 1.5 }, \
+                { law = \"radiation\", emissivity = 0.8, absolute_zero = -2.0, constant = 0.1 }] }";
+    let thermal = "conductivity = 1\nheat_capacity = 1\n";
+    let mut text = two("size = [1.0, 0.5]\nn = [9, 4]", "size = [0.6, 0.5]\nn = [7, 5]\norigin = [0.2, 0.5]")
+        + "[time]\nend = 1.0\nsteps = 6\n[material]\n"
+        + &material(10.0)
+        + thermal
+        + "[initial]\ntemperature = \"y\"\n[[boundary]]\non = \"lower_bottom\"\ndisplacement = [0, 0]\n\
+           [[boundary]]\non = \"upper_top\"\ndisplacement = [\"0.1*t\", \"-0.01*min(5*t, 1)\"]\n[contact]\n\
+           on = \"upper_bottom\"\nwith = \"lower_top\"\nnormal = { law = \"signorini\" }\nfrictional_heat = 0.3\n\
+           friction = { law = \"coulomb\", coefficient = 0.4 }\nwear = { law = \"archard\", coefficient = 1e-4, fraction = 0.25 }\n";
+    text += &format!("geometry = \"{geometry}\"\nnonmortar = \"{nonmortar}\"\nheat = {heat}\n");
+    let problem = problem(&text);
+    if !curved {
+        return problem;
+    }
+    common::changed(&problem, |data| {
+        for x in &mut std::sync::Arc::make_mut(&mut data.mesh).points {
+            x[1] += 0.03 * (std::f64::consts::PI * x[0]).sin() * (1.0 - (x[1] - 0.5).abs() * 2.0);
+        }
+    })
+}
+
+/// The moment that is reported is that of the forces on the nodes of both bodies, Σ x × f; it vanishes where the sides
+/// lie on one line, and is small beside the moment of the forces on one body where they are curved.
+#[test]
+fn the_defect_of_moments_is_that_of_the_nodal_forces() {
+    for (geometry, curved) in [("reference", false), ("reference", true), ("updated", false), ("updated", true)] {
+        let problem = rubbing(geometry, curved, "upper_bottom");
+        let memory = common::solve(&problem);
+        let discrete = Discretization::new(&problem);
+        for n in 1..memory.reports.len() {
+            let (before, contact) = (&memory.states[n].u, &memory.reports[n].contact);
+            let updated =
+                discrete.boundary.updated(&problem.contacts, &problem.mesh, before, &|node| discrete.v.held(node));
+            let (boundary, moves) = (updated.as_deref().unwrap_or(&discrete.boundary), updated.is_some());
+            let mut forces = vec![0.0; 2 * problem.mesh.points.len()];
+            let traction = |s: &PointState| std::array::from_fn(|c| 0.0 - s.pressure * s.normal[c] - s.q[c]);
+            boundary.scatter(2, contact.states.iter().map(traction), &mut forces);
+            let (mut moment, mut of_one) = (0.0, 0.0f64);
+            for (i, f) in forces.chunks_exact(2).enumerate() {
+                let x: [f64; 2] =
+                    std::array::from_fn(|c| problem.mesh.points[i][c] + if moves { before[2 * i + c] } else { 0.0 });
+                moment += x[0] * f[1] - x[1] * f[0];
+                of_one += (x[0] * f[1]).abs();
+            }
+            let told = contact.moments[0][2];
+            assert!((told - moment).abs() < 1e-13 * of_one, "{geometry} {curved}: {told:e}, {moment:e}");
+            if curved {
+                assert!(told.abs() < 1e-2 * of_one && told.abs() > 1e-9 * of_one, "{told:e} of {of_one:e}");
+            } else if !moves {
+                assert!(told.abs() < 1e-9 * of_one, "{told:e} of {of_one:e}");
+            }
+        }
+    }
+}
+
+/// The heat that has passed by pressure, by the constant conductance, by radiation and from friction: what has left one
+/// side and not entered the other is what friction made; a body that exchanges heat with the other alone has lost the
+/// sum; at each instant radiation is σε(θ⁴ − θ_other⁴) and the conductances are as their laws say.
+#[test]
+fn heat_is_split_by_what_it_passes_by() {
+    for nonmortar in ["upper_bottom", "lower_top"] {
+        let problem = rubbing("reference", false, nonmortar);
+        let memory = common::solve(&problem);
+        let contact = &problem.contacts[0];
+        let last = memory.states.last().expect("a state");
+        let out = last.surface.passed[0].out_of_on(contact);
+        assert_eq!(out.keys().collect::<Vec<_>>(), ["constant", "friction", "pressure", "radiation"]);
+        let made = last.ledger.heat_pairs;
+        assert!(made > 0.0 && (out["friction"] + 0.3 * made).abs() < 1e-12 * made, "{} of {made}", out["friction"]);
+        // The upper body is insulated elsewhere.
+        let discrete = Discretization::new(&problem);
+        let first_above = problem.mesh.points.len() - 8 * 6;
+        let content = |theta: &[f64]| {
+            let stored = discrete.stored_heat(theta);
+            stored[first_above..].iter().sum::<f64>()
+        };
+        let lost = content(&memory.states[0].theta) - content(&last.theta);
+        let sum: f64 = out.values().sum();
+        assert!(lost.abs() > 1e-3 && (lost - sum).abs() < 1e-11 * lost.abs(), "{lost}, {sum}");
+
+        let k = problem.k();
+        let mut expected = [0.0; 3];
+        for report in &memory.reports {
+            let of = &report.contact;
+            for (i, state) in of.states.iter().enumerate() {
+                // Σ of the three laws is the flux without friction, and each is positive.
+                let rubbed = if nonmortar == "upper_bottom" { 0.3 } else { 0.7 } * of.rubbed[i];
+                let (theta, rest) = (of.temperature[i], of.flux[i].value + rubbed);
+                let laws = |other: f64| {
+                    let h = 2.0 * state.pressure.max(0.0).powf(0.95);
+                    let fourth = |theta: f64| (theta + 2.0).powi(4);
+                    [h * (theta - other), 1.5 * (theta - other), 0.08 * (fourth(theta) - fourth(other))]
+                };
+                // θ of the other side from the sum of the laws, by bisection.
+                let (mut low, mut high) = (theta - 10.0, theta + 10.0);
+                for _ in 0..100 {
+                    let middle = 0.5 * (low + high);
+                    *(if laws(middle).iter().sum::<f64>() > rest { &mut low } else { &mut high }) = middle;
+                }
+                let sign = contact.sign() * k * of.weights[i];
+                expected.iter_mut().zip(laws(low)).for_each(|(sum, value)| *sum += sign * value);
+            }
+        }
+        for (way, expected) in ["pressure", "constant", "radiation"].into_iter().zip(expected) {
+            assert!((out[way] - expected).abs() < 1e-9 * sum.abs(), "{way}: {}, {expected}", out[way]);
+        }
+    }
+}
+
+/// What wears off is shared out by `fraction`, whichever side bears the points.
+#[test]
+fn wear_comes_off_both_sides() {
+    for nonmortar in ["upper_bottom", "lower_top"] {
+        let problem = rubbing("reference", false, nonmortar);
+        let summary = run::run(&problem, &Settings::default(), &mut []).expect("a run");
+        let contact = summary.last.contact.expect("contact");
+        let [upper, lower] = ["upper_bottom", "lower_top"].map(|side| contact.wear_volumes[side]);
+        assert!(upper > 0.0 && (lower - 3.0 * upper).abs() < 1e-12 * lower, "{upper}, {lower}");
+        assert!((upper + lower - contact.wear_volume).abs() < 1e-12 * lower);
+    }
 }

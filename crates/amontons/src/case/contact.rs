@@ -50,6 +50,7 @@ impl Build<'_> {
             heat,
             foundation_heat: self.foundation_heat(path, raw.foundation, &foundation_temperature),
             foundation_temperature,
+            wear_fraction: raw.wear.as_ref().map_or(1.0, raw::Wear::fraction),
             wear: raw.wear.map(|wear| self.wear(path, &wear, &sites)),
             obstacle: raw.obstacle.and_then(|obstacle| self.obstacle(&format!("{path}.obstacle"), obstacle, &points)),
             foundation_velocity: self.vector(&format!("{path}.foundation_velocity"), &raw.foundation_velocity, &points),

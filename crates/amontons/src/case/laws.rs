@@ -270,10 +270,10 @@ type WearPlan<'a> = (Keyed<'a>, Make<Arc<dyn WearLaw>>);
 /// The law of wear.
 pub(super) fn wear(raw: &Wear) -> WearPlan<'_> {
     match raw {
-        Wear::Archard { coefficient } => {
+        Wear::Archard { coefficient, .. } => {
             (keyed(&[("coefficient", coefficient)]), Box::new(|v| Ok(Arc::new(Archard::Constant(v[0])))))
         }
-        Wear::ArchardTemperature { temperature, coefficient, factor } => {
+        Wear::ArchardTemperature { temperature, coefficient, factor, .. } => {
             let (temperature, coefficient) = (temperature.clone(), coefficient.clone());
             let make = move |v: &[f64]| -> Result<Arc<dyn WearLaw>, Refusal> {
                 let table = PiecewiseLinear::new(&temperature, &times(&coefficient, v[0]))

@@ -51,6 +51,8 @@ pub struct Contact {
     pub obstacle: Option<Obstacle>,
     /// The depth that rubs off; none without wear.
     pub wear: Option<Arc<dyn WearLaw>>,
+    /// Fraction of the depth that comes off the side `on`; the rest comes off what it faces.
+    pub wear_fraction: f64,
     /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it
     /// moves by the gap.
     pub foundation_velocity: Vec<Field>,
@@ -73,6 +75,7 @@ impl Contact {
             foundation_heat: None,
             obstacle: None,
             wear: None,
+            wear_fraction: 1.0,
             foundation_velocity: Vec::new(),
         }
     }
@@ -117,6 +120,12 @@ impl Contact {
     #[must_use]
     pub fn sign(&self) -> f64 {
         if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
+    }
+
+    /// Fraction of the wear depth that comes off the side that bears the contact points.
+    #[must_use]
+    pub fn wear_of_bearing(&self) -> f64 {
+        if self.sign() < 0.0 { 1.0 - self.wear_fraction } else { self.wear_fraction }
     }
 
     /// Whether the power of friction enters the bodies whole, as at a pair: what does not enter the bearing side enters

@@ -119,6 +119,9 @@ impl HeatLaw for Graded<dyn HeatLaw> {
     fn flux(&self, at: &ContactPoint) -> Flux {
         self.at(&at.x).flux(at)
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        self.extremes()[0].law.mechanism()
+    }
     fn conductance_bound(&self) -> f64 {
         self.extremes()[1].law.conductance_bound()
     }

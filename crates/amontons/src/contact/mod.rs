@@ -27,7 +27,7 @@ pub use friction::{
     Variable,
 };
 pub use heat::{
-    ConstantConductance, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance,
+    ConstantConductance, FRICTION, Flux, FrictionalHeat, GapConduction, HeatLaw, Insulated, PowerConductance,
     PressureConductance, Radiation, Ramp, STEFAN_BOLTZMANN, Sum,
 };
 pub use means::{Shares, read, read_vector};

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use super::mortar::{Mortar, Sides};
 use super::{Contact, ContactBoundary, PointOnBoundary, Side};
-use crate::mesh::{FacetSet, Mesh};
+
+use crate::mesh::{FacetSet, Mesh, cross};
 use crate::tensor::Point;
 
 /// When the points of a pair that face each other are found.
@@ -110,6 +111,40 @@ impl ContactBoundary {
             point.gap = boundary_gap(&self.nodes, mesh, point) + closed;
         }
         Some(Arc::new(boundary))
+    }
+}
+
+impl ContactBoundary {
+    /// The moment of the forces on both bodies of each of so many contacts, N m, with tractions λ on what the bearing
+    /// sides face: −Σ ω (B X) × λ, zero where λ is along the distance B X. Pairs that are updated are where they are
+    /// with the displacement `u`. Zero at foundations.
+    pub(crate) fn moments(
+        &self,
+        contacts: &[Contact],
+        mesh: &Mesh,
+        u: &[f64],
+        lambda: impl Iterator<Item = Point>,
+    ) -> Vec<Point> {
+        let mut all = vec![[0.0; 3]; contacts.len()];
+        for (point, lambda) in self.points.iter().zip(lambda) {
+            let Some(pair) = contacts.get(point.contact).and_then(|contact| contact.pair.as_ref()) else { continue };
+            let at_rest = self.jump_of(point, mesh);
+            let moved = if pair.is_updated() { self.vector_at(point, mesh.dim, u) } else { [0.0; 3] };
+            let x: Point = std::array::from_fn(|c| at_rest[c] + moved[c]);
+            let moment = cross(&x, &lambda);
+            if let Some(sum) = all.get_mut(point.contact) {
+                sum.iter_mut().zip(moment).for_each(|(sum, moment)| *sum -= point.weight * moment);
+            }
+        }
+        all
+    }
+
+    /// B X of the bodies at rest.
+    fn jump_of(&self, point: &PointOnBoundary, mesh: &Mesh) -> Point {
+        point.nodes.iter().fold([0.0; 3], |sum, &(node, value)| {
+            let x = mesh.points[self.nodes[node] as usize];
+            std::array::from_fn(|c| sum[c] + value * x[c])
+        })
     }
 }
 

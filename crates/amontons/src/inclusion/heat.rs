@@ -6,6 +6,7 @@
 use super::frame::PointState;
 use super::interface::Interface;
 use super::newton::{Effort, Iterate, Right, Term, iterate};
+use super::passed::Passed;
 use super::{Failure, ITERATIONS, STIFF, Solved};
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, arrays};
@@ -54,6 +55,8 @@ pub struct Exchange {
     pub rubbed: Vec<f64>,
     /// θ_F of each foundation with a heat capacity; none where it is prescribed.
     pub foundation: Vec<Option<f64>>,
+    /// Heat that passes each contact, W.
+    pub passed: Vec<Passed>,
 }
 
 impl Exchange {
@@ -105,7 +108,7 @@ impl Law {
 
 impl HeatStep<'_> {
     /// What the laws see at a point.
-    fn at(&self, i: usize, temperature: f64, foundation: f64) -> ContactPoint {
+    pub(super) fn at(&self, i: usize, temperature: f64, foundation: f64) -> ContactPoint {
         let state = &self.states[i];
         ContactPoint {
             x: self.boundary.points[i].x,
@@ -125,7 +128,7 @@ impl HeatStep<'_> {
     }
 
     /// Power of friction that enters both bodies of a pair at a point, W/m².
-    fn rubbed(&self, i: usize) -> f64 {
+    pub(super) fn rubbed(&self, i: usize) -> f64 {
         let rubs = self.contacts[self.boundary.points[i].contact].rubs();
         if rubs { dot(&self.states[i].q, &self.states[i].slip) } else { 0.0 }
     }
@@ -281,7 +284,9 @@ impl Thermal<'_> {
     /// The exchange at a solution.
     fn exchange(&self, theta: &[f64], flux: &[f64]) -> Exchange {
         let laws = self.laws_at(theta, flux);
+        let temperatures: Vec<[f64; 2]> = laws.iter().map(|law| [law.temperature, law.foundation]).collect();
         Exchange {
+            passed: self.step.passed(flux, &temperatures),
             temperature: laws.iter().map(|law| law.temperature).collect(),
             flux: laws.iter().zip(flux).map(|(law, flux)| Flux { value: *flux, ..law.curve }).collect(),
             rubbed: (0..flux.len()).map(|i| self.step.rubbed(i)).collect(),

@@ -10,6 +10,7 @@
 
 use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Share, Tangent, Turn};
+use crate::mesh::cross;
 use crate::tensor::{Point, dot, length};
 
 /// Stiffness of one side of a pair relative to that of the other that is round-off.
@@ -309,8 +310,4 @@ pub fn basis(normal: &Point, dim: usize) -> [Point; 3] {
             [n, first, cross(&n, &first)]
         }
     }
-}
-
-fn cross(a: &Point, b: &Point) -> Point {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

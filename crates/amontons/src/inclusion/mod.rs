@@ -20,6 +20,7 @@
 //! | `rule` | the rule in time, u = ū + γ w |
 //! | `normal`, `friction`, `point` | (2.8), (2.9) and wear at a point, linearised |
 //! | `mechanical`, `heat` | the terms of both half-steps |
+//! | `passed` | heat that passes a contact, by what it passes by |
 //! | `newton` | the semismooth Newton iteration over a term |
 //! | `solve`, `descent` | what is done where it does not end |
 
@@ -31,6 +32,7 @@ mod interface;
 mod mechanical;
 mod newton;
 mod normal;
+mod passed;
 mod point;
 mod rule;
 mod solve;
@@ -39,6 +41,7 @@ pub use frame::{Frame, PointDerivative, PointState, PointTangent};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
 pub use mechanical::{MechanicalStep, Multipliers};
+pub use passed::Passed;
 pub use rule::Rule;
 
 use crate::contact::Status;

@@ -6,7 +6,7 @@
 //! | bytes | hold |
 //! |---|---|
 //! | 16 | `amontons state\r\n`, which a transfer as text would spoil |
-//! | 4 | version of the format, little-endian, now 8 |
+//! | 4 | version of the format, little-endian, in `VERSION` |
 //! | 32 | SHA-256 of what the state depends on, [`Identity`] |
 //! | 8 | length of the body, little-endian |
 //! | … | the body: the fields of `Body` in the wire format of `postcard` 1; every real has its 8 bytes, little-endian |
@@ -35,7 +35,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 9;
+const VERSION: u32 = 10;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -156,6 +156,7 @@ struct Report {
     residual: f64,
     coupling: CouplingReport,
     force: Point,
+    moments: Vec<Point>,
     heat_flow: f64,
     points: Vec<ReportPoint>,
 }
@@ -208,6 +209,7 @@ impl Body {
                 residual: report.residual,
                 coupling: report.coupling,
                 force: contact.force,
+                moments: contact.moments.clone(),
                 heat_flow: contact.heat_flow,
                 points: points.collect(),
             }
@@ -278,6 +280,7 @@ impl Body {
                     .map(|p| Flux { value: p.flux, by_temperature: p.flux_by_temperature, ..Flux::default() })
                     .collect(),
                 force: report.force,
+                moments: report.moments,
                 heat_flow: report.heat_flow,
             },
         });
@@ -365,6 +368,7 @@ impl Checkpoint {
             of_points.into_iter().try_for_each(|kept| same("contact points", kept, points))?;
         }
         same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
+        same("contacts", self.state.surface.passed.len(), problem.contacts.len())?;
         same("steps", self.state.step, self.state.step.min(problem.steps))
     }
 }

@@ -8,9 +8,12 @@ use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::{Contact, PointOnBoundary, Status};
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
+use crate::inclusion::PointState;
 use crate::linalg::max_abs;
 use crate::machine;
+use crate::problem::Problem;
 use crate::scheme::{ContactReport, Contraction, Ledger};
+use crate::tensor::Point;
 use crate::units::Units;
 
 /// Why a run ended.
@@ -162,6 +165,17 @@ pub struct ContactSummary {
     /// ∫ h, the volume worn off: m³/m in the plane, m³ in space and of a whole body of revolution.
     #[serde(default)]
     pub wear_volume: f64,
+    /// Of this the volume off each side, by the names of both sides; of a pair.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub wear_volumes: BTreeMap<String, f64>,
+    /// Moment of the contact forces on both bodies of a pair, N m by component, about the normal of the plane or the
+    /// axis of revolution alone: the defect of the angular momentum, zero where both sides lie on one plane.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub moment_defect: Option<Vec<f64>>,
+    /// Heat that has left the side since the start, J, by what it passes by: the laws of heat exchange by their names,
+    /// and `friction`, which is negative where friction heats the side. Of one contact.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub heat_passed: BTreeMap<String, f64>,
     /// θ_F of the foundation, K, where it has a heat capacity; of a single contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub foundation_temperature: Option<f64>,
@@ -200,25 +214,22 @@ impl ContactSummary {
         let only = side.or((!several).then_some(0));
         let of_pair = only.and_then(|side| problem.contacts.get(side)).filter(|contact| contact.pair.is_some());
         let (force, heat_flow) = if side.is_some() || of_pair.is_some() {
-            let force = |c: usize| {
-                0.0 - states()
-                    .map(|(point, s)| point.sign * point.weight * (s.pressure * s.normal[c] + s.q[c]))
-                    .sum::<f64>()
-            };
             let flow = points().filter_map(|(i, point)| {
                 let (flux, rubbed) = (contact.flux.get(i)?.value, contact.rubbed.get(i)?);
                 Some(weight(i, point) * if sign(point) > 0.0 { flux } else { 0.0 - flux - rubbed })
             });
-            ([0, 1, 2].map(force), sum(&mut flow.into_iter()))
+            (resultant(states()), sum(&mut flow.into_iter()))
         } else {
             (contact.force, contact.heat_flow)
         };
-        let turns = problem.turns();
+        let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
+        let passed = one.and_then(|(side, of)| Some(state.surface.passed.get(side)?.out_of_on(of)));
+        let wear_volume = sum(&mut wear().map(|(weight, depth)| weight * depth));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
             force: force[..problem.components_of_force()].to_vec(),
-            moment: turns.then(|| 0.0 - about_axis.sum::<f64>()),
+            moment: problem.turns().then(|| 0.0 - about_axis.sum::<f64>()),
             heat_flow: problem.physics.has_heat().then_some(heat_flow),
             penetration_max: states().fold(0.0, |max, (_, s)| s.penetration.max(max)),
             pressure_max: states().fold(0.0, |max, (_, s)| s.pressure.max(max)),
@@ -228,7 +239,10 @@ impl ContactSummary {
             area: sum(&mut states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight)),
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
             wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
-            wear_volume: sum(&mut wear().map(|(weight, depth)| weight * depth)),
+            wear_volume,
+            wear_volumes: one.map(|(_, of)| of_sides(of, wear_volume)).unwrap_or_default(),
+            moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
+            heat_passed: passed.unwrap_or_default(),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
             sides: sides
                 .map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side))))
@@ -237,10 +251,38 @@ impl ContactSummary {
     }
 }
 
+/// The volume off each side of a pair that wears.
+fn of_sides(contact: &Contact, volume: f64) -> BTreeMap<String, f64> {
+    let shares = [contact.wear_fraction, 1.0 - contact.wear_fraction];
+    let sides = contact.sides().zip(shares).filter(|_| contact.wear.is_some() && contact.pair.is_some());
+    sides.map(|(side, share)| (side.to_owned(), share * volume)).collect()
+}
+
+/// The components of a moment that a problem has; none of a foundation, on a line, and in a body of revolution that
+/// nothing turns.
+fn moment_defect(problem: &Problem, contact: &Contact, moment: &Point) -> Option<Vec<f64>> {
+    let (mesh, [_, about_axis, about_plane]) = (&problem.mesh, *moment);
+    let components = match mesh.dim {
+        2 if mesh.axisymmetric => problem.turns().then(|| vec![about_axis]),
+        2 => Some(vec![about_plane]),
+        3 => Some(moment.to_vec()),
+        _ => None,
+    };
+    components.filter(|_| contact.pair.is_some() && problem.physics.has_mechanics())
+}
+
+/// The resultant of the tractions at contact points.
+fn resultant<'a>(states: impl Iterator<Item = (Weighted, &'a PointState)>) -> Point {
+    let sum = states.fold([0.0; 3], |sum: Point, (point, s)| {
+        std::array::from_fn(|c| sum[c] + point.sign * point.weight * (s.pressure * s.normal[c] + s.q[c]))
+    });
+    sum.map(|component| 0.0 - component)
+}
+
 /// A contact point in a step.
 struct Weighted {
     weight: f64,
-    x: crate::tensor::Point,
+    x: Point,
     /// Factor that makes a force one on the side `on`.
     sign: f64,
 }

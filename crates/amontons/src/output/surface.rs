@@ -138,12 +138,14 @@ fn on_side(
             ..Node::default()
         }
     };
+    let worn = now.problem.contacts.get(side.contact).map_or(1.0, Contact::wear_of_bearing);
     let mut points: Vec<Vec<OfPoint>> = vec![Vec::new(); of_side.len()];
     for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side.contact) {
         let Some((values, status, weight)) = Values::at(now, report, i, point) else { continue };
         let (own, other) = point.nodes.split_at(point.own.min(point.nodes.len()));
         // The shares of the other side are negative in the jump.
-        let (values, shares, sign) = if side.bears { (values, own, 1.0) } else { (values.across(), other, -1.0) };
+        let (mut values, shares, sign) = if side.bears { (values, own, 1.0) } else { (values.across(), other, -1.0) };
+        values.wear *= if side.bears { worn } else { 1.0 - worn };
         for (k, &(node, share)) in shares.iter().enumerate() {
             let node = boundary.nodes.get(node).and_then(|node| of_side.binary_search(node).ok());
             if let Some(points) = node.and_then(|node| points.get_mut(node)) {

@@ -1,5 +1,7 @@
 //! What a run came to, in words: the printed summary and the report say the same.
 
+use std::collections::BTreeMap;
+
 use super::{ContactSummary, Outcome, Seconds, Solver, Summary};
 use crate::units::{Extent, Measure, Units};
 
@@ -139,10 +141,25 @@ fn touching(name: &str, contact: &ContactSummary, units: Units) -> Vec<Row> {
     lines.extend(
         contact.heat_flow.filter(|flow| *flow != 0.0).map(|flow| row("heat through it", &write(flow, Measure::Power))),
     );
+    lines.extend(by_mechanism(&contact.heat_passed, units));
+    if let Some(defect) = &contact.moment_defect {
+        lines.push(row("defect of moments", &units.vector(defect, Measure::Moment)));
+    }
     if contact.wear_max > 0.0 {
         let [deep, volume] = [write(contact.wear_max, Measure::Length), write(contact.wear_volume, Measure::Volume)];
         lines.push(row("wear", &format!("up to {deep} deep, volume {volume}")));
     }
+    let volumes =
+        contact.wear_volumes.iter().map(|(side, volume)| format!("{side} {}", write(*volume, Measure::Volume)));
+    let volumes: Vec<String> = volumes.collect();
+    lines.extend((contact.wear_max > 0.0 && !volumes.is_empty()).then(|| row("of this", &volumes.join(", "))));
     lines.extend(contact.foundation_temperature.map(|theta| row("foundation", &write(theta, Measure::Temperature))));
     lines
+}
+
+/// Heat that has passed a contact, where it passes by several ways.
+fn by_mechanism(heat: &BTreeMap<String, f64>, units: Units) -> Option<Row> {
+    let ways: Vec<String> =
+        heat.iter().map(|(way, heat)| format!("{way} {}", units.write(*heat, Measure::Energy))).collect();
+    (ways.len() > 1).then(|| row("heat passed", &ways.join(", ")))
 }

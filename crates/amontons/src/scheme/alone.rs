@@ -38,6 +38,7 @@ fn no_heat(step: &Step) -> Heat {
             flux: vec![Flux::default(); points],
             rubbed: vec![0.0; points],
             foundation: step.old.surface.foundation.clone(),
+            passed: Vec::new(),
         },
         through_contact: 0.0,
         iterations: 0,

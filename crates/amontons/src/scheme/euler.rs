@@ -332,7 +332,7 @@ impl Made {
             theta: heat.theta,
             multipliers: mechanics.multipliers,
             branches: mechanics.branches,
-            surface: old.surface.after(step.k, &mechanics.states, heat.exchange.foundation),
+            surface: old.surface.after(step.k, &mechanics.states, &heat.exchange),
             ledger,
             counts,
             temperatures: old.temperatures,
@@ -345,6 +345,7 @@ impl Made {
             residual,
             coupling,
             contact: ContactReport {
+                moments: step.moments(&mechanics.states),
                 weights: step.boundary.points.iter().map(|point| point.weight).collect(),
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::system::Step;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
-use crate::inclusion::{Frame, PointState};
+use crate::inclusion::{Exchange, Frame, Passed, PointState};
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
 
@@ -17,6 +17,8 @@ pub struct Accumulated {
     pub friction_work: Vec<f64>,
     /// θ_F of each contact whose foundation has a heat capacity, K; none where it is prescribed.
     pub foundation: Vec<Option<f64>>,
+    /// Heat that has passed each contact since the start, J.
+    pub passed: Vec<Passed>,
 }
 
 impl Accumulated {
@@ -33,15 +35,19 @@ impl Accumulated {
             wear: vec![0.0; n],
             friction_work: vec![0.0; n],
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
+            passed: vec![Passed::default(); problem.contacts.len()],
         }
     }
 
     /// After a step of length k.
-    pub(super) fn after(&self, k: f64, states: &[PointState], foundation: Vec<Option<f64>>) -> Accumulated {
+    pub(super) fn after(&self, k: f64, states: &[PointState], exchange: &Exchange) -> Accumulated {
         let wear = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
         let friction_work =
             self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
-        Accumulated { wear, friction_work, foundation }
+        let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
+        let passed = self.passed.iter().zip(powers);
+        let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
+        Accumulated { wear, friction_work, foundation: exchange.foundation.clone(), passed: passed.collect() }
     }
 }
 
@@ -106,6 +112,14 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
         return Vec::new();
     }
     (0..x.len()).map(|i| std::array::from_fn(|c| components.get(c).map_or(0.0, |values| values[i]))).collect()
+}
+
+impl Step<'_> {
+    /// The moment of the forces on both bodies of each contact.
+    pub(super) fn moments(&self, states: &[PointState]) -> Vec<Point> {
+        let lambda = states.iter().map(|s| std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]));
+        self.boundary.moments(&self.problem.contacts, &self.discrete.mesh, &self.old.u, lambda)
+    }
 }
 
 /// θ_F(t_n) at the contact points where it is prescribed, K.

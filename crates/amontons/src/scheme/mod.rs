@@ -165,6 +165,9 @@ pub struct ContactReport {
     pub rubbed: Vec<f64>,
     /// Resultant of σν on Γ_C, N per unit of thickness in two dimensions.
     pub force: [f64; 3],
+    /// Moment of the forces that each contact puts on both its bodies, N m: the defect of the angular momentum, as
+    /// their resultant is zero. Zero at foundations.
+    pub moments: Vec<Point>,
     /// ∫_{Γ_C} q·ν in W.
     pub heat_flow: f64,
 }

@@ -147,6 +147,11 @@ pub(in crate::case) enum Wear {
         /// Wear coefficient in 1/Pa: Archard's dimensionless number divided by the hardness.
         #[schemars(extend("minimum" = 0))]
         coefficient: Datum,
+        /// Fraction of the depth that comes off the side `on`, from 0 to 1, default 1; the rest comes off what it
+        /// faces.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0.0, max = 1.0))]
+        fraction: Option<f64>,
     },
     /// Archard's law with a coefficient that depends on the temperature of the body, linear between the points of a
     /// table and constant outside.
@@ -160,7 +165,21 @@ pub(in crate::case) enum Wear {
         #[serde(default = "one")]
         #[schemars(extend("minimum" = 0))]
         factor: Datum,
+        /// Fraction of the depth that comes off the side `on`, from 0 to 1, default 1; the rest comes off what it
+        /// faces.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(range(min = 0.0, max = 1.0))]
+        fraction: Option<f64>,
     },
+}
+
+impl Wear {
+    /// Fraction of the depth that comes off the side `on`.
+    pub fn fraction(&self) -> f64 {
+        match self {
+            Wear::Archard { fraction, .. } | Wear::ArchardTemperature { fraction, .. } => fraction.unwrap_or(1.0),
+        }
+    }
 }
 
 /// Where the integrals over Γ_C are evaluated.

@@ -17,6 +17,9 @@ impl HeatLaw for ConstantConductance {
         let (phi, h) = (phi_l(at, self.truncation), self.conductance);
         Flux { value: h * phi.0, by_temperature: h * phi.1, by_foundation: -h * phi.1, ..Flux::default() }
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("constant")
+    }
     fn conductance_bound(&self) -> f64 {
         self.conductance
     }

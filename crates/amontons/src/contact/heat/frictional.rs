@@ -3,7 +3,7 @@
 //! Source: F. F. Ling, "Surface Mechanics", Wiley (1973), chapter 2: a share η of the power of friction enters one
 //! body, 1 − η the other.
 
-use super::{Flux, HeatLaw};
+use super::{FRICTION, Flux, HeatLaw};
 use crate::contact::ContactPoint;
 
 /// q·ν = −η q·w_τ, w_τ the slip against the foundation: the share η of the friction power enters the body.
@@ -16,6 +16,9 @@ pub struct FrictionalHeat {
 impl HeatLaw for FrictionalHeat {
     fn flux(&self, at: &ContactPoint) -> Flux {
         Flux { value: -self.partition * at.friction_power, by_friction_power: -self.partition, ..Flux::default() }
+    }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some(FRICTION)
     }
     fn conductance_bound(&self) -> f64 {
         0.0

@@ -31,6 +31,9 @@ impl HeatLaw for GapConduction {
             ..Flux::default()
         }
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("gap")
+    }
     fn conductance_bound(&self) -> f64 {
         self.conductivity / self.roughness
     }

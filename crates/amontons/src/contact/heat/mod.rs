@@ -68,11 +68,22 @@ pub trait HeatLaw: Debug + Send + Sync {
     fn truncation(&self) -> Option<f64> {
         None
     }
+    /// What the heat passes by, by the name of the law in case files; none where no heat passes.
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("law")
+    }
+    /// The laws that the flux is the sum of; none for a law of one mechanism.
+    fn parts(&self) -> &[Arc<dyn HeatLaw>] {
+        &[]
+    }
     /// The temperature below which there is none, K; none for laws that see differences only.
     fn absolute_zero(&self) -> Option<f64> {
         None
     }
 }
+
+/// The mechanism of [`FrictionalHeat`].
+pub const FRICTION: &str = "friction";
 
 /// No heat exchange.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,6 +92,9 @@ pub struct Insulated;
 impl HeatLaw for Insulated {
     fn flux(&self, _at: &ContactPoint) -> Flux {
         Flux::default()
+    }
+    fn mechanism(&self) -> Option<&'static str> {
+        None
     }
     fn conductance_bound(&self) -> f64 {
         0.0

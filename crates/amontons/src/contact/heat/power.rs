@@ -32,6 +32,9 @@ impl HeatLaw for PowerConductance {
             ..Flux::default()
         }
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("power")
+    }
     fn conductance_bound(&self) -> f64 {
         if self.coefficient == 0.0 { 0.0 } else { f64::INFINITY }
     }

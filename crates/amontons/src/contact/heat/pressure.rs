@@ -31,6 +31,9 @@ impl HeatLaw for PressureConductance {
             ..Flux::default()
         }
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("pressure")
+    }
     fn conductance_bound(&self) -> f64 {
         if self.coefficient == 0.0 { 0.0 } else { f64::INFINITY }
     }

@@ -34,6 +34,9 @@ impl HeatLaw for Radiation {
             ..Flux::default()
         }
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("radiation")
+    }
     fn conductance_bound(&self) -> f64 {
         // The slope grows with the temperature.
         if self.constant * self.emissivity == 0.0 { 0.0 } else { f64::INFINITY }

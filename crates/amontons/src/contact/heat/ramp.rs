@@ -34,6 +34,9 @@ impl HeatLaw for Ramp {
             ..Flux::default()
         }
     }
+    fn mechanism(&self) -> Option<&'static str> {
+        Some("ramp")
+    }
     fn conductance_bound(&self) -> f64 {
         self.conductance
     }

@@ -24,6 +24,9 @@ impl HeatLaw for Sum {
             by_friction_power: sum.by_friction_power + flux.by_friction_power,
         })
     }
+    fn parts(&self) -> &[Arc<dyn HeatLaw>] {
+        &self.laws
+    }
     fn conductance_bound(&self) -> f64 {
         self.laws.iter().map(|law| law.conductance_bound()).sum()
     }

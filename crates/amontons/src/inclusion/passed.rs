@@ -1,0 +1,103 @@
+//! Heat that passes a contact, split by what it passes by.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::heat::HeatStep;
+use crate::contact::{Contact, FRICTION, HeatLaw};
+
+/// Heat that passes a contact, W in a step and J since the start.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Passed {
+    /// Out of the side that bears the contact points, by [`HeatLaw::mechanism`]; friction heat that enters it is
+    /// negative.
+    pub by: BTreeMap<String, f64>,
+    /// Made by friction between the two bodies of a pair, of which each receives a part; zero at foundations.
+    pub rubbed: f64,
+}
+
+impl Passed {
+    /// The same with another during a time k in s added.
+    #[must_use]
+    pub fn after(&self, k: f64, power: &Passed) -> Passed {
+        let mut sum = self.clone();
+        power.by.iter().for_each(|(mechanism, flow)| *sum.by.entry(mechanism.clone()).or_default() += k * flow);
+        sum.rubbed += k * power.rubbed;
+        sum
+    }
+
+    /// What has left the side `on` of a contact: what leaves one side by conduction enters the other, and friction heat
+    /// that does not enter one side enters the other.
+    #[must_use]
+    pub fn out_of_on(&self, contact: &Contact) -> BTreeMap<String, f64> {
+        let mut by = self.by.clone();
+        if contact.sign() < 0.0 {
+            for flow in by.values_mut() {
+                *flow = 0.0 - *flow;
+            }
+            if self.rubbed != 0.0 || by.contains_key(FRICTION) {
+                *by.entry(FRICTION.to_owned()).or_default() -= self.rubbed;
+            }
+        }
+        by
+    }
+}
+
+impl HeatStep<'_> {
+    /// The heat that passes each contact at the fluxes Q, with θ and θ_F at the points.
+    pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> Vec<Passed> {
+        let mut all = vec![Passed::default(); self.contacts.len()];
+        for (i, (flux, at)) in flux.iter().zip(temperatures).enumerate() {
+            let point = &self.boundary.points[i];
+            let (Some(contact), Some(passed)) = (self.contacts.get(point.contact), all.get_mut(point.contact)) else {
+                continue;
+            };
+            passed.rubbed += point.weight * self.rubbed(i);
+            self.split(i, &*contact.heat, *flux, *at, |mechanism, value| {
+                if let Some(sum) = passed.by.get_mut(mechanism) {
+                    *sum += point.weight * value;
+                } else {
+                    passed.by.insert(mechanism.to_owned(), point.weight * value);
+                }
+            });
+        }
+        all
+    }
+
+    /// Splits the flux Q of a point. Friction heat does not depend on the temperatures. The rest is divided in the
+    /// ratio of the laws, which stays exact where a conductance is so large that θ − θ_F is round-off; where the
+    /// difference vanishes, in that of their slopes.
+    fn split(
+        &self,
+        i: usize,
+        law: &dyn HeatLaw,
+        flux: f64,
+        [temperature, foundation]: [f64; 2],
+        mut add: impl FnMut(&'static str, f64),
+    ) {
+        if law.parts().is_empty() {
+            law.mechanism().into_iter().for_each(|mechanism| add(mechanism, flux));
+            return;
+        }
+        let at = self.at(i, temperature, foundation);
+        let of_parts = || law.parts().iter().filter_map(|part| Some((part.mechanism()?, part.flux(&at))));
+        let exchanging = || of_parts().filter(|(mechanism, _)| *mechanism != FRICTION);
+        let rest = of_parts()
+            .filter(|(mechanism, _)| *mechanism == FRICTION)
+            .inspect(|(mechanism, friction)| add(mechanism, friction.value))
+            .fold(flux, |rest, (_, friction)| rest - friction.value);
+        let [value, slope] =
+            exchanging().fold([0.0; 2], |[value, slope], (_, part)| [value + part.value, slope + part.by_temperature]);
+        for (mechanism, part) in exchanging() {
+            let share = if value != 0.0 {
+                part.value / value
+            } else if slope > 0.0 {
+                part.by_temperature / slope
+            } else {
+                0.0
+            };
+            add(mechanism, rest * share);
+        }
+    }
+}
