@@ -231,8 +231,8 @@ fn a_damaged_checkpoint_is_told() {
         spoil(&bytes, "damaged");
     }
     let mut other = good.clone();
-    other[16] = 10;
-    spoil(&other, "format 10");
+    other[16] += 1;
+    spoil(&other, &format!("format {}", other[16]));
     fs::write(&file, &good).expect("a file");
     assert_code(&resume(&broken, &[]), 0);
 }
