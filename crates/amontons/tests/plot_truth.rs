@@ -205,3 +205,26 @@ fn frames_have_their_times() {
         plot::folder(&dir, &Options { times: vec![3.0], ..Options::default() }).err().expect("an error").to_string();
     assert!(error.contains("t = 3") && error.contains("from t = 0 to t = 2"), "{error}");
 }
+
+/// The bodies of a pair have their names, each inside it, and one body has none; a gap of round-off is no curve.
+#[test]
+fn bodies_of_a_pair_have_their_names() {
+    let case = "crates/amontons/tests/reference/two-bodies/cases/c-cycle.toml";
+    let dir = solved("names", case, &[]);
+    plot::folder(&dir, &Options::default()).expect("pictures");
+    let svg = |kind: Kind| {
+        fs::read_to_string(dir.join("plots").join(kind.file_name()).with_extension("svg")).expect("an SVG")
+    };
+    for kind in [Kind::Deformed, Kind::Temperature, Kind::VonMises] {
+        for name in ["upper", "lower"] {
+            assert_eq!(svg(kind).matches(&format!("aria-label=\"{name}\"")).count(), 1, "{kind:?} {name}");
+        }
+    }
+    let contact = svg(Kind::Contact);
+    assert!(contact.contains("aria-label=\"gap g − uν (m)\""), "a gap of round-off");
+    let one = solved("no-names", "cases/slab.toml", &["time.steps=4", "mesh.n=[12, 4]"]);
+    plot::folder(&one, &Options::default()).expect("pictures");
+    let deformed = fs::read_to_string(one.join("plots/deformed.svg")).expect("an SVG");
+    let body = "aria-label=\"body\"";
+    assert!(!deformed.contains(body));
+}

@@ -28,6 +28,7 @@ mod footprint;
 mod frames;
 mod ground;
 mod history;
+mod names;
 mod oblique;
 mod picture;
 mod plane;

@@ -5,6 +5,7 @@ use super::body::{Body, window};
 use super::color::{Color, INK, VERMILION, WHITE};
 use super::field::{self, Bar, Quantity};
 use super::ground::{self, Ground};
+use super::names;
 use super::picture::{Anchor, Line, Picture, Rect, Stroke};
 use super::run::{Run, Snapshot, at_corners};
 use super::shade;
@@ -254,6 +255,7 @@ fn body(
     for ground in &shape.grounds {
         foundation(picture, frame, ground, units);
     }
+    names::draw(picture, frame, shape.run, (&shape.moved, &shape.snapshot.regions));
 }
 
 /// The ranges of values that the colours show, one for all panels if they share it.

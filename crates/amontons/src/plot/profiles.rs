@@ -72,6 +72,8 @@ struct What {
     friction: bool,
     heat: bool,
     work: bool,
+    /// Lengths up to this are round-off of the displacement, and drawn as zero.
+    round_off: f64,
 }
 
 impl What {
@@ -81,8 +83,15 @@ impl What {
             friction: any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)),
             heat: panels.iter().any(|panel| panel.run.has_heat()),
             work: any(&|row| row.friction_work != 0.0),
+            round_off: 1e-12 * largest_displacement(panels),
         }
     }
+}
+
+/// The largest ‖u‖ of all panels.
+fn largest_displacement(panels: &[Panel]) -> f64 {
+    let snapshots = panels.iter().filter_map(|panel| panel.run.snapshot.as_ref());
+    snapshots.flat_map(|s| &s.displacement).map(|u| u[0].hypot(u[1])).fold(0.0, f64::max)
 }
 
 /// Intervals of the same status, each reaching half way to the next point.
@@ -143,7 +152,9 @@ fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
         charts
             .push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| along(s.row.slip_velocity, s)));
     }
-    charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| -s.row.penetration));
+    charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| {
+        if s.row.penetration.abs() > has.round_off { -s.row.penetration } else { 0.0 }
+    }));
     if has.heat {
         charts.push(one("temperature θ", Measure::Temperature, false, PURPLE, &|s| s.row.temperature));
         charts.push(one("heat flux q·ν out of the body", Measure::HeatFlux, true, GREEN, &|s| s.row.heat_flux));
