@@ -66,6 +66,7 @@ impl Points<'_> {
             slip_velocity: pair("slip_velocity_", i),
             status: self.status(i),
             temperature: self.number("temperature", i),
+            opposite_temperature: self.number("opposite_temperature", i),
             heat_flux: self.number("heat_flux", i),
             wear: self.number("wear", i),
             friction_work: self.number("friction_work", i),

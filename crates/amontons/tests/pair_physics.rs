@@ -297,6 +297,7 @@ fn heat_is_split_by_what_it_passes_by() {
                     let middle = 0.5 * (low + high);
                     *(if laws(middle).iter().sum::<f64>() > rest { &mut low } else { &mut high }) = middle;
                 }
+                assert!((low - of.opposite[i]).abs() < 1e-9, "{low} and {}", of.opposite[i]);
                 let sign = contact.sign() * k * of.weights[i];
                 expected.iter_mut().zip(laws(low)).for_each(|(sum, value)| *sum += sign * value);
             }

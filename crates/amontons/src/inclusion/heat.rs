@@ -49,6 +49,8 @@ pub struct Lumped {
 pub struct Exchange {
     /// Temperature of the body at each point, K.
     pub temperature: Vec<f64>,
+    /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair.
+    pub opposite: Vec<f64>,
     /// Heat flux q·ν at each point, of the side that bears it.
     pub flux: Vec<Flux>,
     /// Power of friction that enters both bodies of a pair, W/m².
@@ -288,6 +290,7 @@ impl Thermal<'_> {
         Exchange {
             passed: self.step.passed(flux, &temperatures),
             temperature: laws.iter().map(|law| law.temperature).collect(),
+            opposite: laws.iter().map(|law| law.foundation).collect(),
             flux: laws.iter().zip(flux).map(|(law, flux)| Flux { value: *flux, ..law.curve }).collect(),
             rubbed: (0..flux.len()).map(|i| self.step.rubbed(i)).collect(),
             foundation: self.foundations(flux),

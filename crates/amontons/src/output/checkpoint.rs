@@ -35,7 +35,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 10;
+const VERSION: u32 = 11;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -172,6 +172,7 @@ struct ReportPoint {
     wear: f64,
     status: u8,
     temperature: f64,
+    opposite: f64,
     flux: f64,
     flux_by_temperature: f64,
     rubbed: f64,
@@ -184,23 +185,26 @@ impl Body {
     fn new(case: &Identity, now: &Snapshot) -> Body {
         let report = now.report.map(|report| {
             let contact = &report.contact;
-            let of_heat = contact.temperature.iter().zip(&contact.flux).zip(&contact.rubbed);
+            let temperatures = contact.temperature.iter().zip(&contact.opposite);
+            let of_heat = temperatures.zip(contact.flux.iter().zip(&contact.rubbed));
             let at_points = contact.states.iter().zip(of_heat).zip(&contact.weights);
-            let points = at_points.map(|((state, ((&temperature, flux), &rubbed)), &weight)| ReportPoint {
-                normal: state.normal,
-                penetration: state.penetration,
-                pressure: state.pressure,
-                bound: state.bound,
-                q: state.q,
-                slip: state.slip,
-                wear: state.wear,
-                status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
-                temperature,
-                flux: flux.value,
-                flux_by_temperature: flux.by_temperature,
-                rubbed,
-                weight,
-            });
+            let points =
+                at_points.map(|((state, ((&temperature, &opposite), (flux, &rubbed))), &weight)| ReportPoint {
+                    normal: state.normal,
+                    penetration: state.penetration,
+                    pressure: state.pressure,
+                    bound: state.bound,
+                    q: state.q,
+                    slip: state.slip,
+                    wear: state.wear,
+                    status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
+                    temperature,
+                    opposite,
+                    flux: flux.value,
+                    flux_by_temperature: flux.by_temperature,
+                    rubbed,
+                    weight,
+                });
             Report {
                 newton_mechanics: report.newton_mechanics,
                 newton_heat: report.newton_heat,
@@ -274,6 +278,7 @@ impl Body {
                     })
                     .collect(),
                 temperature: report.points.iter().map(|p| p.temperature).collect(),
+                opposite: report.points.iter().map(|p| p.opposite).collect(),
                 flux: report
                     .points
                     .iter()

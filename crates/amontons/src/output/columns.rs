@@ -315,6 +315,7 @@ pub struct PointRow<'a> {
     point: &'a PointOnBoundary,
     state: &'a PointState,
     temperature: f64,
+    opposite: f64,
     flux: f64,
     weight: f64,
 }
@@ -333,6 +334,12 @@ impl PointRow<'_> {
     /// Without heat the body has no temperature.
     fn of_heat(&self, value: f64) -> Option<f64> {
         self.now.problem.physics.has_heat().then_some(value)
+    }
+
+    /// A point of a pair that no facet of the other side covers has nothing to face.
+    fn faces_nothing(&self) -> bool {
+        let is_pair = self.now.problem.contacts.get(self.point.contact).is_some_and(|contact| contact.pair.is_some());
+        is_pair && self.point.nodes.len() == self.point.own
     }
 
     fn kept(&self, values: &[f64]) -> f64 {
@@ -355,6 +362,9 @@ columns! { OnContact:
     FRICTION_WORK = number("friction_work", Measure::SurfaceWork, |row| row.kept(&row.now.state.surface.friction_work));
     SIDE = text("side", |row| row.now.problem.contacts.get(row.point.contact).map_or("", Contact::bearing).to_owned());
     BOUND = number("bound", Measure::Stress, |row| row.state.bound);
+    OPPOSITE_TEMPERATURE = optional("opposite_temperature", Measure::Temperature, |row| {
+        row.of_heat(row.opposite).filter(|_| !row.faces_nothing())
+    });
 }
 
 /// The columns of `contact.csv` in their order.
@@ -373,6 +383,7 @@ const OF_POINT: &[&Column<OnContact>] = &[
     &FRICTION_WORK,
     &SIDE,
     &BOUND,
+    &OPPOSITE_TEMPERATURE,
 ];
 
 /// Names of the columns of `contact.csv` with what they measure; none of words.
@@ -413,11 +424,11 @@ pub fn contact_columns(now: &Snapshot) -> Vec<(String, ContactValues)> {
 fn points<'a>(now: &'a Snapshot<'a>) -> Vec<PointRow<'a>> {
     let Some(report) = now.report else { return Vec::new() };
     let contact = &report.contact;
-    let of_points = contact.states.iter().zip(contact.temperature.iter().zip(&contact.flux));
-    let rows = now.discretization.boundary.points.iter().zip(of_points).enumerate();
-    rows.map(|(number, (point, (state, (&temperature, flux))))| {
+    let of_heat = contact.temperature.iter().zip(&contact.opposite).zip(&contact.flux);
+    let rows = now.discretization.boundary.points.iter().zip(contact.states.iter().zip(of_heat)).enumerate();
+    rows.map(|(number, (point, (state, ((&temperature, &opposite), flux))))| {
         let weight = contact.weights.get(number).copied().unwrap_or(point.weight);
-        PointRow { now, number, point, state, temperature, flux: flux.value, weight }
+        PointRow { now, number, point, state, temperature, opposite, flux: flux.value, weight }
     })
     .collect()
 }

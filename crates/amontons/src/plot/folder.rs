@@ -319,6 +319,7 @@ fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotEr
     let (penetration, pressure) = (table.numbers(columns::PENETRATION.name)?, table.numbers(columns::PRESSURE.name)?);
     let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
     let (temperature, heat_flux) = (of_heat(columns::TEMPERATURE.name)?, of_heat(columns::HEAT_FLUX.name)?);
+    let opposite_temperature = table.optional_numbers(columns::OPPOSITE_TEMPERATURE.name)?;
     let (status, side) = (statuses(table)?, on_sides(table, sides)?);
     let [wear, friction_work] = worn(table, x.len())?;
     let bound = if table.has(columns::BOUND.name) { Some(table.numbers(columns::BOUND.name)?) } else { None };
@@ -331,6 +332,7 @@ fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotEr
         slip_velocity: slip_velocity[i],
         status: status[i],
         temperature: temperature[i],
+        opposite_temperature: opposite_temperature[i],
         heat_flux: heat_flux[i],
         wear: wear[i],
         friction_work: friction_work[i],

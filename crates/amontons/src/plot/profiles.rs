@@ -72,18 +72,36 @@ struct What {
     friction: bool,
     heat: bool,
     work: bool,
-    /// Lengths up to this are round-off of the displacement, and drawn as zero.
-    round_off: f64,
+    round_off: RoundOff,
+}
+
+/// What is up to this large is round-off of the displacement, and drawn as zero.
+#[derive(Clone, Copy)]
+struct RoundOff {
+    length: f64,
+    velocity: f64,
+    work: f64,
+}
+
+impl RoundOff {
+    fn of(panels: &[Panel]) -> RoundOff {
+        let length = 1e-12 * largest_displacement(panels);
+        let times = panels.iter().map(|panel| panel.run.t).filter(|t| *t > 0.0);
+        let pressures = panels.iter().flat_map(|panel| &panel.run.contact).map(|row| row.pressure.abs());
+        let pressure = pressures.fold(0.0, f64::max);
+        RoundOff { length, velocity: length / times.fold(f64::INFINITY, f64::min), work: length * pressure }
+    }
 }
 
 impl What {
     fn of(panels: &[Panel]) -> What {
+        let round_off = RoundOff::of(panels);
         let any = |f: &dyn Fn(&ContactRow) -> bool| panels.iter().flat_map(|panel| &panel.run.contact).any(f);
         What {
             friction: any(&|row| row.traction.iter().any(|q| *q != 0.0) || row.bound.is_some_and(|b| b > 0.0)),
             heat: panels.iter().any(|panel| panel.run.has_heat()),
-            work: any(&|row| row.friction_work != 0.0),
-            round_off: 1e-12 * largest_displacement(panels),
+            work: any(&|row| row.friction_work.abs() > round_off.work),
+            round_off,
         }
     }
 }
@@ -112,9 +130,18 @@ fn bands(parts: &[Part]) -> Vec<([f64; 2], Color)> {
     bands
 }
 
-/// A line along Γ_C.
+/// A value, or zero where it is round-off.
+fn but_zero(value: f64, round_off: f64) -> f64 {
+    if value.abs() > round_off { value } else { 0.0 }
+}
+
+/// A line along Γ_C, broken where there is no value.
 fn line(parts: &[Part], label: &str, color: Color, value: &dyn Fn(&Stop) -> f64) -> Series {
-    let pieces = parts.iter().map(|part| part.stops.iter().map(|stop| [stop.s, value(stop)]).collect()).collect();
+    let of = |part: &Part| -> Vec<[f64; 2]> { part.stops.iter().map(|stop| [stop.s, value(stop)]).collect() };
+    let unbroken = |piece: Vec<[f64; 2]>| -> Vec<Vec<[f64; 2]>> {
+        piece.split(|point| point[1].is_nan()).filter(|run| !run.is_empty()).map(<[_]>::to_vec).collect()
+    };
+    let pieces = parts.iter().flat_map(|part| unbroken(of(part))).collect();
     Series { label: label.to_owned(), stroke: Stroke::new(color, 1.6), pieces }
 }
 
@@ -125,6 +152,18 @@ fn chart(quantity: &str, units: Units, measure: Measure, zero: bool, series: Ser
 
 fn wear(parts: &[Part], units: Units) -> Chart {
     chart("depth worn off", units, Measure::Length, true, line(parts, "", BLUE, &|s| s.row.wear))
+}
+
+/// θ of the side, and that of what it faces.
+fn temperatures(parts: &[Part], units: Units) -> Chart {
+    let opposite = line(parts, "of what it faces", ORANGE, &|s| s.row.opposite_temperature);
+    let label = if opposite.pieces.is_empty() { "" } else { "of the side" };
+    let own = line(parts, label, PURPLE, &|s| s.row.temperature);
+    let mut chart = chart("temperature θ", units, Measure::Temperature, false, own);
+    if !opposite.pieces.is_empty() {
+        chart.series.push(opposite);
+    }
+    chart
 }
 
 fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
@@ -149,19 +188,20 @@ fn chart_list(parts: &[Part], units: Units, has: What) -> Vec<Chart> {
             });
         }
         charts.push(friction);
-        charts
-            .push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| along(s.row.slip_velocity, s)));
+        charts.push(one("slip velocity along s", Measure::Velocity, true, VERMILION, &|s| {
+            but_zero(along(s.row.slip_velocity, s), has.round_off.velocity)
+        }));
     }
     charts.push(one("gap g − u_{ν}", Measure::Length, true, BLUE, &|s| {
-        if s.row.penetration.abs() > has.round_off { -s.row.penetration } else { 0.0 }
+        but_zero(0.0 - s.row.penetration, has.round_off.length)
     }));
     if has.heat {
-        charts.push(one("temperature θ", Measure::Temperature, false, PURPLE, &|s| s.row.temperature));
+        charts.push(temperatures(parts, units));
         charts.push(one("heat flux q·ν out of the body", Measure::HeatFlux, true, GREEN, &|s| s.row.heat_flux));
     }
     if has.work {
         charts.push(one("friction work since the start", Measure::SurfaceWork, true, VERMILION, &|s| {
-            s.row.friction_work
+            but_zero(s.row.friction_work, has.round_off.work)
         }));
     }
     charts

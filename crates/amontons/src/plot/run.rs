@@ -292,7 +292,9 @@ pub struct ContactRow {
     pub status: Status,
     /// Temperature of the body in K; not a number in a run without heat.
     pub temperature: f64,
-    /// q·ν in W/m²; likewise.
+    /// Temperature of what it faces, K; not a number where it faces nothing or the run does not say.
+    pub opposite_temperature: f64,
+    /// q·ν in W/m²; not a number in a run without heat.
     pub heat_flux: f64,
     /// Depth worn off, m.
     pub wear: f64,
@@ -460,6 +462,7 @@ mod tests {
             slip_velocity: [0.0; 2],
             status: Status::Open,
             temperature: 0.0,
+            opposite_temperature: f64::NAN,
             heat_flux: 0.0,
             wear: 0.0,
             friction_work: 0.0,

@@ -103,4 +103,18 @@ impl CsvTable {
             None => Ok(values),
         }
     }
+
+    /// A column with numbers that need not be there: not a number where they are not.
+    pub(super) fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        if !self.has(name) {
+            return Ok(vec![f64::NAN; self.rows()]);
+        }
+        let words: Vec<String> = self.column(name)?;
+        let number = |(row, word): (usize, &String)| match word.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            _ if word.is_empty() => Ok(f64::NAN),
+            _ => Err(self.fault(row, &format!("{name} is {word}"))),
+        };
+        words.iter().enumerate().map(number).collect()
+    }
 }

@@ -35,6 +35,7 @@ fn no_heat(step: &Step) -> Heat {
         coupling: zero,
         exchange: Exchange {
             temperature: vec![0.0; points],
+            opposite: vec![0.0; points],
             flux: vec![Flux::default(); points],
             rubbed: vec![0.0; points],
             foundation: step.old.surface.foundation.clone(),

@@ -349,6 +349,7 @@ impl Made {
                 weights: step.boundary.points.iter().map(|point| point.weight).collect(),
                 states: mechanics.states,
                 temperature: heat.exchange.temperature,
+                opposite: heat.exchange.opposite,
                 flux: heat.exchange.flux,
                 rubbed: heat.exchange.rubbed,
                 force: mechanics.force,

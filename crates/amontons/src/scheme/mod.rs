@@ -159,6 +159,9 @@ pub struct ContactReport {
     pub states: Vec<PointState>,
     /// Temperature of the body at each point, K.
     pub temperature: Vec<f64>,
+    /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair. Zero where a point
+    /// of a pair faces nothing.
+    pub opposite: Vec<f64>,
     /// Heat flux q·ν at each point, of the side that bears it.
     pub flux: Vec<Flux>,
     /// Power of friction that enters both bodies of a pair at each point, W/m²; zero at foundations.
