@@ -206,7 +206,8 @@ fn frames_have_their_times() {
     assert!(error.contains("t = 3") && error.contains("from t = 0 to t = 2"), "{error}");
 }
 
-/// The bodies of a pair have their names, each inside it, and one body has none; a gap of round-off is no curve.
+/// The bodies of a pair have their names, each inside it, and one body has none; a gap of round-off is no curve; beside
+/// the temperature of a side stands that of what it faces.
 #[test]
 fn bodies_of_a_pair_have_their_names() {
     let case = "crates/amontons/tests/reference/two-bodies/cases/c-cycle.toml";
@@ -222,6 +223,7 @@ fn bodies_of_a_pair_have_their_names() {
     }
     let contact = svg(Kind::Contact);
     assert!(contact.contains("aria-label=\"gap g − uν (m)\""), "a gap of round-off");
+    assert!(contact.contains("aria-label=\"of what it faces\""), "the temperature of the other body");
     let one = solved("no-names", "cases/slab.toml", &["time.steps=4", "mesh.n=[12, 4]"]);
     plot::folder(&one, &Options::default()).expect("pictures");
     let deformed = fs::read_to_string(one.join("plots/deformed.svg")).expect("an SVG");
