@@ -309,6 +309,7 @@ fn damaged_files_are_named_with_what_is_wrong() {
         ("contact.csv", replaced("open", "ajar"), "`ajar`"),
         ("contact.csv", Box::new(|text| text.replacen("\n0,0,0,", "\n0,0,zero,", 1)), "row 1: y is `zero`"),
         ("contact.csv", Box::new(|text| format!("{text}1,2,3\n")), "3 values under"),
+        ("contact.csv", Box::new(|text| format!("{}m\n", text.trim_end())), "opposite_temperature is"),
         ("history.csv", replaced("step,t,", "step,time,"), "no column t"),
         ("history.csv", Box::new(|text| text.replace("e-", "e999")), "row 1"),
         ("case.toml", Box::new(|text| format!("{text}\n[[")), "case.toml"),
