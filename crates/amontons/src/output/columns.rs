@@ -336,7 +336,7 @@ impl PointRow<'_> {
         self.now.problem.physics.has_heat().then_some(value)
     }
 
-    /// A point of a pair that no facet of the other side covers has nothing to face.
+    /// Whether no facet of the other side covers this point of a pair.
     fn faces_nothing(&self) -> bool {
         let is_pair = self.now.problem.contacts.get(self.point.contact).is_some_and(|contact| contact.pair.is_some());
         is_pair && self.point.nodes.len() == self.point.own
