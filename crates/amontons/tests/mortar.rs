@@ -160,6 +160,27 @@ fn rows_reproduce_linear_functions_and_uniform_pressures() {
     }
 }
 
+/// The same on facets that are no parallelograms, as meshes of quadrilaterals have them: the functions of one side on
+/// those of the other are then no polynomials.
+#[test]
+fn rows_reproduce_them_on_facets_of_any_shape() {
+    use amontons::mesh::Elements;
+    let mut random = common::Random(7);
+    let mut shaken = |elements, n: usize| {
+        let mut mesh = Mesh::box_([1.0, 1.0, 1.0], [n, 1, n + 1], elements).expect("a mesh");
+        let is_inside = |c: f64| c > 1e-9 && c < 1.0 - 1e-9;
+        for x in mesh.points.iter_mut().filter(|x| is_inside(x[0]) && is_inside(x[2])) {
+            [x[0], x[2]] = [x[0], x[2]].map(|c| c + 0.3 * random.number() / (n + 1) as f64);
+        }
+        mesh
+    };
+    for (own, other) in [Elements::P1, Elements::Q1].into_iter().flat_map(|e| [(e, Elements::P1), (e, Elements::Q1)]) {
+        for _ in 0..5 {
+            assert_pair(&shaken(own, 3), &shaken(other, 4), &format!("{own:?} on {other:?}, shaken"));
+        }
+    }
+}
+
 /// `upper` stands on `lower`, its bottom on the top of that, both turned about an axis askew.
 fn assert_pair(upper: &Mesh, lower: &Mesh, name: &str) {
     let dim = upper.dim;

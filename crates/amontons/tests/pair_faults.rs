@@ -175,7 +175,7 @@ fn what_faces_what_is_told() {
     let deep = CASE.replace("origin = [1.0, 1.0]", "origin = [1.0, 0.875]");
     let finding = faced(&deep);
     assert!(
-        finding.message.contains("they overlap at rest by up to 1.25e-1 m, at x = 1.0, y = 0.875"),
+        finding.message.contains("they overlap at rest by up to 125 mm, at x = 1.0, y = 0.875"),
         "{}",
         finding.message
     );

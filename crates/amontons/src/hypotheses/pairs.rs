@@ -4,6 +4,7 @@ use super::{Certificate, Constants, Finding, FindingId, FindingStatus, judged};
 use crate::contact::Contact;
 use crate::contact::mortar::mean_facet;
 use crate::problem::Problem;
+use crate::units::Measure;
 
 /// The first pair of a problem, by the number of its contact.
 pub(super) fn first(problem: &Problem) -> Option<usize> {
@@ -56,8 +57,8 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
             deepest = row.gap.min(deepest);
             let place = mesh.place(&mesh.points[row.node as usize]);
             told.push(format!(
-                "they overlap at rest by up to {:e} m, at {place}: the first step pushes them apart",
-                -row.gap
+                "they overlap at rest by up to {}, at {place}: the first step pushes them apart",
+                problem.units().write(-row.gap, Measure::Length)
             ));
         }
     }

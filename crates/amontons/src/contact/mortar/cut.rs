@@ -1,5 +1,7 @@
 //! The part of a nonmortar facet that mortar facets face, with points of quadrature on both.
 
+use std::sync::OnceLock;
+
 use super::part::{Facets, Part};
 use super::tree::Tree;
 use crate::mesh::cross;
@@ -10,8 +12,12 @@ use crate::tensor::{Point, dot, length};
 const LEAST: f64 = 1e-12;
 /// Overlap of two pieces, as a share of the part, from which on the nearer one counts.
 const OVERLAP: f64 = 1e-9;
-/// Iterations of the inverse of a bilinear map.
-const INVERSE: usize = 50;
+/// Relative error of the integrals on facets that are no parallelograms.
+const ERROR: f64 = 1e-13;
+/// Most degrees that these integrals are given beyond those of a polynomial.
+const MOST: usize = 40;
+/// More than the degree of a product of shape functions.
+const DEGREES: usize = 10;
 
 /// A point of quadrature on the covered part of a nonmortar facet.
 #[derive(Clone, Debug)]
@@ -181,10 +187,14 @@ fn polygons(nonmortar: &Facets, mortar: &Facets, part: &Part, facing: &[&Part], 
         if hidden > 0.5 * area(&piece).abs() {
             continue;
         }
-        let rule = rule(Shape::Triangle, degree(nonmortar, mortar, [part, other]));
-        for (at, weight) in fan(&piece, &rule) {
-            let [own, there] = [(part, &own), (other, &corners)].map(|(part, corners)| reference(part, corners, &at));
-            all.push(Sample { weight, own, other: (other.facet, there) });
+        let maps = [&own, &corners].map(|corners| Map { corners });
+        let exact = degree(nonmortar, mortar, [part, other]);
+        for triangle in fan(&piece) {
+            let more = maps.iter().map(|map| map.more_degrees(&triangle)).max().unwrap_or(0);
+            for (at, weight) in placed(&triangle, on_triangles(exact + more)) {
+                let [own, there] = [(part, &maps[0]), (other, &maps[1])].map(|(part, map)| part.at(&map.inverse(&at)));
+                all.push(Sample { weight, own, other: (other.facet, there) });
+            }
         }
         taken.push(piece);
     }
@@ -225,45 +235,94 @@ fn clipped(polygon: &[Flat], by: &[Flat]) -> Vec<Flat> {
     piece
 }
 
-/// The points of a rule on the triangles about the first corner of a convex polygon, with their weights.
-fn fan(polygon: &[Flat], rule: &Rule) -> Vec<(Flat, f64)> {
-    let mut points = Vec::new();
-    for i in 1..polygon.len().saturating_sub(1) {
-        let triangle = [polygon[0], polygon[i], polygon[i + 1]];
-        let doubled = 2.0 * area(&triangle).abs();
-        for (at, weight) in rule.iter().filter(|_| doubled > 0.0) {
-            let [s, t] = [at[0], at[1]];
-            let x = [0, 1].map(|c| {
-                triangle[0][c] + s * (triangle[1][c] - triangle[0][c]) + t * (triangle[2][c] - triangle[0][c])
-            });
-            points.push((x, weight * doubled));
-        }
-    }
-    points
+/// The triangles about the first corner of a convex polygon.
+fn fan(polygon: &[Flat]) -> impl Iterator<Item = [Flat; 3]> + use<'_> {
+    polygon.windows(2).skip(1).map(|pair| [polygon[0], pair[0], pair[1]]).filter(|triangle| area(triangle) != 0.0)
 }
 
-/// The reference point of a facet at a point of the plane in which a part of it has these corners.
-fn reference(part: &Part, corners: &[Flat], at: &Flat) -> Point {
-    let quad = corners.len() == 4;
-    let values = |s: f64, t: f64| {
-        if quad { [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t] } else { [1.0 - s - t, s, t, 0.0] }
+/// The rule of a degree on triangles, made once.
+fn on_triangles(degree: usize) -> &'static Rule {
+    static RULES: [OnceLock<Rule>; MOST + DEGREES] = [const { OnceLock::new() }; MOST + DEGREES];
+    let degree = degree.min(MOST + DEGREES - 1);
+    RULES[degree].get_or_init(|| rule(Shape::Triangle, degree))
+}
+
+/// The points of a rule on a triangle, with their weights.
+fn placed(triangle: &[Flat; 3], rule: &Rule) -> Vec<(Flat, f64)> {
+    let doubled = 2.0 * area(triangle).abs();
+    let place = |at: &Point, c: usize| {
+        let [from, s, t] = triangle.map(|corner| corner[c]);
+        from + at[0] * (s - from) + at[1] * (t - from)
     };
-    let (mut s, mut t) = if quad { (0.5, 0.5) } else { (1.0 / 3.0, 1.0 / 3.0) };
-    for _ in 0..INVERSE {
-        let n = values(s, t);
-        let off = [0, 1].map(|c| corners.iter().zip(n).map(|(x, n)| n * x[c]).sum::<f64>() - at[c]);
-        let along = |c: usize, i: usize, j: usize| corners[j][c] - corners[i][c];
-        let by_s = [0, 1].map(|c| if quad { (1.0 - t) * along(c, 0, 1) + t * along(c, 3, 2) } else { along(c, 0, 1) });
-        let by_t = [0, 1].map(|c| if quad { (1.0 - s) * along(c, 0, 3) + s * along(c, 1, 2) } else { along(c, 0, 2) });
-        let determinant = by_s[0] * by_t[1] - by_s[1] * by_t[0];
-        let change =
-            [(off[0] * by_t[1] - off[1] * by_t[0]) / determinant, (by_s[0] * off[1] - by_s[1] * off[0]) / determinant];
-        (s, t) = (s - change[0], t - change[1]);
-        let small = change[0].abs().max(change[1].abs()) <= 4.0 * f64::EPSILON;
-        if small || !(s.is_finite() && t.is_finite()) {
-            break;
+    rule.iter().map(|(at, weight)| ([0, 1].map(|c| place(at, c)), weight * doubled)).collect()
+}
+
+/// The map of the unit triangle or square onto a part whose corners are these points of a plane.
+struct Map<'c> {
+    corners: &'c [Flat],
+}
+
+impl Map<'_> {
+    /// The point at coordinates of zero, the edges from it along both, and what is left of the opposite corner.
+    fn edges(&self) -> [Flat; 4] {
+        let [from, along, across] = [0, 1, self.corners.len() - 1].map(|i| self.corners[i]);
+        let [b, c] = [along, across].map(|to| [0, 1].map(|i| to[i] - from[i]));
+        let d = match self.corners {
+            [_, _, opposite, _] => [0, 1].map(|i| opposite[i] - from[i] - b[i] - c[i]),
+            _ => [0.0; 2],
+        };
+        [from, b, c, d]
+    }
+
+    /// The coordinates (s, t) of a point of the plane: x = a + b s + c t + d s t, of which t is a root of
+    /// (x − a − c t) × (b + d t) = 0: that at which the left side has the slope of the orientation.
+    fn inverse(&self, x: &Flat) -> Flat {
+        let [a, b, c, d] = self.edges();
+        let e = [0, 1].map(|i| x[i] - a[i]);
+        let [none, once, twice] = [turn(e, b), turn(e, d) + turn(b, c), turn(d, c)];
+        let slope = (once * once - 4.0 * none * twice).max(0.0).sqrt().copysign(turn(b, c));
+        let t = if once * slope > 0.0 { -2.0 * none / (once + slope) } else { (slope - once) / (2.0 * twice) };
+        let (rest, edge) = ([0, 1].map(|i| e[i] - c[i] * t), [0, 1].map(|i| b[i] + d[i] * t));
+        [(rest[0] * edge[0] + rest[1] * edge[1]) / (edge[0] * edge[0] + edge[1] * edge[1]), t]
+    }
+
+    /// The determinant of the map at coordinates: (b + d t) × (c + d s).
+    fn determinant(&self, [s, t]: Flat) -> f64 {
+        let [_, b, c, d] = self.edges();
+        turn([0, 1].map(|i| b[i] + d[i] * t), [0, 1].map(|i| c[i] + d[i] * s))
+    }
+
+    /// The degrees that a rule on a triangle needs beyond those of a polynomial.
+    ///
+    /// The inverse of a bilinear map is a square root, singular where the determinant of the map is zero. With that
+    /// between 1 − ρ and 1 + ρ times its mean on the triangle, its terms of degree n have the size ρⁿ⁻¹.
+    fn more_degrees(&self, triangle: &[Flat; 3]) -> usize {
+        let sizes = triangle.map(|corner| self.determinant(self.inverse(&corner)));
+        let [least, most] = [f64::min, f64::max].map(|of| sizes.into_iter().fold(sizes[0], of));
+        let rho = (most - least) / (most + least).abs();
+        match rho {
+            _ if rho <= ERROR => 0,
+            _ if rho < 1.0 => ((ERROR.ln() / rho.ln()).ceil() as usize - 1).min(MOST),
+            // Such a cell is refused; a facet may look so where it is projected.
+            _ => MOST,
         }
     }
-    let n = values(s, t);
-    std::array::from_fn(|c| part.reference.iter().zip(n).map(|(corner, n)| n * corner[c]).sum())
+}
+
+/// The third component of a × b.
+fn turn(a: Flat, b: Flat) -> f64 {
+    a[0] * b[1] - a[1] * b[0]
+}
+
+/// The linear functions of the corners of the unit triangle or square.
+fn values(corners: usize, [s, t]: Flat) -> [f64; 4] {
+    if corners == 4 { [(1.0 - s) * (1.0 - t), s * (1.0 - t), s * t, (1.0 - s) * t] } else { [1.0 - s - t, s, t, 0.0] }
+}
+
+impl Part {
+    /// The reference point of the facet at coordinates of the part.
+    fn at(&self, at: &Flat) -> Point {
+        let values = values(self.reference.len(), *at);
+        std::array::from_fn(|c| self.reference.iter().zip(values).map(|(corner, n)| n * corner[c]).sum())
+    }
 }

@@ -5,7 +5,10 @@ use faer::prelude::Solve;
 
 use super::cut::Sample;
 use super::part::Facets;
-use crate::element::{Element, MAX_NODES};
+use crate::element::Element;
+
+/// Most vertices of a facet.
+const VERTICES: usize = 4;
 
 /// ψ of the vertices of a facet at the samples of its covered part.
 pub(super) struct Dual {
@@ -23,11 +26,11 @@ impl Dual {
         let linear = Element::find(element.shape, 1).unwrap_or(element);
         let n = kept.len();
         let of_vertices = |sample: &Sample| {
-            let mut values = vec![0.0; n];
-            (linear.shape_functions)(&sample.own, &mut values);
+            let mut values = [0.0; VERTICES];
+            (linear.shape_functions)(&sample.own, &mut values[..n]);
             values
         };
-        let values: Vec<Vec<f64>> = samples.iter().map(of_vertices).collect();
+        let values: Vec<[f64; VERTICES]> = samples.iter().map(of_vertices).collect();
         let integral = |f: &dyn Fn(usize) -> f64| -> f64 {
             samples.iter().enumerate().map(|(q, sample)| sample.weight * f(q)).sum()
         };
@@ -42,12 +45,7 @@ impl Dual {
         let mut own: Vec<Vec<f64>> = if nodes.len() == n {
             (0..n).map(|a| (0..n).map(|b| if a == b { shares[a] } else { 0.0 }).collect()).collect()
         } else {
-            let at = |sample: &Sample| {
-                let mut values = [0.0; MAX_NODES];
-                (element.shape_functions)(&sample.own, &mut values[..nodes.len()]);
-                values
-            };
-            let all: Vec<_> = samples.iter().map(at).collect();
+            let all: Vec<_> = samples.iter().map(|sample| facets.values(facet, &sample.own)).collect();
             (0..n).map(|a| (0..nodes.len()).map(|j| integral(&|q| psi[a][q] * all[q][j])).collect()).collect()
         };
         let count = kept.iter().filter(|kept| **kept).count();

@@ -29,11 +29,13 @@ mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use rayon::prelude::*;
+
+use crate::element::MAX_NODES;
 use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::{Point, dot, length};
 pub use facing::{Facing, facing};
 
-use cut::Sample;
 use part::{Facets, Part};
 use tree::Tree;
 
@@ -132,43 +134,74 @@ impl Mortar {
             }
         }
         let (mut made, tree) = (Mortar::default(), Tree::new(mortar.parts()));
-        for facet in 0..nonmortar.len() {
-            let samples = cut::samples(&nonmortar, (&mortar, &tree), facet, None);
+        let of_facet = |facet| Integrals::new(&nonmortar, (&mortar, &tree), facet, &held);
+        let integrals: Vec<Integrals> = (0..nonmortar.len()).into_par_iter().map(of_facet).collect();
+        for (facet, integrals) in integrals.iter().enumerate() {
             made.measure += nonmortar.measure(facet);
-            made.covered += samples.iter().map(|sample| sample.weight).sum::<f64>();
-            gather(&nonmortar, &mortar, facet, &samples, &held, &mut nodes);
+            made.covered += integrals.covered;
+            for (vertex, own, other) in &integrals.rows {
+                let Some(gathered) = nodes.get_mut(vertex) else { continue };
+                for (sums, values) in [(&mut gathered.own, own), (&mut gathered.other, other)] {
+                    for (node, value) in values {
+                        *sums.entry(*node).or_default() += value;
+                    }
+                }
+            }
         }
         made.rows = rows(sides, nodes, &held, all);
         made
     }
 }
 
-/// Adds ∫ψ_i N of one facet.
-fn gather(
-    nonmortar: &Facets,
-    mortar: &Facets,
-    facet: usize,
-    samples: &[Sample],
-    has_multiplier: &BTreeMap<u32, bool>,
-    nodes: &mut BTreeMap<u32, Gathered>,
-) {
-    if samples.is_empty() {
-        return;
-    }
-    let (element, of_facet) = nonmortar.facet(facet);
-    let vertices = &of_facet[..element.shape.vertices()];
-    let kept: Vec<bool> = vertices.iter().map(|node| has_multiplier.contains_key(node)).collect();
-    let dual = dual::Dual::new(nonmortar, facet, samples, &kept);
-    for (a, vertex) in vertices.iter().enumerate().filter(|(a, _)| kept[*a]) {
-        let Some(gathered) = nodes.get_mut(vertex) else { continue };
-        for (node, value) in of_facet.iter().zip(dual.own(a)) {
-            *gathered.own.entry(*node).or_default() += value;
+/// ∫ψ_i N of one facet.
+#[derive(Default)]
+struct Integrals {
+    /// Measure of its covered part.
+    covered: f64,
+    /// By vertex that has a multiplier: D_ij and M_il by node.
+    rows: Vec<(u32, Values, Values)>,
+}
+
+/// Values by node.
+type Values = Vec<(u32, f64)>;
+
+impl Integrals {
+    fn new(
+        nonmortar: &Facets,
+        (mortar, tree): (&Facets, &Tree),
+        facet: usize,
+        has_multiplier: &BTreeMap<u32, bool>,
+    ) -> Integrals {
+        let samples = cut::samples(nonmortar, (mortar, tree), facet, None);
+        if samples.is_empty() {
+            return Integrals::default();
         }
-        for (sample, psi) in samples.iter().zip(dual.values(a)) {
-            for (node, value) in mortar.values(sample.other.0, &sample.other.1) {
-                *gathered.other.entry(node).or_default() += sample.weight * psi * value;
+        let (element, nodes) = nonmortar.facet(facet);
+        let vertices = &nodes[..element.shape.vertices()];
+        let kept: Vec<bool> = vertices.iter().map(|node| has_multiplier.contains_key(node)).collect();
+        let dual = dual::Dual::new(nonmortar, facet, &samples, &kept);
+        let mut rows: Vec<(u32, Values, Values)> = Vec::new();
+        for (a, vertex) in vertices.iter().enumerate().filter(|(a, _)| kept[*a]) {
+            rows.push((*vertex, nodes.iter().copied().zip(dual.own(a).iter().copied()).collect(), Vec::new()));
+        }
+        // The samples on one mortar facet follow each other.
+        let mut first = 0;
+        for on_other in samples.chunk_by(|a, b| a.other.0 == b.other.0) {
+            let (_, nodes) = mortar.facet(on_other[0].other.0);
+            let mut sums = vec![[0.0; MAX_NODES]; rows.len()];
+            for (q, sample) in (first..).zip(on_other) {
+                let values = mortar.values(sample.other.0, &sample.other.1);
+                for (sums, (a, _)) in sums.iter_mut().zip(kept.iter().enumerate().filter(|(_, kept)| **kept)) {
+                    let weight = sample.weight * dual.values(a)[q];
+                    sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value);
+                }
             }
+            for ((_, _, other), sums) in rows.iter_mut().zip(sums) {
+                other.extend(nodes.iter().copied().zip(sums));
+            }
+            first += on_other.len();
         }
+        Integrals { covered: samples.iter().map(|sample| sample.weight).sum(), rows }
     }
 }
 

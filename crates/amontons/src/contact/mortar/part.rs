@@ -75,18 +75,18 @@ impl<'a> Facets<'a> {
         &self.parts[self.first[facet]..self.first[facet + 1]]
     }
 
-    /// The nodes of a facet with the values of their shape functions at a reference point.
-    pub fn values(&self, facet: usize, at: &Point) -> impl Iterator<Item = (u32, f64)> + use<'a> {
+    /// The shape functions of a facet at a reference point.
+    pub fn values(&self, facet: usize, at: &Point) -> [f64; MAX_NODES] {
         let (element, nodes) = self.all[facet];
         let mut values = [0.0; MAX_NODES];
         (element.shape_functions)(at, &mut values[..nodes.len()]);
-        nodes.iter().copied().zip(values)
+        values
     }
 
     /// Where a reference point of a facet is.
     pub fn position(&self, facet: usize, at: &Point) -> Point {
-        let values: Vec<(u32, f64)> = self.values(facet, at).collect();
-        std::array::from_fn(|c| values.iter().map(|&(node, value)| value * self.x[node as usize][c]).sum())
+        let (values, (_, nodes)) = (self.values(facet, at), self.all[facet]);
+        std::array::from_fn(|c| nodes.iter().zip(&values).map(|(&node, value)| value * self.x[node as usize][c]).sum())
     }
 
     /// Unit outward normals of a facet at its vertices.
