@@ -94,7 +94,7 @@ impl Mechanical<'_> {
             stalled = if left < 0.5 * least { 0 } else { stalled + 1 };
             least = left.min(least);
             let is_found = left <= enough * now.scale || (left <= NEAR * now.scale && stalled >= STALLED);
-            if is_found || right.is_round_off(condensed, &w, left)? {
+            if is_found || right.is_round_off(condensed, &w, [left, now.scale])? {
                 return Ok((w, iteration));
             }
             let Some(step) = self.downhill(condensed, &now)? else { return Ok((w, iteration)) };

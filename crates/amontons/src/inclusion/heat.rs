@@ -9,7 +9,7 @@ use super::newton::{Effort, Iterate, Right, Term, iterate};
 use super::passed::Passed;
 use super::{Failure, ITERATIONS, STIFF, Solved};
 use crate::arrays::per_point;
-use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, arrays};
+use crate::contact::{Contact, ContactBoundary, ContactPoint, Flux, Status, arrays};
 use crate::linalg::{Condensed, Tangent};
 use crate::tensor::{dot, length};
 
@@ -383,7 +383,7 @@ impl Term for Thermal<'_> {
         laws.iter().map(|law| law.passed).collect()
     }
 
-    fn pattern(&self, _laws: &Vec<Law>) -> [usize; 3] {
-        [0; 3]
+    fn states(&self, _laws: &Vec<Law>) -> Vec<Status> {
+        Vec::new()
     }
 }

@@ -469,12 +469,8 @@ impl Term for Mechanical<'_> {
         multipliers
     }
 
-    fn pattern(&self, laws: &Vec<Laws>) -> [usize; 3] {
-        let mut pattern = [0; 3];
-        for laws in laws {
-            pattern[laws.status as usize] += 1;
-        }
-        pattern
+    fn states(&self, laws: &Vec<Laws>) -> Vec<Status> {
+        laws.iter().map(|laws| laws.status).collect()
     }
 
     fn unsettled(&self, laws: &Vec<Laws>, errors: &[f64]) -> Vec<(usize, Vec<Status>)> {

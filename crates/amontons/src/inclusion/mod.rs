@@ -57,6 +57,11 @@ const SHORTEST_STEP: f64 = 1e-4;
 /// of its inverse and vanishes with the iterations, because each starts from the multiplier of the one before.
 const STIFF: f64 = (1u64 << 27) as f64;
 
+/// Largest share of what acts on the body that round-off may have.
+pub(crate) const BESIDE: f64 = 1e-4;
+/// Where nothing acts: how many times the round-off of the state before it may be.
+pub(crate) const GROWN: f64 = 10.0;
+
 /// A nonsmooth iteration that ended.
 #[derive(Clone, Debug)]
 pub struct Solved {
@@ -94,8 +99,16 @@ pub struct NotConverged {
     pub iterations: usize,
     /// Residual relative to the largest term.
     pub residual: f64,
-    /// Points that were open, stuck and slipping at the last iterate.
-    pub pattern: [usize; 3],
+    /// The states of the points at the last iterate.
+    pub states: Vec<Status>,
     /// Contact points whose states or forces did not settle, the worst first, with their states at the last iterates.
     pub unsettled: Vec<(usize, Vec<Status>)>,
+}
+
+impl NotConverged {
+    /// The number of points of a state.
+    #[must_use]
+    pub fn count(&self, status: Status) -> usize {
+        self.states.iter().filter(|of| **of == status).count()
+    }
 }

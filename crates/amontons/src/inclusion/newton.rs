@@ -4,7 +4,7 @@
 //! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved until the
 //! residual decreases; where that ends at a kink, a full step leaves it.
 
-use super::{NotConverged, SHORTEST_STEP, TOLERANCE};
+use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
 
@@ -42,8 +42,8 @@ pub(super) trait Term {
     fn begin(&self, _laws: &mut Self::Laws, _multipliers: &Self::Multipliers) {}
     /// The multipliers of an iterate that has converged: those that the laws make of them.
     fn settled(&self, x: &[f64], laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
-    /// Points that are open, stuck and slipping.
-    fn pattern(&self, laws: &Self::Laws) -> [usize; 3];
+    /// The states of the points.
+    fn states(&self, laws: &Self::Laws) -> Vec<Status>;
     /// Points whose states differ between the last iterates, and those where the equations, which lack `errors`, and
     /// the laws are left the farthest from holding; the worst first, with these states.
     fn unsettled(&self, _laws: &Self::Laws, _errors: &[f64]) -> Vec<(usize, Vec<Status>)> {
@@ -62,12 +62,22 @@ pub(super) struct Right<'a> {
 }
 
 impl Right<'_> {
-    /// Whether a residual is no more than the round-off of S (x − x̂): a sum of n terms has √n/2 last bits of theirs,
-    /// and never less than one.
-    pub fn is_round_off(&self, condensed: &dyn Condensed, x: &[f64], residual: f64) -> Result<bool, SolveError> {
+    /// Whether a residual is no more than the round-off of S (x − x̂), small beside the largest term: a sum of n terms
+    /// has √n/2 last bits of theirs, and never less than one.
+    pub fn is_round_off(
+        &self,
+        condensed: &dyn Condensed,
+        x: &[f64],
+        [residual, scale]: [f64; 2],
+    ) -> Result<bool, SolveError> {
         let sizes = self.sizes(x);
         let bits = f64::EPSILON * (0.5 * (x.len() as f64).sqrt()).max(1.0);
-        Ok(residual <= bits * condensed.magnitude_bound(&sizes) && residual <= bits * condensed.magnitude(&sizes)?)
+        if residual > bits * condensed.magnitude_bound(&sizes) {
+            return Ok(false);
+        }
+        let here = bits * condensed.magnitude(&sizes)?;
+        let excused = excused(here, scale, || Ok(bits * condensed.magnitude(&self.sizes(self.guess))?))?;
+        Ok(residual <= here.min(excused))
     }
 
     /// |x| + |x̂|: x − x̂ is a difference of larger numbers.
@@ -85,6 +95,13 @@ impl Right<'_> {
             Ok(f64::EPSILON * condensed.magnitude(&sizes)?)
         }
     }
+}
+
+/// The round-off that may excuse a residual: all of it where it is small beside the largest term, else no more than a
+/// few times that of the guess. An iterate that runs away, as where nothing holds a body, has a round-off that exceeds
+/// everything that acts on the body, and would always be a solution.
+fn excused(here: f64, scale: f64, at_guess: impl FnOnce() -> Result<f64, SolveError>) -> Result<f64, SolveError> {
+    if here <= BESIDE * scale { Ok(here) } else { Ok(GROWN * at_guess()?) }
 }
 
 /// Values on Γ_C and multipliers.
@@ -140,7 +157,12 @@ impl<T: Term> Evaluation<T> {
         };
         let tight = TOLERANCE * scale;
         let tolerance = if residual > tight {
-            tight.max(right.round_off(condensed, x, residual)?).max(f64::EPSILON * term.round_off(x, &laws))
+            let noise = |x: &[f64], laws: &T::Laws, residual: f64| -> Result<f64, SolveError> {
+                Ok(right.round_off(condensed, x, residual)?.max(f64::EPSILON * term.round_off(x, laws)))
+            };
+            let here = noise(x, &laws, residual)?;
+            let at_guess = || noise(right.guess, &term.laws(right.guess, &at.multipliers), 0.0);
+            tight.max(if residual <= here { here.min(excused(here, scale, at_guess)?) } else { here })
         } else {
             tight
         };
@@ -168,7 +190,7 @@ impl<T: Term> Evaluation<T> {
         let failure = NotConverged {
             iterations,
             residual: self.residual / self.scale,
-            pattern: term.pattern(&self.laws),
+            states: term.states(&self.laws),
             unsettled: term.unsettled(&self.laws, &errors),
         };
         Outcome { end: self.at, iterations, failure: Some(failure) }
@@ -232,7 +254,9 @@ pub(super) fn iterate<T: Term>(
             }
             alpha *= 0.5;
             if alpha < SHORTEST_STEP {
-                if now.residual <= now.tolerance || right.is_round_off(condensed, &now.at.x, now.residual)? {
+                if now.residual <= now.tolerance
+                    || right.is_round_off(condensed, &now.at.x, [now.residual, now.scale])?
+                {
                     return Ok(now.end(term, iteration));
                 }
                 if left == 0 {

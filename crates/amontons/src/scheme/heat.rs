@@ -3,7 +3,7 @@
 use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
-use super::system::{HalfStep, REFINE, Renewal, Step, without_contact};
+use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, kept, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{SolveError, Tangent, max_abs};
 
@@ -217,7 +217,11 @@ impl Begun {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, k, .. } = *step;
         let Balance { residual, scale, driven, through_contact, through_prescribed, rubbed } = *balance;
-        let residual = step.accept([residual, scale, driven, 0.0], "heat", || discrete.thermal_round_off(&theta))?;
+        let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
+            Rounded::Here => discrete.thermal_round_off(&theta),
+            Rounded::Before => discrete.thermal_round_off(step.bar.theta),
+            Rounded::Prescribed => discrete.thermal_round_off(&kept(&theta, |i| !discrete.q.free[i])),
+        })?;
         let sum = |v: &[f64]| v.iter().sum::<f64>();
         let amounts = Amounts {
             supplied: k * (sum(&supply) - discrete.convected(&theta)),

@@ -1,7 +1,7 @@
 //! The mechanical half-step (4.1).
 
 use super::foundation::frames;
-use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Step, on_degrees, without_contact};
+use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, kept, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
@@ -324,8 +324,14 @@ impl<'a> Equation<'a> {
     ) -> Result<Mechanics, StepError> {
         let Equation { step, load, theta, thermal, given, .. } = self;
         let Balanced { iterate, states, residual, scale, driven, contact, force, support_work } = end;
-        step.accept([residual, scale, driven, contact], "mechanics", || {
-            step.discrete.mechanical_round_off(&step.sizes(&iterate.w), &iterate.w, theta)
+        let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
+        let free = &step.discrete.v.free;
+        step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
+            Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
+            Rounded::Before => round_off(step.bar.w, &step.sizes(step.bar.w)),
+            Rounded::Prescribed => {
+                round_off(&kept(&iterate.w, |i| !free[i]), &kept(&step.sizes(&iterate.w), |i| !free[i]))
+            }
         })?;
         let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
         let is_unique =

@@ -21,7 +21,7 @@ pub use system::{ACCEPTED, REFINE};
 use std::fmt;
 use std::sync::Arc;
 
-use crate::contact::Flux;
+use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::{Backend, Decided, SolveError, TangentKey};
 use crate::problem::{Coupling, Faults, Problem, Uncovered};
@@ -183,7 +183,7 @@ pub enum StepError {
         "step {step} (t = {t:.6e}): {part} did not converge in {} iterations{}; relative residual {:.3e}; contact points {} open, {} stick, {} slip{unsettled}",
         .why.iterations,
         if *.parts > 1 { format!(", not even in a part of 1/{} of the step: the step and its longer parts were tried before", .parts) } else { String::new() },
-        .why.residual, .why.pattern[0], .why.pattern[1], .why.pattern[2]
+        .why.residual, .why.count(Status::Open), .why.count(Status::Stick), .why.count(Status::Slip)
     )]
     NotConverged {
         /// The step n that failed.
@@ -198,6 +198,8 @@ pub enum StepError {
         why: Box<NotConverged>,
         /// The contact points whose states did not settle, in words; empty if all did.
         unsettled: String,
+        /// Whether no point of a body without inertia that contact alone holds sticks: it may slide away.
+        slides: bool,
     },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
     #[error(

@@ -1,11 +1,14 @@
 //! What the parts of a step share: what is known when it is made, and the systems of both half-steps.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{Failure, NotConverged, Rule};
+use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
 use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent};
+use crate::mesh::defects::components;
+use crate::model::rigid_motions;
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::Point;
@@ -15,8 +18,6 @@ pub const ACCEPTED: f64 = 1e-10;
 /// Roundings of a state, each of half a last bit or less, that a residual may have: those of u and of the terms made of
 /// it.
 const ROUNDINGS: f64 = 2.0;
-/// Largest share of it in what acts on the body.
-const BESIDE: f64 = 1e-4;
 /// Relative residual above which another pass of sweeps is made.
 pub const REFINE: f64 = 1e-11;
 
@@ -56,6 +57,16 @@ impl<'a> From<&'a State> for Bar<'a> {
     fn from(state: &'a State) -> Bar<'a> {
         Bar { u: &state.u, w: &state.w, theta: &state.theta, branches: &state.branches }
     }
+}
+
+/// Of which state the round-off is asked for.
+#[derive(Clone, Copy)]
+pub(super) enum Rounded {
+    Here,
+    /// The state before.
+    Before,
+    /// The prescribed values of this state alone.
+    Prescribed,
 }
 
 impl Step<'_> {
@@ -106,20 +117,26 @@ impl Step<'_> {
     }
 
     /// The residual relative to the largest term, if it is small enough to be a result: below [`ACCEPTED`], or what the
-    /// last bits of the state make of it (`round_off`), as long as that is small beside what acts on the body
-    /// (`driven`), if something does. A contact force that is no more than that round-off is none.
+    /// last bits of the state make of it, as long as that is small beside what acts on the body (`driven`). A contact
+    /// force that is no more than that round-off is none. Where nothing acts, the round-off of the state must be small
+    /// beside the motion that is prescribed, or hardly be more than that of the state before.
     pub fn accept(
         &self,
         [residual, scale, driven, contact]: [f64; 4],
         part: &'static str,
-        round_off: impl FnOnce() -> f64,
+        round_off: impl Fn(Rounded) -> f64,
     ) -> Result<f64, StepError> {
         if residual <= ACCEPTED {
             return Ok(residual);
         }
-        let round_off = round_off();
-        let driven = if contact > ROUNDINGS * round_off { driven.max(contact) } else { driven };
-        if residual * scale <= ROUNDINGS * round_off && (driven == 0.0 || round_off <= BESIDE * driven) {
+        let here = round_off(Rounded::Here);
+        let driven = if contact > ROUNDINGS * here { driven.max(contact) } else { driven };
+        let is_small = || {
+            let prescribed = || round_off(Rounded::Prescribed) / f64::EPSILON;
+            here <= BESIDE * driven
+                || (driven == 0.0 && (here <= GROWN * round_off(Rounded::Before) || here <= BESIDE * prescribed()))
+        };
+        if residual * scale <= ROUNDINGS * here && is_small() {
             return Ok(residual);
         }
         Err(StepError::Residual { step: self.n, t: self.t, part, residual, accepted: ACCEPTED })
@@ -144,18 +161,27 @@ impl Step<'_> {
     pub fn failed(&self, part: &'static str, why: Failure) -> StepError {
         match why {
             Failure::NotConverged(why) => {
-                let unsettled = self.unsettled(&why);
-                StepError::NotConverged {
-                    step: self.n,
-                    t: self.t,
-                    part,
-                    parts: self.parts(),
-                    why: Box::new(why),
-                    unsettled,
-                }
+                let (unsettled, slides) = (self.unsettled(&why), self.slides(&why));
+                let (step, parts) = (self.n, self.parts());
+                StepError::NotConverged { step, t: self.t, part, parts, why: Box::new(why), unsettled, slides }
             }
             Failure::Linear(source) => self.unsolved(part, source),
         }
+    }
+
+    /// Whether no point of a body without inertia that contact alone holds sticks at the last iterate.
+    fn slides(&self, why: &NotConverged) -> bool {
+        if why.states.is_empty() || self.discrete.inertia().0 != 0.0 {
+            return false;
+        }
+        let stuck = self.boundary.points.iter().zip(&why.states).filter(|(_, status)| **status == Status::Stick);
+        let stuck: BTreeSet<u32> = stuck
+            .flat_map(|(point, _)| point.nodes.iter().filter_map(|&(i, _)| self.boundary.nodes.get(i).copied()))
+            .collect();
+        let parts = components(&self.problem.mesh);
+        let motions = rigid_motions(self.problem, &parts);
+        let mut free = parts.iter().zip(motions).filter(|(_, motions)| *motions > 0);
+        free.any(|(part, _)| part.nodes.iter().all(|node| !stuck.contains(node)))
     }
 
     /// The first contact points that did not settle: place, side, laws, states of the last iterates.
@@ -209,6 +235,11 @@ impl Renewal {
         (self.passes, self.wait) = (0, (2 * self.wait).max(1));
         true
     }
+}
+
+/// The entries of a vector that are kept, zero elsewhere.
+pub(super) fn kept(values: &[f64], is_kept: impl Fn(usize) -> bool) -> Vec<f64> {
+    values.iter().enumerate().map(|(i, value)| if is_kept(i) { *value } else { 0.0 }).collect()
 }
 
 /// Products of a state with the forms, which one step computes and the next one needs.
