@@ -149,7 +149,7 @@ impl RunError {
                 ));
             }
             RunError::Step { source: StepError::NotConverged { slides: true, .. }, .. } => {
-                "no point of a body that contact alone holds sticks: if the load is more than friction bears, it slides without resistance; give the body a support, a spring, friction that is strong enough or a density, with which it moves; if it is not, try more steps (time.steps)"
+                "no point of a body that contact alone holds sticks: where the load is more than friction bears, it slides or turns without resistance; give the body a support, a spring, friction that is strong enough or a density, with which it moves; if it is not, try more steps (time.steps)"
             }
             RunError::Step { .. } => "try more steps (time.steps), or a finer mesh where the contact changes",
             RunError::Unsound(_) => "`amontons check` may name the cause in the data",
