@@ -355,3 +355,34 @@ fn a_loose_body_is_not_lost() {
         assert!(common::largest(&last.u) < 0.1, "{:e}\n{text}", common::largest(&last.u));
     }
 }
+
+/// A block that falls on another one while its top is moved sideways: where nothing touches, the rest of what moves it
+/// sideways is far larger than its load, and round-off alone holds it against that load.
+#[test]
+fn a_block_that_is_moved_while_it_falls_is_found() {
+    let mut random = common::Random(25);
+    for _ in 0..60 {
+        let mut between = |low: f64, high: f64| low + 0.5 * (high - low) * (1.0 + random.number());
+        let (n, load) = (between(2.0, 8.0) as usize, between(0.1, 1.0));
+        let width = between(0.8, 1.0);
+        let text = format!(
+            "name = \"falling\"\n[mesh]\nkind = \"blocks\"\nblocks = [\n\
+             {{ name = \"low\", size = [1.0, 0.5], n = [6, 4], elements = \"P1\" }},\n\
+             {{ name = \"high\", size = [{width:?}, 0.2], n = [{n}, 5], origin = [{:?}, {:?}] }},\n]\n\
+             [time]\nend = 1.0\nsteps = 5\n[material]\n{}\
+             [[boundary]]\non = \"low_bottom\"\ndisplacement = [0, 0]\n\
+             [[boundary]]\non = \"high_top\"\ndisplacement = [\"{:?}*sin(2*t)\", \"free\"]\ntraction = [0, \"-{load:?}*t\"]\n\
+             [[contact]]\non = \"high_bottom\"\nwith = \"low_top\"\nnormal = {{ law = \"compliance\", stiffness = {:?} }}\n",
+            between(0.0, 0.3),
+            0.5 + 10f64.powf(between(-5.0, -2.0)),
+            material(5000.0),
+            between(-5e-4, 5e-4),
+            10f64.powf(between(2.0, 6.0)),
+        );
+        let memory = made(&text);
+        for (step, report) in (1..).zip(&memory.reports) {
+            let (force, pressed) = (report.contact.force[1].abs(), width * load * 0.2 * f64::from(step));
+            assert!((force - pressed).abs() < 1e-8 * pressed, "{force} and {pressed}\n{text}");
+        }
+    }
+}

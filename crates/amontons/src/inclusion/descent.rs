@@ -107,23 +107,26 @@ impl Mechanical<'_> {
         Ok((w, before + ITERATIONS))
     }
 
-    /// Newton's direction; none where there is none that leads down.
+    /// Newton's direction; none where there is none that leads down. A direction that does not is what round-off makes
+    /// of a matrix that nothing holds, and of which a pivot was not exactly zero.
     fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
         let mut curvature = self.curvature(now);
-        let mut step: Vec<f64> = now.f.iter().map(|f| -f).collect();
-        let held = condensed.solve(&curvature, &mut step, ACCURACY);
-        if let Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) = held {
-            curvature.add_diagonal(condensed.scale().iter().map(|scale| HOLD * scale));
-            step = now.f.iter().map(|f| -f).collect();
-            match condensed.solve(&curvature, &mut step, ACCURACY) {
-                // What it leaves is no obstacle: whether the direction leads down is asked for.
-                Ok(()) | Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => {}
-                Err(error) => return Err(error),
-            }
-        } else {
-            held?;
+        let against = || now.f.iter().map(|f| -f).collect::<Vec<f64>>();
+        let leads_down = |step: &[f64]| dot(&now.f, step) < 0.0;
+        let mut step = against();
+        match condensed.solve(&curvature, &mut step, ACCURACY) {
+            Ok(()) if leads_down(&step) => return Ok(Some(step)),
+            Ok(()) | Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => {}
+            Err(error) => return Err(error),
         }
-        Ok((dot(&now.f, &step) < 0.0).then_some(step))
+        curvature.add_diagonal(condensed.scale().iter().map(|scale| HOLD * scale));
+        step = against();
+        match condensed.solve(&curvature, &mut step, ACCURACY) {
+            // What it leaves is no obstacle: whether the direction leads down is asked for.
+            Ok(()) | Err(SolveError::Singular { .. } | SolveError::NotConverged { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        Ok(leads_down(&step).then_some(step))
     }
 
     /// The point on a direction where the energy has fallen far enough.
