@@ -90,6 +90,10 @@ pub fn mesh(name: &str, model: &MeshModel, skipped: &[Skipped]) -> String {
     };
     rows.extend(model.regions.iter().map(|region| sizes("region", "cell", of_region, region)));
     rows.extend(model.sides.iter().map(|side| sizes("side", "facet", of_side, side)));
+    rows.extend(model.edges.iter().map(|edge| sizes("edge", "segment", "length", edge)));
+    rows.extend(
+        model.points.iter().map(|points| row(&format!("points \"{}\"", points.name), &counted(points.count, "node"))),
+    );
     if model.unnamed_facets > 0 {
         rows.push(row("in no side", &format!("{} of the boundary", counted(model.unnamed_facets, "facet"))));
     }

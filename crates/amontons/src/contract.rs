@@ -91,6 +91,7 @@ fn assert_facets(element: &'static Element) {
         blocks: Vec::new(),
         regions: Vec::new(),
         facets: std::collections::BTreeMap::new(),
+        edges: std::collections::BTreeMap::new(),
     };
     let (mut total, mut flux, centre) = ([0.0; 3], 0.0, element.centre());
     for facet in element.facets {

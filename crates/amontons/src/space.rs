@@ -17,7 +17,7 @@ pub struct Space {
 /// One component that is prescribed on a facet set.
 #[derive(Clone, Copy, Debug)]
 pub struct Prescription<'a> {
-    /// Name of the facet set.
+    /// Name of the side, the edge or the points.
     pub on: &'a str,
     /// The component.
     pub component: usize,
@@ -42,7 +42,7 @@ impl Space {
         let mut free = vec![true; mesh.points.len() * components];
         let mut prescribed = Vec::new();
         for Prescription { on, component, field, factor } in prescriptions {
-            let Some(set) = mesh.facets.get(on).filter(|_| component < components) else { continue };
+            let Some(set) = mesh.named(on).filter(|_| component < components) else { continue };
             let mut part = Prescribed { field: field.clone(), factor, points: Vec::new(), dofs: Vec::new() };
             for node in set.node_list() {
                 let dof = node as usize * components + component;

@@ -57,7 +57,15 @@ fn polygons(lower: &[Point], upper: &[Point]) -> (Mesh, [FacetSet; 2]) {
 
 fn mesh_of(dim: usize, points: Vec<Point>) -> Mesh {
     let blocks: Vec<Block> = Vec::new();
-    Mesh { dim, axisymmetric: false, points, blocks, regions: Vec::new(), facets: BTreeMap::new() }
+    Mesh {
+        dim,
+        axisymmetric: false,
+        points,
+        blocks,
+        regions: Vec::new(),
+        facets: BTreeMap::new(),
+        edges: BTreeMap::new(),
+    }
 }
 
 fn assert_rows(name: &str, entries: &[Entry], mesh: &Mesh, rows: &[MortarRow]) {

@@ -219,6 +219,7 @@ const UNITS: &[(&str, &str)] = &[
           HeatTerm pressure.truncation, HeatTerm gap.truncation, HeatTerm radiation.absolute_zero, \
           Initial.temperature, TableData.temperature, Wear archard-temperature.temperature",
     ),
+    ("N", "Boundary.force"),
     ("N/m³", "Load.body_force"),
     (
         "Pa",
@@ -258,7 +259,7 @@ const UNITS: &[(&str, &str)] = &[
     ("kg/m³", "Material.density"),
     (
         "m",
-        "Automatic.distance, Block.height, Block.origin, Block.radii, Block.size, Boundary.displacement, Boundary.normal_displacement, \
+        "Automatic.distance, Block.height, Block.origin, Block.radii, Block.size, Boundary.at, Boundary.displacement, Boundary.normal_displacement, \
           Check probe.at, Contact.gap, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
           HeatTerm ramp.width, HeatTerm gap.roughness, Initial.displacement, Mesh rectangle.origin, \
           Mesh rectangle.size, Mesh interval.size, Mesh box.size, Mesh disc.radius, Mesh ring.radii, \

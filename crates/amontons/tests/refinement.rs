@@ -56,6 +56,7 @@ fn pyramid() -> Mesh {
         blocks: vec![block],
         regions: vec!["body".to_owned()],
         facets: std::collections::BTreeMap::new(),
+        edges: std::collections::BTreeMap::new(),
     };
     mesh.facets.insert("all".to_owned(), mesh.boundary());
     mesh

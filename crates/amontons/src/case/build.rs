@@ -30,7 +30,7 @@ use crate::units::System;
 /// found there, below, or in the tables around. With `has_other_end` an override gives the end of the run, which the
 /// times of checks need not fit.
 pub(super) fn problem(
-    raw: raw::Case,
+    mut raw: raw::Case,
     files: &Files,
     available: Option<Memory>,
     notes: Notes,
@@ -60,6 +60,7 @@ pub(super) fn problem(
     let materials = build.materials(&raw, &mesh);
     let bodies = materials.clone();
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
+    build.places(&mut raw.boundary, &mut mesh);
     let of_sides = SideMaterials::new(&mesh, &bodies);
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
@@ -369,9 +370,9 @@ impl Build<'_> {
     }
 }
 
-/// The nodes of a side; none if there is no such side, which is found elsewhere.
+/// The nodes of a side, an edge or points; none if there is no such set, which is found elsewhere.
 pub(super) fn side(mesh: &Mesh, name: &str) -> Vec<Point> {
-    let nodes = mesh.facets.get(name).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
+    let nodes = mesh.named(name).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
     nodes.iter().filter_map(|&n| mesh.points.get(n as usize).copied()).collect()
 }
 

@@ -59,6 +59,7 @@ fn empty() -> Mesh {
         blocks: Vec::new(),
         regions: Vec::new(),
         facets: BTreeMap::new(),
+        edges: BTreeMap::new(),
     }
 }
 

@@ -40,6 +40,7 @@ mod parse;
 mod path;
 mod physics;
 mod place;
+mod points;
 mod probe;
 mod quantity;
 mod raw;

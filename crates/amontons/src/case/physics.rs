@@ -140,6 +140,7 @@ pub(super) fn of_mechanics(raw: &raw::Case) -> Vec<(String, &'static str)> {
             ("displacement", b.displacement.is_some(), "a displacement"),
             ("normal_displacement", b.normal_displacement.is_some(), "a displacement"),
             ("traction", b.traction.is_some(), "a traction"),
+            ("force", b.force.is_some(), "a force"),
             ("pressure", b.pressure.is_some(), "a pressure"),
             ("spring", b.spring.is_some(), "a spring"),
             ("dashpot", b.dashpot.is_some(), "a dashpot"),

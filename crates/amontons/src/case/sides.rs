@@ -16,6 +16,7 @@ impl Build<'_> {
             displacement: raw.displacement.map(|v| self.components(&path("displacement"), v, points)),
             normal_displacement: raw.normal_displacement.map(|s| self.field(&path("normal_displacement"), &s, points)),
             traction: raw.traction.map(|v| self.vector(&path("traction"), &v, points)),
+            force: raw.force.map(|v| self.vector(&path("force"), &v, points)),
             pressure: raw.pressure.map(|s| self.field(&path("pressure"), &s, points)),
             spring: raw.spring.map(|s| self.support(&path("spring"), s, points)),
             dashpot: raw.dashpot.map(|s| self.support(&path("dashpot"), s, points)),

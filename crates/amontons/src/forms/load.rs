@@ -3,6 +3,7 @@
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{CellMap, FacetMap, Mesh};
+use crate::model::measure;
 use crate::problem::{BoundaryCondition, Convection};
 use crate::tensor::Point;
 
@@ -89,7 +90,7 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
     }
 }
 
-/// ∫ field direction·v over a side, v of `components` components.
+/// ∫ field direction·v over a side, an edge or points, v of `components` components.
 fn facet_terms(
     mesh: &Mesh,
     load: &mut Load,
@@ -98,7 +99,7 @@ fn facet_terms(
     components: usize,
     direction: impl Fn(&FacetMap) -> Point,
 ) {
-    let Some(set) = mesh.facets.get(on).filter(|_| !field.is_zero()) else { return };
+    let Some(set) = mesh.named(on).filter(|_| !field.is_zero()) else { return };
     for block in &set.blocks {
         let table = ShapeTable::new(block.element, data_degree(block.element));
         let mut map = FacetMap::new(mesh, &table);
@@ -124,7 +125,8 @@ fn unit(c: usize) -> Point {
     std::array::from_fn(|d| if d == c { 1.0 } else { 0.0 })
 }
 
-/// (f(t), v)_V of (2.16): body force, tractions, and pressures p with the traction −pν.
+/// (f(t), v)_V of (2.16): body force, tractions, forces F with the traction F/|Γ| on their side, edge or points, and
+/// pressures p with the traction −pν.
 #[must_use]
 pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> Load {
     let mut load = Load::new(mesh.points.len() * mesh.dim);
@@ -134,6 +136,10 @@ pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> L
     for condition in boundary {
         for (c, field) in condition.traction.iter().flatten().enumerate() {
             facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c));
+        }
+        let size = mesh.named(&condition.on).map_or(1.0, |set| measure(mesh, set));
+        for (c, field) in condition.force.iter().flatten().enumerate() {
+            facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c).map(|e| e / size));
         }
         if let Some(pressure) = &condition.pressure {
             facet_terms(mesh, &mut load, &condition.on, pressure, mesh.dim, |map| map.normal.map(|nu| -nu));

@@ -138,7 +138,7 @@ fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mut worst: [Mismatch; 3] = [None, None, None];
     let component = |fields: &[Field], c: usize, x: &Point| fields.get(c).map_or(0.0, |f| f.value(x, 0.0));
     for b in &problem.boundary {
-        let Some(set) = mesh.facets.get(&b.on) else { continue };
+        let Some(set) = mesh.named(&b.on) else { continue };
         let displacement = b.prescriptions(mesh).into_iter().map(|p| (p.component, p.field, p.factor));
         for (c, prescribed, factor) in displacement.chain(b.temperature.iter().map(|f| (mesh.dim, f, 1.0))) {
             for node in set.node_list() {

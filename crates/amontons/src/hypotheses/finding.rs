@@ -89,6 +89,8 @@ findings! {
     CoincidentNodes = "coincident-nodes", Warning, Any;
     /// A part that can move without strain.
     PartFree = "part-free", Warning, Mechanics;
+    /// Forces on points or edges, under which the displacement has no bound.
+    PointForce = "point-force", Warning, Mechanics;
     /// Contact points whose normal displacement is prescribed.
     ContactHeld = "contact-held", Warning, Mechanics;
     /// An expansion tensor of the size of α.

@@ -36,7 +36,8 @@ const ID: FindingId = FindingId::ContactPossible;
 
 /// Whether a static problem has to be solved for every step.
 pub(super) fn loads_vary(problem: &Problem) -> bool {
-    let tractions = problem.boundary.iter().flat_map(|b| b.traction.iter().flatten().chain(&b.pressure));
+    let tractions =
+        problem.boundary.iter().flat_map(|b| b.traction.iter().chain(&b.force).flatten().chain(&b.pressure));
     !problem.contacts.is_empty() && problem.body_force.iter().chain(tractions).any(Field::depends_on_time)
 }
 

@@ -20,6 +20,7 @@ impl Mesh {
             blocks: Vec::new(),
             regions: bodies.iter().map(|(name, _)| name.clone()).collect(),
             facets: std::collections::BTreeMap::new(),
+            edges: std::collections::BTreeMap::new(),
         };
         for (region, (name, mesh)) in bodies.iter().enumerate() {
             let first = all.points.len() as u32;
@@ -29,11 +30,13 @@ impl Mesh {
                 block.nodes.iter_mut().for_each(|node| *node += first);
                 all.blocks.push(block);
             }
-            for (side, mut set) in mesh.facets.clone() {
-                for node in set.blocks.iter_mut().flat_map(|block| &mut block.nodes) {
-                    *node += first;
+            for (of, into) in [(&mesh.facets, &mut all.facets), (&mesh.edges, &mut all.edges)] {
+                for (side, mut set) in of.clone() {
+                    for node in set.blocks.iter_mut().flat_map(|block| &mut block.nodes) {
+                        *node += first;
+                    }
+                    into.insert(format!("{name}_{side}"), set);
                 }
-                all.facets.insert(format!("{name}_{side}"), set);
             }
         }
         Ok(all)

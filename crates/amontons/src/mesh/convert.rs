@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::generate::check;
 use super::{Block, FacetSet, Mesh, MeshError};
-use crate::element::{Element, P1_PRISM, P1_TETRAHEDRON, P1_TRIANGLE, Q1_HEXAHEDRON, Q1_QUADRILATERAL};
+use crate::element::{Element, P1_PRISM, P1_SEGMENT, P1_TETRAHEDRON, P1_TRIANGLE, Q1_HEXAHEDRON, Q1_QUADRILATERAL};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
 
@@ -72,19 +72,23 @@ impl Mesh {
             let (element, nodes) = convert(block.element, &block.nodes)?;
             blocks.push(Block { element, region: block.region, nodes });
         }
-        let mut facets = BTreeMap::new();
-        for (name, set) in &self.facets {
-            let mut converted = FacetSet::default();
-            for block in &set.blocks {
-                let (element, nodes) = convert(block.element, &block.nodes)?;
-                converted.push(element, nodes);
+        let mut of_sets = |sets: &BTreeMap<String, FacetSet>| {
+            let mut all = BTreeMap::new();
+            for (name, set) in sets {
+                let mut converted = FacetSet::default();
+                for block in &set.blocks {
+                    let (element, nodes) = convert(block.element, &block.nodes)?;
+                    converted.push(element, nodes);
+                }
+                all.insert(name.clone(), converted);
             }
-            facets.insert(name.clone(), converted);
-        }
+            Ok(all)
+        };
+        let (facets, edges) = (of_sets(&self.facets)?, of_sets(&self.edges)?);
         if points.len() > u32::MAX as usize {
             return Err(MeshError::TooLarge { found: points.len() as f64 });
         }
-        Ok(Mesh { points, blocks, facets, regions: self.regions.clone(), ..*self })
+        Ok(Mesh { points, blocks, facets, edges, regions: self.regions.clone(), ..*self })
     }
 
     /// The body swept by a plane mesh of linear elements along z from 0 to `height`, in `layers` of cells: prisms of
@@ -140,7 +144,11 @@ impl Mesh {
             }
             facets.insert(name.clone(), swept);
         }
-        Ok(Mesh { dim: 3, axisymmetric: false, points, blocks, regions: self.regions.clone(), facets })
+        let points_of = |set: &FacetSet| set.node_list().into_iter();
+        let line = |node: u32| (0..layers).flat_map(move |l| [l, l + 1].map(|l| node + (l * size) as u32));
+        let swept = |set: &FacetSet| FacetSet::of(&P1_SEGMENT, points_of(set).flat_map(line).collect());
+        let edges = self.edges.iter().map(|(name, set)| (name.clone(), swept(set))).collect();
+        Ok(Mesh { dim: 3, axisymmetric: false, points, blocks, regions: self.regions.clone(), facets, edges })
     }
 
     /// The same mesh in simplices: a quadrilateral becomes two triangles, a prism three tetrahedra. Every
@@ -182,7 +190,14 @@ impl Mesh {
             cut
         };
         let facets = self.facets.iter().map(|(name, set)| (name.clone(), cut(set))).collect();
-        Ok(Mesh { points: self.points.clone(), blocks, facets, regions: self.regions.clone(), ..*self })
+        Ok(Mesh {
+            points: self.points.clone(),
+            blocks,
+            facets,
+            edges: self.edges.clone(),
+            regions: self.regions.clone(),
+            ..*self
+        })
     }
 }
 

@@ -44,6 +44,7 @@ impl MeshData {
             blocks: cells,
             regions,
             facets: std::collections::BTreeMap::new(),
+            edges: std::collections::BTreeMap::new(),
             axisymmetric: false,
         };
         let grid = Arc::new(Grid::new(&mesh));

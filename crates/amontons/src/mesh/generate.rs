@@ -71,6 +71,7 @@ impl Mesh {
             blocks,
             regions: vec!["body".to_owned()],
             facets,
+            edges: BTreeMap::new(),
         })
     }
 
@@ -145,6 +146,7 @@ impl Mesh {
             blocks,
             regions: vec!["body".to_owned()],
             facets,
+            edges: BTreeMap::new(),
         })
     }
 

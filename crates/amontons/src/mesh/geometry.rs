@@ -97,14 +97,16 @@ impl<'a> CellMap<'a> {
     }
 }
 
-/// Geometry of a facet at a point of a table: position, area factor, unit outward normal.
+/// Geometry of a facet, or of an edge or point of the boundary, at a point of a table: position, area factor, unit
+/// outward normal.
 #[derive(Clone, Debug)]
 pub struct FacetMap<'a> {
     /// Position in m.
     pub position: Point,
-    /// Area element in m^(d−1): physical over reference measure, times 2πr in a body of revolution.
+    /// Area element in m^(d−1): physical over reference measure, times 2πr in a body of revolution. Along an edge the
+    /// element of length, at a point 1.
     pub area: f64,
-    /// Unit outward normal ν.
+    /// Unit outward normal ν; zero for an edge or a point.
     pub normal: Point,
     mesh: &'a Mesh,
     table: &'a ShapeTable,
@@ -134,6 +136,11 @@ impl<'a> FacetMap<'a> {
         }
         self.position = position;
         let element = self.table.element;
+        if element.dim() + 1 < self.mesh.dim {
+            self.area = length(&tangents[0]).max(f64::from(u8::from(element.dim() == 0)));
+            self.area *= self.mesh.circumference(&self.position);
+            return;
+        }
         let normal = match element.shape {
             // The reference coordinate tells which end of the body the point closes.
             Shape::Point => [2.0 * element.nodes[0][0] - 1.0, 0.0, 0.0],

@@ -204,9 +204,17 @@ pub struct Mesh {
     pub regions: Vec<String>,
     /// Named parts of the boundary.
     pub facets: BTreeMap<String, FacetSet>,
+    /// Named edges and points: sets of elements of dimension d − 2 or less.
+    pub edges: BTreeMap<String, FacetSet>,
 }
 
 impl Mesh {
+    /// The side of a name, or else the edges or points of that name.
+    #[must_use]
+    pub fn named(&self, name: &str) -> Option<&FacetSet> {
+        self.facets.get(name).or_else(|| self.edges.get(name))
+    }
+
     /// Number of cells.
     #[must_use]
     pub fn cell_count(&self) -> usize {
@@ -227,7 +235,11 @@ impl Mesh {
         let nodes = self.points.len();
         let unknown = |list: &[u32]| list.iter().copied().find(|&node| node as usize >= nodes);
         let cells = self.blocks.iter().filter_map(|block| Some(("a cell".to_owned(), unknown(&block.nodes)?)));
-        let sides = self.facets.iter().flat_map(|(name, set)| set.blocks.iter().map(move |block| (name, block)));
+        let sides = self
+            .facets
+            .iter()
+            .chain(&self.edges)
+            .flat_map(|(name, set)| set.blocks.iter().map(move |block| (name, block)));
         let facets = sides.filter_map(|(name, block)| Some((format!("a facet of \"{name}\""), unknown(&block.nodes)?)));
         match cells.chain(facets).next() {
             Some((what, node)) => Err(MeshError::Node { what, node, nodes }),

@@ -36,22 +36,26 @@ impl Mesh {
                 }
             }
         }
-        let mut facets = BTreeMap::new();
-        for (name, set) in &self.facets {
-            let mut finer = FacetSet::default();
-            for (element, facet) in set.facets() {
-                for (_, corners) in children(element, &nodes.positions(element, facet)) {
-                    let new = nodes.of(element, facet, element, &corners);
-                    finer.push(element, new);
+        let mut finer = |sets: &BTreeMap<String, FacetSet>| {
+            let mut all = BTreeMap::new();
+            for (name, set) in sets {
+                let mut finer = FacetSet::default();
+                for (element, facet) in set.facets() {
+                    for (_, corners) in children(element, &nodes.positions(element, facet)) {
+                        let new = nodes.of(element, facet, element, &corners);
+                        finer.push(element, new);
+                    }
                 }
+                all.insert(name.clone(), finer);
             }
-            facets.insert(name.clone(), finer);
-        }
+            all
+        };
+        let (facets, edges) = (finer(&self.facets), finer(&self.edges));
         blocks.sort_by_key(|block| block.region);
         if nodes.points.len() > u32::MAX as usize {
             return Err(MeshError::TooLarge { found: nodes.points.len() as f64 });
         }
-        Ok(Mesh { points: nodes.points, blocks, facets, regions: self.regions.clone(), ..*self })
+        Ok(Mesh { points: nodes.points, blocks, facets, edges, regions: self.regions.clone(), ..*self })
     }
 }
 

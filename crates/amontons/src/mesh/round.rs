@@ -115,7 +115,15 @@ fn disc(radius: f64, [radial, around]: [usize; 2]) -> Section {
 
 fn plane(points: Vec<Point>, nodes: Vec<u32>, facets: BTreeMap<String, FacetSet>) -> Mesh {
     let blocks = vec![Block { element: &Q1_QUADRILATERAL, region: 0, nodes }];
-    Mesh { dim: 2, axisymmetric: false, points, blocks, regions: vec!["body".to_owned()], facets }
+    Mesh {
+        dim: 2,
+        axisymmetric: false,
+        points,
+        blocks,
+        regions: vec!["body".to_owned()],
+        facets,
+        edges: BTreeMap::new(),
+    }
 }
 
 impl Section {

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{area, integral};
-use crate::mesh::Mesh;
+use super::{integral, measure};
 use crate::mesh::defects::{components, defects};
+use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::Point;
 
 /// The contents of a mesh. Lengths are in the unit of its coordinates; in two dimensions volumes and areas are per unit
@@ -30,6 +30,10 @@ pub struct MeshModel {
     pub regions: Vec<Size>,
     /// Facets and area of each side, by name.
     pub sides: Vec<Size>,
+    /// Elements and length of each named edge of a body in space.
+    pub edges: Vec<Size>,
+    /// Number of each of the named points, which is also their measure.
+    pub points: Vec<Size>,
     /// Facets of the boundary in no side.
     pub unnamed_facets: usize,
     /// The worst quality of a cell, from 0 (flat) to 1 (regular), and the centre of this cell.
@@ -38,14 +42,14 @@ pub struct MeshModel {
     pub defects: Vec<String>,
 }
 
-/// The size of a region or a side.
+/// The size of a region, a side, an edge or of points.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Size {
     /// Its name.
     pub name: String,
     /// Number of its cells or facets.
     pub count: usize,
-    /// Its volume or area.
+    /// Its volume, area or length, or the number of points.
     pub measure: f64,
 }
 
@@ -75,14 +79,20 @@ impl MeshModel {
             bounds: [bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY)],
             parts: components(mesh).len(),
             regions: mesh.regions.iter().enumerate().map(region).collect(),
-            sides: mesh
-                .facets
-                .iter()
-                .map(|(name, set)| Size { name: name.clone(), count: set.len(), measure: area(mesh, set) })
-                .collect(),
+            sides: named(mesh, &mesh.facets, |_| true),
+            edges: named(mesh, &mesh.edges, |dim| dim == 1),
+            points: named(mesh, &mesh.edges, |dim| dim == 0),
             unnamed_facets: mesh.unnamed_boundary_facets(),
             quality: mesh.worst_quality(),
             defects: defects(mesh).iter().map(ToString::to_string).collect(),
         }
     }
+}
+
+/// The sizes of sets whose elements have a dimension.
+fn named(mesh: &Mesh, sets: &BTreeMap<String, FacetSet>, is_of: impl Fn(usize) -> bool) -> Vec<Size> {
+    let dimension = |set: &FacetSet| set.blocks.iter().map(|block| block.element.dim()).max().unwrap_or(0);
+    let size =
+        |(name, set): (&String, &FacetSet)| Size { name: name.clone(), count: set.len(), measure: measure(mesh, set) };
+    sets.iter().filter(|(_, set)| is_of(dimension(set))).map(size).collect()
 }

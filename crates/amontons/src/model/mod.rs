@@ -70,7 +70,7 @@ impl Model {
             volume: volumes.iter().sum(),
             mass: mesh.blocks.iter().zip(&volumes).filter_map(mass).sum(),
             parts: components(mesh).len(),
-            sides: mesh.facets.iter().map(|(name, set)| (name.clone(), area(mesh, set))).collect(),
+            sides: mesh.facets.iter().map(|(name, set)| (name.clone(), measure(mesh, set))).collect(),
             contact_points: problem
                 .contacts
                 .iter()
@@ -103,8 +103,8 @@ fn integral(mesh: &Mesh, block: &Block, value: impl Fn(&Point) -> f64) -> f64 {
     sum
 }
 
-/// Area of a side, m².
-fn area(mesh: &Mesh, set: &FacetSet) -> f64 {
+/// Area of a side in m², length of an edge in m, number of points.
+pub(crate) fn measure(mesh: &Mesh, set: &FacetSet) -> f64 {
     let mut sum = 0.0;
     for block in &set.blocks {
         let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);

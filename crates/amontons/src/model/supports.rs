@@ -17,8 +17,7 @@ pub fn rigid_motions(problem: &Problem, parts: &[Component]) -> Vec<usize> {
 /// Whether each part of the body has a side whose temperature is held, by a prescribed value or the surroundings.
 #[must_use]
 pub(super) fn holds_temperature(problem: &Problem, parts: &[Component]) -> bool {
-    let sides =
-        problem.boundary.iter().filter(|b| b.holds_temperature()).filter_map(|b| problem.mesh.facets.get(&b.on));
+    let sides = problem.boundary.iter().filter(|b| b.holds_temperature()).filter_map(|b| problem.mesh.named(&b.on));
     let held: Vec<u32> = sides.flat_map(FacetSet::node_list).collect();
     parts.iter().all(|part| held.iter().any(|node| part.nodes.binary_search(node).is_ok()))
 }

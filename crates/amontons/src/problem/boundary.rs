@@ -9,9 +9,11 @@ use crate::space::{Prescription, Space};
 use crate::tensor::Point;
 
 /// What holds on one named part of the boundary, contact apart.
+///
+/// On an edge or on points only displacements, temperatures and forces are meant: nothing else has a meaning there.
 #[derive(Clone, Debug, Default)]
 pub struct BoundaryCondition {
-    /// Name of the facet set.
+    /// Name of the facet set, or of an edge or points.
     pub on: String,
     /// Prescribed displacement, m, one entry per component, none for a component that is free: (2.5).
     pub displacement: Option<Vec<Option<Field>>>,
@@ -19,6 +21,9 @@ pub struct BoundaryCondition {
     pub normal_displacement: Option<Field>,
     /// Traction f₁, Pa, one field per component: (2.6).
     pub traction: Option<Vec<Field>>,
+    /// Force, N, one field per component, spread evenly over the side, the edge or the points: (2.6) with f₁ = F/|Γ|;
+    /// in two dimensions per unit of thickness, N/m, and of a body of revolution that on the whole ring.
+    pub force: Option<Vec<Field>>,
     /// Pressure p, Pa: the traction −pν.
     pub pressure: Option<Field>,
     /// Springs to the ground, Pa/m: the traction −k u.
@@ -101,6 +106,12 @@ impl BoundaryCondition {
         BoundaryCondition { traction: Some(components.into_iter().map(Into::into).collect()), ..self }
     }
 
+    /// With a force, N, spread evenly.
+    #[must_use]
+    pub fn force(self, components: impl IntoIterator<Item = impl Into<Field>>) -> BoundaryCondition {
+        BoundaryCondition { force: Some(components.into_iter().map(Into::into).collect()), ..self }
+    }
+
     /// With a prescribed temperature, K.
     #[must_use]
     pub fn temperature(self, theta: impl Into<Field>) -> BoundaryCondition {
@@ -134,6 +145,7 @@ impl BoundaryCondition {
             displacement,
             normal_displacement,
             traction,
+            force,
             pressure,
             spring,
             dashpot,
@@ -143,6 +155,7 @@ impl BoundaryCondition {
         } = self;
         let mechanical =
             displacement.is_none() && normal_displacement.is_none() && traction.is_none() && pressure.is_none();
+        let mechanical = mechanical && force.is_none();
         mechanical
             && spring.is_none()
             && dashpot.is_none()
@@ -162,6 +175,8 @@ impl BoundaryCondition {
         );
         let traction = self.traction.iter().flatten().enumerate();
         fields.extend(traction.map(|(c, field)| (format!("traction[{c}]"), Role::Traction, field)));
+        let force = self.force.iter().flatten().enumerate();
+        fields.extend(force.map(|(c, field)| (format!("force[{c}]"), Role::Force, field)));
         for (key, support) in [("spring", &self.spring), ("dashpot", &self.dashpot)] {
             let components = support.iter().flat_map(Support::fields);
             fields.extend(components.map(|(index, field)| (format!("{key}{index}"), Role::Other, field)));
@@ -269,6 +284,7 @@ impl ProblemData {
             if let Some(first) = self.boundary[..i].iter().position(|other| other.on == b.on) {
                 faults.push(again(format!("boundary[{i}].on"), &b.on, first, "each side in one [[boundary]] entry"));
             }
+            self.check_edge(i, b, faults);
             self.check_displacement(i, b, faults);
             self.check_forces(i, b, faults);
             for (key, what, given) in [
@@ -304,7 +320,11 @@ impl ProblemData {
     /// The sides that conditions name are there.
     fn check_sides(&self, faults: &mut Vec<Fault>) {
         let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
-        let conditions = self.boundary.iter().enumerate().map(|(i, b)| (format!("boundary[{i}].on"), &b.on));
+        let all: Vec<&str> = known.iter().copied().chain(self.mesh.edges.keys().map(String::as_str)).collect();
+        for (i, b) in self.boundary.iter().enumerate().filter(|(_, b)| self.mesh.named(&b.on).is_none()) {
+            let of = if all.len() > known.len() { "sides, edges and points" } else { "facet sets" };
+            faults.push(unknown(format!("boundary[{i}].on"), &b.on, of, &all));
+        }
         let contacts =
             self.contacts.iter().enumerate().map(|(side, c)| (format!("{}.on", self.contact_path(side)), &c.on));
         let pairs = self
@@ -312,9 +332,33 @@ impl ProblemData {
             .iter()
             .enumerate()
             .filter_map(|(side, c)| Some((format!("{}.with", self.contact_path(side)), &c.pair.as_ref()?.with)));
-        for (path, name) in conditions.chain(contacts).chain(pairs) {
+        for (path, name) in contacts.chain(pairs) {
             if !self.mesh.facets.contains_key(name) {
                 faults.push(unknown(path, name, "facet sets", &known));
+            }
+        }
+    }
+
+    /// On an edge or on points nothing is given that needs an area.
+    fn check_edge(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
+        if self.mesh.facets.contains_key(&b.on) || !self.mesh.edges.contains_key(&b.on) {
+            return;
+        }
+        for (key, what, given) in [
+            ("normal_displacement", "a displacement along the normal", b.normal_displacement.is_some()),
+            ("traction", "a traction", b.traction.is_some()),
+            ("pressure", "a pressure", b.pressure.is_some()),
+            ("spring", "a spring", b.spring.is_some()),
+            ("dashpot", "a dashpot", b.dashpot.is_some()),
+            ("heat_inflow", "a heat inflow", b.heat_inflow.is_some()),
+            ("convection", "a heat exchange with the surroundings", b.convection.is_some()),
+        ] {
+            if given {
+                let found = format!("{what} on \"{}\", which has no area", b.on);
+                let expected = "`displacement`, `force` or `temperature` on an edge or on points";
+                faults.push(
+                    Fault::new(format!("boundary[{i}].{key}"), found, expected).hint("give it on a side, or a `force`"),
+                );
             }
         }
     }
@@ -373,22 +417,16 @@ impl ProblemData {
             })
             .collect();
         let all_held = held.iter().all(|held| *held);
-        if let Some(traction) = &b.traction {
+        for (key, what, given) in [("traction", "a traction", &b.traction), ("force", "a force", &b.force)] {
+            let Some(load) = given else { continue };
             if all_held {
                 faults.push(
-                    Fault::new(format!("boundary[{i}].traction"), "a traction besides a displacement", BOTH)
+                    Fault::new(format!("boundary[{i}].{key}"), format!("{what} besides a displacement"), BOTH)
                         .hint("remove one of them"),
                 );
-            } else if let Some(c) = (0..dim).find(|&c| held[c] && traction.get(c).is_some_and(|field| !field.is_zero()))
-            {
-                faults.push(
-                    Fault::new(
-                        format!("boundary[{i}].traction[{c}]"),
-                        "a traction in a direction whose displacement is prescribed",
-                        BOTH,
-                    )
-                    .hint("set it to 0"),
-                );
+            } else if let Some(c) = (0..dim).find(|&c| held[c] && load.get(c).is_some_and(|field| !field.is_zero())) {
+                let found = format!("{what} in a direction whose displacement is prescribed");
+                faults.push(Fault::new(format!("boundary[{i}].{key}[{c}]"), found, BOTH).hint("set it to 0"));
             }
         }
         Self::check_supports(i, b, all_held, faults);

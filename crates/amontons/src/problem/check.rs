@@ -85,7 +85,7 @@ impl ProblemData {
             self.boundary.iter().map(|b| (b.on.as_str(), [b.holds_body(), b.holds_temperature()])).chain(exchange);
         for (on, holds) in sides {
             // A missing side is reported by `check_sides`; here we assume it could hold every part.
-            let nodes = self.mesh.facets.get(on).map(FacetSet::node_list);
+            let nodes = self.mesh.named(on).map(FacetSet::node_list);
             let touched =
                 nodes.map(|nodes| nodes.into_iter().filter_map(|node| part_of.get(node as usize).copied()).collect());
             for part in touched.unwrap_or_else(|| (0..parts.len()).collect::<Vec<usize>>()) {
@@ -184,6 +184,7 @@ impl ProblemData {
         for (i, b) in self.boundary.iter().enumerate() {
             check(format!("boundary[{i}].displacement"), b.displacement.as_ref().map(Vec::len));
             check(format!("boundary[{i}].traction"), b.traction.as_ref().map(Vec::len));
+            check(format!("boundary[{i}].force"), b.force.as_ref().map(Vec::len));
             check(format!("boundary[{i}].spring"), b.spring.as_ref().and_then(Support::components));
             check(format!("boundary[{i}].dashpot"), b.dashpot.as_ref().and_then(Support::components));
         }

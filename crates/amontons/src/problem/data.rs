@@ -15,6 +15,8 @@ pub(crate) enum Role {
     BodyForce,
     /// A traction or a pressure.
     Traction,
+    /// A force on a side, an edge or points.
+    Force,
     /// A displacement, initial or prescribed.
     Displacement,
     /// The initial velocity.
@@ -143,7 +145,7 @@ impl ProblemData {
     /// The nodes on which a datum acts.
     pub(crate) fn nodes_of(&self, datum: &Datum) -> Vec<Point> {
         let Some(on) = datum.side else { return self.mesh.points.clone() };
-        let nodes = self.mesh.facets.get(on).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
+        let nodes = self.mesh.named(on).map(crate::mesh::FacetSet::node_list).unwrap_or_default();
         nodes.into_iter().filter_map(|node| self.mesh.points.get(node as usize).copied()).collect()
     }
 }

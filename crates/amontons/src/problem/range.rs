@@ -212,7 +212,8 @@ impl ProblemData {
         let temperature = largest([given, least(heated)]);
 
         let force = of(Role::BodyForce).map(|s| s.times(length));
-        let load = largest([force, of(Role::Traction), by(temperature.clone(), &expansion, 1.0, 0.0)]);
+        let spread = of(Role::Force).map(|s| s.times((1.0 - mesh.dim as f64) * length));
+        let load = largest([force, of(Role::Traction), spread, by(temperature.clone(), &expansion, 1.0, 0.0)]);
         let moved = of(Role::Displacement);
         let fast = largest([of(Role::Velocity), moved.clone().map(|s| s.times(-end))]);
         let stress = largest([

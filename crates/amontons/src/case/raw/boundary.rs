@@ -5,12 +5,17 @@ use serde::{Deserialize, Serialize};
 
 use super::{Component, Datum, Scalar};
 
-/// Conditions on one side.
+/// Conditions on one side, or on an edge or on points.
 #[derive(Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in crate::case) struct Boundary {
-    /// Name of the side.
+    /// Name of the side; in a mesh file also that of an edge or of points, which take `displacement`, `force` and
+    /// `temperature` alone.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
     pub on: String,
+    /// Coordinates in m of a node of the mesh, in place of `on`: conditions at one point.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub at: Option<Vec<f64>>,
     /// Prescribed displacement in m, one entry per component.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub displacement: Option<Vec<Component>>,
@@ -22,6 +27,12 @@ pub(in crate::case) struct Boundary {
     /// Traction f₁ = σν in Pa, one entry per component.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub traction: Option<Vec<Datum>>,
+    /// Force in N, one entry per component, spread evenly over the side.
+    ///
+    /// On an edge of a body in space it is spread along it, on points in equal parts. In two dimensions it is the force
+    /// per unit of thickness, in N/m; on a body of revolution it acts on the whole ring.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub force: Option<Vec<Datum>>,
     /// Pressure p in Pa, the traction −p ν.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressure: Option<Datum>,

@@ -5,6 +5,7 @@
 //! |---|---|---|
 //! | `coincident-nodes` | nodes at one place are not the same node | [`coincident`] |
 //! | `part-free` | a part of the body can move without strain and has no contact | supports |
+//! | `point-force` | a force acts on points, or in space along an edge | the data |
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
@@ -46,6 +47,7 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(not_merged(problem));
     findings.extend(supports::part_free(problem));
     findings.extend(supports::contact_held(problem));
+    findings.extend(supports::point_force(problem));
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));

@@ -99,3 +99,21 @@ pub(super) fn part_free(problem: &Problem) -> Option<Finding> {
     let repair = "give `displacement`, `normal_displacement` or `spring` on a side of the part, or merge its nodes with those of its neighbour";
     Some(warning(FindingId::PartFree, "boundary", [motions as f64, 0.0], message, repair))
 }
+
+/// `point-force`: forces on a set of dimension below d − 1, under which the displacement has no bound.
+pub(super) fn point_force(problem: &Problem) -> Option<Finding> {
+    let mesh = &*problem.mesh;
+    let (i, b, set) = problem.boundary.iter().enumerate().find_map(|(i, b)| {
+        let acts = b.force.iter().flatten().any(|field| !field.is_zero()) && !mesh.facets.contains_key(&b.on);
+        Some((i, b, mesh.edges.get(&b.on).filter(|_| acts)?))
+    })?;
+    let dimension = set.blocks.iter().map(|block| block.element.dim()).max().unwrap_or(0);
+    let along = if dimension == 0 { "points" } else { "an edge" };
+    let message = format!(
+        "a force acts on {along}, \"{}\": in theory the displacement there is infinite; on a mesh it grows as the mesh is refined",
+        b.on
+    );
+    let repair = "give the force on a side, however small, where the displacement or the stress near it matters; leave it where only the motion of the rest does";
+    let numbers = [dimension as f64, mesh.dim as f64 - 1.0];
+    Some(warning(FindingId::PointForce, &format!("boundary[{i}].force"), numbers, message, repair))
+}

@@ -6,7 +6,7 @@ use super::super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError};
 use super::super::topology::{Key, key};
 use super::model::{Cell, Has, Item, Model, Part, Set, index};
 use super::solid::{face, facet};
-use crate::element::Facet;
+use crate::element::{Element, Facet, POINT_LEFT};
 
 /// How deep sets may be named in sets.
 const DEEPEST: usize = 32;
@@ -189,10 +189,11 @@ impl Sets {
         first.map_or_else(|| name.to_owned(), |set| set.name.clone())
     }
 
-    /// Surfaces, and the sets of nodes that hold facets of the boundary.
+    /// Surfaces, and the sets of nodes that hold facets of the boundary; other sets of nodes are edges or points.
     fn sides(&self, dim: usize, loose: &mut Loose) -> Result<(), MeshFileError> {
         let boundary = self.boundary(dim)?;
         let mut names: Vec<String> = Vec::new();
+        let mut without_facets: Vec<(String, Vec<u32>)> = Vec::new();
         let order: Vec<_> = self.order.iter().collect();
         let of_surfaces = order.iter().filter(|(_, has, _)| matches!(has, Has::Faces | Has::NodesOfSurface));
         let of_nodes = order.iter().filter(|(_, has, _)| *has == Has::Nodes);
@@ -205,9 +206,14 @@ impl Sets {
             let facets = if *has == Has::Faces {
                 self.faces(*body, name, &boundary)?
             } else {
-                let nodes: HashSet<u32> = self.node_numbers(*body, *has, name, 0)?.into_iter().collect();
+                let list = self.node_numbers(*body, *has, name, 0)?;
+                let nodes: HashSet<u32> = list.iter().copied().collect();
                 let inside = |facet: &&FacetOf| facet.nodes.iter().all(|node| nodes.contains(node));
-                boundary.facets.iter().filter(inside).cloned().collect()
+                let facets: Vec<FacetOf> = boundary.facets.iter().filter(inside).cloned().collect();
+                if facets.is_empty() {
+                    without_facets.push((outside.clone(), list));
+                }
+                facets
             };
             if facets.is_empty() {
                 continue;
@@ -218,6 +224,49 @@ impl Sets {
             for FacetOf { facet, nodes, line, given } in facets {
                 let kind = Kind { name: facet.element.name, dim: dim - 1, nodes: given, element: Some(facet.element) };
                 push(loose, kind, BTreeSet::from([group]), line, nodes);
+            }
+        }
+        self.edges(dim, &without_facets, names.len() as i64, loose)
+    }
+
+    /// Sets of nodes as edges of cells in space where these have all of the nodes, else as points. Their groups have
+    /// numbers from `first`.
+    fn edges(
+        &self,
+        dim: usize,
+        sets: &[(String, Vec<u32>)],
+        first: i64,
+        loose: &mut Loose,
+    ) -> Result<(), MeshFileError> {
+        let any: HashSet<u32> = sets.iter().flat_map(|(_, nodes)| nodes.iter().copied()).collect();
+        let mut edges: BTreeMap<Key, (&'static Element, Vec<u32>)> = BTreeMap::new();
+        self.each_facet(if any.is_empty() { 0 } else { dim }, |_, facet| {
+            for edge in facet.facet.element.facets.iter().filter(|edge| edge.element.dim() == 1) {
+                let nodes: Vec<u32> = edge.nodes.iter().filter_map(|&n| facet.nodes.get(n).copied()).collect();
+                if nodes.iter().all(|node| any.contains(node)) {
+                    edges.entry(key(nodes.iter().copied())).or_insert((edge.element, nodes));
+                }
+            }
+        })?;
+        for (group, (name, list)) in (first..).zip(sets) {
+            let nodes: BTreeSet<u32> = list.iter().copied().collect();
+            let inside = || edges.values().filter(|(_, edge)| edge.iter().all(|node| nodes.contains(node)));
+            let on_edges: BTreeSet<u32> = inside().flat_map(|(_, edge)| edge.iter().copied()).collect();
+            let groups = BTreeSet::from([group]);
+            let one = |element: &'static Element, given: usize| Kind {
+                name: element.name,
+                dim: element.dim(),
+                nodes: given,
+                element: Some(element),
+            };
+            if on_edges.len() == nodes.len() {
+                loose.names.insert((1, group), name.clone());
+                for (element, edge) in inside() {
+                    push(loose, one(element, edge.len()), groups.clone(), 0, edge.clone());
+                }
+            } else {
+                loose.names.insert((0, group), name.clone());
+                push(loose, one(&POINT_LEFT, 1), groups, 0, nodes.into_iter().collect());
             }
         }
         Ok(())

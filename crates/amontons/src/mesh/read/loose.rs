@@ -77,7 +77,8 @@ impl Loose {
         self.flatten(dim, &cells)?;
         let (regions, blocks) = self.regions(dim, &cells, &place)?;
         let facets = self.sides(dim, &rest, &place)?;
-        let mut mesh = Mesh { dim, points: self.points, blocks, regions, facets, axisymmetric: false };
+        let edges = self.edges(dim, &cells, &rest, &place)?;
+        let mut mesh = Mesh { dim, points: self.points, blocks, regions, facets, edges, axisymmetric: false };
         orient(&mut mesh);
         drop_unused(&mut mesh);
         if mesh.facets.is_empty() {
@@ -162,17 +163,44 @@ impl Loose {
         Ok((regions, blocks))
     }
 
-    /// The named sides, each facet once, as the file orders and orients them.
-    fn sides(
+    /// The named edges and points that the body has, and no side has the name of.
+    fn edges(
         &self,
         dim: usize,
+        cells: &[LooseBlock],
+        rest: &[LooseBlock],
+        place: &impl Fn(usize) -> FilePosition,
+    ) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
+        let mut of_body = vec![false; self.points.len()];
+        for &node in cells.iter().flat_map(|block| &block.nodes) {
+            of_body[node as usize] = true;
+        }
+        let mut edges = BTreeMap::new();
+        for below in (1..dim).rev() {
+            for (name, set) in self.sides(below, rest, place)? {
+                let mut inside = FacetSet::default();
+                for (element, nodes) in set.facets().filter(|(_, nodes)| nodes.iter().all(|&n| of_body[n as usize])) {
+                    inside.push(element, nodes.iter().copied());
+                }
+                if !inside.is_empty() {
+                    edges.entry(name).or_insert(inside);
+                }
+            }
+        }
+        Ok(edges)
+    }
+
+    /// The named sets of elements of dimension `above` − 1, each once, as the file orders and orients them.
+    fn sides(
+        &self,
+        above: usize,
         rest: &[LooseBlock],
         place: &impl Fn(usize) -> FilePosition,
     ) -> Result<BTreeMap<String, FacetSet>, MeshFileError> {
         let mut sides: BTreeMap<String, (FacetSet, BTreeSet<Key>)> = BTreeMap::new();
-        for loose in rest.iter().filter(|block| block.kind.dim + 1 == dim && !block.groups.is_empty()) {
+        for loose in rest.iter().filter(|block| block.kind.dim + 1 == above && !block.groups.is_empty()) {
             let element = supported(loose, place)?;
-            let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(dim - 1, group)).collect();
+            let names: BTreeSet<String> = loose.groups.iter().map(|&group| self.name(above - 1, group)).collect();
             for name in names {
                 let (side, seen) = sides.entry(name).or_insert_with(|| (FacetSet::default(), BTreeSet::new()));
                 for nodes in loose.nodes.chunks_exact(loose.kind.nodes) {
@@ -263,7 +291,8 @@ fn orient(mesh: &mut Mesh) {
 /// Leaves out nodes that neither a cell nor a side has; the order of the others stays.
 fn drop_unused(mesh: &mut Mesh) {
     let mut index = vec![u32::MAX; mesh.points.len()];
-    let sides = mesh.facets.values().flat_map(|set| &set.blocks).flat_map(|block| &block.nodes);
+    let sides =
+        mesh.facets.values().chain(mesh.edges.values()).flat_map(|set| &set.blocks).flat_map(|block| &block.nodes);
     for &node in mesh.blocks.iter().flat_map(|block| &block.nodes).chain(sides) {
         index[node as usize] = 0;
     }
@@ -275,7 +304,8 @@ fn drop_unused(mesh: &mut Mesh) {
         }
     }
     mesh.points = kept;
-    let sides = mesh.facets.values_mut().flat_map(|set| &mut set.blocks).flat_map(|block| &mut block.nodes);
+    let sets = mesh.facets.values_mut().chain(mesh.edges.values_mut());
+    let sides = sets.flat_map(|set| &mut set.blocks).flat_map(|block| &mut block.nodes);
     for node in mesh.blocks.iter_mut().flat_map(|block| &mut block.nodes).chain(sides) {
         *node = index[*node as usize];
     }
