@@ -65,7 +65,7 @@ spoiled! {
     unknown_key_of_a_law: "law = \"coulomb\", coefficient" => "law = \"none\", coefficient"
         "paper.toml:61:28: contact.friction.coefficient: found an unknown key, expected `law` alone; `coefficient` belongs to [contact.friction] with law = \"coulomb\" or [contact.friction] with law = \"slip-rate\" or [contact.friction] with law = \"temperature\" or [contact.friction] with law = \"pressure\"";
     unknown_key_in_a_boundary: "traction = [1.4, 0.4]" => "tracton = [1.4, 0.4]"
-        "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of convection, dashpot, displacement, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
+        "paper.toml:49:1: boundary[1].tracton: found an unknown key, expected one of at, convection, dashpot, displacement, force, heat_inflow, normal_displacement, on, pressure, spring, temperature, traction; did you mean `traction`?";
     missing_key: "density = 1.0 " => "# "
         "paper.toml:23:1: material.density: found no such key, expected a number ≥ 0, an expression in x, y, z or data of a mesh file (density ρ in kg/m³; 0: quasistatic)";
     missing_key_of_a_law: "young = 2.0" => ""
@@ -78,7 +78,7 @@ spoiled! {
     missing_law: "law = \"lame\"" => ""
         "paper.toml:34:1: material.viscosity.law: found no such key, expected \"lame\", \"anisotropic\", \"carreau\" or \"power-law\"";
     missing_side: "on = \"left\"\n" => ""
-        "paper.toml:47:1: boundary[1].on: found no such key, expected a string (name of the side)";
+        "paper.toml:47:1: boundary[1]: found neither `on` nor `at`, expected one of both: `on`, the name of a side, or `at`, the coordinates of a node";
     missing_mesh_kind: "kind = \"rectangle\"" => ""
         "paper.toml:13:1: mesh.kind: found no such key, expected \"rectangle\", \"interval\", \"box\", \"disc\", \"ring\", \"cylinder\" or \"blocks\", or the key `file`";
 }

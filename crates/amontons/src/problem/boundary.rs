@@ -341,7 +341,7 @@ impl ProblemData {
 
     /// On an edge or on points nothing is given that needs an area.
     fn check_edge(&self, i: usize, b: &BoundaryCondition, faults: &mut Vec<Fault>) {
-        if self.mesh.facets.contains_key(&b.on) || !self.mesh.edges.contains_key(&b.on) {
+        if b.on.is_empty() || self.mesh.facets.contains_key(&b.on) || !self.mesh.edges.contains_key(&b.on) {
             return;
         }
         for (key, what, given) in [
