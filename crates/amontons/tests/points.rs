@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Files, Source};
 use amontons::forms;
+use amontons::hypotheses::findings;
 use amontons::mesh::{self, Elements, Mesh};
 use amontons::problem::BoundaryCondition;
 use common::{largest, solve, spoil, told};
@@ -309,4 +310,23 @@ fn points_are_of_one_body_and_bear_no_contact() {
         said.contains("boundary[1].on: found \"Rmi\", expected one of the sides, edges and points Root, Rim, Tips; did you mean \"Rim\"?"),
         "{said}"
     );
+}
+
+/// A force on a point, or in space along an edge, is warned of; one on a side is not.
+#[test]
+fn a_force_without_area_is_warned_of() {
+    let warned = |text: &str, files: &[(&str, &str)]| {
+        let case = case::parse(&source(text, files), &[]).unwrap_or_else(|e| panic!("{e}"));
+        let found = findings(&case.problem).into_iter().find(|f| f.id.as_str() == "point-force");
+        found.map(|f| (f.place.clone(), f.value, f.limit))
+    };
+    assert_eq!(warned(CASE, &[]), Some(("boundary[1].force".to_owned(), Some(0.0), Some(1.0))));
+    assert_eq!(warned(&spoil(CASE, "at = [2.0, 0.5]", "on = \"right\""), &[]), None);
+    assert_eq!(warned(&spoil(CASE, "force = [\"1 kN\", 0]", "displacement = [1, \"free\"]"), &[]), None);
+    let bent = bent(2);
+    let text = body(
+        "kind = \"file\"\nfile = \"bent.inp\"",
+        "[[boundary]]\non = \"Root\"\ndisplacement = [0, 0, 0]\n[[boundary]]\non = \"Rim\"\nforce = [0, 0, 1]\n",
+    );
+    assert_eq!(warned(&text, &[("bent.inp", &bent)]), Some(("boundary[1].force".to_owned(), Some(1.0), Some(2.0))));
 }
