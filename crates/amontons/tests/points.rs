@@ -318,7 +318,7 @@ fn a_force_without_area_is_warned_of() {
     let warned = |text: &str, files: &[(&str, &str)]| {
         let case = case::parse(&source(text, files), &[]).unwrap_or_else(|e| panic!("{e}"));
         let found = findings(&case.problem).into_iter().find(|f| f.id.as_str() == "point-force");
-        found.map(|f| (f.place.clone(), f.value, f.limit))
+        found.map(|f| (f.place.clone(), f.value, f.needed))
     };
     assert_eq!(warned(CASE, &[]), Some(("boundary[1].force".to_owned(), Some(0.0), Some(1.0))));
     assert_eq!(warned(&spoil(CASE, "at = [2.0, 0.5]", "on = \"right\""), &[]), None);
