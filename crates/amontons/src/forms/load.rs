@@ -3,7 +3,6 @@
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
 use crate::mesh::{CellMap, FacetMap, Mesh};
-use crate::model::measure;
 use crate::problem::{BoundaryCondition, Convection};
 use crate::tensor::Point;
 
@@ -137,7 +136,7 @@ pub fn f(mesh: &Mesh, body_force: &[Field], boundary: &[BoundaryCondition]) -> L
         for (c, field) in condition.traction.iter().flatten().enumerate() {
             facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c));
         }
-        let size = mesh.named(&condition.on).map_or(1.0, |set| measure(mesh, set));
+        let size = mesh.named(&condition.on).map_or(1.0, |set| mesh.measure(set));
         for (c, field) in condition.force.iter().flatten().enumerate() {
             facet_terms(mesh, &mut load, &condition.on, field, mesh.dim, |_| unit(c).map(|e| e / size));
         }

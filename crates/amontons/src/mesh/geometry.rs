@@ -1,6 +1,6 @@
 //! Geometry of cells and facets at the points of a [`ShapeTable`].
 
-use super::Mesh;
+use super::{FacetSet, Mesh};
 use crate::element::ShapeTable;
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
@@ -160,6 +160,22 @@ impl<'a> FacetMap<'a> {
 }
 
 impl Mesh {
+    /// Area of a side in m², length of an edge in m, number of points.
+    pub(crate) fn measure(&self, set: &FacetSet) -> f64 {
+        let mut sum = 0.0;
+        for block in &set.blocks {
+            let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
+            let mut map = FacetMap::new(self, &table);
+            for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+                for (q, weight) in table.weights.iter().enumerate() {
+                    map.at(facet, q);
+                    sum += weight * map.area;
+                }
+            }
+        }
+        sum
+    }
+
     /// 2πr of a body of revolution, 1 of any other: the factor of the measures at a point.
     fn circumference(&self, x: &Point) -> f64 {
         if self.axisymmetric { std::f64::consts::TAU * x[0] } else { 1.0 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
-use super::{integral, measure};
+use super::integral;
 use crate::mesh::defects::{components, defects};
 use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::Point;
@@ -93,6 +93,6 @@ impl MeshModel {
 fn named(mesh: &Mesh, sets: &BTreeMap<String, FacetSet>, is_of: impl Fn(usize) -> bool) -> Vec<Size> {
     let dimension = |set: &FacetSet| set.blocks.iter().map(|block| block.element.dim()).max().unwrap_or(0);
     let size =
-        |(name, set): (&String, &FacetSet)| Size { name: name.clone(), count: set.len(), measure: measure(mesh, set) };
+        |(name, set): (&String, &FacetSet)| Size { name: name.clone(), count: set.len(), measure: mesh.measure(set) };
     sets.iter().filter(|(_, set)| is_of(dimension(set))).map(size).collect()
 }

@@ -18,7 +18,7 @@ pub use times::Times;
 
 use crate::element::ShapeTable;
 use crate::mesh::defects::components;
-use crate::mesh::{Block, CellMap, FacetMap, FacetSet, Mesh};
+use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
 use crate::tensor::Point;
 
@@ -70,7 +70,7 @@ impl Model {
             volume: volumes.iter().sum(),
             mass: mesh.blocks.iter().zip(&volumes).filter_map(mass).sum(),
             parts: components(mesh).len(),
-            sides: mesh.facets.iter().map(|(name, set)| (name.clone(), measure(mesh, set))).collect(),
+            sides: mesh.facets.iter().map(|(name, set)| (name.clone(), mesh.measure(set))).collect(),
             contact_points: problem
                 .contacts
                 .iter()
@@ -98,22 +98,6 @@ fn integral(mesh: &Mesh, block: &Block, value: impl Fn(&Point) -> f64) -> f64 {
         for (q, weight) in table.weights.iter().enumerate() {
             map.at(cell, q);
             sum += weight * map.measure * value(&map.position);
-        }
-    }
-    sum
-}
-
-/// Area of a side in m², length of an edge in m, number of points.
-pub(crate) fn measure(mesh: &Mesh, set: &FacetSet) -> f64 {
-    let mut sum = 0.0;
-    for block in &set.blocks {
-        let table = ShapeTable::new(block.element, 2 * block.element.degree + 1);
-        let mut map = FacetMap::new(mesh, &table);
-        for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
-            for (q, weight) in table.weights.iter().enumerate() {
-                map.at(facet, q);
-                sum += weight * map.area;
-            }
         }
     }
     sum
