@@ -92,6 +92,12 @@ impl Space {
         free.fold(0.0, |most, (value, _)| most.max(value.abs()))
     }
 
+    /// The entries of prescribed degrees of freedom, in their order.
+    #[must_use]
+    pub fn prescribed_of(&self, values: &[f64]) -> Vec<f64> {
+        values.iter().zip(&self.free).filter(|(_, free)| !**free).map(|(value, _)| *value).collect()
+    }
+
     /// Sets the entries of prescribed degrees of freedom to zero.
     pub fn mask(&self, values: &mut [f64]) {
         for (value, &free) in values.iter_mut().zip(&self.free) {

@@ -7,9 +7,6 @@ use crate::element::POINT_LEFT;
 use crate::mesh::{FacetSet, Mesh};
 use crate::tensor::{Point, length};
 
-/// Distance of a node from the coordinates that are given, relative to the size of the body: their rounding.
-const NEAR: f64 = 1e-6;
-
 impl Build<'_> {
     /// Names the points of `at` in the mesh and in the entries that have it.
     pub fn places(&mut self, conditions: &mut [Boundary], mesh: &mut Mesh) {
@@ -47,13 +44,9 @@ impl Build<'_> {
             self.note(path, At::Value, format!("{} coordinates", at.len()), expected, None);
             return all();
         }
-        let distance = |x: &Point| length(&std::array::from_fn(|d| at.get(d).map_or(0.0, |at| x[d] - at)));
-        let size = (0..mesh.dim).map(|d| {
-            let along = || mesh.points.iter().map(|x| x[d]);
-            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-        });
-        let near = NEAR * size.fold(0.0, f64::max);
-        let nodes: Vec<u32> = (0..).zip(&mesh.points).filter(|(_, x)| distance(x) <= near).map(|(n, _)| n).collect();
+        let at: Point = std::array::from_fn(|d| at.get(d).copied().unwrap_or_default());
+        let distance = |x: &Point| length(&std::array::from_fn(|d| x[d] - at[d]));
+        let nodes = mesh.nodes_at(&at);
         let nearest = mesh.points.iter().min_by(|x, y| distance(x).total_cmp(&distance(y)));
         match (nodes.len(), nearest) {
             (1, _) | (_, None) => Some(nodes),

@@ -171,9 +171,13 @@ impl Build<'_> {
                 let (found, known, hint) = among(target.region, &known);
                 self.note(&path("region"), At::Value, found, format!("one of the regions {known}"), hint.as_deref());
             }
+            error @ ProbeError::Resultant(_) => {
+                self.note(&path("take"), At::Value, error.to_string(), "\"integral\": the sum over the nodes", None);
+            }
             error @ (ProbeError::Component { .. }
             | ProbeError::Normal(_)
             | ProbeError::Contact(_)
+            | ProbeError::Free(..)
             | ProbeError::Absent(_)
             | ProbeError::Hoop) => {
                 self.note(&path(quantity), At::Value, error.to_string(), "a quantity that exists there", None);

@@ -33,6 +33,9 @@ pub use read::{EXTENSIONS, FilePosition, MeshFileError, Read, Skipped, parse, re
 use crate::element::{Element, ShapeTable};
 use crate::tensor::{Point, Sym, length};
 
+/// Distance of a node from coordinates that are given, relative to the size of the body: their rounding.
+const NEAR: f64 = 1e-6;
+
 /// What is wrong with a mesh or with the numbers that describe one.
 #[derive(Debug, Clone, PartialEq)]
 pub enum MeshError {
@@ -213,6 +216,18 @@ impl Mesh {
     #[must_use]
     pub fn named(&self, name: &str) -> Option<&FacetSet> {
         self.facets.get(name).or_else(|| self.edges.get(name))
+    }
+
+    /// The nodes with these coordinates, up to their rounding: several where bodies touch each other.
+    #[must_use]
+    pub fn nodes_at(&self, at: &Point) -> Vec<u32> {
+        let size = (0..self.dim).map(|d| {
+            let along = || self.points.iter().map(|x| x[d]);
+            along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+        });
+        let near = NEAR * size.fold(0.0, f64::max);
+        let away = |x: &Point| length(&std::array::from_fn(|d| x[d] - at[d]));
+        (0..).zip(&self.points).filter(|(_, x)| away(x) <= near).map(|(node, _)| node).collect()
     }
 
     /// Number of cells.

@@ -25,7 +25,8 @@ use crate::inclusion::{Multipliers, PointState};
 use crate::machine;
 use crate::problem::Problem;
 use crate::scheme::{
-    Accumulated, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Scheme, State, StepReport,
+    Accumulated, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Reactions, Scheme, State,
+    StepReport,
 };
 use crate::tensor::Point;
 
@@ -35,7 +36,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 11;
+const VERSION: u32 = 12;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -158,6 +159,7 @@ struct Report {
     force: Point,
     moments: Vec<Point>,
     heat_flow: f64,
+    reactions: Reactions,
     points: Vec<ReportPoint>,
 }
 
@@ -215,6 +217,7 @@ impl Body {
                 force: contact.force,
                 moments: contact.moments.clone(),
                 heat_flow: contact.heat_flow,
+                reactions: report.reactions.clone(),
                 points: points.collect(),
             }
         });
@@ -260,6 +263,7 @@ impl Body {
             is_ambiguous: report.is_ambiguous,
             residual: report.residual,
             coupling: report.coupling,
+            reactions: report.reactions,
             contact: ContactReport {
                 weights: report.points.iter().map(|p| p.weight).collect(),
                 rubbed: report.points.iter().map(|p| p.rubbed).collect(),

@@ -26,6 +26,7 @@ mod memory;
 mod owned;
 mod probe;
 mod quantity;
+mod reaction;
 mod recovery;
 mod room;
 mod study;

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::cells::Tables;
 use super::quantity::{Base, OnContact, Quantity, Selection};
+use super::reaction::Held;
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
 use crate::contact::{ContactBoundary, Status, read, read_vector};
@@ -87,6 +88,12 @@ pub enum ProbeError {
     /// A quantity of contact elsewhere than on a side that bears contact.
     #[error("{0} elsewhere than on a side that bears contact")]
     Contact(String),
+    /// A reaction elsewhere than where the displacement or the temperature is prescribed.
+    #[error("{0} elsewhere than where the {1} is prescribed")]
+    Free(String, &'static str),
+    /// A reaction has a resultant only.
+    #[error("{0} other than its integral")]
+    Resultant(String),
     /// A field that the problem does not solve for.
     #[error("{0}, a field that the case does not solve for")]
     Absent(String),
@@ -111,6 +118,8 @@ struct Prepared {
     take: Option<Take>,
     /// For a quantity of contact: contact points with their shares in a value, and the weight of the value.
     contact: Vec<(Vec<(usize, f64)>, f64)>,
+    /// For a reaction.
+    held: Option<Held>,
     spots: Vec<Spot>,
 }
 
@@ -131,6 +140,7 @@ impl Probe {
     #[must_use]
     pub fn measure(&self) -> Option<Measure> {
         match (&self.place, self.quantity.measure()) {
+            (_, measure @ (Measure::Force | Measure::Power)) => Some(measure),
             (ProbePlace::On(_, Take::Integral), Measure::Stress) => Some(Measure::Force),
             (ProbePlace::On(_, Take::Integral), Measure::HeatFlux) => Some(Measure::Power),
             (ProbePlace::On(_, Take::Integral), Measure::SurfaceWork) => Some(Measure::Energy),
@@ -151,12 +161,12 @@ impl ProbeSet {
         let mesh = &problem.mesh;
         let (mut builder, mut prepared, mut names) = (Builder::new(problem), Vec::new(), Vec::new());
         for (i, probe) in probes.iter().enumerate() {
-            let (contact, spots) = builder.spots(probe).map_err(|error| (i, error))?;
+            let (contact, held, spots) = builder.spots(probe).map_err(|error| (i, error))?;
             let take = match &probe.place {
                 ProbePlace::At(_) => None,
                 ProbePlace::On(_, take) | ProbePlace::Region(_, take) => Some(*take),
             };
-            prepared.push(Prepared { quantity: probe.quantity, take, contact, spots });
+            prepared.push(Prepared { quantity: probe.quantity, take, contact, held, spots });
             names.extend(probe.quantity.columns(mesh.dim).into_iter().map(|ending| format!("{}{ending}", probe.name)));
         }
         let samples: BTreeSet<Sample> =
@@ -196,6 +206,9 @@ impl ProbeSet {
 
 impl Prepared {
     fn values(&self, dim: usize, now: &Snapshot, points: &[PointValues]) -> Vec<f64> {
+        if let Some(held) = &self.held {
+            return self.quantity.parts(dim, &held.resultant(now));
+        }
         if let Base::Contact(quantity) = self.quantity.base {
             let value = |i: usize| on_contact(now, quantity, i);
             let mean = |shares: &[(usize, f64)]| match (shares, quantity) {
@@ -289,6 +302,8 @@ fn integral_degree(element: &Element) -> usize {
 enum Found<'a> {
     /// Contact points with their weights.
     Contact(Vec<(usize, f64)>),
+    /// Nodes at which values are prescribed.
+    Held(Held),
     Point {
         block: usize,
         cell: usize,
@@ -297,6 +312,9 @@ enum Found<'a> {
     Side(&'a FacetSet, Take),
     Region(usize, Take),
 }
+
+/// What a probe reads: contact points, reactions, or spots in the body.
+type Read = (Vec<(Vec<(usize, f64)>, f64)>, Option<Held>, Vec<Spot>);
 
 /// Prepares probes, each patch of the recovery once.
 struct Builder<'a> {
@@ -320,7 +338,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    fn spots(&mut self, probe: &Probe) -> Result<(Vec<(Vec<(usize, f64)>, f64)>, Vec<Spot>), ProbeError> {
+    fn spots(&mut self, probe: &Probe) -> Result<Read, ProbeError> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
             Found::Contact(points) => {
@@ -332,21 +350,22 @@ impl<'a> Builder<'a> {
                     _ => None,
                 };
                 let alone = || points.iter().map(|&(i, weight)| (vec![(i, 1.0)], weight)).collect();
-                return Ok((extremes.unwrap_or_else(alone), Vec::new()));
+                return Ok((extremes.unwrap_or_else(alone), None, Vec::new()));
             }
+            Found::Held(held) => return Ok((Vec::new(), Some(held), Vec::new())),
             Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             Found::Side(set, take) => self.on(quantity, set, take),
             Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
             Found::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
         };
-        Ok((Vec::new(), spots))
+        Ok((Vec::new(), None, spots))
     }
 
     /// Whether the body has the quantity there, and the place in the mesh.
     fn check(&mut self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
         let (mesh, quantity) = (self.mesh, probe.quantity);
         let on_side = matches!(probe.place, ProbePlace::On(..));
-        let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux);
+        let of_heat = matches!(quantity.base, Base::Temperature | Base::HeatFlux | Base::ReactionHeat);
         let physics = self.problem.physics;
         match (quantity.base, quantity.part) {
             _ if !(if of_heat { physics.has_heat() } else { physics.has_mechanics() }) => {
@@ -358,6 +377,9 @@ impl<'a> Builder<'a> {
                 return Err(ProbeError::Component { name: quantity.name(), dim: mesh.dim });
             }
             _ => {}
+        }
+        if matches!(quantity.base, Base::Reaction | Base::ReactionHeat) {
+            return self.held(probe);
         }
         match &probe.place {
             ProbePlace::At(point) if matches!(quantity.base, Base::Contact(_)) => {
@@ -393,6 +415,20 @@ impl<'a> Builder<'a> {
                 Ok(Found::Region(region, *take))
             }
         }
+    }
+
+    /// The nodes of a side, an edge or points whose reaction is asked for.
+    fn held(&self, probe: &Probe) -> Result<Found<'a>, ProbeError> {
+        let (mesh, Quantity { base, .. }, name) = (self.mesh, probe.quantity, probe.quantity.name());
+        let prescribed = if base == Base::Reaction { "displacement" } else { "temperature" };
+        let known = || ProbeError::Side(mesh.facets.keys().chain(mesh.edges.keys()).cloned().collect());
+        let nodes = match &probe.place {
+            ProbePlace::At(point) => mesh.nodes_at(point),
+            ProbePlace::On(on, Take::Integral) => mesh.named(on).ok_or_else(known)?.node_list(),
+            ProbePlace::On(..) => return Err(ProbeError::Resultant(name)),
+            ProbePlace::Region(..) => Vec::new(),
+        };
+        Held::new(self.problem, base, nodes).map(Found::Held).ok_or(ProbeError::Free(name, prescribed))
     }
 
     /// Means of what is at the contact points of a side about its vertices, with weight 1 each.

@@ -29,6 +29,10 @@ pub enum Base {
     Hoop,
     /// q = −𝓚∇θ in W/m².
     HeatFlux,
+    /// What a prescribed displacement exerts on the body, N: its integral over a side.
+    Reaction,
+    /// Heat that a prescribed temperature supplies to the body, W: its integral over a side.
+    ReactionHeat,
     /// What is known at the contact points only.
     Contact(OnContact),
 }
@@ -83,7 +87,7 @@ const VECTOR: &[(&str, Selection)] = &[
     ("_magnitude", Selection::Magnitude),
     ("_normal", Selection::Normal),
 ];
-const TANGENTIAL: &[(&str, Selection)] = &[
+const NO_NORMAL: &[(&str, Selection)] = &[
     ("", Selection::All),
     ("_x", Selection::Component(0)),
     ("_y", Selection::Component(1)),
@@ -109,7 +113,7 @@ const PRINCIPAL: &[(&str, Selection)] = &[
 const NUMBER: &[(&str, Selection)] = &[("", Selection::All)];
 
 /// Names with their endings.
-const BASES: [(&str, Base, &[(&str, Selection)]); 17] = [
+const BASES: [(&str, Base, &[(&str, Selection)]); 19] = [
     ("displacement", Base::Displacement, VECTOR),
     ("velocity", Base::Velocity, VECTOR),
     ("temperature", Base::Temperature, NUMBER),
@@ -120,10 +124,12 @@ const BASES: [(&str, Base, &[(&str, Selection)]); 17] = [
     ("principal", Base::Principal, PRINCIPAL),
     ("hoop", Base::Hoop, NUMBER),
     ("heat_flux", Base::HeatFlux, VECTOR),
+    ("reaction", Base::Reaction, NO_NORMAL),
+    ("reaction_heat", Base::ReactionHeat, NUMBER),
     ("pressure", Base::Contact(OnContact::Pressure), NUMBER),
     ("penetration", Base::Contact(OnContact::Penetration), NUMBER),
-    ("traction", Base::Contact(OnContact::Traction), TANGENTIAL),
-    ("slip_velocity", Base::Contact(OnContact::SlipVelocity), TANGENTIAL),
+    ("traction", Base::Contact(OnContact::Traction), NO_NORMAL),
+    ("slip_velocity", Base::Contact(OnContact::SlipVelocity), NO_NORMAL),
     ("touching", Base::Contact(OnContact::Touching), NUMBER),
     ("wear", Base::Contact(OnContact::Wear), NUMBER),
     ("friction_work", Base::Contact(OnContact::FrictionWork), NUMBER),
@@ -160,6 +166,8 @@ impl Quantity {
             Base::Contact(OnContact::Pressure | OnContact::Traction) => Measure::Stress,
             Base::Strain | Base::Contact(OnContact::Touching) => Measure::Number,
             Base::HeatFlux => Measure::HeatFlux,
+            Base::Reaction => Measure::Force,
+            Base::ReactionHeat => Measure::Power,
             Base::Contact(OnContact::FrictionWork) => Measure::SurfaceWork,
         }
     }
@@ -191,6 +199,7 @@ impl Quantity {
             Base::Displacement
                 | Base::Velocity
                 | Base::HeatFlux
+                | Base::Reaction
                 | Base::Contact(OnContact::Traction | OnContact::SlipVelocity)
         )
     }
@@ -225,8 +234,8 @@ impl Quantity {
                     _ => out.extend(axes.map(|(value, _)| value)),
                 }
             }
-            // It is known at contact points only.
-            Base::Contact(_) => out.push(f64::NAN),
+            // They are known at contact points and at prescribed values only.
+            Base::Contact(_) | Base::Reaction | Base::ReactionHeat => out.push(f64::NAN),
         }
     }
 

@@ -42,6 +42,7 @@ fn no_heat(step: &Step) -> Heat {
             passed: Vec::new(),
         },
         through_contact: 0.0,
+        reactions: Vec::new(),
         iterations: 0,
         sweeps: 0,
         residual: 0.0,
@@ -74,6 +75,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         b_w: zero(),
         given: Given::default(),
         force: [0.0; 3],
+        reactions: Vec::new(),
         support_work: 0.0,
     }
 }

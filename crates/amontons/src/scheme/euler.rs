@@ -11,7 +11,8 @@ use super::foundation::{at_rest, frames};
 use super::mechanics::Mechanics;
 use super::system::{HalfStep, Products, Step};
 use super::{
-    Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Scheme, SetupError, State, StepError, StepReport,
+    Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Reactions, Scheme, SetupError, State, StepError,
+    StepReport,
 };
 use crate::contact::{Contact, ContactBoundary};
 use crate::inclusion::{Multipliers, Rule};
@@ -344,6 +345,7 @@ impl Made {
             is_ambiguous: !mechanics.is_unique,
             residual,
             coupling,
+            reactions: Reactions { force: mechanics.reactions, heat: heat.reactions },
             contact: ContactReport {
                 moments: step.moments(&mechanics.states),
                 weights: step.boundary.points.iter().map(|point| point.weight).collect(),

@@ -22,6 +22,8 @@ pub(super) struct Heat {
     pub exchange: Exchange,
     /// ∫_{Γ_C} q·ν in W.
     pub through_contact: f64,
+    /// Heat that has to be supplied, one number per prescribed temperature, W.
+    pub reactions: Vec<f64>,
     /// Newton iterations on Γ_C, and sweeps.
     pub iterations: usize,
     pub sweeps: usize,
@@ -110,7 +112,7 @@ impl Begun {
             sweeps += 2;
             let balance = self.balance(step, &exchange)?;
             if balance.residual <= REFINE || balance.residual >= 0.5 * previous {
-                return self.found(step, exchange, &balance, [iterations, sweeps]);
+                return self.found(step, exchange, balance, [iterations, sweeps]);
             }
             previous = balance.residual;
             self.reduced = self.reduce(step, half)?;
@@ -166,7 +168,7 @@ impl Begun {
             let balance = self.balance(step, &exchange)?;
             let ratio = balance.residual / previous;
             if Renewal::has_ended(balance.residual, ratio) || passes == PASSES {
-                return self.found(step, exchange, &balance, [iterations, sweeps]);
+                return self.found(step, exchange, balance, [iterations, sweeps]);
             }
             if renewal.is_due(ratio) {
                 let tangent = step.discrete.thermal_tangent(step.rule, &self.theta);
@@ -196,14 +198,14 @@ impl Begun {
                 c / delta * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
             })
             .collect();
-        let through_prescribed = -(0..rest.len()).filter(|&i| !discrete.q.free[i]).map(|i| rest[i]).sum::<f64>();
+        let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);
         let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
         // A flux into a prescribed temperature may be of any size and is no term of an equation.
         let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
         let scale = driven.max(max_abs(d_theta));
         let residual = step.relative(max_abs(&rest), scale, "heat")?;
-        Ok(Balance { residual, scale, driven, through_contact, through_prescribed, rubbed })
+        Ok(Balance { residual, scale, driven, through_contact, reactions, rubbed })
     }
 
     /// The solution, if its residual is accepted.
@@ -211,12 +213,12 @@ impl Begun {
         self,
         step: &Step,
         exchange: Exchange,
-        balance: &Balance,
+        balance: Balance,
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Heat, StepError> {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, k, .. } = *step;
-        let Balance { residual, scale, driven, through_contact, through_prescribed, rubbed } = *balance;
+        let Balance { residual, scale, driven, through_contact, reactions, rubbed } = balance;
         let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
             Rounded::Here => discrete.thermal_round_off(&theta),
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
@@ -228,7 +230,7 @@ impl Begun {
             coupling: k * sum(&coupling),
             contact: k * through_contact,
             rubbed: k * rubbed,
-            prescribed: k * through_prescribed,
+            prescribed: -k * sum(&reactions),
         };
         Ok(Heat {
             theta,
@@ -238,6 +240,7 @@ impl Begun {
             coupling,
             exchange,
             through_contact,
+            reactions,
             iterations,
             sweeps,
             residual,
@@ -254,9 +257,9 @@ struct Balance {
     scale: f64,
     /// The largest of the terms besides conduction.
     driven: f64,
-    /// Heat that leaves through Γ_C, and where the temperature is prescribed, W.
+    /// Heat that leaves through Γ_C, and what enters where the temperature is prescribed, W.
     through_contact: f64,
-    through_prescribed: f64,
+    reactions: Vec<f64>,
     /// Power of friction that enters both bodies of pairs, W.
     rubbed: f64,
 }

@@ -37,7 +37,8 @@ pub(super) struct Mechanics {
     pub given: Given,
     /// Resultant of σν on Γ_C.
     pub force: Point,
-    /// Work of the supports in the step, J.
+    /// What the supports exert, one number per prescribed degree of freedom, N; their work in the step, J.
+    pub reactions: Vec<f64>,
     pub support_work: f64,
 }
 
@@ -277,7 +278,8 @@ impl<'a> Equation<'a> {
         let (force, contact_force) = contact_forces(self.step, &states);
         let mut rest: Vec<f64> =
             self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
-        let support_work = (0..rest.len()).filter(|&i| !discrete.v.free[i]).map(|i| k * rest[i] * iterate.w[i]).sum();
+        let reactions = discrete.v.prescribed_of(&rest);
+        let support_work = reactions.iter().zip(discrete.v.prescribed_of(&iterate.w)).map(|(r, w)| k * r * w).sum();
         discrete.v.mask(&mut rest);
         let inertia =
             discrete.inertia().0 / self.step.rule.delta * max_abs(&iterate.mass_w).max(max_abs(&products.mass_w));
@@ -290,7 +292,7 @@ impl<'a> Equation<'a> {
             .into_iter()
             .fold(driven.max(contact), f64::max);
         let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate, states, residual, scale, driven, contact, force, support_work })
+        Ok(Balanced { iterate, states, residual, scale, driven, contact, force, reactions, support_work })
     }
 
     /// The iterate `next`, or where its residual is larger than the one before, the best of ever shorter parts of the
@@ -323,7 +325,7 @@ impl<'a> Equation<'a> {
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
         let Equation { step, load, theta, thermal, given, .. } = self;
-        let Balanced { iterate, states, residual, scale, driven, contact, force, support_work } = end;
+        let Balanced { iterate, states, residual, scale, driven, contact, force, reactions, support_work } = end;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
         let free = &step.discrete.v.free;
         step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
@@ -357,6 +359,7 @@ impl<'a> Equation<'a> {
             relaxing,
             given,
             force,
+            reactions,
             support_work,
         })
     }
@@ -385,6 +388,7 @@ struct Balanced {
     driven: f64,
     contact: f64,
     force: Point,
+    reactions: Vec<f64>,
     support_work: f64,
 }
 

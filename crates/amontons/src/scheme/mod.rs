@@ -95,6 +95,8 @@ pub struct StepReport {
     pub residual: f64,
     /// How the half-steps were coupled.
     pub coupling: CouplingReport,
+    /// What the prescribed displacements and temperatures take.
+    pub reactions: Reactions,
     /// The contact points.
     pub contact: ContactReport,
 }
@@ -116,9 +118,20 @@ impl StepReport {
                     .reduce(Contraction::max),
                 defect: [first.coupling.defect, self.coupling.defect].into_iter().flatten().reduce(f64::max),
             },
+            reactions: self.reactions,
             contact: self.contact,
         }
     }
+}
+
+/// What holds the prescribed values: what is left of (4.1) and (4.2) tested with the basis functions of the prescribed
+/// degrees of freedom, in their order in the spaces V^h and Q^h. A physics that is not computed has none.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Reactions {
+    /// Forces on the body, N per unit of thickness in two dimensions.
+    pub force: Vec<f64>,
+    /// Heat supplied to the body, W per unit of thickness in two dimensions.
+    pub heat: Vec<f64>,
 }
 
 /// How the half-steps of a step were coupled.

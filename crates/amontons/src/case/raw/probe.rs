@@ -18,7 +18,7 @@ pub(in crate::case) struct Probe {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(length(min = 1, max = 3))]
     pub at: Option<Vec<f64>>,
-    /// Name of the side.
+    /// Name of the side; of a reaction also of an edge or of points.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub on: Option<String>,
     /// Name of the region.

@@ -1,0 +1,47 @@
+//! Reactions at prescribed displacements and temperatures: sums over the nodes of a side, an edge or points.
+
+use super::Snapshot;
+use super::quantity::Base;
+use crate::problem::ProblemData;
+use crate::tensor::Point;
+
+/// Numbers of the reactions of a set of nodes, by component, among those that [`crate::scheme::Reactions`] lists.
+#[derive(Debug)]
+pub(super) struct Held {
+    of_heat: bool,
+    numbers: [Vec<usize>; 3],
+}
+
+impl Held {
+    /// Of some nodes; none if there is none, or one that no prescribed value: what it bears would be no reaction.
+    pub(super) fn new(problem: &ProblemData, base: Base, mut nodes: Vec<u32>) -> Option<Held> {
+        if nodes.is_empty() {
+            return None;
+        }
+        let of_heat = base == Base::ReactionHeat;
+        let space = if of_heat { problem.temperature_space() } else { problem.displacement_space() };
+        nodes.sort_unstable();
+        let (mut numbers, mut nodes) = ([const { Vec::new() }; 3], nodes.into_iter().peekable());
+        let mut number = 0;
+        for (node, free) in space.free.chunks_exact(space.components).enumerate() {
+            let is_here = nodes.next_if(|&next| next as usize == node).is_some();
+            if is_here && free.iter().all(|free| *free) {
+                return None;
+            }
+            for (c, _) in free.iter().enumerate().filter(|(_, free)| !**free) {
+                if is_here {
+                    numbers[c].push(number);
+                }
+                number += 1;
+            }
+        }
+        Some(Held { of_heat, numbers })
+    }
+
+    /// The resultant in a step, N or W per unit of thickness in two dimensions; at t = 0 it is not a number.
+    pub(super) fn resultant(&self, now: &Snapshot) -> Point {
+        let Some(report) = now.report else { return [f64::NAN; 3] };
+        let all = if self.of_heat { &report.reactions.heat } else { &report.reactions.force };
+        std::array::from_fn(|c| self.numbers[c].iter().map(|&i| all.get(i).copied().unwrap_or(f64::NAN)).sum())
+    }
+}
