@@ -1,67 +1,120 @@
 //! Degrees of freedom: node-major components, some of them prescribed.
 
+pub(crate) mod frame;
+
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+pub use frame::Frame;
+
 use crate::field::Field;
 use crate::mesh::Mesh;
-use crate::tensor::Point;
+use crate::tensor::{Point, dot, length};
 
 /// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
+///
+/// A degree of freedom is a component of the value at a node; at a node with a prescribed direction that is along no
+/// axis it is a component in the [`Frame`] of the node. Vectors over the degrees of freedom that are given to the
+/// methods have components along the axes everywhere.
 #[derive(Clone, Debug)]
 pub struct Space {
     /// Components a node.
     pub components: usize,
     /// Which degrees of freedom are unknown.
     pub free: Vec<bool>,
+    /// The directions of the degrees of freedom of the nodes where they are not the axes, by node.
+    pub frames: Vec<Frame>,
     prescribed: Vec<Prescribed>,
 }
 
-/// One component that is prescribed on a facet set.
+/// A direction in which values are prescribed on a facet set.
 #[derive(Clone, Copy, Debug)]
 pub struct Prescription<'a> {
     /// Name of the side, the edge or the points.
     pub on: &'a str,
-    /// The component.
-    pub component: usize,
-    /// Its value, up to the factor.
+    /// The direction, a unit vector; of scalars the first axis.
+    pub direction: Point,
+    /// The value along it.
     pub field: &'a Field,
-    /// Factor of the field: −1 where the field is given along the outward normal and the axis points inward.
-    pub factor: f64,
 }
 
+/// The values that one prescription gives, in the order of the prescriptions.
 #[derive(Clone, Debug)]
 struct Prescribed {
     field: Field,
-    factor: f64,
     points: Vec<Point>,
     dofs: Vec<u32>,
+    /// Factor of the field at each of them.
+    factors: Vec<f64>,
+    /// Multiples of values prescribed before that are subtracted: where directions are not at right angles.
+    less: Vec<(u32, u32, f64)>,
 }
 
+/// Length of the part of a direction, across those prescribed before, that is none: the precision with which mesh files
+/// are written at the least.
+const ACROSS: f64 = 1e-6;
+
 impl Space {
-    /// The space in which some components are prescribed on parts of the boundary.
-    /// At a node of two facet sets the prescription of a component that comes first holds.
+    /// The space in which some directions are prescribed on parts of the boundary.
+    /// At a node of two facet sets the prescription of a direction that comes first holds.
     pub fn new<'a>(mesh: &Mesh, components: usize, prescriptions: impl IntoIterator<Item = Prescription<'a>>) -> Space {
+        let prescriptions: Vec<_> =
+            prescriptions.into_iter().filter_map(|given| Some((given, mesh.named(given.on)?.node_list()))).collect();
+        let oblique = prescriptions.iter().filter(|(given, _)| axis(&given.direction).is_none());
+        let mut axes: BTreeMap<u32, Vec<Point>> =
+            oblique.flat_map(|(_, nodes)| nodes.iter().map(|&node| (node, Vec::new()))).collect();
         let mut free = vec![true; mesh.points.len() * components];
         let mut prescribed = Vec::new();
-        for Prescription { on, component, field, factor } in prescriptions {
-            let Some(set) = mesh.named(on).filter(|_| component < components) else { continue };
-            let mut part = Prescribed { field: field.clone(), factor, points: Vec::new(), dofs: Vec::new() };
-            for node in set.node_list() {
-                let dof = node as usize * components + component;
-                if free[dof] {
-                    free[dof] = false;
-                    part.dofs.push(dof as u32);
-                    part.points.push(mesh.points[node as usize]);
+        for (Prescription { direction, field, .. }, nodes) in prescriptions {
+            let mut part = Prescribed::new(field);
+            for node in nodes {
+                let dof = |c: usize| node as usize * components + c;
+                let x = mesh.points[node as usize];
+                if let Some(axes) = axes.get_mut(&node) {
+                    if axes.len() < components
+                        && let Some((along, rest, scale)) = across(&direction, axes)
+                    {
+                        let new = dof(axes.len());
+                        free[new] = false;
+                        part.push(new, x, 1.0 / scale);
+                        part.less.extend((0..).zip(along).map(|(c, along)| (new as u32, dof(c) as u32, along / scale)));
+                        axes.push(rest);
+                    }
+                } else if let Some((c, sign)) = axis(&direction).filter(|(c, _)| *c < components && free[dof(*c)]) {
+                    free[dof(c)] = false;
+                    part.push(dof(c), x, sign);
                 }
             }
             prescribed.push(part);
         }
-        Space { components, free, prescribed }
+        let frames = axes.into_iter().map(|(node, axes)| Frame { node, axes: completed(axes, components) }).collect();
+        Space { components, free, frames, prescribed }
     }
 
-    /// Which components of a node are prescribed.
+    /// The directions of the degrees of freedom of a node.
     #[must_use]
-    pub fn held(&self, node: u32) -> [bool; 3] {
-        let free = |c: usize| self.free.get(node as usize * self.components + c).copied().unwrap_or(true);
-        std::array::from_fn(|c| c < self.components && !free(c))
+    pub fn directions(&self, node: u32) -> [Point; 3] {
+        frame::directions(&self.frames, node)
+    }
+
+    /// Whether the degrees of freedom of a node have directions of their own.
+    #[must_use]
+    pub fn is_turned(&self, node: u32) -> bool {
+        self.frames.binary_search_by_key(&node, |frame| frame.node).is_ok()
+    }
+
+    /// The directions in which the value at a node is prescribed.
+    pub fn held_directions(&self, node: u32) -> impl Iterator<Item = Point> {
+        let held = move |c: &usize| self.free.get(node as usize * self.components + c).is_some_and(|free| !free);
+        let axes = self.directions(node);
+        (0..self.components).filter(held).map(move |c| axes[c])
+    }
+
+    /// The same, filled up with zeros.
+    #[must_use]
+    pub fn held(&self, node: u32) -> [Point; 3] {
+        let mut directions = self.held_directions(node);
+        std::array::from_fn(|_| directions.next().unwrap_or_default())
     }
 
     /// Number of unknowns.
@@ -78,16 +131,29 @@ impl Space {
 
     /// Writes the prescribed values at time t into a vector over all degrees of freedom.
     pub fn prescribe(&self, t: f64, values: &mut [f64]) {
+        frame::enter(&self.frames, self.components, values);
         for part in &self.prescribed {
-            for (&dof, value) in part.dofs.iter().zip(part.field.values(&part.points, t)) {
-                values[dof as usize] = part.factor * value;
+            let given = part.field.values(&part.points, t);
+            for ((&dof, factor), value) in part.dofs.iter().zip(&part.factors).zip(given) {
+                values[dof as usize] = factor * value;
+            }
+            for &(dof, other, factor) in &part.less {
+                values[dof as usize] -= factor * values[other as usize];
             }
         }
+        frame::leave(&self.frames, self.components, values);
+    }
+
+    /// A vector by its components along the directions of the degrees of freedom.
+    #[must_use]
+    pub fn in_frames<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
+        frame::entered(&self.frames, self.components, values)
     }
 
     /// Largest magnitude of the entries that are free: those of an equation that is solved.
     #[must_use]
     pub fn largest(&self, values: &[f64]) -> f64 {
+        let values = self.in_frames(values);
         let free = values.iter().zip(&self.free).filter(|(_, free)| **free);
         free.fold(0.0, |most, (value, _)| most.max(value.abs()))
     }
@@ -95,16 +161,28 @@ impl Space {
     /// The entries of prescribed degrees of freedom, in their order.
     #[must_use]
     pub fn prescribed_of(&self, values: &[f64]) -> Vec<f64> {
+        let values = self.in_frames(values);
         values.iter().zip(&self.free).filter(|(_, free)| !**free).map(|(value, _)| *value).collect()
     }
 
     /// Sets the entries of prescribed degrees of freedom to zero.
     pub fn mask(&self, values: &mut [f64]) {
+        self.keep(values, |free| free);
+    }
+
+    /// Sets the entries of free degrees of freedom to zero.
+    pub fn mask_free(&self, values: &mut [f64]) {
+        self.keep(values, |free| !free);
+    }
+
+    fn keep(&self, values: &mut [f64], is_kept: impl Fn(bool) -> bool) {
+        frame::enter(&self.frames, self.components, values);
         for (value, &free) in values.iter_mut().zip(&self.free) {
-            if !free {
+            if !is_kept(free) {
                 *value = 0.0;
             }
         }
+        frame::leave(&self.frames, self.components, values);
     }
 
     /// The interpolant of fields, one per component (zero where there are none).
@@ -118,4 +196,51 @@ impl Space {
         }
         values
     }
+}
+
+impl Prescribed {
+    fn new(field: &Field) -> Prescribed {
+        let (points, dofs, factors, less) = Default::default();
+        Prescribed { field: field.clone(), points, dofs, factors, less }
+    }
+
+    fn push(&mut self, dof: usize, x: Point, factor: f64) {
+        self.dofs.push(dof as u32);
+        self.points.push(x);
+        self.factors.push(factor);
+    }
+}
+
+/// The axis that a direction is along, with its sign.
+fn axis(direction: &Point) -> Option<(usize, f64)> {
+    let c = (0..3).find(|&c| direction[c] != 0.0)?;
+    (0..3).all(|d| d == c || direction[d] == 0.0).then(|| (c, direction[c].signum()))
+}
+
+/// What a direction has along others, and the direction and length of the rest; none if nothing is left.
+fn across(direction: &Point, axes: &[Point]) -> Option<(Vec<f64>, Point, f64)> {
+    let along: Vec<f64> = axes.iter().map(|axis| dot(direction, axis)).collect();
+    let mut rest = *direction;
+    // Twice, so that the rest is at right angles to the last digit.
+    for _ in 0..2 {
+        for axis in axes {
+            let share = dot(&rest, axis);
+            rest = std::array::from_fn(|c| rest[c] - share * axis[c]);
+        }
+    }
+    let scale = length(&rest);
+    (scale > ACROSS).then(|| (along, rest.map(|c| c / scale), scale))
+}
+
+/// Directions completed to a basis of the first axes, by what is left of these.
+fn completed(mut axes: Vec<Point>, components: usize) -> [Point; 3] {
+    while axes.len() < components {
+        let unit = |c: usize| -> Point { std::array::from_fn(|d| f64::from(u8::from(c == d))) };
+        let rests = (0..components).filter_map(|c| across(&unit(c), &axes));
+        let Some((_, rest, _)) = rests.reduce(|best, next| if next.2 > best.2 + 0.01 { next } else { best }) else {
+            break;
+        };
+        axes.push(rest);
+    }
+    std::array::from_fn(|a| axes.get(a).copied().unwrap_or_default())
 }

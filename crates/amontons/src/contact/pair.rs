@@ -58,7 +58,7 @@ impl Contact {
     /// The rows of a pair on a mesh with the nodes at `x`; none where the foundation is rigid. `held` says which
     /// components of the displacement of a node are prescribed. Of a pairing that is updated all vertices have a row.
     #[must_use]
-    pub fn mortar(&self, mesh: &Mesh, x: &[Point], held: &dyn Fn(u32) -> [bool; 3]) -> Option<Mortar> {
+    pub fn mortar(&self, mesh: &Mesh, x: &[Point], held: &dyn Fn(u32) -> [Point; 3]) -> Option<Mortar> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let [nonmortar, mortar] = [self.bearing(), self.facing()?].map(|side| mesh.facets.get(side).unwrap_or(&NONE));
         let is_updated = self.pair.as_ref().is_some_and(Pair::is_updated);
@@ -67,7 +67,7 @@ impl Contact {
 
     /// The side of the contact with its points on the bodies at rest.
     #[must_use]
-    pub fn side<'a>(&self, mesh: &'a Mesh, held: &dyn Fn(u32) -> [bool; 3]) -> Side<'a> {
+    pub fn side<'a>(&self, mesh: &'a Mesh, held: &dyn Fn(u32) -> [Point; 3]) -> Side<'a> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let set = |side: &str| mesh.facets.get(side).unwrap_or(&NONE);
         let Some(mut mortar) = self.mortar(mesh, &mesh.points, held) else {
@@ -91,7 +91,7 @@ impl ContactBoundary {
         contacts: &[Contact],
         mesh: &Mesh,
         u: &[f64],
-        held: &dyn Fn(u32) -> [bool; 3],
+        held: &dyn Fn(u32) -> [Point; 3],
     ) -> Option<Arc<ContactBoundary>> {
         let is_updated = |contact: &Contact| contact.pair.as_ref().is_some_and(Pair::is_updated);
         if !contacts.iter().any(is_updated) {

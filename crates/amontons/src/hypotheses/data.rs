@@ -5,7 +5,8 @@ use super::sample::times;
 use super::{Finding, FindingId, FindingStatus};
 use crate::field::Field;
 use crate::problem::Problem;
-use crate::tensor::Point;
+use crate::space::Prescription;
+use crate::tensor::{Point, dot};
 use crate::units::Measure;
 
 /// Time levels at which the gap is looked at.
@@ -13,6 +14,9 @@ const LEVELS: usize = 1024;
 
 /// Mismatch of initial and prescribed values, relative to their size, that round-off explains.
 const MATCH: f64 = 1e-12;
+
+/// Cosine of the angle between directions that are the same one.
+const PARALLEL: f64 = 1.0 - 1e-12;
 
 /// One part of (H6).
 struct Clause {
@@ -134,41 +138,40 @@ fn mismatches(problem: &Problem) -> [Mismatch; 3] {
     let mesh = &problem.mesh;
     let start = &problem.initial;
     let is_inert = problem.values_of(|m| &m.density).iter().any(|sample| sample.value > 0.0);
-    let mut seen = vec![false; mesh.points.len() * (mesh.dim + 1)];
+    let (mut is_seen, mut held) = (vec![false; mesh.points.len()], vec![Vec::new(); mesh.points.len()]);
     let mut worst: [Mismatch; 3] = [None, None, None];
-    let component = |fields: &[Field], c: usize, x: &Point| fields.get(c).map_or(0.0, |f| f.value(x, 0.0));
+    let part = |fields: &[Field], direction: &Point, x: &Point| -> f64 {
+        fields.iter().zip(direction).filter(|(_, part)| **part != 0.0).map(|(f, part)| part * f.value(x, 0.0)).sum()
+    };
+    // At a node of two sides the first one holds.
     for b in &problem.boundary {
         let Some(set) = mesh.named(&b.on) else { continue };
-        let displacement = b.prescriptions(mesh).into_iter().map(|p| (p.component, p.field, p.factor));
-        for (c, prescribed, factor) in displacement.chain(b.temperature.iter().map(|f| (mesh.dim, f, 1.0))) {
+        for Prescription { direction, field, .. } in b.prescriptions(mesh) {
             for node in set.node_list() {
-                // At a node of two sides the first one holds.
-                if std::mem::replace(&mut seen[node as usize * (mesh.dim + 1) + c], true) {
+                let before: &mut Vec<Point> = &mut held[node as usize];
+                if before.iter().any(|other| dot(other, &direction).abs() > PARALLEL) {
                     continue;
                 }
+                before.push(direction);
                 let x = &mesh.points[node as usize];
-                let value = factor * prescribed.value(x, 0.0);
-                if c == mesh.dim {
-                    keep(&mut worst[2], start.temperature.value(x, 0.0), value, x, "initial.temperature".to_owned());
-                } else {
-                    keep(
-                        &mut worst[0],
-                        component(&start.displacement, c, x),
-                        value,
-                        x,
-                        format!("initial.displacement[{c}]"),
-                    );
-                    if is_inert {
-                        let rate = factor * prescribed.derivatives(x, 0.0).by_t;
-                        keep(
-                            &mut worst[1],
-                            component(&start.velocity, c, x),
-                            rate,
-                            x,
-                            format!("initial.velocity[{c}]"),
-                        );
-                    }
+                let along = (0..mesh.dim).find(|&c| direction[c].abs() > PARALLEL);
+                let (index, sign) = along.map_or((String::new(), 1.0), |c| (format!("[{c}]"), direction[c].signum()));
+                let found = sign * part(&start.displacement, &direction, x);
+                let place = format!("initial.displacement{index}");
+                keep(&mut worst[0], found, sign * field.value(x, 0.0), x, place);
+                if is_inert {
+                    let (found, rate) = (part(&start.velocity, &direction, x), field.derivatives(x, 0.0).by_t);
+                    keep(&mut worst[1], sign * found, sign * rate, x, format!("initial.velocity{index}"));
                 }
+            }
+        }
+        for node in b.temperature.iter().flat_map(|_| set.node_list()) {
+            if let Some(field) =
+                b.temperature.as_ref().filter(|_| !std::mem::replace(&mut is_seen[node as usize], true))
+            {
+                let x = &mesh.points[node as usize];
+                let found = start.temperature.value(x, 0.0);
+                keep(&mut worst[2], found, field.value(x, 0.0), x, "initial.temperature".to_owned());
             }
         }
     }

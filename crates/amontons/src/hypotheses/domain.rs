@@ -28,7 +28,7 @@ use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::space::Space;
-use crate::tensor::Sym;
+use crate::tensor::{self, Point, Sym};
 
 /// A constant on the mesh with the bound of its algebraic error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -201,23 +201,26 @@ fn trace_mass(mesh: &Mesh, contact: &FacetSet, unknowns: &Unknowns, components: 
         })
     });
     for (facet, points) in maps {
-        let dofs: Vec<(usize, usize, u32)> = (0..facet.len())
+        let dofs: Vec<(usize, Point, u32)> = (0..facet.len())
             .flat_map(|n| (0..components).map(move |c| (n, c)))
-            .filter_map(|(n, c)| Some((n, c, position[facet[n] as usize * components + c]?)))
+            .filter_map(|(n, c)| {
+                let unknown = position[facet[n] as usize * components + c]?;
+                Some((n, unknowns.directions(facet[n])[c], unknown))
+            })
             .collect();
         let mut block = vec![0.0; dofs.len() * dofs.len()];
         for (weight, normal, values) in points {
-            let product = |r: usize, c: usize| {
-                let whole = if r == c { 1.0 } else { 0.0 };
+            let product = |r: &Point, c: &Point| {
+                let (whole, along) = (tensor::dot(r, c), tensor::dot(r, &normal) * tensor::dot(c, &normal));
                 match part {
                     TracePart::Whole => whole,
-                    TracePart::Normal => normal[r] * normal[c],
-                    TracePart::Tangential => whole - normal[r] * normal[c],
+                    TracePart::Normal => along,
+                    TracePart::Tangential => whole - along,
                 }
             };
-            for (a, &(i, r, _)) in dofs.iter().enumerate() {
-                for (b, &(j, c, _)) in dofs.iter().enumerate() {
-                    block[a * dofs.len() + b] += weight * values[i] * values[j] * product(r, c);
+            for (a, (i, r, _)) in dofs.iter().enumerate() {
+                for (b, (j, c, _)) in dofs.iter().enumerate() {
+                    block[a * dofs.len() + b] += weight * values[*i] * values[*j] * product(r, c);
                 }
             }
         }

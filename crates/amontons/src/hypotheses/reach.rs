@@ -180,7 +180,7 @@ impl<'a> Body<'a> {
         if !self.space.is_homogeneous() {
             return Some(("prescribed displacements move the body", "boundary".to_owned()));
         }
-        let clash = |v: &[f64]| v.iter().zip(&self.space.free).any(|(v, free)| !free && *v != 0.0);
+        let clash = |v: &[f64]| self.space.prescribed_of(v).iter().any(|v| *v != 0.0);
         if clash(&self.u) || clash(&self.w) {
             return Some(("initial data do not have the prescribed values", "initial".to_owned()));
         }
@@ -240,7 +240,7 @@ impl<'a> Body<'a> {
         if !system.is_direct() && normals.len() > SOLUTIONS {
             return Ok(Err(("a large body would take a solution for each contact point", "solver.solver")));
         }
-        let reach = reach(&mut system, &normals, self.space.free.len())?;
+        let reach = reach(&mut system, &normals, &self.space)?;
         let load = forms::f(mesh, &problem.body_force, &problem.boundary);
         let gaps = |t: f64| contact.gaps(&self.boundary.points.iter().map(|p| p.x).collect::<Vec<_>>(), t);
 
@@ -308,14 +308,17 @@ fn at_rest(contact: &Contact) -> bool {
 }
 
 /// G at each contact point.
-fn reach(system: &mut System, normals: &[Vec<(usize, f64)>], size: usize) -> Result<Vec<f64>, SolveError> {
-    let position = system.unknowns().positions(size);
+fn reach(system: &mut System, normals: &[Vec<(usize, f64)>], space: &Space) -> Result<Vec<f64>, SolveError> {
+    let (position, n) = (system.unknowns().positions(space.free.len()), space.components);
     let length = system.condensed().len();
     let one = |terms: &Vec<(usize, f64)>| {
         let mut c = vec![0.0; length];
         for &(dof, factor) in terms {
-            if let Some(k) = position[dof] {
-                c[k as usize] += factor;
+            let directions = space.directions((dof / n) as u32);
+            for (a, direction) in directions.iter().enumerate().take(n) {
+                if let Some(k) = position[dof / n * n + a] {
+                    c[k as usize] += factor * direction[dof % n];
+                }
             }
         }
         let mut x = c.clone();

@@ -32,6 +32,7 @@ use crate::linalg::{BlockMatrix, Entry, Layout, SolveError, System, Unknowns, do
 use crate::material::{Isotropic, Material, StressState, TensorLaw, depends_on_temperature};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
+use crate::tensor;
 use crate::units::{Measure, Units};
 
 /// Share of the diagonal that a matrix must exceed to count as positive definite: far above the round-off of a factor.
@@ -166,9 +167,13 @@ impl<'a> Step<'a> {
         let mut entries = Vec::new();
         for &node in &self.discrete.boundary.nodes {
             for (column, value) in self.weights.row(node as usize) {
-                let pair =
-                    |c: usize| Some((position[node as usize * dim + c]?, position[column * dim + c]?, *value.first()?));
-                entries.extend((0..dim).filter_map(pair).filter(|(.., value)| *value != 0.0));
+                let (own, other) = (unknowns.directions(node), unknowns.directions(column as u32));
+                let pair = |(r, c): (usize, usize)| {
+                    let weight = value.first()? * tensor::dot(&own[r], &other[c]);
+                    Some((position[node as usize * dim + r]?, position[column * dim + c]?, weight))
+                };
+                let pairs = (0..dim).flat_map(|r| (0..dim).map(move |c| (r, c)));
+                entries.extend(pairs.filter_map(pair).filter(|(.., value)| *value != 0.0));
             }
         }
         entries

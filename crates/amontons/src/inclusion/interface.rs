@@ -11,10 +11,15 @@
 use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Share, Tangent, Turn};
 use crate::mesh::cross;
+use crate::space::Space;
 use crate::tensor::{Point, dot, length};
 
 /// Stiffness of one side of a pair relative to that of the other that is round-off.
 const NONE: f64 = 1e-13;
+/// Cosine of two directions that is the round-off of coordinates.
+const NOTHING: f64 = 64.0 * f64::EPSILON;
+/// Cosine of the normal and a direction that is prescribed up to which the latter is a tangent.
+const ALONG: f64 = 1e-12;
 
 /// A vector or a force at a contact point by its components along (ν, t₁, t₂); a scalar by the first.
 pub type Local = [f64; 3];
@@ -77,24 +82,27 @@ pub struct Interface {
 
 impl Interface {
     /// The rows for vectors: `unknown` and `prescribed` are by contact node and component, the first with the unknown
-    /// on Γ_C, none where the value is prescribed, the second with that value. `normals` has ν of each point.
+    /// on Γ_C, none where the value is prescribed, the second with that value; components are along the directions of
+    /// the space. `normals` has ν of each point.
     #[must_use]
     pub fn of_vectors(
         boundary: &ContactBoundary,
         unknown: &[Option<u32>],
         prescribed: &[f64],
         normals: &[Point],
-        dim: usize,
+        space: &Space,
     ) -> Interface {
+        let dim = space.components;
         let mut seen = vec![0usize; boundary.nodes.len()];
         for &(node, _) in boundary.points.iter().flat_map(|point| &point.nodes) {
             seen[node] += 1;
         }
         let (mut rows, mut turns) = (Vec::with_capacity(boundary.points.len()), Vec::new());
         for (point, normal) in boundary.points.iter().zip(normals) {
-            let basis = basis(normal, dim);
+            let basis = basis_at(point, &boundary.nodes, normal, space);
             let turn = own_node(point, &seen, unknown, dim).map(|unknowns| Turn { unknowns, basis, dim });
-            rows.push(vector_row(point, basis, turn.as_ref(), unknown, prescribed, dim));
+            let on_node = OnNode { unknown, prescribed, space, nodes: &boundary.nodes };
+            rows.push(vector_row(point, basis, turn.as_ref(), &on_node));
             turns.extend(turn);
         }
         Interface { rows, turns, components: dim }
@@ -268,21 +276,25 @@ fn own_node(point: &PointOnBoundary, seen: &[usize], unknown: &[Option<u32>], di
     Some(unknowns)
 }
 
-fn vector_row(
-    point: &PointOnBoundary,
-    basis: [Point; 3],
-    turn: Option<&Turn>,
-    unknown: &[Option<u32>],
-    prescribed: &[f64],
-    dim: usize,
-) -> Row {
+/// What is known of the values at the contact nodes.
+struct OnNode<'a> {
+    unknown: &'a [Option<u32>],
+    prescribed: &'a [f64],
+    space: &'a Space,
+    nodes: &'a [u32],
+}
+
+fn vector_row(point: &PointOnBoundary, basis: [Point; 3], turn: Option<&Turn>, on_node: &OnNode) -> Row {
+    let OnNode { unknown, prescribed, space, nodes } = *on_node;
+    let dim = space.components;
     let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len() * dim), [0.0; 3]);
     if let Some(turn) = turn {
         entries.extend((0..dim).map(|a| (turn.unknowns[a], std::array::from_fn(|b| f64::from(u8::from(a == b))))));
     } else {
         for &(node, value) in &point.nodes {
+            let directions = space.directions(nodes[node]);
             for c in 0..dim {
-                let on: Local = std::array::from_fn(|a| value * basis[a][c]);
+                let on: Local = std::array::from_fn(|a| value * cosine(&basis[a], &directions[c]));
                 match unknown[node * dim + c] {
                     Some(unknown) => entries.push((unknown, on)),
                     None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node * dim + c]),
@@ -291,6 +303,28 @@ fn vector_row(
         }
     }
     Row { weight: point.weight, contact: point.contact, basis, entries, prescribed: fixed }
+}
+
+/// The cosine of the angle between two unit vectors; zero where it is round-off, so that what is prescribed in one
+/// direction does not move a point in another.
+fn cosine(a: &Point, b: &Point) -> f64 {
+    let cosine = dot(a, b);
+    if cosine.abs() < NOTHING { 0.0 } else { cosine }
+}
+
+/// The basis of a point; at a node that is held along a tangent in no direction of the axes that tangent is the last.
+fn basis_at(point: &PointOnBoundary, nodes: &[u32], normal: &Point, space: &Space) -> [Point; 3] {
+    let usual = basis(normal, space.components);
+    let &[(node, _)] = point.nodes.as_slice() else { return usual };
+    if space.components < 3 || !space.is_turned(nodes[node]) {
+        return usual;
+    }
+    let tangent = space.held_directions(nodes[node]).find(|held| dot(held, normal).abs() < ALONG);
+    tangent.map_or(usual, |held| {
+        let first = cross(&held, normal);
+        let first = first.map(|c| c / length(&first));
+        [*normal, first, cross(normal, &first)]
+    })
 }
 
 /// ν with two unit tangents across it and each other. Those of the space of the body come first: which is of no account

@@ -13,6 +13,7 @@ use super::rule::Rule;
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
+use crate::space::Space;
 use crate::tensor::{Point, dot, length};
 
 /// 1 + λ G′ up to which a pressure is asked to be G(r) as sharply as the other residuals are small: p − G(r) is
@@ -64,6 +65,8 @@ pub struct MechanicalStep<'a> {
     pub boundary: &'a ContactBoundary,
     /// Unknown of (contact node, component), none where prescribed.
     pub unknown: &'a [Option<u32>],
+    /// The space of the velocities.
+    pub space: &'a Space,
     /// Dimension d.
     pub dim: usize,
     /// The rule in time.
@@ -100,7 +103,7 @@ impl<'a> Mechanical<'a> {
     /// The term of a step. Without `condensed` multipliers are taken as they are.
     pub fn new(step: &'a MechanicalStep<'a>, condensed: Option<&dyn Condensed>) -> Mechanical<'a> {
         let normals: Vec<Point> = step.frames.iter().map(|frame| frame.normal).collect();
-        let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.dim);
+        let interface = Interface::of_vectors(step.boundary, step.unknown, step.w_prescribed, &normals, step.space);
         let rho = condensed.map_or_else(
             || vec![0.0; interface.len()],
             |c| interface.stiffness(step.boundary, step.unknown, c.scale()),

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use crate::mesh::Mesh;
+use crate::space::Frame;
 
 /// Which nodes share a cell: compressed rows, columns ascending, the node itself included.
 #[derive(Clone, Debug, PartialEq)]
@@ -207,6 +208,32 @@ impl BlockMatrix {
                 }
             }
         }
+    }
+
+    /// The matrix Q A Qᵀ of the components in the directions of the nodes, Q their rows; A itself without directions.
+    #[must_use]
+    pub fn in_frames(self: &Arc<BlockMatrix>, frames: &[Frame]) -> Arc<BlockMatrix> {
+        if frames.is_empty() {
+            return Arc::clone(self);
+        }
+        let (mut turned, n) = (BlockMatrix { of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
+        for Frame { node, axes } in frames {
+            let own = self.graph.start[*node as usize];
+            for (k, &j) in self.graph.row(*node as usize).iter().enumerate() {
+                let block = &mut turned.values[(own + k) * n * n..][..n * n];
+                let old = block.to_vec();
+                for (at, value) in block.iter_mut().enumerate() {
+                    *value = (0..n).map(|d| axes[at / n][d] * old[d * n + at % n]).sum();
+                }
+                let Some(other) = self.graph.slot(j as usize, *node) else { continue };
+                let block = &mut turned.values[other * n * n..][..n * n];
+                let old = block.to_vec();
+                for (at, value) in block.iter_mut().enumerate() {
+                    *value = (0..n).map(|d| axes[at % n][d] * old[at / n * n + d]).sum();
+                }
+            }
+        }
+        Arc::new(turned)
     }
 
     /// Entry of components (r, c) of the nodes (i, j); zero where they share no cell.

@@ -30,7 +30,7 @@ impl System {
     /// When the matrix is not positive definite or does not fit into memory.
     pub fn new(backend: &Arc<dyn Backend>, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<System, SolveError> {
         let unknowns = backend.order(matrix, layout);
-        let factor = backend.factorize(matrix, &unknowns)?;
+        let factor = backend.factorize(&matrix.in_frames(&unknowns.frames.0), &unknowns)?;
         let condensed = factor.condensed();
         Ok(System { backend: Arc::clone(backend), unknowns, factor, condensed, factorizations: (1, 0), iterations: 0 })
     }
@@ -40,7 +40,7 @@ impl System {
     /// # Errors
     /// Those of [`System::new`]; the system is then as it was.
     pub fn replace(&mut self, matrix: &Arc<BlockMatrix>) -> Result<(), SolveError> {
-        self.factor = self.backend.factorize(matrix, &self.unknowns)?;
+        self.factor = self.backend.factorize(&matrix.in_frames(&self.unknowns.frames.0), &self.unknowns)?;
         self.factorizations = (self.factorizations.0 + 1, self.factorizations.1 + self.condensed.factorizations());
         self.iterations += self.condensed.iterations();
         self.condensed = self.factor.condensed();
@@ -119,8 +119,8 @@ impl System {
     ) -> Result<T, E> {
         let (_, kept) = x.split_at_mut(self.unknowns.interior);
         let (solved, result) = solve(self.condensed.as_mut(), kept)?;
-        for (x, (solved, &dof)) in kept.iter_mut().zip(solved.iter().zip(self.unknowns.kept())) {
-            *x = solved - values[dof as usize];
+        for (x, (solved, value)) in kept.iter_mut().zip(solved.iter().zip(self.kept_of(values))) {
+            *x = solved - value;
         }
         self.factor.backward(&mut x)?;
         self.unknowns.add(&x, values);
@@ -199,6 +199,6 @@ impl System {
     /// The unknowns that are kept of a vector over all degrees of freedom.
     #[must_use]
     pub fn kept_of(&self, values: &[f64]) -> Vec<f64> {
-        self.unknowns.kept().iter().map(|&d| values[d as usize]).collect()
+        self.unknowns.kept_of(values)
     }
 }

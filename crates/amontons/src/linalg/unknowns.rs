@@ -6,7 +6,7 @@ use super::estimate::Choice;
 use super::ordering::{Ordering, nested_dissection};
 use super::sparse::{BlockMatrix, Graph};
 use crate::mesh::Mesh;
-use crate::space::Space;
+use crate::space::{Frame, Space, frame};
 use crate::tensor::Point;
 
 /// Where the unknowns of a matrix are.
@@ -18,6 +18,8 @@ pub struct Layout<'a> {
     pub components: usize,
     /// Whether a degree of freedom, node-major, is free.
     pub free: &'a [bool],
+    /// Directions of the degrees of freedom where they are not the axes.
+    pub frames: &'a [Frame],
     /// Nodes whose unknowns are kept.
     pub contact: &'a [u32],
 }
@@ -26,7 +28,13 @@ impl<'a> Layout<'a> {
     /// The unknowns of a space on a mesh.
     #[must_use]
     pub fn of(mesh: &'a Mesh, space: &'a Space, contact: &'a [u32]) -> Layout<'a> {
-        Layout { points: &mesh.points, components: space.components, free: &space.free, contact }
+        Layout { points: &mesh.points, components: space.components, free: &space.free, frames: &space.frames, contact }
+    }
+
+    /// What [`Unknowns::frames`] has.
+    #[must_use]
+    pub fn frames(&self) -> (Arc<[Frame]>, usize) {
+        (self.frames.into(), self.components)
     }
 
     /// Orders the nodes that have an unknown by nested dissection, the contact nodes last.
@@ -46,6 +54,8 @@ pub struct Unknowns {
     pub interior: usize,
     /// Coordinates of all nodes, for a backend that asks for them; may be empty.
     pub points: Arc<[Point]>,
+    /// Directions of the degrees of freedom of nodes where they are not the axes, and the number of those of a node.
+    pub frames: (Arc<[Frame]>, usize),
     /// How systems are solved and why, where a backend has chosen.
     pub choice: Option<Arc<Choice>>,
 }
@@ -68,7 +78,7 @@ impl Unknowns {
                 interior = dofs.len();
             }
         }
-        Unknowns { dofs, interior, points: Arc::new([]), choice: None }
+        Unknowns { dofs, interior, points: Arc::new([]), frames: layout.frames(), choice: None }
     }
 
     /// Number of unknowns.
@@ -109,14 +119,45 @@ impl Unknowns {
         positions
     }
 
+    /// The directions of the degrees of freedom of a node.
+    #[must_use]
+    pub fn directions(&self, node: u32) -> [Point; 3] {
+        frame::directions(&self.frames.0, node)
+    }
+
     /// The entries of a vector over all degrees of freedom, in elimination order.
     #[must_use]
     pub fn gather(&self, full: &[f64]) -> Vec<f64> {
-        self.dofs.iter().map(|&d| full[d as usize]).collect()
+        self.pick(&frame::entered(&self.frames.0, self.frames.1, full))
     }
 
     /// Adds a vector in elimination order to its degrees of freedom.
     pub fn add(&self, x: &[f64], full: &mut [f64]) {
+        if self.frames.0.is_empty() {
+            return self.put(x, full);
+        }
+        let mut change = vec![0.0; full.len()];
+        self.put(x, &mut change);
+        frame::leave(&self.frames.0, self.frames.1, &mut change);
+        full.iter_mut().zip(change).for_each(|(value, change)| *value += change);
+    }
+
+    /// The unknowns that are kept of a vector over all degrees of freedom.
+    #[must_use]
+    pub fn kept_of(&self, full: &[f64]) -> Vec<f64> {
+        let full = frame::entered(&self.frames.0, self.frames.1, full);
+        self.kept().iter().map(|&d| full[d as usize]).collect()
+    }
+
+    /// [`Unknowns::gather`] from a vector that is in the directions of the degrees of freedom, as the matrix of a
+    /// factor is.
+    #[must_use]
+    pub fn pick(&self, full: &[f64]) -> Vec<f64> {
+        self.dofs.iter().map(|&d| full[d as usize]).collect()
+    }
+
+    /// [`Unknowns::add`] to such a vector.
+    pub fn put(&self, x: &[f64], full: &mut [f64]) {
         for (&d, &value) in self.dofs.iter().zip(x) {
             full[d as usize] += value;
         }

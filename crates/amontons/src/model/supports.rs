@@ -98,8 +98,8 @@ fn motions_of(mesh: &Mesh, space: &Space, springs: &[(u32, Point)], part: &Compo
     };
     let mut more = true;
     for &node in &part.nodes {
-        for c in (0..dim).filter(|c| !space.free[node as usize * dim + c]) {
-            more = more && add(node, &std::array::from_fn(|d| f64::from(u8::from(d == c))));
+        for direction in space.held_directions(node) {
+            more = more && add(node, &direction);
         }
     }
     let inside = |node: u32| part.nodes.binary_search(&node).is_ok();

@@ -5,11 +5,12 @@ use super::quantity::Base;
 use crate::problem::ProblemData;
 use crate::tensor::Point;
 
-/// Numbers of the reactions of a set of nodes, by component, among those that [`crate::scheme::Reactions`] lists.
+/// Numbers of the reactions of a set of nodes among those that [`crate::scheme::Reactions`] lists.
 #[derive(Debug)]
 pub(super) struct Held {
     of_heat: bool,
-    numbers: [Vec<usize>; 3],
+    /// Each with its direction.
+    numbers: Vec<(usize, Point)>,
 }
 
 impl Held {
@@ -21,7 +22,7 @@ impl Held {
         let of_heat = base == Base::ReactionHeat;
         let space = if of_heat { problem.temperature_space() } else { problem.displacement_space() };
         nodes.sort_unstable();
-        let (mut numbers, mut nodes) = ([const { Vec::new() }; 3], nodes.into_iter().peekable());
+        let (mut numbers, mut nodes) = (Vec::new(), nodes.into_iter().peekable());
         let mut number = 0;
         for (node, free) in space.free.chunks_exact(space.components).enumerate() {
             let is_here = nodes.next_if(|&next| next as usize == node).is_some();
@@ -30,7 +31,7 @@ impl Held {
             }
             for (c, _) in free.iter().enumerate().filter(|(_, free)| !**free) {
                 if is_here {
-                    numbers[c].push(number);
+                    numbers.push((number, space.directions(node as u32)[c]));
                 }
                 number += 1;
             }
@@ -42,6 +43,7 @@ impl Held {
     pub(super) fn resultant(&self, now: &Snapshot) -> Point {
         let Some(report) = now.report else { return [f64::NAN; 3] };
         let all = if self.of_heat { &report.reactions.heat } else { &report.reactions.force };
-        std::array::from_fn(|c| self.numbers[c].iter().map(|&i| all.get(i).copied().unwrap_or(f64::NAN)).sum())
+        let value = |i: usize| all.get(i).copied().unwrap_or(f64::NAN);
+        std::array::from_fn(|c| self.numbers.iter().map(|&(i, direction)| value(i) * direction[c]).sum())
     }
 }

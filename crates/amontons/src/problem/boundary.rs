@@ -6,7 +6,7 @@ use crate::element::ShapeTable;
 use crate::field::Field;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::space::{Prescription, Space};
-use crate::tensor::Point;
+use crate::tensor::{Point, dot, length};
 
 /// What holds on one named part of the boundary, contact apart.
 ///
@@ -17,7 +17,7 @@ pub struct BoundaryCondition {
     pub on: String,
     /// Prescribed displacement, m, one entry per component, none for a component that is free: (2.5).
     pub displacement: Option<Vec<Option<Field>>>,
-    /// Prescribed displacement u_ν along the outward normal, m; the side is perpendicular to an axis.
+    /// Prescribed displacement u_ν along the outward normal, m; the side is in one plane, of any direction.
     pub normal_displacement: Option<Field>,
     /// Traction f₁, Pa, one field per component: (2.6).
     pub traction: Option<Vec<Field>>,
@@ -193,51 +193,73 @@ impl BoundaryCondition {
         fields
     }
 
-    /// The components of the displacement that are prescribed: (2.5).
+    /// The directions in which the displacement is prescribed: (2.5).
     #[must_use]
     pub fn prescriptions<'a>(&'a self, mesh: &Mesh) -> Vec<Prescription<'a>> {
         let on = self.on.as_str();
         let by_component = self.displacement.iter().flatten().enumerate();
         let mut all: Vec<Prescription> = by_component
-            .filter_map(|(component, field)| Some(Prescription { on, component, field: field.as_ref()?, factor: 1.0 }))
+            .filter_map(|(c, field)| Some(Prescription { on, direction: unit(c), field: field.as_ref()? }))
             .collect();
-        let plane = mesh.facets.get(on).and_then(|set| axis_of(mesh, set).ok());
-        if let (Some(field), Some((component, factor))) = (&self.normal_displacement, plane) {
-            all.push(Prescription { on, component, field, factor });
+        let plane = mesh.facets.get(on).and_then(|set| plane_of(mesh, set).ok());
+        if let (Some(field), Some(direction)) = (&self.normal_displacement, plane) {
+            all.push(Prescription { on, direction, field });
         }
         all
     }
 }
 
-/// The axis that a side is perpendicular to, and whether its outward normal points along it (1) or against it (−1).
-///
-/// Direction cosines count as 0 below 1e-6, the precision with which mesh files are written at the least.
+/// e_c.
+fn unit(c: usize) -> Point {
+    std::array::from_fn(|d| f64::from(u8::from(c == d)))
+}
+
+/// The outward normal of a side that is in a plane up to the precision with which mesh files are written at the least,
+/// relative to the size of the side; an axis where it is one up to round-off.
 ///
 /// # Errors
-/// The number and the normal of the first facet that is not perpendicular to the axis of the first one.
-fn axis_of(mesh: &Mesh, set: &FacetSet) -> Result<(usize, f64), (usize, Point)> {
+/// The number and the normal of the first facet that is not in the plane of the first one.
+fn plane_of(mesh: &Mesh, set: &FacetSet) -> Result<Point, (usize, Point)> {
     const FLAT: f64 = 1e-6;
-    let mut axis = None;
-    let mut number = 0;
+    const ROUND_OFF: f64 = 1e-12;
+    let mut normals: Vec<(usize, f64, Point)> = Vec::new();
     for block in &set.blocks {
         let table = ShapeTable::at(block.element, block.element.nodes);
-        let mut map = FacetMap::new(mesh, &table);
-        for facet in block.nodes.chunks_exact(block.element.nodes.len()) {
+        let (mut map, first) = (FacetMap::new(mesh, &table), normals.last().map_or(0, |(number, ..)| number + 1));
+        for (number, facet) in block.nodes.chunks_exact(block.element.nodes.len()).enumerate() {
             for q in 0..table.len() {
                 map.at(facet, q);
-                let normal = map.normal;
-                let along = (0..mesh.dim)
-                    .find(|&c| (0..mesh.dim).all(|d| d == c || normal[d].abs() < FLAT))
-                    .map(|c| (c, normal[c].signum()));
-                match along {
-                    Some(along) if axis.is_none_or(|axis| axis == along) => axis = Some(along),
-                    _ => return Err((number, normal)),
-                }
+                normals.push((first + number, map.area, map.normal));
             }
-            number += 1;
         }
     }
-    axis.ok_or((0, [f64::NAN; 3]))
+    // A side on the axis of a body of revolution has no area.
+    let has_area = normals.iter().any(|(_, area, _)| *area > 0.0);
+    let sum: Point = std::array::from_fn(|c| {
+        normals.iter().map(|(_, area, normal)| if has_area { *area } else { 1.0 } * normal[c]).sum()
+    });
+    let mean = sum.map(|c| c / length(&sum));
+    let along = (0..mesh.dim).find(|&c| (0..mesh.dim).all(|d| d == c || mean[d].abs() < ROUND_OFF));
+    let plane = along.map_or(mean, |c| unit(c).map(|one| one * mean[c].signum()));
+    let nodes = set.node_list();
+    let reach = |of: &dyn Fn(&Point) -> f64| {
+        let extremes = nodes.iter().map(|&node| of(&mesh.points[node as usize]));
+        extremes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])
+    };
+    let spread = |[low, high]: [f64; 2]| high - low;
+    let size = (0..mesh.dim).map(|c| spread(reach(&|x| x[c]))).fold(0.0, f64::max);
+    let is_flat = spread(reach(&|x| dot(x, &plane))) <= FLAT * size.max(f64::MIN_POSITIVE);
+    // The sides of a sheet have one plane and opposite normals; a side in one dimension is a point.
+    let is_one_sided = normals.iter().all(|(.., normal)| dot(normal, &plane) > 0.5);
+    if (is_flat || nodes.len() == 1) && is_one_sided {
+        return Ok(plane);
+    }
+    let first = normals.first().map_or([f64::NAN; 3], |(.., normal)| *normal);
+    let differs = |normal: &Point| (0..mesh.dim).any(|c| (normal[c] - first[c]).abs() > FLAT);
+    Err(normals
+        .iter()
+        .find(|(.., normal)| differs(normal))
+        .map_or((0, first), |(number, _, normal)| (*number, *normal)))
 }
 
 /// What is expected of a side with a displacement and a force in one direction.
@@ -254,7 +276,7 @@ impl ProblemData {
     #[must_use]
     pub fn temperature_space(&self) -> Space {
         let prescribed = self.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.temperature.as_ref()?)));
-        Space::new(&self.mesh, 1, prescribed.map(|(on, field)| Prescription { on, component: 0, field, factor: 1.0 }))
+        Space::new(&self.mesh, 1, prescribed.map(|(on, field)| Prescription { on, direction: unit(0), field }))
     }
 
     /// Sides exist, are named once, and bear no two conditions that exclude each other.
@@ -388,15 +410,17 @@ impl ProblemData {
             );
         }
         let set = self.mesh.facets.get(&b.on).filter(|_| b.normal_displacement.is_some());
-        if let Some(Err((facet, normal))) = set.map(|set| axis_of(&self.mesh, set)) {
+        if let Some(Err((facet, normal))) = set.map(|set| plane_of(&self.mesh, set)) {
             let normal = normal.iter().take(self.mesh.dim).map(|c| format!("{c:.6}")).collect::<Vec<_>>().join(", ");
             faults.push(
                 Fault::new(
                     path,
                     format!("facet {facet} of \"{}\" with the normal ({normal})", b.on),
-                    "a side in a plane perpendicular to an axis",
+                    "a side in one plane",
                 )
-                .hint("turn the body so that the plane is perpendicular to an axis, or hold the side by a `spring`"),
+                .hint(
+                    "give each plane part of the side a name and an entry of its own, or hold the side by a `spring`",
+                ),
             );
         }
     }
@@ -409,11 +433,11 @@ impl ProblemData {
             .facets
             .get(&b.on)
             .filter(|_| b.normal_displacement.is_some())
-            .and_then(|set| axis_of(&self.mesh, set).ok());
+            .and_then(|set| plane_of(&self.mesh, set).ok());
         let held: Vec<bool> = (0..dim)
             .map(|c| {
                 let by_component = b.displacement.iter().flatten().nth(c).is_some_and(Option::is_some);
-                by_component || plane.is_some_and(|(axis, _)| axis == c)
+                by_component || plane.is_some_and(|normal| normal[c].abs() >= 1.0)
             })
             .collect();
         let all_held = held.iter().all(|held| *held);

@@ -313,7 +313,7 @@ impl ProblemData {
     pub fn contact_boundary(&self) -> ContactBoundary {
         let has_pairs = self.contacts.iter().any(|contact| contact.pair.is_some());
         let space = has_pairs.then(|| self.displacement_space());
-        let held = |node: u32| space.as_ref().map_or([false; 3], |space| space.held(node));
+        let held = |node: u32| space.as_ref().map_or([[0.0; 3]; 3], |space| space.held(node));
         let sides: Vec<Side> = self.contacts.iter().map(|contact| contact.side(&self.mesh, &held)).collect();
         ContactBoundary::of(&self.mesh, &sides)
     }

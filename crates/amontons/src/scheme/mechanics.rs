@@ -1,12 +1,17 @@
 //! The mechanical half-step (4.1).
 
+use std::borrow::Cow;
+
 use super::foundation::frames;
-use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, kept, on_degrees, without_contact};
+use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{SolveError, Tangent, max_abs};
 use crate::tensor::Point;
+
+/// Prescribed motion relative to the displacement of its node that is round-off.
+const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
@@ -59,10 +64,25 @@ impl Given {
         let Step { problem, discrete, boundary, old, bar, t, .. } = *step;
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
-            w_prescribed: boundary.restricted(discrete.mesh.dim, w),
+            w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
             frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
             temperature: Vec::new(),
         }
+    }
+
+    /// The velocities in the directions of the degrees of freedom. What is prescribed there and is the round-off of the
+    /// displacements that it is the difference of is no motion, along which a point would slip.
+    fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Cow<'v, [f64]> {
+        let (space, gamma) = (&step.discrete.v, step.rule.gamma);
+        let mut directed = space.in_frames(w);
+        for frame in &space.frames {
+            let dofs = frame.node as usize * space.components..(frame.node as usize + 1) * space.components;
+            let size = dofs.clone().fold(0.0, |size: f64, i| size.max(w[i].abs()).max((step.bar.u[i] / gamma).abs()));
+            for i in dofs.filter(|&i| !space.free[i] && directed[i].abs() <= NO_MOTION * size).collect::<Vec<_>>() {
+                directed.to_mut()[i] = 0.0;
+            }
+        }
+        directed
     }
 
     /// The problem on Γ_C; none without contact.
@@ -74,6 +94,7 @@ impl Given {
             contacts: step.contacts,
             boundary: step.boundary,
             unknown,
+            space: &step.discrete.v,
             dim: step.discrete.mesh.dim,
             rule: step.rule,
             u_bar: &self.u_bar,
@@ -327,12 +348,14 @@ impl<'a> Equation<'a> {
         let Equation { step, load, theta, thermal, given, .. } = self;
         let Balanced { iterate, states, residual, scale, driven, contact, force, reactions, support_work } = end;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
-        let free = &step.discrete.v.free;
         step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
             Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
             Rounded::Before => round_off(step.bar.w, &step.sizes(step.bar.w)),
             Rounded::Prescribed => {
-                round_off(&kept(&iterate.w, |i| !free[i]), &kept(&step.sizes(&iterate.w), |i| !free[i]))
+                let (mut w, mut sizes) = (iterate.w.clone(), step.sizes(&iterate.w));
+                step.discrete.v.mask_free(&mut w);
+                step.discrete.v.mask_free(&mut sizes);
+                round_off(&w, &sizes)
             }
         })?;
         let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
@@ -411,11 +434,12 @@ impl Begun {
     fn new(step: &Step, warmed: &Warmed) -> Begun {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
-        let mut w = vec![0.0; load.len()];
-        discrete.v.prescribe(t, &mut w);
-        for (i, w) in w.iter_mut().enumerate() {
-            *w = if discrete.v.free[i] { old.w[i] } else { (*w - bar.u[i]) / gamma };
-        }
+        let (mut w, mut change) = (old.w.clone(), bar.u.to_vec());
+        discrete.v.prescribe(t, &mut change);
+        change.iter_mut().zip(bar.u).for_each(|(u, bar)| *u = (*u - bar) / gamma);
+        discrete.v.mask(&mut w);
+        discrete.v.mask_free(&mut change);
+        w.iter_mut().zip(change).for_each(|(w, change)| *w += change);
         let given = Given::new(step, &w);
         let mut multipliers = old.multipliers.clone();
         // What no longer faces the other body has let go of it.

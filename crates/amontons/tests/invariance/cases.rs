@@ -1,6 +1,8 @@
 //! The cases of the pairs: every law, in one to three dimensions, all data growing from rest.
 #![allow(clippy::too_many_lines, clippy::too_many_arguments, reason = "a test is one list of cases")]
 
+use std::fmt::Write as _;
+
 use amontons::mesh::{Diagonal, Elements, Mesh};
 
 pub struct Case {
@@ -171,6 +173,18 @@ fn iterated(name: &'static str, case: Case) -> Case {
     Case { name, template: format!("solver = {{ solver = \"iterative\" }}\n{}", case.template), ..case }
 }
 
+/// A case whose right side, and in space its front, slides in a plane, by `front` in a moving one: at the edges the top
+/// holds them, and contact ends at them.
+fn rollers(name: &'static str, front: &str, case: Case) -> Case {
+    let (before, rest) = case.template.split_once("[[boundary]]\non = \"right\"").expect("the right side");
+    let (_, after) = rest.split_once("spring = <Pa/m|0.5>\n").expect("its spring");
+    let mut sides = "[[boundary]]\non = \"right\"\nnormal_displacement = <m|0.004*T*(1 + Y)>\n".to_owned();
+    if case.mesh.dim == 3 {
+        let _ = writeln!(sides, "[[boundary]]\non = \"front\"\nnormal_displacement = <m|{front}>");
+    }
+    Case { name, template: format!("{before}{sides}{after}"), ..case }
+}
+
 pub fn all() -> Vec<Case> {
     let laws = "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
                 heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n";
@@ -190,6 +204,19 @@ pub fn all() -> Vec<Case> {
     all.push(graded("coefficients in space, P1", space("", Elements::P1, [3, 2, 2], laws)));
     all.push(thermal("coefficients of the temperature, P1 in the plane", plane("", Elements::P1, STRAIN, laws)));
     all.push(thermal("coefficients of the temperature, P1", space("", Elements::P1, [3, 2, 2], laws)));
+    all.push(rollers("sides that slide, P1 in the plane", "", plane("", Elements::P1, STRAIN, laws)));
+    all.push(rollers("sides that slide, Q2 in the plane", "", plane("", Elements::Q2, SHEET, held)));
+    all.push(rollers(
+        "sides that slide, quadratic tetrahedra",
+        "-0.003*T*(1 + X)",
+        space("", Elements::P2, [2, 2, 1], held),
+    ));
+    all.push(rollers("sides that slide, hexahedra", "0", space("", Elements::Q1, [3, 2, 2], laws)));
+    all.push(rollers(
+        "by an iteration: sides that slide",
+        "-0.003*T*(1 + X)",
+        iterated("", space("", Elements::P1, [6, 5, 5], laws)),
+    ));
     all.push(iterated(
         "by an iteration: compliance, Coulomb, ramp (tetrahedra)",
         space("", Elements::P1, [6, 5, 5], laws),

@@ -58,7 +58,7 @@ pub struct Sides<'a> {
     /// The other side.
     pub mortar: &'a FacetSet,
     /// Which components of the displacement of a node are prescribed.
-    pub held: &'a dyn Fn(u32) -> [bool; 3],
+    pub held: &'a dyn Fn(u32) -> [Point; 3],
 }
 
 /// A contact point of a pair: a vertex of the nonmortar side that has a multiplier.
@@ -123,14 +123,17 @@ impl Mortar {
         let shared: BTreeSet<u32> = sides.mortar.node_list().into_iter().collect();
         let mut held = BTreeMap::new();
         for (&node, gathered) in &mut nodes {
-            let is_held = (sides.held)(node);
+            let held_along = (sides.held)(node);
             let sum = &mut gathered.normal;
-            (0..3).filter(|&c| is_held[c]).for_each(|c| sum[c] = 0.0);
+            for direction in &held_along {
+                let along = dot(sum, direction);
+                *sum = std::array::from_fn(|c| sum[c] - along * direction[c]);
+            }
             let size = length(sum);
             // A node of both sides, and one that cannot move along its normal, has no multiplier.
             if size > DIRECTION && !shared.contains(&node) {
                 *sum = sum.map(|c| c / size);
-                held.insert(node, is_held.iter().take(sides.mesh.dim).any(|held| *held));
+                held.insert(node, held_along.iter().flatten().any(|part| *part != 0.0));
             }
         }
         let (mut made, tree) = (Mortar::default(), Tree::new(mortar.parts()));

@@ -21,8 +21,14 @@ const LEVELS: usize = 64;
 pub(super) fn contact_held(problem: &Problem) -> Vec<Finding> {
     let (mesh, space, boundary) = (&problem.mesh, problem.displacement_space(), problem.contact_boundary());
     let dim = mesh.dim;
-    let held =
-        |node: u32, normal: &Point| (0..dim).all(|c| normal[c].abs() < ACROSS || !space.free[node as usize * dim + c]);
+    let held = |node: u32, normal: &Point| {
+        let mut rest = *normal;
+        for direction in space.held_directions(node) {
+            let along = dot(&rest, &direction);
+            rest = std::array::from_fn(|c| rest[c] - along * direction[c]);
+        }
+        rest.iter().take(dim).all(|c| c.abs() < ACROSS)
+    };
     let mut findings = Vec::new();
     for (side, contact) in problem.contacts.iter().enumerate().filter(|(_, contact)| contact.pair.is_none()) {
         let on_side = || boundary.points.iter().filter(|p| p.contact == side);

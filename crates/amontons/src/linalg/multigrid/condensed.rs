@@ -75,7 +75,7 @@ impl Iterative {
     /// A vector over all degrees of freedom.
     fn spread(&self, x: &[f64]) -> Vec<f64> {
         let mut full = vec![0.0; self.free.len()];
-        self.unknowns.add(x, &mut full);
+        self.unknowns.put(x, &mut full);
         full
     }
 
@@ -111,7 +111,7 @@ impl Iterative {
             }
             &straight
         };
-        let mut y = self.unknowns.gather(&self.matrix.apply(&self.spread(x)));
+        let mut y = self.unknowns.pick(&self.matrix.apply(&self.spread(x)));
         for turn in &self.turns {
             turn.forward(&mut y);
         }
@@ -125,7 +125,12 @@ impl Iterative {
             return Ok(());
         }
         let (by_degree, turns) = self.by_degree(tangent);
-        let body = Body { matrix: &self.matrix, points: &self.unknowns.points, free: &self.free };
+        let body = Body {
+            matrix: &self.matrix,
+            points: &self.unknowns.points,
+            free: &self.free,
+            frames: &self.unknowns.frames.0,
+        };
         let mut preconditioner = match self.preconditioner.take() {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
@@ -137,7 +142,7 @@ impl Iterative {
 
     fn precondition(&self, r: &[f64]) -> Vec<f64> {
         match &self.preconditioner {
-            Some(preconditioner) => self.unknowns.gather(&preconditioner.apply(&self.matrix, &self.spread(r))),
+            Some(preconditioner) => self.unknowns.pick(&preconditioner.apply(&self.matrix, &self.spread(r))),
             None => r.to_vec(),
         }
     }
@@ -257,7 +262,7 @@ impl Condensed for Iterative {
     }
 
     fn magnitude(&self, x: &[f64]) -> Result<f64, SolveError> {
-        Ok(max_abs(&self.unknowns.gather(&self.matrix.magnitude(&self.spread(x)))))
+        Ok(max_abs(&self.unknowns.pick(&self.matrix.magnitude(&self.spread(x)))))
     }
 
     fn solve(&mut self, tangent: &Tangent, b: &mut [f64], enough: f64) -> Result<(), SolveError> {

@@ -40,7 +40,7 @@ impl Multigrid {
 impl Backend for Multigrid {
     fn order(&self, _matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         let dofs = (0..layout.free.len() as u32).filter(|&dof| layout.free[dof as usize]).collect();
-        Unknowns { dofs, interior: 0, points: layout.points.into(), choice: None }
+        Unknowns { dofs, interior: 0, points: layout.points.into(), frames: layout.frames(), choice: None }
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {

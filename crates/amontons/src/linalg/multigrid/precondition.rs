@@ -13,6 +13,7 @@ use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::Stop;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
+use crate::space::Frame;
 use crate::tensor::{Point, Sym};
 
 /// How many times stiffer than K at a degree of freedom contact is in the cycle at the most: what is stiffer holds it.
@@ -25,6 +26,8 @@ pub(super) struct Body<'a> {
     pub matrix: &'a BlockMatrix,
     pub points: &'a [Point],
     pub free: &'a [bool],
+    /// Directions of the unknowns of nodes where they are not the axes.
+    pub frames: &'a [Frame],
 }
 
 /// The preconditioner.
@@ -226,6 +229,12 @@ fn modes(body: &Body, n: usize) -> (Vec<f64>, usize) {
             if n == 3 {
                 (block[m + 4], block[2 * m + 4]) = (-z, y);
                 (block[2 * m + 5], block[5]) = (-x, z);
+            }
+        }
+        if let Ok(at) = body.frames.binary_search_by_key(&(i as u32), |frame| frame.node) {
+            let (axes, old) = (&body.frames[at].axes, block.to_vec());
+            for (at, value) in block.iter_mut().enumerate() {
+                *value = (0..n).map(|d| axes[at / m][d] * old[d * m + at % m]).sum();
             }
         }
         for c in (0..n).filter(|c| !body.free[i * n + c]) {
