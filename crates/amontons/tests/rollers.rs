@@ -9,10 +9,11 @@ mod common;
 use std::sync::Arc;
 
 use amontons::case::{self, Case, Source};
+use amontons::hypotheses::full;
 use amontons::mesh::{Diagonal, Elements, Mesh};
 use amontons::output::{Memory, OutputError, ProbeSet, RunStart, Sink, Snapshot, Summary};
 use amontons::problem::{BoundaryCondition, Problem};
-use amontons::run::run;
+use amontons::run::{Settings, run};
 use amontons::tensor::{Point, dot, length};
 use at_rest::{parse, settings};
 use common::{Random, changed};
@@ -203,5 +204,41 @@ fn a_bent_side_is_refused() {
     let rounded = changed(&case.problem, |data| data.mesh = Arc::new(mesh));
     for (a, b) in exact.iter().zip(solved(&rounded)) {
         assert!((a - b).abs() < 1e-6, "{a} and {b}");
+    }
+}
+
+/// The certificate of a body with sliding sides, and its audits, are those of the body turned.
+#[test]
+fn the_certificate_does_not_turn() {
+    for solver in ["direct", "iterative"] {
+        let text = format!(
+            "name = \"box\"\n[mesh]\nkind = \"box\"\nsize = [1, 0.8, 0.6]\nn = [4, 3, 3]\n[time]\nend = 0.5\nsteps = 4\n[material]\ndensity = 1\nheat_capacity = 1\n\
+             conductivity = 1\nexpansion = 0.3\ncoupling = 0.2\nelasticity = {{ law = \"isotropic\", young = 20.0, poisson = 0.3 }}\n\
+             viscosity = {{ law = \"lame\", first = 0.3, second = 0.5 }}\n[[boundary]]\non = \"left\"\nnormal_displacement = 0\ntemperature = 0\n\
+             [[boundary]]\non = \"back\"\nnormal_displacement = \"0.01*t\"\n[[boundary]]\non = \"top\"\nnormal_displacement = \"-0.01*t\"\n\
+             [contact]\non = \"bottom\"\nnormal = {{ law = \"compliance\", stiffness = 100.0 }}\nfriction = {{ law = \"coulomb\", coefficient = 0.2 }}\n\
+             heat = {{ law = \"constant\", conductance = 1.0, foundation_temperature = 1.0 }}\n[solver]\nsolver = \"{solver}\"\n"
+        );
+        let case = parse(&text);
+        let mesh = &case.problem.mesh;
+        let ((s, c), (sp, cp)) = (0.7f64.sin_cos(), (-0.4f64).sin_cos());
+        let q: [Point; 3] = [[c, -s * cp, s * sp], [s, c * cp, -c * sp], [0.0, sp, cp]];
+        let points = mesh.points.iter().map(|x| q.map(|row| dot(&row, x))).collect();
+        let turned = changed(&case.problem, |data| data.mesh = Arc::new(Mesh { points, ..(**mesh).clone() }));
+        let [here, there] = [&case.problem, &turned].map(|problem| {
+            let summary = run(problem, &Settings::default(), &mut []).unwrap_or_else(|error| panic!("{error}"));
+            (full(problem), summary)
+        });
+        assert_eq!(here.0.findings.len(), there.0.findings.len());
+        for (a, b) in here.0.findings.iter().zip(&there.0.findings) {
+            assert_eq!((a.id, &a.status), (b.id, &b.status), "{solver}: {} {}", a.message, b.message);
+            if let (Some(one), Some(other)) = (a.value, b.value) {
+                assert!((one - other).abs() <= 1e-6 * one.abs().max(1e-9), "{solver}, {:?}: {one} {other}", a.id);
+            }
+        }
+        for summary in [&here.1, &there.1] {
+            assert!(summary.energy.closing_error < 1e-12, "{solver}: {:e}", summary.energy.closing_error);
+            assert!(summary.energy.heat_closing_error < 1e-12, "{solver}: {:e}", summary.energy.heat_closing_error);
+        }
     }
 }
