@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
 use amontons::expression::Expression;
-use amontons::mesh::{gmsh, inp, vtu};
+use amontons::mesh::{gmsh, inp, med, vtu};
 use amontons::output::{Checkpoint, Folder, FolderOptions};
 use amontons::plot;
 use amontons::run::{self, Settings};
@@ -95,7 +95,7 @@ const HASH: usize = 32;
 
 /// Names of the readers.
 pub fn names() -> Vec<&'static str> {
-    vec!["case", "override", "expression", "table", "gmsh", "inp", "vtu", "checkpoint", "results"]
+    vec!["case", "override", "expression", "table", "gmsh", "inp", "vtu", "med", "checkpoint", "results"]
 }
 
 /// A reader with what it needs.
@@ -112,6 +112,7 @@ enum Kind {
     Gmsh,
     Inp,
     Vtu,
+    Med,
     Checkpoint {
         case: Box<Case>,
         folder: PathBuf,
@@ -146,6 +147,7 @@ impl Target {
             "gmsh" => (Kind::Gmsh, meshes("msh")),
             "inp" => (Kind::Inp, [meshes("inp"), texts(&[MODEL])].concat()),
             "vtu" => (Kind::Vtu, meshes("vtu")),
+            "med" => (Kind::Med, meshes("med")),
             "checkpoint" => {
                 let (folder, case) = small_run(name)?;
                 let sound = fs::read(folder.join("checkpoint/state.bin")).ok()?;
@@ -190,6 +192,9 @@ impl Target {
             ]
             .map(str::to_owned)
             .to_vec(),
+            Kind::Med => {
+                ["ENS_MAA\0", "NOE\0", "COO\0", "GRO\0", "H20\0", "TREE", "SNOD", "HEAP"].map(str::to_owned).to_vec()
+            }
             Kind::Vtu => [
                 "<DataArray type=\"UInt8\" format=\"appended\" offset=\"0\">",
                 "NumberOfPoints=\"4294967295\"",
@@ -229,6 +234,7 @@ impl Target {
             Kind::Gmsh => told(gmsh::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Inp => told(inp::parse(bytes).map(|read| read.mesh.cell_count())),
             Kind::Vtu => told(vtu::parse(bytes).map(|mesh| mesh.cell_count())),
+            Kind::Med => told(med::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Checkpoint { case, folder } => checkpoint(case, folder, bytes),
             Kind::Results { folder, files, sound } => results(folder, files, sound, bytes),
         }

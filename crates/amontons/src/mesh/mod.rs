@@ -10,6 +10,7 @@ mod geometry;
 pub mod gmsh;
 pub mod inp;
 mod locator;
+pub mod med;
 mod quality;
 mod read;
 mod refine;

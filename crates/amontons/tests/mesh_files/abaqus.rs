@@ -67,7 +67,7 @@ fn deck(mesh: &Mesh) -> String {
 }
 
 /// The same mesh with the facets of its sides in an order of their own: a file may list them as it likes.
-fn sorted(mesh: &Mesh) -> Mesh {
+pub fn sorted(mesh: &Mesh) -> Mesh {
     let mut sorted = mesh.clone();
     for set in sorted.facets.values_mut() {
         let mut facets: Vec<(&Element, Vec<u32>)> =

@@ -13,6 +13,7 @@ mod defects;
 mod files;
 mod formats;
 mod hostile;
+mod med;
 mod messages;
 mod writer;
 

@@ -4,6 +4,7 @@
 //! |---|---|---|---|
 //! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d | physical groups of dimension d − 1 |
 //! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces and node sets |
+//! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`](crate::mesh::med)) | groups of cells of dimension d | groups of cells of dimension d − 1 |
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
 //! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
@@ -260,7 +261,7 @@ impl MeshFileError {
             MeshFileError::In { fault, .. } => return fault.expected(),
             MeshFileError::Unreadable { .. } | MeshFileError::Grid { .. } => return None,
             MeshFileError::Extension { .. } => {
-                ".msh (Gmsh), .inp (Abaqus, CalculiX) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+                ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
             }
             MeshFileError::Syntax { expected, .. } => expected,
             MeshFileError::Version { .. } => "2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
@@ -316,7 +317,7 @@ impl std::fmt::Display for MeshFileError {
 impl std::error::Error for MeshFileError {}
 
 /// Extensions of the formats that are read, in small letters.
-pub const EXTENSIONS: [&str; 3] = ["msh", "inp", "vtu"];
+pub const EXTENSIONS: [&str; 4] = ["msh", "inp", "vtu", "med"];
 
 /// A mesh from a file, with what else the file has.
 #[derive(Clone, Debug)]
@@ -375,6 +376,7 @@ pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
         "msh" => super::gmsh::parse(bytes).map(alone),
         "inp" => super::inp::parse(bytes),
         "vtu" => super::vtu::parse(bytes).map(alone),
+        "med" => super::med::parse(bytes).map(alone),
         _ => Err(MeshFileError::Extension { found: extension.to_owned() }),
     }
 }

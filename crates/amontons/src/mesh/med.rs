@@ -1,0 +1,263 @@
+//! Meshes of Code_Aster and Salome: MED, which is HDF5 (`.med`).
+//!
+//! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges and of nodes named
+//! edges and points. A cell of no group is in no region, as in a file of Gmsh. Read are the files of versions 2.2 to 4
+//! with one mesh, of which the first step counts. MED numbers the nodes of a cell as VTK does, but for its orientation.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use hdf5_pure::{AttrValue, Dataset, File, Group};
+
+use super::Mesh;
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, completed};
+use crate::element;
+use crate::quadrature::Shape;
+use crate::tensor::Point;
+
+/// Length of the name of a group.
+const NAME: usize = 80;
+/// The types of cells: name in the file, dimension, nodes, type of VTK; 0 for those that the library has not.
+const TYPES: [(&str, usize, usize, u8); 18] = [
+    ("PO1", 0, 1, 1),
+    ("SE2", 1, 2, 3),
+    ("SE3", 1, 3, 21),
+    ("TR3", 2, 3, 5),
+    ("TR6", 2, 6, 22),
+    ("TR7", 2, 7, 0),
+    ("QU4", 2, 4, 9),
+    ("QU8", 2, 8, 23),
+    ("QU9", 2, 9, 28),
+    ("TE4", 3, 4, 10),
+    ("T10", 3, 10, 24),
+    ("PY5", 3, 5, 14),
+    ("P13", 3, 13, 0),
+    ("PE6", 3, 6, 13),
+    ("P15", 3, 15, 26),
+    ("P18", 3, 18, 0),
+    ("HE8", 3, 8, 12),
+    ("H20", 3, 20, 25),
+];
+
+fn refuse(message: impl Into<String>) -> MeshFileError {
+    MeshFileError::Grid { message: message.into() }
+}
+
+/// What the library of the format said.
+fn told(what: &str) -> impl Fn(hdf5_pure::Error) -> MeshFileError + '_ {
+    move |error| refuse(format!("{what} cannot be read: {error}"))
+}
+
+/// Reads a mesh from the bytes of a MED file: cells → blocks in the order of the types in the file.
+///
+/// # Errors
+/// When the bytes are no mesh of one body; the error names the part of the file.
+pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
+    let file = File::from_bytes(bytes.to_vec())
+        .map_err(|error| refuse(format!("no HDF5, which a MED file is: {error}; it may be truncated")))?;
+    let root = file.root();
+    let meshes = child(&root, "ENS_MAA").ok_or_else(|| refuse("HDF5 without meshes (ENS_MAA), expected a MED file"))?;
+    let names = meshes.groups().map_err(told("ENS_MAA"))?;
+    let [name] = names.as_slice() else {
+        let found = if names.is_empty() { "no mesh".to_owned() } else { format!("the meshes {}", names.join(", ")) };
+        return Err(refuse(format!("{found}, expected one; export the mesh of one body")));
+    };
+    let mesh = meshes.group(name).map_err(told(name))?;
+    let step = step(&mesh, name)?;
+    let points = points(&mesh, &step)?;
+    let families = child(&root, "FAS").and_then(|all| child(&all, name));
+    let mut read = Reading { points: points.len(), blocks: Vec::new(), groups: Groups::default() };
+    if let Some(cells) = child(&step, "MAI") {
+        let of_cells = families_of(families.as_ref(), "ELEME")?;
+        for kind in cells.groups().map_err(told("MAI"))? {
+            read.cells(&cells.group(&kind).map_err(told(&kind))?, &kind, &of_cells)?;
+        }
+    }
+    read.nodes(&step, &families_of(families.as_ref(), "NOEUD")?)?;
+    let names = read.groups.names();
+    Loose { points, blocks: read.blocks, names }.into_mesh(FilePosition::Cell)
+}
+
+fn child(group: &Group, name: &str) -> Option<Group> {
+    group.group(name).ok()
+}
+
+/// The part of a mesh with nodes and cells: of the first step; before version 3 the mesh itself.
+fn step(mesh: &Group, name: &str) -> Result<Group, MeshFileError> {
+    if child(mesh, "NOE").is_some() {
+        return Ok(mesh.clone());
+    }
+    let mut steps = mesh.groups().map_err(told(name))?;
+    steps.sort();
+    let with_nodes = steps.iter().filter_map(|step| child(mesh, step)).find(|step| child(step, "NOE").is_some());
+    with_nodes.ok_or_else(|| refuse(format!("the mesh {name} has no nodes (NOE)")))
+}
+
+fn integer(value: &AttrValue) -> Option<i64> {
+    match value {
+        AttrValue::I32(v) => Some(i64::from(*v)),
+        AttrValue::I64(v) => Some(*v),
+        AttrValue::U32(v) => Some(i64::from(*v)),
+        AttrValue::I32Array(v) => v.first().map(|v| i64::from(*v)),
+        AttrValue::I64Array(v) => v.first().copied(),
+        _ => None,
+    }
+}
+
+/// The coordinates: all x, all y, all z.
+fn points(mesh: &Group, step: &Group) -> Result<Vec<Point>, MeshFileError> {
+    let attributes = mesh.attrs().map_err(told("the mesh"))?;
+    let dim = ["ESP", "DIM"].iter().find_map(|key| integer(attributes.get(*key)?)).unwrap_or(0);
+    let dim = usize::try_from(dim).ok().filter(|dim| (1..=3).contains(dim));
+    let dim = dim.ok_or_else(|| refuse("a mesh without a dimension of space (ESP), expected 1, 2 or 3"))?;
+    let values = step.dataset("NOE/COO").and_then(|data| data.read_f64()).map_err(told("NOE/COO"))?;
+    let count = values.len() / dim;
+    if count * dim != values.len() || count > u32::MAX as usize {
+        return Err(refuse(format!("{} coordinates (NOE/COO) in {dim} dimensions", values.len())));
+    }
+    if let Some(at) = values.iter().position(|x| !x.is_finite()) {
+        return Err(refuse(format!(
+            "the coordinate {} of node {}, expected a finite number",
+            values[at],
+            at % count + 1
+        )));
+    }
+    let of = |node: usize| -> Point { std::array::from_fn(|d| if d < dim { values[d * count + node] } else { 0.0 }) };
+    Ok((0..count).map(of).collect())
+}
+
+/// The names of the groups of each family.
+fn families_of(families: Option<&Group>, of: &str) -> Result<BTreeMap<i64, BTreeSet<String>>, MeshFileError> {
+    let mut all = BTreeMap::new();
+    let Some(families) = families.and_then(|families| child(families, of)) else { return Ok(all) };
+    for name in families.groups().map_err(told(of))? {
+        let family = families.group(&name).map_err(told(&name))?;
+        let attributes = family.attrs().map_err(told(&name))?;
+        let number = attributes.get("NUM").and_then(integer);
+        let number = number.ok_or_else(|| refuse(format!("the family {name} has no number (NUM)")))?;
+        let mut groups = BTreeSet::new();
+        if let Ok(names) = family.dataset("GRO/NOM") {
+            let bytes = names.read_raw().map_err(told(&name))?;
+            for name in bytes.chunks(NAME) {
+                let end = name.iter().position(|byte| *byte == 0).unwrap_or(name.len());
+                let name = String::from_utf8_lossy(&name[..end]).trim().to_owned();
+                groups.extend((!name.is_empty()).then_some(name));
+            }
+        }
+        all.insert(number, groups);
+    }
+    Ok(all)
+}
+
+/// Tags of the groups of each dimension, in the order in which they are met.
+#[derive(Default)]
+struct Groups(BTreeMap<(usize, String), i64>);
+
+impl Groups {
+    fn tag(&mut self, dim: usize, name: &str) -> i64 {
+        let next = self.0.len() as i64;
+        *self.0.entry((dim, name.to_owned())).or_insert(next)
+    }
+
+    fn names(self) -> BTreeMap<(usize, i64), String> {
+        self.0.into_iter().map(|((dim, name), tag)| ((dim, tag), name)).collect()
+    }
+}
+
+struct Reading {
+    /// Number of nodes.
+    points: usize,
+    blocks: Vec<LooseBlock>,
+    groups: Groups,
+}
+
+type Families = BTreeMap<i64, BTreeSet<String>>;
+
+impl Reading {
+    /// The cells of one type.
+    fn cells(&mut self, group: &Group, code: &str, families: &Families) -> Result<(), MeshFileError> {
+        let Some(&(name, dim, nodes, vtk)) = TYPES.iter().find(|(name, ..)| *name == code) else {
+            let known: Vec<&str> = TYPES.iter().filter(|(.., vtk)| *vtk != 0).map(|(name, ..)| *name).collect();
+            return Err(refuse(format!("cells of type {code}, expected one of {}", known.join(", "))));
+        };
+        let kind = Kind { name, dim, nodes, element: element_of(vtk) };
+        let listed = integers(&group.dataset("NOD").map_err(told("NOD"))?, "NOD")?;
+        let count = listed.len() / nodes;
+        if count * nodes != listed.len() {
+            return Err(refuse(format!("{} nodes of cells of type {code}, which have {nodes} each", listed.len())));
+        }
+        let of = family_of_each(group, count, code)?;
+        let mut index: BTreeMap<i64, usize> = BTreeMap::new();
+        for cell in 0..count {
+            let family = of.as_ref().map_or(0, |of| of[cell]);
+            let block = match index.get(&family) {
+                Some(block) => *block,
+                None => self.block(kind, families.get(&family), cell),
+            };
+            index.insert(family, block);
+            for local in 0..nodes {
+                let node = self.node(listed[local * count + cell], cell, code)?;
+                self.blocks[block].nodes.push(node);
+            }
+        }
+        Ok(())
+    }
+
+    /// The nodes of groups, as points.
+    fn nodes(&mut self, step: &Group, families: &Families) -> Result<(), MeshFileError> {
+        let Some(of) =
+            child(step, "NOE").map(|group| family_of_each(&group, self.points, "nodes")).transpose()?.flatten()
+        else {
+            return Ok(());
+        };
+        let kind = Kind { name: "PO1", dim: 0, nodes: 1, element: element_of(1) };
+        let mut index: BTreeMap<i64, usize> = BTreeMap::new();
+        for (node, family) in of.iter().enumerate() {
+            let Some(groups) = families.get(family).filter(|groups| !groups.is_empty()) else { continue };
+            let block = match index.get(family) {
+                Some(block) => *block,
+                None => self.block(kind, Some(groups), node),
+            };
+            index.insert(*family, block);
+            self.blocks[block].nodes.push(node as u32);
+        }
+        Ok(())
+    }
+
+    fn block(&mut self, kind: Kind, groups: Option<&BTreeSet<String>>, at: usize) -> usize {
+        let groups = groups.into_iter().flatten().map(|name| self.groups.tag(kind.dim, name)).collect();
+        self.blocks.push(LooseBlock { kind, groups, at, nodes: Vec::new(), numbers: Vec::new() });
+        self.blocks.len() - 1
+    }
+
+    fn node(&self, number: i64, cell: usize, code: &str) -> Result<u32, MeshFileError> {
+        let index = number.checked_sub(1).and_then(|node| u32::try_from(node).ok());
+        index.filter(|node| (*node as usize) < self.points).ok_or_else(|| {
+            let expected = format!("one of the nodes 1 to {}", self.points);
+            refuse(format!("node {number} of cell {cell} of type {code}, expected {expected}"))
+        })
+    }
+}
+
+/// The family of each of `count` cells or nodes; none where all are in family 0.
+fn family_of_each(group: &Group, count: usize, of: &str) -> Result<Option<Vec<i64>>, MeshFileError> {
+    let Ok(data) = group.dataset("FAM") else { return Ok(None) };
+    let families = integers(&data, "FAM")?;
+    if families.len() != count {
+        return Err(refuse(format!("{} families (FAM) of {count} {of}", families.len())));
+    }
+    Ok(Some(families))
+}
+
+fn integers(data: &Dataset, what: &str) -> Result<Vec<i64>, MeshFileError> {
+    data.read_i64().map_err(told(what))
+}
+
+fn element_of(vtk: u8) -> Option<&'static element::Element> {
+    match vtk {
+        0 => None,
+        23 => completed(Shape::Quadrilateral, 8),
+        25 => completed(Shape::Hexahedron, 20),
+        26 => completed(Shape::Prism, 15),
+        _ => element::ALL.iter().copied().find(|element| element.vtk == vtk),
+    }
+}
