@@ -128,7 +128,7 @@ pub enum Command {
     },
     /// Show what a mesh file has: regions, sides, sizes, the quality of its cells
     Mesh {
-        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome) or .vtu (VTK)
+        /// The file, .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK)
         file: PathBuf,
         /// Factor of the coordinates: 0.001 if the file is in mm
         #[arg(long, value_name = "F", default_value_t = 1.0)]

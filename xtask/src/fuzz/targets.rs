@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use amontons::case::{self, Case, Files, Source};
 use amontons::expression::Expression;
-use amontons::mesh::{gmsh, inp, med, vtu};
+use amontons::mesh::{exodus, gmsh, inp, med, vtu};
 use amontons::output::{Checkpoint, Folder, FolderOptions};
 use amontons::plot;
 use amontons::run::{self, Settings};
@@ -95,7 +95,7 @@ const HASH: usize = 32;
 
 /// Names of the readers.
 pub fn names() -> Vec<&'static str> {
-    vec!["case", "override", "expression", "table", "gmsh", "inp", "vtu", "med", "checkpoint", "results"]
+    vec!["case", "override", "expression", "table", "gmsh", "inp", "vtu", "med", "exodus", "checkpoint", "results"]
 }
 
 /// A reader with what it needs.
@@ -113,6 +113,7 @@ enum Kind {
     Inp,
     Vtu,
     Med,
+    Exodus,
     Checkpoint {
         case: Box<Case>,
         folder: PathBuf,
@@ -148,6 +149,7 @@ impl Target {
             "inp" => (Kind::Inp, [meshes("inp"), texts(&[MODEL])].concat()),
             "vtu" => (Kind::Vtu, meshes("vtu")),
             "med" => (Kind::Med, meshes("med")),
+            "exodus" => (Kind::Exodus, meshes("e")),
             "checkpoint" => {
                 let (folder, case) = small_run(name)?;
                 let sound = fs::read(folder.join("checkpoint/state.bin")).ok()?;
@@ -195,6 +197,11 @@ impl Target {
             Kind::Med => {
                 ["ENS_MAA\0", "NOE\0", "COO\0", "GRO\0", "H20\0", "TREE", "SNOD", "HEAP"].map(str::to_owned).to_vec()
             }
+            Kind::Exodus => {
+                ["CDF\x01", "CDF\x05", "coordx\0", "eb_prop1", "connect1", "side_ss1", "elem_type", "HEX20\0"]
+                    .map(str::to_owned)
+                    .to_vec()
+            }
             Kind::Vtu => [
                 "<DataArray type=\"UInt8\" format=\"appended\" offset=\"0\">",
                 "NumberOfPoints=\"4294967295\"",
@@ -235,6 +242,7 @@ impl Target {
             Kind::Inp => told(inp::parse(bytes).map(|read| read.mesh.cell_count())),
             Kind::Vtu => told(vtu::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Med => told(med::parse(bytes).map(|mesh| mesh.cell_count())),
+            Kind::Exodus => told(exodus::parse(bytes).map(|mesh| mesh.cell_count())),
             Kind::Checkpoint { case, folder } => checkpoint(case, folder, bytes),
             Kind::Results { folder, files, sound } => results(folder, files, sound, bytes),
         }

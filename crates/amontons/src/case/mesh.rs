@@ -148,8 +148,7 @@ impl Build<'_> {
         };
         let ending = name.rsplit_once('.').map_or_else(String::new, |(_, ending)| ending.to_ascii_lowercase());
         if !mesh::EXTENSIONS.contains(&ending.as_str()) {
-            let expected =
-                "the name of a .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome) or .vtu (VTK) file";
+            let expected = "the name of a .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK) file";
             let hint = "meshio converts other formats: meshio convert FILE MESH.vtu";
             self.note(FILE, At::Value, format!("\"{name}\""), expected, Some(hint));
             return None;

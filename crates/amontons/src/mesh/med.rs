@@ -1,15 +1,16 @@
 //! Meshes of Code_Aster and Salome: MED, which is HDF5 (`.med`).
 //!
-//! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges and of nodes named
-//! edges and points. A cell of no group is in no region, as in a file of Gmsh. Read are the files of versions 2.2 to 4
-//! with one mesh, of which the first step counts. MED numbers the nodes of a cell as VTK does, but for its orientation.
+//! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges named edges. Groups of
+//! nodes that hold facets of the boundary are sides, the others edges or points. A cell of no group is in no region, as
+//! in a file of Gmsh. Read are the files of versions 2.2 to 4 with one mesh, of which the first step counts. MED numbers
+//! the nodes of a cell as VTK does, but for its orientation.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, completed};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, completed};
 use crate::element;
 use crate::quadrature::Shape;
 use crate::tensor::Point;
@@ -72,9 +73,9 @@ pub fn parse(bytes: &[u8]) -> Result<Mesh, MeshFileError> {
             read.cells(&cells.group(&kind).map_err(told(&kind))?, &kind, &of_cells)?;
         }
     }
-    read.nodes(&step, &families_of(families.as_ref(), "NOEUD")?)?;
+    let node_sets = read.nodes(&step, &families_of(families.as_ref(), "NOEUD")?)?;
     let names = read.groups.names();
-    Loose { points, blocks: read.blocks, names }.into_mesh(FilePosition::Cell)
+    Loose { points, blocks: read.blocks, names, node_sets }.into_mesh(FilePosition::Cell)
 }
 
 fn child(group: &Group, name: &str) -> Option<Group> {
@@ -202,25 +203,16 @@ impl Reading {
         Ok(())
     }
 
-    /// The nodes of groups, as points.
-    fn nodes(&mut self, step: &Group, families: &Families) -> Result<(), MeshFileError> {
-        let Some(of) =
-            child(step, "NOE").map(|group| family_of_each(&group, self.points, "nodes")).transpose()?.flatten()
-        else {
-            return Ok(());
-        };
-        let kind = Kind { name: "PO1", dim: 0, nodes: 1, element: element_of(1) };
-        let mut index: BTreeMap<i64, usize> = BTreeMap::new();
-        for (node, family) in of.iter().enumerate() {
-            let Some(groups) = families.get(family).filter(|groups| !groups.is_empty()) else { continue };
-            let block = match index.get(family) {
-                Some(block) => *block,
-                None => self.block(kind, Some(groups), node),
-            };
-            index.insert(*family, block);
-            self.blocks[block].nodes.push(node as u32);
+    /// The groups of nodes.
+    fn nodes(&self, step: &Group, families: &Families) -> Result<Vec<NodeSet>, MeshFileError> {
+        let of = child(step, "NOE").map(|group| family_of_each(&group, self.points, "nodes")).transpose()?.flatten();
+        let mut sets: BTreeMap<&String, BTreeSet<u32>> = BTreeMap::new();
+        for (node, family) in of.iter().flatten().enumerate() {
+            for name in families.get(family).into_iter().flatten() {
+                sets.entry(name).or_default().insert(node as u32);
+            }
         }
-        Ok(())
+        Ok(sets.into_iter().map(|(name, nodes)| NodeSet { name: name.clone(), nodes }).collect())
     }
 
     fn block(&mut self, kind: Kind, groups: Option<&BTreeSet<String>>, at: usize) -> usize {

@@ -4,6 +4,7 @@ mod assembly;
 mod convert;
 mod data;
 pub mod defects;
+pub mod exodus;
 mod facets;
 mod generate;
 mod geometry;

@@ -101,7 +101,7 @@ fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
         });
         blocks[block].nodes.extend_from_slice(nodes);
     }
-    Ok(Loose { points: grid.points, blocks, names })
+    Ok(Loose { points: grid.points, blocks, names, node_sets: Vec::new() })
 }
 
 /// The element of a cell; the library numbers nodes as VTK does.

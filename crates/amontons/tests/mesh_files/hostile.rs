@@ -1,6 +1,6 @@
 //! Damaged and hostile files: never a panic, no absurd allocation, always an error or a mesh whose nodes exist.
 
-use amontons::mesh::{Elements, Mesh, defects, gmsh, vtu};
+use amontons::mesh::{Elements, Mesh, MeshFileError, defects, gmsh, parse, vtu};
 use proptest::prelude::*;
 
 use super::writer::{Format, write};
@@ -19,7 +19,7 @@ fn vtu_files() -> Vec<Vec<u8>> {
 }
 
 /// What is read has nodes and cells that exist, and its defects can be looked for.
-fn look(read: Result<Mesh, amontons::mesh::MeshFileError>) {
+fn look(read: Result<Mesh, MeshFileError>) {
     match read {
         Ok(mesh) => {
             assert!(mesh.cell_count() > 0);
@@ -32,6 +32,71 @@ fn look(read: Result<Mesh, amontons::mesh::MeshFileError>) {
             assert!(!defects::components(&mesh).is_empty());
         }
         Err(error) => assert!(!error.to_string().is_empty()),
+    }
+}
+
+/// Why a file is refused, if it is.
+pub fn refusal(extension: &str, bytes: &[u8]) -> Option<MeshFileError> {
+    parse(extension, bytes).err()
+}
+
+/// A file with bytes that occur in it replaced wherever they do.
+pub fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
+    let mut all = bytes.to_vec();
+    let places: Vec<usize> = (0..=all.len() - old.len()).filter(|&at| all[at..].starts_with(old)).collect();
+    assert!(!places.is_empty(), "{old:?} does not occur");
+    places.into_iter().for_each(|at| all[at..at + old.len()].copy_from_slice(new));
+    all
+}
+
+/// Numbers that seem random.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, end: usize) -> usize {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % end
+    }
+}
+
+/// Files that are cut, and files with random bytes in random places, are read or refused, in the time and the memory of
+/// a file. Returns how many are refused.
+pub fn spoil_at_random(extension: &str, files: &[&[u8]]) -> usize {
+    let mut random = Random(77);
+    let mut refused = 0;
+    for whole in files {
+        for part in 0..40 {
+            refused += usize::from(refusal(extension, &whole[..whole.len() * part / 40]).is_some());
+        }
+        for _ in 0..1500 {
+            let mut spoiled = whole.to_vec();
+            for _ in 0..3 {
+                let at = random.below(whole.len());
+                spoiled[at] = random.below(256) as u8;
+            }
+            if let Ok(read) = parse(extension, &spoiled) {
+                let _ = read.mesh.check();
+            } else {
+                refused += 1;
+            }
+        }
+    }
+    refused
+}
+
+/// Counts and sizes of any length, in each place of four and of eight bytes and in both orders of bytes: nothing is set
+/// aside for what the file does not have.
+pub fn spoil_counts(extension: &str, files: &[&[u8]]) {
+    for whole in files {
+        for at in (0..whole.len() - 8).step_by(4) {
+            for count in [1u64 << 33, 1 << 45, u64::MAX - 1] {
+                for number in [count.to_le_bytes(), count.to_be_bytes()] {
+                    let mut spoiled = whole.to_vec();
+                    spoiled[at..at + 8].copy_from_slice(&number);
+                    let _ = refusal(extension, &spoiled);
+                }
+            }
+        }
     }
 }
 

@@ -10,6 +10,7 @@
 
 mod abaqus;
 mod defects;
+mod exodus;
 mod files;
 mod formats;
 mod hostile;

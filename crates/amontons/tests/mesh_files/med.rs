@@ -1,10 +1,11 @@
 //! MED files, as Code_Aster and Salome write them: `meshes/med.py` made those of the tests, from the description of the
 //! format.
 
-use amontons::mesh::{Mesh, MeshFileError, parse};
+use amontons::mesh::{Mesh, parse};
 
 use super::abaqus::sorted;
 use super::files::read as file;
+use super::hostile::{refusal, replaced, spoil_at_random, spoil_counts};
 use super::{assert_same, region};
 
 fn bytes(name: &str) -> &'static [u8] {
@@ -28,16 +29,6 @@ fn size_of_body(mesh: &Mesh) -> f64 {
     mesh.regions.iter().map(|name| region(mesh, name).0).sum()
 }
 
-/// Numbers that seem random.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, end: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % end
-    }
-}
-
 #[test]
 fn a_plate_has_its_groups() {
     for name in ["plate", "plate-2"] {
@@ -48,7 +39,7 @@ fn a_plate_has_its_groups() {
         regions.sort();
         assert_eq!(regions, ["rubber", "steel"]);
         let sides: Vec<(&str, usize)> = mesh.facets.iter().map(|(name, set)| (name.as_str(), set.len())).collect();
-        assert_eq!(sides, [("bottom", 3), ("free", 3), ("left", 2), ("top", 3)]);
+        assert_eq!(sides, [("bottom", 3), ("free", 3), ("left", 2), ("right", 2), ("top", 3)]);
         let corner = mesh.edges.get("corner").expect("a named point").node_list();
         assert_eq!(corner.iter().map(|&n| mesh.points[n as usize]).collect::<Vec<_>>(), [[1.5, 0.5, 0.0]]);
     }
@@ -90,27 +81,12 @@ fn a_file_of_another_program_is_the_mesh_it_was_made_of() {
     assert_same(&sorted(&ours), &sorted(&theirs));
 }
 
-fn refusal(bytes: &[u8]) -> Option<MeshFileError> {
-    parse("med", bytes).err()
-}
-
 #[test]
 fn what_is_no_med_file_is_refused() {
-    let message = refusal(b"$MeshFormat\n4.1 0 8\n").expect("a refusal").to_string();
+    let message = refusal("med", b"$MeshFormat\n4.1 0 8\n").expect("a refusal").to_string();
     assert!(message.starts_with("no HDF5, which a MED file is: "), "{message}");
-    // A family of a name of its own that is not there: one letter of the name of a part.
-    let spoiled = |old: &[u8], new: &[u8]| {
-        let mut all = bytes("plate").to_vec();
-        let mut found = 0;
-        for at in 0..all.len() - old.len() {
-            if &all[at..at + old.len()] == old {
-                all[at..at + old.len()].copy_from_slice(new);
-                found += 1;
-            }
-        }
-        assert!(found > 0);
-        refusal(&all).expect("a refusal").to_string()
-    };
+    let spoiled =
+        |old: &[u8], new: &[u8]| refusal("med", &replaced(bytes("plate"), old, new)).expect("a refusal").to_string();
     assert_eq!(spoiled(b"ENS_MAA\0", b"ENS_MAB\0"), "HDF5 without meshes (ENS_MAA), expected a MED file");
     assert_eq!(
         spoiled(b"QU4\0", b"QV4\0"),
@@ -118,43 +94,9 @@ fn what_is_no_med_file_is_refused() {
     );
 }
 
-/// Files that are cut, and files with random bytes in random places, are read or refused, in the time and the memory of
-/// a file.
 #[test]
 fn spoiled_files_are_refused_or_read() {
-    let mut random = Random(77);
-    let mut refused = 0;
-    for name in ["plate", "brick"] {
-        let whole = bytes(name);
-        for part in 0..40 {
-            refused += usize::from(refusal(&whole[..whole.len() * part / 40]).is_some());
-        }
-        for _ in 0..1500 {
-            let mut spoiled = whole.to_vec();
-            for _ in 0..3 {
-                let at = random.below(whole.len());
-                spoiled[at] = random.below(256) as u8;
-            }
-            if let Ok(read) = parse("med", &spoiled) {
-                let _ = read.mesh.check();
-            } else {
-                refused += 1;
-            }
-        }
-    }
+    let refused = spoil_at_random("med", &[bytes("plate"), bytes("brick")]);
     assert!(refused > 200, "{refused} were refused");
-}
-
-/// Counts and sizes of any length, in each place of eight bytes: nothing is set aside for what the file does not have.
-#[test]
-fn counts_of_any_size_are_refused_or_read() {
-    for name in ["plate", "brick"] {
-        for at in (0..bytes(name).len() - 8).step_by(8) {
-            for count in [1u64 << 33, 1 << 45, u64::MAX - 1] {
-                let mut spoiled = bytes(name).to_vec();
-                spoiled[at..at + 8].copy_from_slice(&count.to_le_bytes());
-                let _ = refusal(&spoiled);
-            }
-        }
-    }
+    spoil_counts("med", &[bytes("plate"), bytes("brick")]);
 }

@@ -176,7 +176,7 @@ fn files_are_named_in_their_faults() {
     let other = mesh::read(std::path::Path::new("pad.stl")).expect_err("a fault").to_string();
     assert_eq!(
         other,
-        "pad.stl: the extension is \"stl\", expected .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+        "pad.stl: the extension is \"stl\", expected .msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
     );
 }
 

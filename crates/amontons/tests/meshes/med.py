@@ -42,7 +42,7 @@ def write(path, points, cells, families, node_families=None, major=4, steps=True
 
 
 def plate():
-    """Quadrilaterals and triangles in two regions; a corner has a name."""
+    """Quadrilaterals and triangles in two regions; a corner has a name, and the nodes of a side have."""
     points = [(0.5 * i, 0.25 * j) for j in range(3) for i in range(4)]
     n = lambda i, j: 4 * j + i
     quads = [(n(i, j), n(i + 1, j), n(i + 1, j + 1), n(i, j + 1)) for j in range(2) for i in range(2)]
@@ -51,9 +51,11 @@ def plate():
     lines = [(n(i, 0), n(i + 1, 0)) for i in range(3)] + [(n(i, 2), n(i + 1, 2)) for i in range(3)]
     lines += [(n(0, j), n(0, j + 1)) for j in range(2)]
     cells = {"QU4": (quads, [-1] * 4), "TR3": (triangles, [-2] * 4), "SE2": (lines, [-3] * 3 + [-4] * 3 + [-5] * 2)}
-    families = {-1: ["steel"], -2: ["rubber"], -3: ["bottom"], -4: ["top", "free"], -5: ["left"], 1: ["corner"]}
+    families = {-1: ["steel"], -2: ["rubber"], -3: ["bottom"], -4: ["top", "free"], -5: ["left"], 1: ["corner", "right"]}
     nodes = [0] * 12
     nodes[n(3, 2)] = 1
+    families[2] = ["right"]
+    nodes[n(3, 0)] = nodes[n(3, 1)] = 2
     write("plate.med", points, cells, families, nodes)
     write("plate-2.med", points, cells, families, nodes, major=2, steps=False)
 

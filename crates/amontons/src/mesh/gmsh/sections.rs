@@ -29,7 +29,7 @@ enum Version {
 pub(super) fn parse(bytes: &[u8]) -> Result<(Loose, bool), MeshFileError> {
     let (mut file, binary) = read(bytes, None)?;
     let (points, _, blocks) = file.parts(bytes)?;
-    Ok((Loose { points, blocks, names: file.names }, binary))
+    Ok((Loose { points, blocks, names: file.names, node_sets: Vec::new() }, binary))
 }
 
 /// Nodes with their tags, elements, and the data with this name, if there are any.

@@ -1,12 +1,10 @@
 //! Regions and sides of an input file: its sets, resolved to elements and facets.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError};
-use super::super::topology::{Key, key};
+use super::super::read::{FacetOf, FilePosition, Loose, MeshFileError, NodeSet, facet_with};
 use super::model::{Cell, Has, Item, Model, Part, Set, index};
-use super::solid::{face, facet};
-use crate::element::{Element, Facet, POINT_LEFT};
+use super::solid::face;
 
 /// How deep sets may be named in sets.
 const DEEPEST: usize = 32;
@@ -39,12 +37,12 @@ type CellOf = (usize, usize);
 pub(super) fn loose(model: Model) -> Result<(Loose, bool), MeshFileError> {
     let sets = Sets::of(model)?;
     let points = sets.bodies.iter().flat_map(|body| body.part.points.iter().copied()).collect();
-    let mut loose = Loose { points, blocks: Vec::new(), names: BTreeMap::new() };
+    let mut loose = Loose { points, blocks: Vec::new(), names: BTreeMap::new(), node_sets: Vec::new() };
     let is_of_revolution = sets.is_of_revolution()?;
     let dim = sets.cells().map(|(body, cell)| sets.cell(body, cell).solid.kind.dim).max().unwrap_or(0);
     sets.regions(dim, &mut loose)?;
     if dim > 0 {
-        sets.sides(dim, &mut loose)?;
+        sets.sides(&mut loose)?;
     }
     Ok((loose, is_of_revolution))
 }
@@ -178,7 +176,7 @@ impl Sets {
         for (body, cell) in self.cells() {
             let Cell { solid, line, .. } = self.cell(body, cell);
             let groups = of_cell.remove(&(body, cell)).unwrap_or_default();
-            push(loose, solid.kind, groups, *line, self.nodes(body, cell)?);
+            loose.push(solid.kind, &groups, *line, &self.nodes(body, cell)?);
         }
         Ok(())
     }
@@ -189,127 +187,54 @@ impl Sets {
         first.map_or_else(|| name.to_owned(), |set| set.name.clone())
     }
 
-    /// Surfaces, and the sets of nodes that hold facets of the boundary; other sets of nodes are edges or points.
-    fn sides(&self, dim: usize, loose: &mut Loose) -> Result<(), MeshFileError> {
-        let boundary = self.boundary(dim)?;
+    /// Surfaces, and the sets of nodes.
+    fn sides(&self, loose: &mut Loose) -> Result<(), MeshFileError> {
+        // A surface goes before a set of nodes of its name.
+        let (nodes, surfaces): (Vec<_>, Vec<_>) = self.order.iter().partition(|(_, has, _)| *has == Has::Nodes);
         let mut names: Vec<String> = Vec::new();
-        let mut without_facets: Vec<(String, Vec<u32>)> = Vec::new();
-        let order: Vec<_> = self.order.iter().collect();
-        let of_surfaces = order.iter().filter(|(_, has, _)| matches!(has, Has::Faces | Has::NodesOfSurface));
-        let of_nodes = order.iter().filter(|(_, has, _)| *has == Has::Nodes);
-        for (body, has, name) in of_surfaces.chain(of_nodes).copied() {
-            let outside = self.outside(*body, name);
-            // A surface goes before a set of nodes of its name.
-            if names.iter().any(|other| other.eq_ignore_ascii_case(&outside)) {
+        for (body, has, name) in surfaces.into_iter().chain(nodes) {
+            let name_outside = self.outside(*body, name);
+            if names.iter().any(|other| other.eq_ignore_ascii_case(&name_outside)) {
                 continue;
             }
-            let facets = if *has == Has::Faces {
-                self.faces(*body, name, &boundary)?
-            } else {
-                let list = self.node_numbers(*body, *has, name, 0)?;
-                let nodes: HashSet<u32> = list.iter().copied().collect();
-                let inside = |facet: &&FacetOf| facet.nodes.iter().all(|node| nodes.contains(node));
-                let facets: Vec<FacetOf> = boundary.facets.iter().filter(inside).cloned().collect();
-                if facets.is_empty() {
-                    without_facets.push((outside.clone(), list));
+            match has {
+                Has::Faces => {
+                    let facets = self.faces(*body, name, loose)?;
+                    if facets.is_empty() {
+                        continue;
+                    }
+                    loose.side(name_outside.clone(), &facets);
                 }
-                facets
-            };
-            if facets.is_empty() {
-                continue;
-            }
-            let group = names.len() as i64;
-            loose.names.insert((dim - 1, group), outside.clone());
-            names.push(outside);
-            for FacetOf { facet, nodes, line, given } in facets {
-                let kind = Kind { name: facet.element.name, dim: dim - 1, nodes: given, element: Some(facet.element) };
-                push(loose, kind, BTreeSet::from([group]), line, nodes);
-            }
-        }
-        self.edges(dim, &without_facets, names.len() as i64, loose)
-    }
-
-    /// Sets of nodes as edges of cells in space where these have all of the nodes, else as points. Their groups have
-    /// numbers from `first`.
-    fn edges(
-        &self,
-        dim: usize,
-        sets: &[(String, Vec<u32>)],
-        first: i64,
-        loose: &mut Loose,
-    ) -> Result<(), MeshFileError> {
-        let any: HashSet<u32> = sets.iter().flat_map(|(_, nodes)| nodes.iter().copied()).collect();
-        let mut edges: BTreeMap<Key, (&'static Element, Vec<u32>)> = BTreeMap::new();
-        self.each_facet(if any.is_empty() { 0 } else { dim }, |_, facet| {
-            for edge in facet.facet.element.facets.iter().filter(|edge| edge.element.dim() == 1) {
-                let nodes: Vec<u32> = edge.nodes.iter().filter_map(|&n| facet.nodes.get(n).copied()).collect();
-                if nodes.iter().all(|node| any.contains(node)) {
-                    edges.entry(key(nodes.iter().copied())).or_insert((edge.element, nodes));
+                Has::Nodes | Has::NodesOfSurface => {
+                    let nodes: BTreeSet<u32> = self.node_numbers(*body, *has, name, 0)?.into_iter().collect();
+                    if nodes.is_empty() {
+                        continue;
+                    }
+                    loose.node_sets.push(NodeSet { name: name_outside.clone(), nodes });
                 }
+                Has::Elements | Has::Section => continue,
             }
-        })?;
-        for (group, (name, list)) in (first..).zip(sets) {
-            let nodes: BTreeSet<u32> = list.iter().copied().collect();
-            let inside = || edges.values().filter(|(_, edge)| edge.iter().all(|node| nodes.contains(node)));
-            let on_edges: BTreeSet<u32> = inside().flat_map(|(_, edge)| edge.iter().copied()).collect();
-            let groups = BTreeSet::from([group]);
-            let one = |element: &'static Element, given: usize| Kind {
-                name: element.name,
-                dim: element.dim(),
-                nodes: given,
-                element: Some(element),
-            };
-            if on_edges.len() == nodes.len() {
-                loose.names.insert((1, group), name.clone());
-                for (element, edge) in inside() {
-                    push(loose, one(element, edge.len()), groups.clone(), 0, edge.clone());
-                }
-            } else {
-                loose.names.insert((0, group), name.clone());
-                push(loose, one(&POINT_LEFT, 1), groups, 0, nodes.into_iter().collect());
-            }
-        }
-        Ok(())
-    }
-
-    /// The facets that one cell of the highest dimension has.
-    fn boundary(&self, dim: usize) -> Result<Boundary, MeshFileError> {
-        let mut count: HashMap<Key, u32> = HashMap::new();
-        self.each_facet(dim, |_, facet| *count.entry(facet.key()).or_insert(0) += 1)?;
-        let mut boundary = Boundary { of_cell: Vec::new(), facets: Vec::new() };
-        self.each_facet(dim, |cell, facet| {
-            if count.get(&facet.key()) == Some(&1) {
-                boundary.facets.push(facet.clone());
-                boundary.of_cell.push((cell, facet));
-            }
-        })?;
-        Ok(boundary)
-    }
-
-    /// Looks at all facets of the cells of a dimension.
-    fn each_facet(&self, dim: usize, mut look: impl FnMut(CellOf, FacetOf)) -> Result<(), MeshFileError> {
-        for (body, cell) in self.cells().filter(|&(body, cell)| self.cell(body, cell).solid.kind.dim == dim) {
-            let nodes = self.nodes(body, cell)?;
-            let Cell { solid, line, .. } = self.cell(body, cell);
-            for facet in solid.kind.element.map_or(&[][..], |element| element.facets) {
-                look((body, cell), FacetOf::new(facet, &nodes, *line));
-            }
+            names.push(name_outside);
         }
         Ok(())
     }
 
     /// The facets of a surface: of labelled faces, and of all free faces of elements without a label.
-    fn faces(&self, body: Option<usize>, name: &str, boundary: &Boundary) -> Result<Vec<FacetOf>, MeshFileError> {
-        let mut facets = Vec::new();
+    fn faces(&self, body: Option<usize>, name: &str, loose: &Loose) -> Result<Vec<FacetOf>, MeshFileError> {
+        let (mut facets, mut free) = (Vec::new(), None);
         for set in self.known.get(&(body, Has::Faces, name.to_uppercase())).into_iter().flatten() {
             for item in &set.items {
                 let Item::Named { line, name, face: label } = item else { continue };
                 let scope = self.scope(body, set.instance.as_deref());
                 let cells = self.named_elements(scope, *line, name, 0)?;
                 let Some(label) = label else {
-                    let cells: HashSet<CellOf> = cells.into_iter().collect();
-                    let free = boundary.of_cell.iter().filter(|(cell, _)| cells.contains(cell));
-                    facets.extend(free.map(|(_, facet)| facet.clone()));
+                    let free = free.get_or_insert_with(|| loose.free());
+                    for (body, cell) in BTreeSet::from_iter(cells) {
+                        let nodes = self.nodes(body, cell)?;
+                        let own = self.cell(body, cell).solid.kind.element.map_or(&[][..], |element| element.facets);
+                        let own = own.iter().map(|facet| FacetOf::new(facet, &nodes));
+                        facets.extend(own.filter(|facet| free.contains(&facet.key())));
+                    }
                     continue;
                 };
                 for (body, cell) in cells {
@@ -318,7 +243,7 @@ impl Sets {
                     let number = label.strip_prefix('S').and_then(|number| number.parse().ok());
                     let found = element.zip(number).and_then(|(element, number)| {
                         let vertices = face(element, number)?;
-                        facet(element, vertices)
+                        facet_with(element, vertices)
                     });
                     let Some(found) = found else {
                         let what = element.map_or("element", |element| element.name);
@@ -328,7 +253,7 @@ impl Sets {
                             "S1, S2, … up to its number of faces",
                         ));
                     };
-                    facets.push(FacetOf::new(found, &nodes, *line));
+                    facets.push(FacetOf::new(found, &nodes));
                 }
             }
         }
@@ -462,45 +387,4 @@ fn within<T>(known: &HashMap<i64, T>, first: i64, last: i64, step: i64) -> impl 
         known.iter().filter(move |(number, _)| inside(**number)).map(|(_, value)| value)
     });
     by_number.into_iter().flatten().chain(by_member.into_iter().flatten())
-}
-
-/// A facet of a cell of the file, with the nodes that the file has of it.
-#[derive(Clone, Debug)]
-struct FacetOf {
-    facet: &'static Facet,
-    nodes: Vec<u32>,
-    line: usize,
-    /// Number of nodes.
-    given: usize,
-}
-
-impl FacetOf {
-    fn new(facet: &'static Facet, cell: &[u32], line: usize) -> FacetOf {
-        let nodes: Vec<u32> = facet.nodes.iter().filter_map(|&node| cell.get(node).copied()).collect();
-        FacetOf { facet, given: nodes.len(), nodes, line }
-    }
-
-    fn key(&self) -> Key {
-        key(self.nodes.iter().copied().take(self.facet.element.shape.vertices()))
-    }
-}
-
-/// The boundary of the bodies.
-struct Boundary {
-    of_cell: Vec<(CellOf, FacetOf)>,
-    facets: Vec<FacetOf>,
-}
-
-/// Adds an element, to the last block if it is alike.
-fn push(loose: &mut Loose, kind: Kind, groups: BTreeSet<i64>, line: usize, nodes: Vec<u32>) {
-    let same = |block: &&mut LooseBlock| {
-        block.groups == groups
-            && block.kind.nodes == kind.nodes
-            && block.kind.name == kind.name
-            && block.kind.dim == kind.dim
-    };
-    match loose.blocks.last_mut().filter(same) {
-        Some(block) => block.nodes.extend(nodes),
-        None => loose.blocks.push(LooseBlock { kind, groups, at: line, nodes, numbers: Vec::new() }),
-    }
 }

@@ -88,12 +88,3 @@ pub(super) fn face(element: &Element, number: usize) -> Option<&'static [usize]>
     };
     faces.get(number.checked_sub(1)?).copied()
 }
-
-/// The facet of an element that has these vertices.
-pub(super) fn facet(element: &Element, vertices: &[usize]) -> Option<&'static element::Facet> {
-    let count = element.shape.vertices();
-    element.facets.iter().find(|facet| {
-        let mut own = facet.nodes.iter().filter(|&&node| node < count);
-        own.clone().count() == vertices.len() && own.all(|node| vertices.contains(node))
-    })
-}

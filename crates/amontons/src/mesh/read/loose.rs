@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
+use super::node_sets::NodeSet;
 use super::serendipity::complete;
 use super::{FilePosition, MeshFileError};
 use crate::element::{self, Element};
@@ -54,6 +55,8 @@ pub(in crate::mesh) struct Loose {
     pub blocks: Vec<LooseBlock>,
     /// Names of groups by dimension and tag.
     pub names: BTreeMap<(usize, i64), String>,
+    /// Sets of nodes, of which sides, edges or points are made.
+    pub node_sets: Vec<NodeSet>,
 }
 
 impl Loose {
@@ -64,13 +67,14 @@ impl Loose {
     /// The mesh of the elements of the highest dimension, with the groups of the next lower one as its sides.
     pub(in crate::mesh) fn into_mesh(mut self, place: impl Fn(usize) -> FilePosition) -> Result<Mesh, MeshFileError> {
         self.blocks.retain(|block| !block.nodes.is_empty());
-        let dim = self.blocks.iter().map(|block| block.kind.dim).max().unwrap_or(0);
+        let dim = self.dim();
         if dim == 0 {
             let points: usize = self.blocks.iter().map(LooseBlock::len).sum();
             return Err(MeshFileError::Empty {
                 found: format!("{} nodes and {points} points as elements", self.points.len()),
             });
         }
+        self.resolve_node_sets();
         complete(&mut self.points, &mut self.blocks);
         let (cells, rest): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.blocks).into_iter().partition(|block| block.kind.dim == dim);

@@ -4,7 +4,8 @@
 //! |---|---|---|---|
 //! | `.msh` | Gmsh 2.x and 4.1, text and binary ([`gmsh`](crate::mesh::gmsh)) | physical groups of dimension d | physical groups of dimension d − 1 |
 //! | `.inp` | Abaqus and CalculiX ([`inp`](crate::mesh::inp)) | element sets of the sections | surfaces and node sets |
-//! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`](crate::mesh::med)) | groups of cells of dimension d | groups of cells of dimension d − 1 |
+//! | `.med` | Code_Aster and Salome, versions 2.2 to 4 ([`med`](crate::mesh::med)) | groups of cells of dimension d | groups of cells of dimension d − 1 and of nodes |
+//! | `.e`, `.exo`, `.g` | Exodus: Cubit, MOOSE, SIERRA ([`exodus`](crate::mesh::exodus)) | blocks of dimension d | side sets, blocks of dimension d − 1 and node sets |
 //! | `.vtu` | VTK unstructured grid ([`vtu`](crate::mesh::vtu)) | cell data `region` | cells of dimension d − 1 with cell data `facet` or `boundary` |
 //!
 //! d is the highest dimension of the elements present. Elements of dimension below d − 1 are left out, and so are nodes
@@ -12,6 +13,7 @@
 //! the whole boundary is the side `boundary`.
 
 mod loose;
+mod node_sets;
 mod serendipity;
 
 use std::path::{Path, PathBuf};
@@ -19,6 +21,7 @@ use std::path::{Path, PathBuf};
 use super::Mesh;
 use crate::machine;
 pub(super) use loose::{Kind, Loose, LooseBlock};
+pub(super) use node_sets::{FacetOf, NodeSet, facet_with};
 pub(super) use serendipity::completed;
 
 /// Longest mesh file in bytes.
@@ -261,7 +264,7 @@ impl MeshFileError {
             MeshFileError::In { fault, .. } => return fault.expected(),
             MeshFileError::Unreadable { .. } | MeshFileError::Grid { .. } => return None,
             MeshFileError::Extension { .. } => {
-                ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
+                ".msh (Gmsh), .inp (Abaqus, CalculiX), .med (Code_Aster, Salome), .e (Exodus) or .vtu (VTK unstructured grid); meshio converts others: `meshio convert FILE MESH.vtu`"
             }
             MeshFileError::Syntax { expected, .. } => expected,
             MeshFileError::Version { .. } => "2.2 or 4.1; try `gmsh OLD.msh -save -format msh41 -o NEW.msh`",
@@ -317,7 +320,7 @@ impl std::fmt::Display for MeshFileError {
 impl std::error::Error for MeshFileError {}
 
 /// Extensions of the formats that are read, in small letters.
-pub const EXTENSIONS: [&str; 4] = ["msh", "inp", "vtu", "med"];
+pub const EXTENSIONS: [&str; 7] = ["msh", "inp", "vtu", "med", "e", "exo", "g"];
 
 /// A mesh from a file, with what else the file has.
 #[derive(Clone, Debug)]
@@ -377,6 +380,7 @@ pub fn parse(extension: &str, bytes: &[u8]) -> Result<Read, MeshFileError> {
         "inp" => super::inp::parse(bytes),
         "vtu" => super::vtu::parse(bytes).map(alone),
         "med" => super::med::parse(bytes).map(alone),
+        "e" | "exo" | "g" => super::exodus::parse(bytes).map(alone),
         _ => Err(MeshFileError::Extension { found: extension.to_owned() }),
     }
 }

@@ -1,0 +1,94 @@
+//! The variables of a netCDF file of any of its formats: classic, with 64-bit offsets or data, and netCDF-4, which is
+//! HDF5.
+
+use super::super::read::MeshFileError;
+use super::refuse;
+
+/// First bytes of HDF5.
+const HDF5: &[u8] = b"\x89HDF";
+
+/// A file with named arrays.
+pub(super) enum Variables {
+    Classic(netcdf_reader::NcFile),
+    Hdf5(hdf5_pure::File),
+}
+
+/// The numbers of an array; integers up to 2⁵³ are exact.
+pub(super) struct Numbers {
+    pub shape: Vec<usize>,
+    pub values: Vec<f64>,
+}
+
+fn told(name: &str, error: impl std::fmt::Display) -> MeshFileError {
+    refuse(format!("the variable {name} cannot be read: {error}"))
+}
+
+impl Variables {
+    pub fn of(bytes: &[u8]) -> Result<Variables, MeshFileError> {
+        let unknown = |error: &dyn std::fmt::Display| {
+            refuse(format!("no netCDF, which an Exodus file is: {error}; it may be truncated"))
+        };
+        if bytes.starts_with(HDF5) {
+            return hdf5_pure::File::from_bytes(bytes.to_vec()).map(Variables::Hdf5).map_err(|error| unknown(&error));
+        }
+        let file = netcdf_reader::NcFile::from_bytes(bytes).map_err(|error| unknown(&error))?;
+        Ok(Variables::Classic(file))
+    }
+
+    /// Lengths of the dimensions of a variable, if there is one of this name.
+    fn shape(&self, name: &str) -> Result<Option<Vec<usize>>, MeshFileError> {
+        let shape = match self {
+            Variables::Classic(file) => file.variable(name).ok().map(netcdf_reader::NcVariable::shape),
+            Variables::Hdf5(file) => {
+                let data = file.dataset(name).ok();
+                data.map(|data| data.shape().map_err(|error| told(name, error))).transpose()?
+            }
+        };
+        let length = |n: u64| usize::try_from(n).map_err(|error| told(name, error));
+        shape.map(|shape| shape.into_iter().map(length).collect()).transpose()
+    }
+
+    pub fn numbers(&self, name: &str) -> Result<Option<Numbers>, MeshFileError> {
+        let Some(shape) = self.shape(name)? else { return Ok(None) };
+        let values = match self {
+            Variables::Classic(file) => {
+                file.read_variable_as_f64(name).map(|values| values.into_iter().collect()).map_err(|e| told(name, e))?
+            }
+            Variables::Hdf5(file) => {
+                file.dataset(name).and_then(|data| data.read_f64()).map_err(|error| told(name, error))?
+            }
+        };
+        Ok(Some(Numbers { shape, values }))
+    }
+
+    /// The numbers of an array of one dimension; none if there is no such array.
+    pub fn list(&self, name: &str) -> Result<Vec<f64>, MeshFileError> {
+        Ok(self.numbers(name)?.map_or_else(Vec::new, |numbers| numbers.values))
+    }
+
+    /// The rows of an array of characters, without the zeros and blanks behind them.
+    pub fn lines(&self, name: &str) -> Result<Vec<String>, MeshFileError> {
+        let Some(shape) = self.shape(name)? else { return Ok(Vec::new()) };
+        let trimmed = |text: &str| text.split('\0').next().unwrap_or_default().trim().to_owned();
+        match self {
+            Variables::Classic(file) => {
+                let lines = file.read_variable_as_strings(name).map_err(|error| told(name, error))?;
+                Ok(lines.iter().map(|line| trimmed(line)).collect())
+            }
+            Variables::Hdf5(file) => {
+                let bytes = file.dataset(name).and_then(|data| data.read_raw()).map_err(|error| told(name, error))?;
+                let length = shape.last().copied().unwrap_or(1).max(1);
+                Ok(bytes.chunks(length).map(|line| trimmed(&String::from_utf8_lossy(line))).collect())
+            }
+        }
+    }
+
+    /// An attribute of a variable, as text.
+    pub fn attribute(&self, name: &str, key: &str) -> Option<String> {
+        let text = match self {
+            Variables::Classic(file) => file.variable(name).ok()?.attribute(key)?.value.as_string()?,
+            Variables::Hdf5(file) => file.dataset(name).ok()?.attrs().ok()?.get(key)?.as_str()?.to_owned(),
+        };
+        Some(text.trim_matches(['\0', ' ']).to_owned())
+    }
+}
