@@ -2,8 +2,8 @@
 //!
 //! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges named edges. Groups of
 //! nodes that hold facets of the boundary are sides, the others edges or points. A cell of no group is in no region, as
-//! in a file of Gmsh. Read are the files of versions 2.2 to 4 with one mesh, of which the first step counts. MED numbers
-//! the nodes of a cell as VTK does, but for its orientation.
+//! in a file of Gmsh. Read are the files of versions 2.2 to 4 with one mesh, of which the first step counts. MED
+//! numbers the nodes of a cell as VTK does, but for its orientation.
 
 use std::collections::{BTreeMap, BTreeSet};
 

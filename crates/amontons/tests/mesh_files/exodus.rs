@@ -1,5 +1,5 @@
-//! Exodus files: `meshes/exodus.py` made those of the tests with the netCDF library, and `meshes/exodus.txt` is what VTK
-//! reads of them.
+//! Exodus files: `meshes/exodus.py` made those of the tests with the netCDF library, and `meshes/exodus.txt` is what
+//! VTK reads of them.
 
 use amontons::mesh::{Mesh, defects, parse};
 use amontons::tensor::Point;

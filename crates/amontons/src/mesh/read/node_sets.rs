@@ -113,8 +113,8 @@ impl Loose {
     }
 
     /// Makes sides of the sets of nodes that hold all nodes of facets of the boundary, and of the others edges of cells
-    /// in space where these have all of the nodes, else points. Where a side has the name already, it stays alone: nodes
-    /// at a rim may hold a facet beside it.
+    /// in space where these have all of the nodes, else points. Where a side has the name already, it stays alone:
+    /// nodes at a rim may hold a facet beside it.
     pub(super) fn resolve_node_sets(&mut self) {
         let mut sets = std::mem::take(&mut self.node_sets);
         let below = self.dim().saturating_sub(1);
