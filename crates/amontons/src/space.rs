@@ -25,6 +25,8 @@ pub struct Space {
     /// The directions of the degrees of freedom of the nodes where they are not the axes, by node.
     pub frames: Vec<Frame>,
     prescribed: Vec<Prescribed>,
+    /// The degrees of freedom that are prescribed.
+    held: Vec<u32>,
 }
 
 /// A direction in which values are prescribed on a facet set.
@@ -88,7 +90,8 @@ impl Space {
             prescribed.push(part);
         }
         let frames = axes.into_iter().map(|(node, axes)| Frame { node, axes: completed(axes, components) }).collect();
-        Space { components, free, frames, prescribed }
+        let held = (0u32..).zip(&free).filter_map(|(dof, free)| (!free).then_some(dof)).collect();
+        Space { components, free, frames, prescribed, held }
     }
 
     /// The directions of the degrees of freedom of a node.
@@ -144,44 +147,54 @@ impl Space {
         frame::leave(&self.frames, self.components, values);
     }
 
+    /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; whether that changes them.
+    pub fn prescribe_rates(&self, t: f64, gamma: f64, bar: &[f64], w: &mut [f64]) -> bool {
+        let (mut values, mut changes) = (bar.to_vec(), false);
+        self.prescribe(t, &mut values);
+        let (values, bar) = (self.in_frames(&values), self.in_frames(bar));
+        frame::enter(&self.frames, self.components, w);
+        for dof in self.held.iter().map(|&dof| dof as usize) {
+            let rate = (values[dof] - bar[dof]) / gamma;
+            changes |= w[dof] != rate;
+            w[dof] = rate;
+        }
+        frame::leave(&self.frames, self.components, w);
+        changes
+    }
+
     /// A vector by its components along the directions of the degrees of freedom.
     #[must_use]
     pub fn in_frames<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
         frame::entered(&self.frames, self.components, values)
     }
 
-    /// Largest magnitude of the entries that are free: those of an equation that is solved.
+    /// Largest magnitude of the entries at some nodes that are free: those of an equation that is solved.
     #[must_use]
-    pub fn largest(&self, values: &[f64]) -> f64 {
+    pub fn largest_at(&self, nodes: &[u32], values: &[f64]) -> f64 {
         let values = self.in_frames(values);
-        let free = values.iter().zip(&self.free).filter(|(_, free)| **free);
-        free.fold(0.0, |most, (value, _)| most.max(value.abs()))
+        let dofs =
+            nodes.iter().flat_map(|&node| (0..self.components).map(move |c| node as usize * self.components + c));
+        dofs.filter(|&dof| self.free[dof]).fold(0.0, |most, dof| most.max(values[dof].abs()))
     }
 
     /// The entries of prescribed degrees of freedom, in their order.
     #[must_use]
     pub fn prescribed_of(&self, values: &[f64]) -> Vec<f64> {
         let values = self.in_frames(values);
-        values.iter().zip(&self.free).filter(|(_, free)| !**free).map(|(value, _)| *value).collect()
+        self.held.iter().map(|&dof| values[dof as usize]).collect()
     }
 
     /// Sets the entries of prescribed degrees of freedom to zero.
     pub fn mask(&self, values: &mut [f64]) {
-        self.keep(values, |free| free);
+        frame::enter(&self.frames, self.components, values);
+        self.held.iter().for_each(|&dof| values[dof as usize] = 0.0);
+        frame::leave(&self.frames, self.components, values);
     }
 
     /// Sets the entries of free degrees of freedom to zero.
     pub fn mask_free(&self, values: &mut [f64]) {
-        self.keep(values, |free| !free);
-    }
-
-    fn keep(&self, values: &mut [f64], is_kept: impl Fn(bool) -> bool) {
         frame::enter(&self.frames, self.components, values);
-        for (value, &free) in values.iter_mut().zip(&self.free) {
-            if !is_kept(free) {
-                *value = 0.0;
-            }
-        }
+        values.iter_mut().zip(&self.free).filter(|(_, free)| **free).for_each(|(value, _)| *value = 0.0);
         frame::leave(&self.frames, self.components, values);
     }
 

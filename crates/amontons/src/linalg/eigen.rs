@@ -11,8 +11,9 @@ use rayon::prelude::*;
 
 use super::condensed::EXACT;
 use super::error::SolveError;
-use super::sparse::{BlockMatrix, dot};
+use super::sparse::BlockMatrix;
 use super::system::System;
+use super::vectors::{add_combination, dot, orthogonalize};
 
 /// Residual at which the iteration ends, relative to the eigenvalue.
 const TOLERANCE: f64 = 1e-12;
@@ -157,12 +158,7 @@ impl Searched {
     /// Adds a vector; false if there is none or it depends on those before.
     fn add(&mut self, pencil: &impl Pencil, mut x: Vec<f64>) -> Result<bool, SolveError> {
         let size = dot(&x, &pencil.denominator(&x)?).max(0.0).sqrt();
-        for _ in 0..2 {
-            for (q, kq) in self.basis.iter().zip(&self.denominators) {
-                let share = dot(&x, kq);
-                subtract(&mut x, share, q);
-            }
-        }
+        orthogonalize(&mut x, &self.basis, &self.denominators);
         let mut kx = pencil.denominator(&x)?;
         let length = dot(&x, &kx).max(0.0).sqrt();
         if length.is_nan() || length <= DEPENDENT * size {
@@ -232,15 +228,7 @@ impl Span {
 
     /// Orthogonalizes K⁻¹B times the last vector against the basis, twice; the coefficients are a column of the matrix.
     fn project(&mut self, w: &mut [f64]) {
-        let mut column = vec![0.0; self.len()];
-        for _ in 0..2 {
-            let coefficients: Vec<f64> = self.images.iter().map(|bq| dot(w, bq)).collect();
-            for ((c, sum), q) in coefficients.into_iter().zip(&mut column).zip(&self.basis) {
-                subtract(w, c, q);
-                *sum += c;
-            }
-        }
-        self.matrix.push(column);
+        self.matrix.push(orthogonalize(w, &self.basis, &self.images));
     }
 
     fn ritz(&self) -> Option<Ritz> {
@@ -261,9 +249,7 @@ impl Span {
 
 fn combination(factors: &[f64], vectors: &[Vec<f64>]) -> Vec<f64> {
     let mut sum = vec![0.0; vectors.first().map_or(0, Vec::len)];
-    for (s, q) in factors.iter().zip(vectors) {
-        subtract(&mut sum, -s, q);
-    }
+    add_combination(&mut sum, factors, vectors);
     sum
 }
 
@@ -286,9 +272,7 @@ fn judged(pencil: &mut impl Pencil, mut x: Vec<f64>) -> Result<Eigenpair, SolveE
 }
 
 fn subtract(y: &mut [f64], factor: f64, x: &[f64]) {
-    for (y, x) in y.iter_mut().zip(x) {
-        *y -= factor * x;
-    }
+    add_combination(y, &[-factor], &[x]);
 }
 
 fn scale(x: &mut [f64], factor: f64) {

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::sparse::dot;
+use super::vectors::{add_combination, dot, orthogonalize};
 
 /// Where a Krylov iteration ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,15 +41,7 @@ pub fn gmres<E>(
     while columns.len() < limit {
         let k = columns.len();
         let mut next = apply(&basis[k])?;
-        let mut column = vec![0.0; k + 1];
-        // Twice is enough (Kahan): the basis is orthogonal to round-off.
-        for _ in 0..2 {
-            for (h, v) in column.iter_mut().zip(&basis) {
-                let c = dot(v, &next);
-                *h += c;
-                next.iter_mut().zip(v).for_each(|(n, v)| *n -= c * v);
-            }
-        }
+        let mut column = orthogonalize(&mut next, &basis, &basis);
         let length = dot(&next, &next).sqrt();
         for (i, &(c, s)) in rotations.iter().enumerate() {
             (column[i], column[i + 1]) = (c * column[i] + s * column[i + 1], c * column[i + 1] - s * column[i]);
@@ -68,7 +60,8 @@ pub fn gmres<E>(
         if rotated[k + 1].abs() <= tolerance * norm || length == 0.0 {
             break;
         }
-        basis.push(next.iter().map(|n| n / length).collect());
+        next.par_iter_mut().for_each(|next| *next /= length);
+        basis.push(next);
     }
     let size = columns.len();
     let mut y = rotated[..size].to_vec();
@@ -80,9 +73,7 @@ pub fn gmres<E>(
         }
     }
     let mut x = vec![0.0; b.len()];
-    for (y, v) in y.iter().zip(&basis) {
-        x.iter_mut().zip(v).for_each(|(x, v)| *x += y * v);
-    }
+    add_combination(&mut x, &y, &basis);
     Ok(Krylov { x, components: y, iterations: size, residual: rotated[size].abs() / norm })
 }
 

@@ -21,6 +21,7 @@ mod system;
 mod tangent;
 mod turn;
 mod unknowns;
+mod vectors;
 
 use std::sync::Arc;
 
@@ -34,12 +35,13 @@ pub use factor::{Backend, Factor};
 pub use krylov::{Definite, Gradients, Krylov, conjugate_gradients, gmres};
 pub use multigrid::Multigrid;
 pub use ordering::{Ordering, column_lengths, nested_dissection};
-pub use sparse::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
+pub use sparse::{BlockMatrix, Graph, mechanical_products};
 pub use supernodal::Supernodal;
 pub use system::System;
 pub use tangent::{Entry, Share, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
+pub use vectors::{add_combination, dot, dots, is_finite, map, max_abs, orthogonalize, sum};
 
 /// Every backend, for tests that loop over them.
 #[must_use]

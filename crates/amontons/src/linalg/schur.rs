@@ -12,10 +12,10 @@ use super::condensed::{Condensed, TangentKey};
 use super::error::SolveError;
 use super::krylov::gmres;
 use super::lu::{Lu, SparseLu, is_positive_definite};
-use super::sparse::max_abs;
 use super::stop::Stop;
 use super::tangent::Tangent;
 use super::turn::{Turn, turned};
+use super::vectors::max_abs;
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
 const KEPT: usize = 8;

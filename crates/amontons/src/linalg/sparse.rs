@@ -1,8 +1,15 @@
 //! Block-sparse matrices on the graph of the nodes.
+//!
+//! The products are compiled for the vector instructions of the machine; every sum has the same order on all machines
+//! and with any number of threads.
+#![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
 use std::sync::Arc;
 
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
+
+use super::vectors::max_abs;
 
 use crate::mesh::Mesh;
 use crate::space::Frame;
@@ -257,20 +264,8 @@ impl BlockMatrix {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let mut y = vec![0.0; self.graph.len() * self.rows * components];
         let width = self.rows * components;
-        y.par_chunks_mut(CHUNK * width).enumerate().for_each(|(chunk, y)| {
-            let first = chunk * CHUNK;
-            match (self.rows, self.cols, components) {
-                (1, 1, 1) => self.rows_of::<1, 1>(first, x, y),
-                (1, 1, 2) => self.diagonal_rows_of::<2>(first, x, y),
-                (1, 1, 3) => self.diagonal_rows_of::<3>(first, x, y),
-                (2, 2, _) => self.rows_of::<2, 2>(first, x, y),
-                (2, 1, _) => self.rows_of::<2, 1>(first, x, y),
-                (1, 2, _) => self.rows_of::<1, 2>(first, x, y),
-                (3, 3, _) => self.rows_of::<3, 3>(first, x, y),
-                (3, 1, _) => self.rows_of::<3, 1>(first, x, y),
-                (1, 3, _) => self.rows_of::<1, 3>(first, x, y),
-                _ => self.rows_of_any(first, components, x, y),
-            }
+        y.par_chunks_mut((CHUNK * width).max(1)).enumerate().for_each(|(chunk, y)| {
+            Arch::new().dispatch(Rows { matrix: self, first: chunk * CHUNK, components, x, y });
         });
         y
     }
@@ -295,6 +290,7 @@ impl BlockMatrix {
         }
     }
 
+    #[inline(always)]
     fn rows_of<const R: usize, const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<R>();
@@ -302,19 +298,21 @@ impl BlockMatrix {
             let range = self.graph.start[first + k]..self.graph.start[first + k + 1];
             let blocks = self.values[range.start * R * C..range.end * R * C].chunks_exact(R * C);
             let origin = if self.of_differences { x[first + k] } else { [0.0; C] };
-            let mut sum = [0.0; R];
+            // A sum per entry of the block: they do not wait for each other.
+            let mut sums = [[0.0; C]; R];
             for (&j, block) in self.graph.columns[range].iter().zip(blocks) {
                 let x = &x[j as usize];
                 for r in 0..R {
                     for c in 0..C {
-                        sum[r] += block[r * C + c] * (x[c] - origin[c]);
+                        sums[r][c] += block[r * C + c] * (x[c] - origin[c]);
                     }
                 }
             }
-            *y = sum;
+            *y = sums.map(|sums| sums.iter().sum());
         }
     }
 
+    #[inline(always)]
     fn diagonal_rows_of<const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<C>();
@@ -404,10 +402,8 @@ fn products_of<const C: usize, const B: usize>(
     u: &[f64],
     w: &[f64],
 ) -> [Vec<f64>; 4] {
-    let graph = &*a.graph;
-    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; graph.len() * C]);
+    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; a.graph.len() * C]);
     let (u, w) = (u.as_chunks::<C>().0, w.as_chunks::<C>().0);
-    let (a_blocks, b_blocks) = (a.values.as_chunks::<B>().0, b.values.as_chunks::<B>().0);
     let [mass_w, a_u, a_w, b_w] = &mut out;
     let chunk = CHUNK * C;
     let rows = mass_w
@@ -415,70 +411,87 @@ fn products_of<const C: usize, const B: usize>(
         .zip(a_u.par_chunks_mut(chunk))
         .zip(a_w.par_chunks_mut(chunk).zip(b_w.par_chunks_mut(chunk)));
     rows.enumerate().for_each(|(chunk, ((mass_w, a_u), (a_w, b_w)))| {
-        let first = chunk * CHUNK;
-        for k in 0..mass_w.len() / C {
-            let (u0, w0) = (u[first + k], w[first + k]);
-            let mut sums = [[0.0; C]; 4];
-            for slot in graph.start[first + k]..graph.start[first + k + 1] {
-                let j = graph.columns[slot] as usize;
-                let (m, a, b) = (mass.values[slot], &a_blocks[slot], &b_blocks[slot]);
-                let (u, w) = (u[j], w[j]);
-                for r in 0..C {
-                    sums[0][r] += m * w[r];
-                    for c in 0..C {
-                        sums[1][r] += a[r * C + c] * (u[c] - u0[c]);
-                        sums[2][r] += a[r * C + c] * (w[c] - w0[c]);
-                        sums[3][r] += b[r * C + c] * (w[c] - w0[c]);
-                    }
-                }
-            }
-            for (out, sum) in [&mut *mass_w, &mut *a_u, &mut *a_w, &mut *b_w].into_iter().zip(&sums) {
-                out[k * C..(k + 1) * C].copy_from_slice(sum);
-            }
-        }
+        let out = [mass_w, a_u, a_w, b_w];
+        Arch::new().dispatch(Products::<C, B> { mass, a, b, first: chunk * CHUNK, u, w, out });
     });
     out
 }
 
-/// Sum of the products, in blocks of fixed size, so that it does not depend on the number of threads.
-#[must_use]
-pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let partial: Vec<f64> = a
-        .par_chunks(1 << 14)
-        .zip(b.par_chunks(1 << 14))
-        .map(|(a, b)| {
-            let mut lanes = [0.0; 8];
-            let (a8, a_rest) = a.as_chunks::<8>();
-            let (b8, b_rest) = b.as_chunks::<8>();
-            for (x, y) in a8.iter().zip(b8) {
-                for l in 0..8 {
-                    lanes[l] += x[l] * y[l];
-                }
-            }
-            lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(x, y)| x * y).sum::<f64>()
-        })
-        .collect();
-    partial.iter().sum()
+/// Rows of a product, from the row of a node on.
+struct Rows<'a> {
+    matrix: &'a BlockMatrix,
+    first: usize,
+    components: usize,
+    x: &'a [f64],
+    y: &'a mut [f64],
 }
 
-/// Largest absolute value; NaN if there is one.
-#[must_use]
-pub fn max_abs(v: &[f64]) -> f64 {
-    let (chunks, rest) = v.as_chunks::<8>();
-    let (mut lanes, mut sums) = ([0.0f64; 8], [0.0f64; 8]);
-    for chunk in chunks {
-        for l in 0..8 {
-            let size = chunk[l].abs();
-            lanes[l] = if size > lanes[l] { size } else { lanes[l] };
-            // Zero, unless a number is infinite or none.
-            sums[l] += 0.0 * size;
+impl NullaryFnOnce for Rows<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Rows { matrix, first, components, x, y } = self;
+        match (matrix.rows, matrix.cols, components) {
+            (1, 1, 1) => matrix.rows_of::<1, 1>(first, x, y),
+            (1, 1, 2) => matrix.diagonal_rows_of::<2>(first, x, y),
+            (1, 1, 3) => matrix.diagonal_rows_of::<3>(first, x, y),
+            (2, 2, _) => matrix.rows_of::<2, 2>(first, x, y),
+            (2, 1, _) => matrix.rows_of::<2, 1>(first, x, y),
+            (1, 2, _) => matrix.rows_of::<1, 2>(first, x, y),
+            (3, 3, _) => matrix.rows_of::<3, 3>(first, x, y),
+            (3, 1, _) => matrix.rows_of::<3, 1>(first, x, y),
+            (1, 3, _) => matrix.rows_of::<1, 3>(first, x, y),
+            _ => matrix.rows_of_any(first, components, x, y),
         }
     }
-    let suspicious = sums.iter().any(|sum| *sum != 0.0);
-    if (suspicious && v.iter().any(|x| x.is_nan())) || rest.iter().any(|x| x.is_nan()) {
-        return f64::NAN;
+}
+
+/// Rows of M w, A u, A w and B w, from the row of a node on.
+struct Products<'a, const C: usize, const B: usize> {
+    mass: &'a BlockMatrix,
+    a: &'a BlockMatrix,
+    b: &'a BlockMatrix,
+    first: usize,
+    u: &'a [[f64; C]],
+    w: &'a [[f64; C]],
+    out: [&'a mut [f64]; 4],
+}
+
+impl<const C: usize, const B: usize> NullaryFnOnce for Products<'_, C, B> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Products { mass, a, b, first, u, w, out } = self;
+        let graph = &*a.graph;
+        let (a, b) = (a.values.as_chunks::<B>().0, b.values.as_chunks::<B>().0);
+        let [mass_w, a_u, a_w, b_w] = out.map(|rows| rows.as_chunks_mut::<C>().0);
+        for (k, mass_w) in mass_w.iter_mut().enumerate() {
+            let (u0, w0) = (u[first + k], w[first + k]);
+            let (mut m_w, mut sums) = ([0.0; C], [[0.0; B]; 3]);
+            let slots = graph.start[first + k]..graph.start[first + k + 1];
+            let of_row = graph.columns[slots.clone()].iter().zip(&mass.values[slots.clone()]);
+            for ((&j, m), (a, b)) in of_row.zip(a[slots.clone()].iter().zip(&b[slots])) {
+                let (u, w) = (u[j as usize], w[j as usize]);
+                // Entry (r, c) of a block, r C + c, meets component c.
+                let du: [f64; B] = std::array::from_fn(|i| u[i % C] - u0[i % C]);
+                let dw: [f64; B] = std::array::from_fn(|i| w[i % C] - w0[i % C]);
+                for r in 0..C {
+                    m_w[r] += m * w[r];
+                }
+                for i in 0..B {
+                    sums[0][i] += a[i] * du[i];
+                    sums[1][i] += a[i] * dw[i];
+                    sums[2][i] += b[i] * dw[i];
+                }
+            }
+            *mass_w = m_w;
+            for (out, sums) in [&mut a_u[k], &mut a_w[k], &mut b_w[k]].into_iter().zip(&sums) {
+                *out = std::array::from_fn(|r| sums[r * C..(r + 1) * C].iter().sum());
+            }
+        }
     }
-    rest.iter().map(|x| x.abs()).chain(lanes).fold(0.0, f64::max)
 }
 
 #[cfg(test)]
@@ -530,20 +543,5 @@ mod tests {
         let [u, w]: [Vec<f64>; 2] = [1.0, 2.0].map(|f| (0..graph.len() * 2).map(|i| (f * i as f64).cos()).collect());
         assert_eq!(mechanical_products(&mass, &a, &b, &u, &w), [mass.apply(&w), a.apply(&u), a.apply(&w), b.apply(&w)]);
         Ok(())
-    }
-
-    #[test]
-    fn dot_is_the_sum_of_products() {
-        let a: Vec<f64> = (0..40_001).map(|i| f64::from(i % 7)).collect();
-        let plain: f64 = a.iter().map(|x| x * x).sum();
-        assert!((dot(&a, &a) - plain).abs() < 1e-9);
-        assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
-        assert!(
-            (0..20)
-                .all(|i| max_abs(&(0..20).map(|k| if k == i { f64::NAN } else { 1.0 }).collect::<Vec<_>>()).is_nan())
-        );
-        let largest = |i: usize| max_abs(&(0..20).map(|k| if k == i { -3.0 } else { 2.0 }).collect::<Vec<_>>());
-        assert!((0..20).all(|i| (largest(i) - 3.0).abs() == 0.0));
-        assert_eq!((max_abs(&[]), max_abs(&[f64::NEG_INFINITY; 9])), (0.0, f64::INFINITY));
     }
 }

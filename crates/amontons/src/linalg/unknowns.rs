@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::estimate::Choice;
 use super::ordering::{Ordering, nested_dissection};
 use super::sparse::{BlockMatrix, Graph};
+use super::vectors::BLOCK;
 use crate::mesh::Mesh;
 use crate::space::{Frame, Space, frame};
 use crate::tensor::Point;
@@ -153,7 +156,7 @@ impl Unknowns {
     /// factor is.
     #[must_use]
     pub fn pick(&self, full: &[f64]) -> Vec<f64> {
-        self.dofs.iter().map(|&d| full[d as usize]).collect()
+        self.dofs.par_iter().with_min_len(BLOCK).map(|&d| full[d as usize]).collect()
     }
 
     /// [`Unknowns::add`] to such a vector.

@@ -7,7 +7,7 @@ use super::system::{Step, difference};
 use crate::arrays::per_point;
 use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
-use crate::linalg::dot;
+use crate::linalg::{dot, sum};
 use crate::tensor;
 
 /// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
@@ -26,7 +26,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         turned_over += explained(error, step.k * sizes);
     }
 
-    let heat_content = step.discrete.storage().0 * heat.mass_theta.iter().sum::<f64>();
+    let heat_content = step.discrete.storage().0 * sum([&heat.mass_theta], |[heat]| heat);
     let Amounts { supplied, coupling, contact, rubbed, prescribed } = heat.amounts;
     let foundations = foundations(step, m, heat);
     let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling - rubbed;
@@ -86,7 +86,7 @@ impl Energy {
         let rho = discrete.inertia().0;
         let stored = stored(step, m, theta);
         let contact = contact(step, m);
-        let inertial = 0.5 * rho * dot(&difference(&m.w, &old.w), &difference(&m.mass_w, &products.mass_w));
+        let inertial = 0.5 * rho * of_changes([&m.w, &old.w], [&m.mass_w, &products.mass_w]);
         let compliance =
             contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
                 + contact.stiffening;
@@ -189,6 +189,11 @@ fn explained(error: f64, size: f64) -> f64 {
     if error.abs() <= 4.0 * f64::EPSILON * size { size } else { 0.0 }
 }
 
+/// Σ (a_i − b_i)(c_i − d_i).
+fn of_changes([a, b]: [&[f64]; 2], [c, d]: [&[f64]; 2]) -> f64 {
+    sum([a, b, c, d], |[a, b, c, d]| (a - b) * (c - d))
+}
+
 /// Σ |a_i| b_i.
 fn absolute(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.abs() * b).sum()
@@ -209,13 +214,12 @@ struct Stored {
 /// With the temperature `theta` at the end of the step.
 fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let Step { discrete, old, products, k, .. } = *step;
-    let change = difference(&m.u, &old.u);
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
         Stored {
             elastic: 0.5 * dot(&m.u, &m.a_u),
             relaxed: 0.0,
-            scheme: 0.5 * dot(&change, &difference(&m.a_u, &products.a_u)),
+            scheme: 0.5 * of_changes([&m.u, &old.u], [&m.a_u, &products.a_u]),
             modulus: 0.0,
         }
     } else if let Some(sum) = softening(step, m, theta) {
@@ -223,7 +227,7 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     } else {
         // What the stress works beyond the change of the potential is the scheme's; without a potential the work is
         // taken for stored.
-        let work = dot(&change, &m.a_u);
+        let work = dot(&difference(&m.u, &old.u), &m.a_u);
         let before = before(step);
         let elastic = discrete.stored_energy(&m.u, &m.theta).unwrap_or(before + work);
         Stored { elastic, relaxed: 0.0, scheme: work - (elastic - before), modulus: 0.0 }

@@ -5,7 +5,7 @@ use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, kept, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, max_abs};
+use crate::linalg::{SolveError, Tangent, map, max_abs, sum};
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -87,13 +87,10 @@ impl Begun {
     /// The right-hand side for the increment over θ at hand.
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
         let storage = step.discrete.storage().0 / step.rule.delta;
-        let right: Vec<f64> = (0..self.supply.len())
-            .map(|i| {
-                self.supply[i] + self.coupling[i]
-                    - storage * (self.mass_theta[i] - step.products.mass_theta[i])
-                    - self.d_theta[i]
-            })
-            .collect();
+        let terms = [&self.supply, &self.coupling, &self.mass_theta, &step.products.mass_theta, &self.d_theta];
+        let right = map(terms.map(|term| &**term), |[supply, coupling, mass_theta, bar, d_theta]| {
+            supply + coupling - storage * (mass_theta - bar) - d_theta
+        });
         step.finite(&right, "the data")?;
         Ok(right)
     }
@@ -193,16 +190,16 @@ impl Begun {
         step.boundary.scatter_heat(exchange.sides(), &mut chi);
         let (through_contact, rubbed) = through(step, exchange);
         // At prescribed nodes it is the heat that has to be supplied there.
-        let mut rest: Vec<f64> = (0..theta.len())
-            .map(|i| {
-                c / delta * (mass_theta[i] - products.mass_theta[i]) + d_theta[i] - coupling[i] - supply[i] + chi[i]
-            })
-            .collect();
+        let terms = [mass_theta, &products.mass_theta, d_theta, coupling, supply, &chi].map(|term| &**term);
+        let mut rest = map(terms, |[mass_theta, bar, d_theta, coupling, supply, chi]| {
+            c / delta * (mass_theta - bar) + d_theta - coupling - supply + chi
+        });
         let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);
         let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
         // A flux into a prescribed temperature may be of any size and is no term of an equation.
-        let driven = max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest(&chi));
+        let driven =
+            max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
         let scale = driven.max(max_abs(d_theta));
         let residual = step.relative(max_abs(&rest), scale, "heat")?;
         Ok(Balance { residual, scale, driven, through_contact, reactions, rubbed })
@@ -224,7 +221,7 @@ impl Begun {
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
             Rounded::Prescribed => discrete.thermal_round_off(&kept(&theta, |i| !discrete.q.free[i])),
         })?;
-        let sum = |v: &[f64]| v.iter().sum::<f64>();
+        let sum = |v: &[f64]| sum([v], |[entry]| entry);
         let amounts = Amounts {
             supplied: k * (sum(&supply) - discrete.convected(&theta)),
             coupling: k * sum(&coupling),

@@ -7,7 +7,7 @@ use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degre
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, max_abs};
+use crate::linalg::{SolveError, Tangent, map, max_abs};
 use crate::tensor::Point;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
@@ -256,16 +256,10 @@ impl<'a> Equation<'a> {
     fn right(&self, at: &Iterate) -> Vec<f64> {
         let step = self.step;
         let inertia = step.discrete.inertia().0 / step.rule.delta;
-        let relaxing = |i: usize| at.relaxing.get(i).copied().unwrap_or(0.0);
-        (0..self.load.len())
-            .map(|i| {
-                self.load[i] + self.thermal[i]
-                    - inertia * (at.mass_w[i] - step.products.mass_w[i])
-                    - at.b_w[i]
-                    - at.a_u[i]
-                    - relaxing(i)
-            })
-            .collect()
+        let terms = [&self.load, &self.thermal, &*at.mass_w, &step.products.mass_w, &*at.b_w, &*at.a_u];
+        let right =
+            map(terms, |[load, thermal, mass_w, bar, b_w, a_u]| load + thermal - inertia * (mass_w - bar) - b_w - a_u);
+        if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
     }
 
     /// A pair of sweeps with the contact solved between them: the velocity with its multipliers, and the Newton
@@ -292,13 +286,12 @@ impl<'a> Equation<'a> {
     }
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
-    fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced, StepError> {
+    fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced<'a>, StepError> {
         let Step { discrete, products, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
         let iterate = Iterate::new(self.step, w, multipliers, &self.warmed);
         let (force, contact_force) = contact_forces(self.step, &states);
-        let mut rest: Vec<f64> =
-            self.right(&iterate).iter().zip(&contact_force).map(|(right, force)| force - right).collect();
+        let mut rest = map([&self.right(&iterate), &contact_force], |[right, force]| force - right);
         let reactions = discrete.v.prescribed_of(&rest);
         let support_work = reactions.iter().zip(discrete.v.prescribed_of(&iterate.w)).map(|(r, w)| k * r * w).sum();
         discrete.v.mask(&mut rest);
@@ -306,9 +299,9 @@ impl<'a> Equation<'a> {
             discrete.inertia().0 / self.step.rule.delta * max_abs(&iterate.mass_w).max(max_abs(&products.mass_w));
         let (driven, contact) = (
             [&self.thermal, &self.load].map(|term| max_abs(term)).into_iter().fold(inertia, f64::max),
-            discrete.v.largest(&contact_force),
+            discrete.v.largest_at(&self.step.boundary.nodes, &contact_force),
         );
-        let scale = [iterate.b_w.as_slice(), &iterate.a_u, &iterate.relaxing]
+        let scale = [&*iterate.b_w, &*iterate.a_u, &*iterate.relaxing]
             .map(max_abs)
             .into_iter()
             .fold(driven.max(contact), f64::max);
@@ -322,9 +315,9 @@ impl<'a> Equation<'a> {
         &self,
         half: &HalfStep,
         now: &Iterate,
-        mut next: Balanced,
+        mut next: Balanced<'a>,
         previous: f64,
-    ) -> Result<Balanced, StepError> {
+    ) -> Result<Balanced<'a>, StepError> {
         let mut alpha = 0.5;
         while next.residual > previous && alpha >= SHORTEST_STEP {
             let part = |old: f64, new: f64| old + alpha * (new - old);
@@ -375,10 +368,10 @@ impl<'a> Equation<'a> {
             load,
             theta: theta.to_vec(),
             thermal,
-            mass_w,
-            a_u,
-            a_w,
-            b_w,
+            mass_w: mass_w.into_owned(),
+            a_u: a_u.into_owned(),
+            a_w: a_w.into_owned(),
+            b_w: b_w.into_owned(),
             relaxing,
             given,
             force,
@@ -388,22 +381,21 @@ impl<'a> Equation<'a> {
     }
 }
 
-/// A velocity with the terms of (4.1) that it makes.
-#[derive(Clone)]
-struct Iterate {
+/// A velocity with the terms of (4.1) that it makes, or those of the state before.
+struct Iterate<'a> {
     w: Vec<f64>,
     multipliers: Multipliers,
-    mass_w: Vec<f64>,
-    a_u: Vec<f64>,
-    a_w: Vec<f64>,
-    b_w: Vec<f64>,
+    mass_w: Cow<'a, [f64]>,
+    a_u: Cow<'a, [f64]>,
+    a_w: Cow<'a, [f64]>,
+    b_w: Cow<'a, [f64]>,
     /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
     relaxing: Vec<f64>,
 }
 
 /// What is left of (4.1) at an iterate.
-struct Balanced {
-    iterate: Iterate,
+struct Balanced<'a> {
+    iterate: Iterate<'a>,
     states: Vec<PointState>,
     residual: f64,
     scale: f64,
@@ -415,41 +407,38 @@ struct Balanced {
     support_work: f64,
 }
 
-impl Iterate {
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Iterate {
-        let [mass_w, a_u, a_w, b_w] = step.discrete.mechanical_products(&step.displacement(&w), &w, warmed);
+impl Iterate<'_> {
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Self {
+        let products = step.discrete.mechanical_products(&step.displacement(&w), &w, warmed);
+        let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
 }
 
 /// Where a half-step starts.
-struct Begun {
-    now: Iterate,
+struct Begun<'a> {
+    now: Iterate<'a>,
     load: Vec<f64>,
     given: Given,
 }
 
-impl Begun {
+impl<'a> Begun<'a> {
     /// At w_{n−1}, and where the displacement is prescribed, at (u_D(t_n) − ū)/γ.
-    fn new(step: &Step, warmed: &Warmed) -> Begun {
+    fn new(step: &Step<'a>, warmed: &Warmed) -> Begun<'a> {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
-        let (mut w, mut change) = (old.w.clone(), bar.u.to_vec());
-        discrete.v.prescribe(t, &mut change);
-        change.iter_mut().zip(bar.u).for_each(|(u, bar)| *u = (*u - bar) / gamma);
-        discrete.v.mask(&mut w);
-        discrete.v.mask_free(&mut change);
-        w.iter_mut().zip(change).for_each(|(w, change)| *w += change);
+        let mut w = old.w.clone();
+        let changes = discrete.v.prescribe_rates(t, gamma, bar.u, &mut w);
         let given = Given::new(step, &w);
         let mut multipliers = old.multipliers.clone();
         // What no longer faces the other body has let go of it.
         for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
             (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
         }
-        let now = if discrete.is_linear() && w == bar.w {
+        let now = if discrete.is_linear() && !changes {
             // a(ū + γ w̄, ·) without another product.
-            let a_u = products.a_u.iter().zip(&products.a_w).map(|(a_u, a_w)| a_u + gamma * a_w).collect();
-            let (mass_w, a_w, b_w) = (products.mass_w.clone(), products.a_w.clone(), products.b_w.clone());
+            let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
+            let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
             Iterate::new(step, w, multipliers, warmed)
@@ -458,18 +447,16 @@ impl Begun {
     }
 
     /// At a solution of the same step.
-    fn from(step: &Step, m: &Mechanics, warmed: &Warmed) -> Begun {
+    fn from(step: &Step, m: &'a Mechanics, warmed: &Warmed) -> Begun<'a> {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
-        if step.discrete.softens() {
-            let now = Iterate::new(step, w.clone(), multipliers.clone(), warmed);
-            return Begun { now, load: load.clone(), given: given.clone() };
-        }
-        let [w, mass_w, a_u, a_w, b_w, relaxing] = [w, mass_w, a_u, a_w, b_w, relaxing].map(Clone::clone);
-        Begun {
-            now: Iterate { w, multipliers: multipliers.clone(), mass_w, a_u, a_w, b_w, relaxing },
-            load: load.clone(),
-            given: given.clone(),
-        }
+        let (w, multipliers) = (w.clone(), multipliers.clone());
+        let now = if step.discrete.softens() {
+            Iterate::new(step, w, multipliers, warmed)
+        } else {
+            let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(|v| Cow::Borrowed(&**v));
+            Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
+        };
+        Begun { now, load: load.clone(), given: given.clone() }
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
-use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent};
+use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, map};
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
 use crate::problem::Problem;
@@ -73,7 +73,7 @@ impl Step<'_> {
     /// ū + γ w.
     pub fn displacement(&self, w: &[f64]) -> Vec<f64> {
         let gamma = self.rule.gamma;
-        self.bar.u.iter().zip(w).map(|(u, w)| u + gamma * w).collect()
+        map([self.bar.u, w], |[u, w]| u + gamma * w)
     }
 
     /// |ū| + γ |w|, the sizes of what u_n is the sum of.
@@ -103,11 +103,7 @@ impl Step<'_> {
 
     /// An error where a value is not finite.
     pub fn finite(&self, values: &[f64], part: &'static str) -> Result<(), StepError> {
-        if values.iter().all(|v| v.is_finite()) {
-            Ok(())
-        } else {
-            Err(StepError::NotFinite { step: self.n, t: self.t, part })
-        }
+        if is_finite(values) { Ok(()) } else { Err(StepError::NotFinite { step: self.n, t: self.t, part }) }
     }
 
     /// A residual relative to the largest term of its equation.
@@ -323,5 +319,5 @@ pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: imp
 
 /// a − b.
 pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
-    a.iter().zip(b).map(|(a, b)| a - b).collect()
+    map([a, b], |[a, b]| a - b)
 }

@@ -2,16 +2,19 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::local::Local;
 use super::precondition::{Body, Preconditioner};
 use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
-use crate::linalg::sparse::{BlockMatrix, max_abs};
+use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::stop::Stop;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
+use crate::linalg::vectors::{BLOCK, add_combination, dot, map, max_abs};
 
 /// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps two
 /// vectors of each, and makes no more than have [`NUMBERS`] entries, where that is not too few.
@@ -74,9 +77,8 @@ impl Iterative {
 
     /// A vector over all degrees of freedom.
     fn spread(&self, x: &[f64]) -> Vec<f64> {
-        let mut full = vec![0.0; self.free.len()];
-        self.unknowns.put(x, &mut full);
-        full
+        let of_unknown = |position: &Option<u32>| position.map_or(0.0, |at| x[at as usize]);
+        self.positions.par_iter().with_min_len(BLOCK).map(of_unknown).collect()
     }
 
     /// The tangent and the turns by degree of freedom.
@@ -171,7 +173,7 @@ impl Iterative {
     fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
         let mut r = weighed.to_vec();
         if let Some(local) = self.touched() {
-            let x: Vec<f64> = weighed.iter().zip(&self.scale).map(|(weighed, scale)| weighed / scale).collect();
+            let x = map([weighed, &self.scale], |[weighed, scale]| weighed / scale);
             let load = self.by_unknown(local.load(&self.spread(&x)));
             load.for_each(|(unknown, load)| r[unknown] = load);
         }
@@ -188,7 +190,7 @@ impl Iterative {
 
     /// b − (S + J) x.
     fn leave(&self, tangent: &Tangent, b: &[f64], x: &[f64], rest: &mut [f64]) {
-        rest.iter_mut().zip(b).zip(self.sum(tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
+        rest.par_iter_mut().zip(b).zip(self.sum(tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
     }
 
     /// GMRES with a preconditioner that is not quite linear, as one in single precision: what it makes of each vector
@@ -208,9 +210,7 @@ impl Iterative {
         };
         let solved = gmres(apply, &self.weighed(rest), goal, limit)?;
         let mut x = vec![0.0; rest.len()];
-        for (component, made) in solved.components.iter().zip(&kept) {
-            x.iter_mut().zip(made).for_each(|(x, made)| *x += component * made);
-        }
+        add_combination(&mut x, &solved.components, &kept);
         Ok((x, solved.iterations))
     }
 
@@ -236,7 +236,7 @@ impl Iterative {
                 self.flexible(product, &rest, (goal, products))?
             };
             self.iterations += made;
-            x.iter_mut().zip(change).for_each(|(x, change)| *x += change);
+            add_combination(&mut x, &[1.0], &[change]);
             self.leave(tangent, b, &x, &mut rest);
             self.settle(&rest, &mut x);
             self.leave(tangent, b, &x, &mut rest);
@@ -320,5 +320,5 @@ impl Condensed for Iterative {
 }
 
 fn norm(v: &[f64]) -> f64 {
-    crate::linalg::sparse::dot(v, v).sqrt()
+    dot(v, v).sqrt()
 }

@@ -8,8 +8,8 @@ use super::aggregate::{aggregates, strong, tentative};
 use super::blocks::Blocks;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::Lu;
-use crate::linalg::sparse::dot;
 use crate::linalg::stop::Stop;
+use crate::linalg::vectors::dot;
 
 /// Unknowns below which a level is solved with a dense factor, and most levels.
 const COARSEST: usize = 600;

@@ -18,6 +18,7 @@ use crate::linalg::lu::{Lu, is_positive_definite};
 use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
+use crate::linalg::vectors::add_combination;
 use crate::tensor::Point;
 
 /// What contact touches, with J by degree of freedom in the bases of the turns.
@@ -98,7 +99,7 @@ impl Local {
         self.add_solution(r, &mut x);
         let mut change = cycle(&self.rest(matrix, &self.reach, r, &x));
         self.turns.iter().for_each(|turn| turn.forward(&mut change));
-        x.iter_mut().zip(&change).for_each(|(x, change)| *x += change);
+        add_combination(&mut x, &[1.0], &[change]);
         let mut rest = self.rest(matrix, &self.nodes, r, &x);
         self.turns.iter().for_each(|turn| turn.forward(&mut rest));
         self.add_solution(&rest, &mut x);

@@ -1,0 +1,180 @@
+//! Vectors: entries of several at once, sums and the largest entry.
+//!
+//! Every thread works on blocks of fixed size, so that no result depends on their number. A pass over several vectors
+//! reads each of them once, which for vectors that do not fit into a cache is its cost.
+
+use rayon::prelude::*;
+
+/// Entries that are worked on at once: large enough to pay for a task.
+pub(super) const BLOCK: usize = 1 << 14;
+
+/// The vector with the entries f(a_i, b_i, …) of vectors of equal length.
+#[must_use]
+pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> Vec<f64> {
+    let mut out = vec![0.0; of.first().map_or(0, |v| v.len())];
+    out.par_chunks_mut(BLOCK).enumerate().for_each(|(block, out)| {
+        let of = of.map(|v| &v[block * BLOCK..][..out.len()]);
+        for (i, out) in out.iter_mut().enumerate() {
+            *out = f(of.map(|v| v[i]));
+        }
+    });
+    out
+}
+
+/// Σ f(a_i, b_i, …) of vectors of equal length.
+#[must_use]
+pub fn sum<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> f64 {
+    let length = of.first().map_or(0, |v| v.len());
+    let blocks = length.div_ceil(BLOCK);
+    let partial: Vec<f64> = (0..blocks)
+        .into_par_iter()
+        .map(|block| {
+            let of = of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]);
+            let of_lanes = of.map(|v| v.as_chunks::<8>());
+            let mut lanes = [0.0; 8];
+            for i in 0..of_lanes.first().map_or(0, |(eights, _)| eights.len()) {
+                for l in 0..8 {
+                    lanes[l] += f(of_lanes.map(|(eights, _)| eights[i][l]));
+                }
+            }
+            let rest = of_lanes.map(|(_, rest)| rest);
+            let of_rest = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i])));
+            lanes.iter().sum::<f64>() + of_rest.sum::<f64>()
+        })
+        .collect();
+    partial.iter().sum()
+}
+
+/// Sum of the products.
+#[must_use]
+pub fn dot(a: &[f64], b: &[f64]) -> f64 {
+    sum([a, b], |[a, b]| a * b)
+}
+
+/// The products of a vector with each of several.
+#[must_use]
+pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
+    let of_block = |(block, x): (usize, &[f64])| -> Vec<f64> {
+        let at = block * BLOCK;
+        vectors.iter().map(|v| dot_of_block(&v.as_ref()[at..at + x.len()], x)).collect()
+    };
+    let partial: Vec<Vec<f64>> = x.par_chunks(BLOCK).enumerate().map(of_block).collect();
+    (0..vectors.len()).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
+}
+
+fn dot_of_block(a: &[f64], b: &[f64]) -> f64 {
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
+    let mut lanes = [0.0; 8];
+    for (a, b) in a.iter().zip(b) {
+        for l in 0..8 {
+            lanes[l] += a[l] * b[l];
+        }
+    }
+    lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
+}
+
+/// y ← y + Σ f_i v_i.
+pub fn add_combination<V: AsRef<[f64]> + Sync>(y: &mut [f64], factors: &[f64], vectors: &[V]) {
+    y.par_chunks_mut(BLOCK).enumerate().for_each(|(block, y)| {
+        let at = block * BLOCK;
+        for (factor, v) in factors.iter().zip(vectors) {
+            for (y, v) in y.iter_mut().zip(&v.as_ref()[at..]) {
+                *y += factor * v;
+            }
+        }
+    });
+}
+
+/// Takes from a vector what it has of an orthonormal basis: returns its components, of which `duals` holds the
+/// products. Twice, which is enough for an orthogonal rest to round-off (Giraud, Langou, Rozložník 2005).
+pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
+    let mut components = vec![0.0; basis.len()];
+    for _ in 0..2 {
+        let shares: Vec<f64> = dots(duals, x).iter().map(|share| -share).collect();
+        add_combination(x, &shares, basis);
+        components.iter_mut().zip(&shares).for_each(|(sum, share)| *sum -= share);
+    }
+    components
+}
+
+/// Largest absolute value; NaN if there is one.
+#[must_use]
+pub fn max_abs(v: &[f64]) -> f64 {
+    let largest: Vec<f64> = v.par_chunks(BLOCK).map(largest).collect();
+    largest.into_iter().fold(0.0, |most: f64, size| if most.is_nan() || size <= most { most } else { size })
+}
+
+fn largest(v: &[f64]) -> f64 {
+    let (chunks, rest) = v.as_chunks::<8>();
+    let (mut lanes, mut sums) = ([0.0f64; 8], [0.0f64; 8]);
+    for chunk in chunks {
+        for l in 0..8 {
+            let size = chunk[l].abs();
+            lanes[l] = if size > lanes[l] { size } else { lanes[l] };
+            // Zero, unless a number is infinite or none.
+            sums[l] += 0.0 * size;
+        }
+    }
+    let suspicious = sums.iter().any(|sum| *sum != 0.0);
+    if (suspicious && v.iter().any(|x| x.is_nan())) || rest.iter().any(|x| x.is_nan()) {
+        return f64::NAN;
+    }
+    rest.iter().map(|x| x.abs()).chain(lanes).fold(0.0, f64::max)
+}
+
+/// Whether every entry is finite.
+#[must_use]
+pub fn is_finite(v: &[f64]) -> bool {
+    v.chunks(64).all(|v| v.iter().fold(true, |all, x| all & x.is_finite()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sums_are_those_of_the_entries() {
+        let [a, b]: [Vec<f64>; 2] = [7, 5].map(|n| (0..40_001).map(|i| f64::from(i % n)).collect());
+        let plain: f64 = a.iter().map(|x| x * x).sum();
+        assert!((dot(&a, &a) - plain).abs() < 1e-9);
+        let of_both: f64 = a.iter().zip(&b).map(|(a, b)| a - 2.0 * b).sum();
+        assert!((sum([&a, &b], |[a, b]| a - 2.0 * b) - of_both).abs() < 1e-9);
+        let mapped = map([&a, &b], |[a, b]| a - 2.0 * b);
+        assert!(mapped.len() == a.len() && (0..a.len()).all(|i| (mapped[i] - (a[i] - 2.0 * b[i])).abs() == 0.0));
+        assert_eq!(dots(&[&a, &b], &a), [dot(&a, &a), dot(&b, &a)]);
+        assert_eq!(sum([&[], &[]], |[a, b]| a * b).abs() + map([&[]], |[a]| a).len() as f64, 0.0);
+    }
+
+    /// Of a combination of orthonormal vectors nothing is left, and its components are those it was made of.
+    #[test]
+    fn what_is_orthogonal_to_a_basis_is_left() {
+        let n: usize = 40_001;
+        let entry = |i: usize, k: usize| if i % 3 == k { 1.0 / (n - k).div_ceil(3) as f64 } else { 0.0 };
+        let basis: Vec<Vec<f64>> = (0..3).map(|k| (0..n).map(|i| entry(i, k).sqrt()).collect()).collect();
+        let mut x = vec![0.0; n];
+        add_combination(&mut x, &[1.0, -2.0, 3.0], &basis);
+        let components = orthogonalize(&mut x, &basis, &basis);
+        assert!(components.iter().zip([1.0, -2.0, 3.0]).all(|(found, value)| (found - value).abs() < 1e-12));
+        assert!(max_abs(&dots(&basis, &x)) < 1e-12, "{:?}", dots(&basis, &x));
+    }
+
+    #[test]
+    fn what_is_no_number_is_seen() {
+        assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
+        let with = |i: usize, value: f64| (0..20).map(|k| if k == i { value } else { 2.0 }).collect::<Vec<_>>();
+        assert!((0..20).all(|i| max_abs(&with(i, f64::NAN)).is_nan()));
+        assert!((0..20).all(|i| (max_abs(&with(i, -3.0)) - 3.0).abs() == 0.0));
+        let mut long = vec![1.0; 3 * BLOCK + 5];
+        assert!(is_finite(&long));
+        for at in [0, BLOCK, 3 * BLOCK + 4] {
+            for (value, finite) in [(f64::INFINITY, false), (-5.0, true)] {
+                long[at] = value;
+                assert_eq!((max_abs(&long), is_finite(&long)), (value.abs(), finite));
+            }
+            long[at] = f64::NAN;
+            assert!(max_abs(&long).is_nan() && !is_finite(&long));
+            long[at] = 1.0;
+        }
+        assert_eq!((max_abs(&[]), max_abs(&[f64::NEG_INFINITY; 9])), (0.0, f64::INFINITY));
+    }
+}
