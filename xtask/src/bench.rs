@@ -1,9 +1,10 @@
 //! Times of the paper's square, of the cube in space and of other programs on the same problem, in one run.
 //!
-//! `bench --peer getfem` needs Debian's `python3-getfem` (`apt-get install python3-getfem`); its programs are in
-//! `xtask/peers`.
+//! `bench --peer getfem` needs Debian's `python3-getfem` (`apt-get install python3-getfem`), `bench --peer pyamg` a
+//! Python with that package (`pip install pyamg`); the programs for both are in `xtask/peers`.
 
 mod chart;
+mod system;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,12 +25,18 @@ pub struct Arguments {
     /// Cells per edge of the cube; four steps are made.
     #[arg(long, value_delimiter = ',', default_value = "16,24,32")]
     cube: Vec<usize>,
-    /// Programs to compare with on the square: getfem.
+    /// Cells per edge of the cube of which one linear system is solved to 1e-10.
+    #[arg(long, value_delimiter = ',', default_value = "16,32")]
+    system: Vec<usize>,
+    /// Programs to compare with: getfem on the square, pyamg on the linear system.
     #[arg(long)]
     peer: Vec<String>,
     /// Steps that the plain script of another program makes; its time is that of a step times the number of steps.
     #[arg(long, default_value_t = 4)]
     plain_steps: usize,
+    /// The Python that has pyamg.
+    #[arg(long, default_value = "python3")]
+    python: String,
     /// Folder for the table and its picture.
     #[arg(long, default_value = "bench")]
     out: PathBuf,
@@ -37,7 +44,7 @@ pub struct Arguments {
 
 /// A line of the table.
 pub struct Row {
-    /// `square` or `cube`.
+    /// `square`, `cube`, or `cube system`, of which a step is one linear system.
     pub case: &'static str,
     pub program: String,
     pub unknowns: usize,
@@ -87,6 +94,10 @@ fn measure(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     fs::write(&cube, CUBE)?;
     for &n in &arguments.cube {
         rows.push(amontons("cube", &cube, n, None, bandwidth)?);
+    }
+    let with_pyamg = arguments.peer.iter().any(|peer| peer == "pyamg");
+    for &n in &arguments.system {
+        rows.extend(system::measure(n, with_pyamg.then_some(arguments.python.as_str()))?);
     }
     text += "case,program,unknowns,steps,setup_s,step_s,total_s,times_the_bound,krylov,memory_MB,largest_temperature\n";
     for row in &rows {
