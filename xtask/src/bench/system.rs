@@ -47,7 +47,8 @@ pub fn measure(n: usize, python: Option<&str>) -> Result<Vec<Row>, Box<dyn Error
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build()?;
         let (setup, solve, iterations) =
             pool.install(|| solve(&matrix, &layout, &right)).map_err(|error| error.to_string())?;
-        rows.push(row(format!("amontons, {threads} threads"), setup, solve, iterations, f64::NAN));
+        let plural = if threads == 1 { "" } else { "s" };
+        rows.push(row(format!("amontons {threads} thread{plural}"), setup, solve, iterations, f64::NAN));
     }
     if let Some(python) = python {
         let folder = std::env::temp_dir().join(format!("amontons-bench-{}-system", std::process::id()));
