@@ -435,6 +435,9 @@ impl Backend for Timed {
     fn choice(&self, estimate: &Estimate) -> Choice {
         self.backend.choice(estimate)
     }
+    fn proves(&self, matrix: &BlockMatrix, layout: &Layout) -> bool {
+        self.backend.proves(matrix, layout)
+    }
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         self.backend.is_positive_definite(matrix, layout)
     }

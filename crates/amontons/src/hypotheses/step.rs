@@ -16,8 +16,9 @@
 //! for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
 //! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal, which round-off cannot feign; by
-//! elimination of the interior it is positive definite if and only if K_II and S − c* k W are. `fails` rests on a
-//! quotient x·Sx / x·Wx ≤ c* k.
+//! elimination of the interior it is positive definite if and only if K_II and S − c* k W are. Of a body that is too
+//! large for a factor it rests on conjugate gradients that see no other energy. `fails` rests on a quotient x·Sx / x·Wx
+//! ≤ c* k.
 
 use std::sync::Arc;
 
@@ -28,7 +29,7 @@ use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
 use crate::discretization::Discretization;
 use crate::inclusion::Rule;
-use crate::linalg::{BlockMatrix, Entry, Layout, SolveError, System, Unknowns, dot, largest};
+use crate::linalg::{BlockMatrix, Entry, Layout, Share, SolveError, System, Tangent, Unknowns, dot, largest};
 use crate::material::{Isotropic, Material, StressState, TensorLaw, depends_on_temperature};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
@@ -93,6 +94,15 @@ struct Step<'a> {
     with_speed: f64,
     /// W = Σ ω NᵀN, on each component; of each contact the share of its own c* in the largest.
     weights: BlockMatrix,
+    shares: Vec<f64>,
+}
+
+/// The system of a step of one length: K_u, and what solves with it once that is needed.
+struct At<'a> {
+    step: &'a Step<'a>,
+    k: f64,
+    matrix: Arc<BlockMatrix>,
+    system: Option<System>,
 }
 
 /// λ_min(S, W): a quotient of the forms, which it cannot exceed, and that less the error of the iteration.
@@ -122,15 +132,13 @@ impl<'a> Step<'a> {
                 .collect();
             weights.add(&nodes, &form);
         }
-        Step { problem, discrete, loss, with_speed, weights }
+        Step { problem, discrete, loss, with_speed, weights, shares }
     }
 
-    /// Whether K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
-    fn dominates(&self, k: f64, loss: f64) -> Result<bool, SolveError> {
-        let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
-        let mut less = matrix.clone();
-        less.add_scaled(-loss * k, &self.weights);
-        is_positive_definite(self.problem, &self.discrete.v, &matrix, less)
+    /// K_u = ρM/k + B + kA.
+    fn at(&self, k: f64) -> At<'_> {
+        let matrix = Arc::new(self.discrete.mechanical_matrix(Rule::backward_euler(k)));
+        At { step: self, k, matrix, system: None }
     }
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
@@ -142,22 +150,24 @@ impl<'a> Step<'a> {
         is_positive_definite(self.problem, &self.discrete.q, &matrix, matrix.clone())
     }
 
-    /// λ_min(S, W) of K_u = ρM/k + B + kA; infinite without unknowns on Γ_C.
-    fn least(&self, k: f64) -> Result<Least, SolveError> {
-        let matrix = Arc::new(self.discrete.mechanical_matrix(Rule::backward_euler(k)));
-        let layout = Layout::of(&self.problem.mesh, &self.discrete.v, &self.discrete.boundary.nodes);
-        let mut system = System::new(&self.problem.backend, &matrix, &layout)?;
-        let mut pencil = TraceQuotient { entries: self.entries(system.unknowns()), system: &mut system };
-        // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
-        let pair = largest(&mut pencil)?;
-        if pair.value <= 0.0 {
-            return Ok(Least { above: f64::INFINITY, below: f64::INFINITY });
+    /// W times a factor, as a tangent on the contact unknowns.
+    fn tangent(&self, unknowns: &Unknowns, factor: f64) -> Tangent {
+        const ONE: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let (dim, boundary) = (self.problem.mesh.dim, &self.discrete.boundary);
+        let position = unknowns.positions(self.discrete.v.free.len());
+        let mut tangent = Tangent::new();
+        for point in &boundary.points {
+            let of_node = |&(i, value): &(usize, f64)| {
+                let node = boundary.nodes[i];
+                let (first, axes) = (node as usize * dim, unknowns.directions(node));
+                let of = |c: usize| Some((position[first + c]?, axes[c].map(|on| value * on)));
+                (0..dim).filter_map(of).collect::<Vec<Share>>()
+            };
+            let row: Vec<Share> = point.nodes.iter().flat_map(of_node).collect();
+            let share = self.shares.get(point.contact).copied().unwrap_or(1.0);
+            tangent.add(factor * share * point.weight, &row, &ONE);
         }
-        // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
-        let mut body = vec![0.0; self.discrete.v.free.len()];
-        system.unknowns().add(&system.extend(&pair.vector)?, &mut body);
-        let above = dot(&body, &matrix.apply(&body)) / dot(&body, &self.weights.apply(&body));
-        Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
+        tangent
     }
 
     /// W on the contact unknowns.
@@ -177,6 +187,57 @@ impl<'a> Step<'a> {
             }
         }
         entries
+    }
+}
+
+impl At<'_> {
+    /// Whether K_u − c* k W is positive definite beyond round-off; with c* = 0 K_u itself.
+    fn dominates(&mut self, loss: f64) -> Result<bool, SolveError> {
+        let step = self.step;
+        let Step { problem, discrete, weights, .. } = step;
+        let lost = loss * self.k;
+        if problem.backend.proves(&self.matrix, &Layout::of(&problem.mesh, &discrete.v, &[])) {
+            let mut less = BlockMatrix::clone(&self.matrix);
+            less.add_scaled(-lost, weights);
+            return is_positive_definite(problem, &discrete.v, &self.matrix, less);
+        }
+        // No factor tells: the levels of K_u serve for what is left of it, too.
+        let system = match self.system() {
+            Ok(system) => system,
+            Err(SolveError::NotPositive { .. }) => return Ok(false),
+            Err(error) => return Err(error),
+        };
+        let tangent = step.tangent(system.unknowns(), -lost);
+        system.condensed_mut().is_positive_definite(&tangent)
+    }
+
+    /// λ_min(S, W); infinite without unknowns on Γ_C.
+    fn least(&mut self) -> Result<Least, SolveError> {
+        let (step, matrix) = (self.step, Arc::clone(&self.matrix));
+        let system = self.system()?;
+        let mut pencil = TraceQuotient { entries: step.entries(system.unknowns()), system: &mut *system };
+        // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
+        let pair = largest(&mut pencil)?;
+        if pair.value <= 0.0 {
+            return Ok(Least { above: f64::INFINITY, below: f64::INFINITY });
+        }
+        // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
+        let mut body = vec![0.0; step.discrete.v.free.len()];
+        system.unknowns().add(&system.extend(&pair.vector)?, &mut body);
+        let above = dot(&body, &matrix.apply(&body)) / dot(&body, &step.weights.apply(&body));
+        Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
+    }
+
+    fn system(&mut self) -> Result<&mut System, SolveError> {
+        let made = match self.system.take() {
+            Some(system) => system,
+            None => {
+                let Step { problem, discrete, .. } = self.step;
+                let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
+                System::new(&problem.backend, &self.matrix, &layout)?
+            }
+        };
+        Ok(self.system.insert(made))
     }
 }
 
@@ -338,11 +399,12 @@ pub(super) fn unique(problem: &Problem) -> Finding {
 fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
     let k = step.problem.k();
     let needed = step.loss * k;
-    let holds = step.dominates(k, step.loss)?;
-    if !holds && !step.dominates(k, 0.0)? {
+    let mut at = step.at(k);
+    let holds = at.dominates(step.loss)?;
+    if !holds && !at.dominates(0.0)? {
         return Ok(not_held(id));
     }
-    let Least { above: found, below } = step.least(k)?;
+    let Least { above: found, below } = at.least()?;
     let numbers = |finding: Finding| {
         finding.numbers(Some(found), Some(needed)).repair("more steps: `check` names a number in time-step")
     };
@@ -386,15 +448,17 @@ fn search(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
     let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
     let k = |doubling: u32| problem.end / steps(doubling);
     let mut doubling = 0;
-    let mut found = step.dominates(k(0), step.loss)?;
-    if !found && !step.dominates(k(0), 0.0)? {
+    let mut at = step.at(k(0));
+    let mut found = at.dominates(step.loss)?;
+    if !found && !at.dominates(0.0)? {
         return Ok(not_held(id));
     }
     // λ_min/k does not decrease with k: what fails in the shortest step of the search fails in all.
-    if !found && step.least(k(DOUBLINGS))?.above > step.loss * k(DOUBLINGS) {
+    if !found && step.at(k(DOUBLINGS)).least()?.above > step.loss * k(DOUBLINGS) {
         while !found && doubling < DOUBLINGS {
             doubling += 1;
-            found = step.dominates(k(doubling), step.loss)?;
+            at = step.at(k(doubling));
+            found = at.dominates(step.loss)?;
         }
     }
     if !found {
@@ -408,7 +472,7 @@ fn search(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
     if step.with_speed > 0.0 {
         return Ok(numbers(up_to_a_pressure(
             id,
-            [step.least(k)?.below, step.loss * k],
+            [at.least()?.below, step.loss * k],
             step.with_speed,
             steps,
             problem.units(),

@@ -68,13 +68,17 @@ impl Backend for Automatic {
         Some(Arc::new(Automatic { before: before.into(), ..self.clone() }))
     }
 
-    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        let layout = Layout { contact: &[], ..*layout };
-        let ordering = layout.ordering(matrix.graph());
+    fn proves(&self, matrix: &BlockMatrix, layout: &Layout) -> bool {
+        let ordering = Layout { contact: &[], ..*layout }.ordering(matrix.graph());
         // A factor answers without a system being solved.
         let work = Workload { steps: 1.0, ..Workload::default() };
         let estimate = Estimate::of(matrix.graph(), layout.free, layout.components, &ordering);
-        if Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes)).is_direct() {
+        Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes)).is_direct()
+    }
+
+    fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
+        let layout = Layout { contact: &[], ..*layout };
+        if self.proves(matrix, &layout) {
             self.direct.is_positive_definite(matrix, &layout)
         } else {
             self.multigrid.is_positive_definite(matrix, &layout)

@@ -43,6 +43,12 @@ pub trait Backend: Debug + Send + Sync {
         Choice::asked("direct", estimate)
     }
 
+    /// Whether [`Backend::is_positive_definite`] rests on a factor. Otherwise an iteration answers, and one that is at
+    /// hand for a matrix nearby spares its set-up.
+    fn proves(&self, _matrix: &BlockMatrix, _layout: &Layout) -> bool {
+        true
+    }
+
     /// Whether a matrix is positive definite on the unknowns of the layout.
     ///
     /// # Errors

@@ -63,6 +63,10 @@ impl Backend for Multigrid {
         Choice::asked("iterative", estimate)
     }
 
+    fn proves(&self, _matrix: &BlockMatrix, _layout: &Layout) -> bool {
+        false
+    }
+
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         let unknowns = self.order(matrix, layout);
         match self.factorize(matrix, &unknowns) {
