@@ -1,5 +1,6 @@
 """Reads fields.pvd and contact.pvd with their .vtu files with another program, meshio, and with VTK's own reader where
-it is installed, and compares them with summary.json, history.csv and contact.csv.
+it is installed, and compares them with summary.json, history.csv and contact.csv. Reads fields.vtkhdf with VTK's own
+reader, and compares every bit with the .vtu files where these are there, too.
 
     python tests/read_fields.py RESULTS
 """
@@ -40,16 +41,70 @@ def with_vtk(path):
     reader.Update()
     if reader.GetErrorCode():
         sys.exit(f"{path}: VTK's reader reports error {reader.GetErrorCode()}")
-    grid = reader.GetOutput()
+    return of_grid(reader.GetOutput())
+
+
+def of_grid(grid):
+    """What VTK has read."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
 
     def arrays(data):
-        return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)) for i in range(data.GetNumberOfArrays())}
+        return {data.GetArrayName(i): vtk_to_numpy(data.GetArray(i)).copy() for i in range(data.GetNumberOfArrays())}
 
     types = {meshio._vtk_common.vtk_to_meshio_type[t] for t in {grid.GetCellType(i) for i in range(grid.GetNumberOfCells())}}
     all_nodes, ends = vtk_to_numpy(grid.GetCells().GetConnectivityArray()), vtk_to_numpy(grid.GetCells().GetOffsetsArray())
-    connectivity = np.split(all_nodes, ends[1:-1])
+    connectivity = np.split(all_nodes.copy(), ends[1:-1])
     connectivity = [np.array(connectivity)] if len(types) == 1 else [cell[None, :] for cell in connectivity]
-    return vtk_to_numpy(grid.GetPoints().GetData()), connectivity, types, arrays(grid.GetPointData()), arrays(grid.GetCellData())
+    return vtk_to_numpy(grid.GetPoints().GetData()).copy(), connectivity, types, arrays(grid.GetPointData()), arrays(grid.GetCellData())
+
+
+def packed(path):
+    """The times of a file of VTKHDF, and what VTK reads at each of them."""
+    from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
+    from vtkmodules.vtkIOHDF import vtkHDFReader
+
+    reader = vtkHDFReader()
+    reader.SetFileName(str(path))
+    reader.UpdateInformation()
+    times = reader.GetOutputInformation(0).Get(vtkStreamingDemandDrivenPipeline.TIME_STEPS())
+    grids = []
+    for t in times:
+        if not reader.UpdateTimeStep(t) or reader.GetErrorCode():
+            sys.exit(f"{path}: VTK's reader reports error {reader.GetErrorCode()} at t = {t}")
+        grids.append(of_grid(reader.GetOutput()))
+    return list(times), grids
+
+
+def same_bits(name, found, expected):
+    if found.dtype != expected.dtype or found.shape != expected.shape or found.tobytes() != expected.tobytes():
+        sys.exit(f"{name}: {found.dtype}{found.shape} in fields.vtkhdf is not {expected.dtype}{expected.shape} of the .vtu file")
+
+
+def check_packed(folder, times, grids, sets):
+    """A file of VTKHDF against the .vtu files of the same run, and its layout."""
+    import h5py
+
+    for t, grid, (other, path) in zip(times, grids, sets, strict=True):
+        points, connectivity, types, at_points, in_cells = with_vtk(path)
+        assert (t, grid[2]) == (other, types), f"times and types of cells: {t}, {grid[2]}, {other}, {types}"
+        same_bits(f"points at t = {t}", grid[0], points)
+        for found, expected in zip(grid[1], connectivity, strict=True):
+            same_bits(f"cells at t = {t}", found, expected)
+        for found, expected in ((grid[3], at_points), (grid[4], in_cells)):
+            assert sorted(found) == sorted(expected), f"{path}: arrays {sorted(found)}, expected {sorted(expected)}"
+            for name, array in expected.items():
+                same_bits(f"{name} at t = {t}", found[name], array)
+    manifest = json.loads((folder / "manifest.json").read_text())
+    with h5py.File(folder / "fields.vtkhdf") as file:
+        root = file["VTKHDF"]
+        assert list(root.attrs["Version"]) == [2, 0] and root.attrs["Type"] == b"UnstructuredGrid"
+        assert len(root["Points"]) == len(grids[0][0]), "the mesh is there once"
+        assert len(root["CellData/region"]) == len(root["Types"]), "and so is what does not change"
+        for group in ("PointData", "CellData"):
+            for name, array in root[group].items():
+                unit = array.attrs.get("units")
+                assert unit == manifest["columns"]["fields.vtkhdf"].get(name), f"unit of {name}: {unit}"
+                assert array.compression == "gzip", f"{name} is not compressed"
 
 
 def von_mises(stress):
@@ -150,10 +205,15 @@ def check_contact(read, path, table, manifest):
 def main(folder):
     summary = json.loads((folder / "summary.json").read_text())
     fields = tomllib.loads((folder / "case.toml").read_text()).get("output", {}).get("fields", ["stress"])
-    collection = xml.parse(folder / "fields.pvd").getroot()
-    assert collection.tag == "VTKFile" and collection.get("type") == "Collection"
-    sets = [(float(entry.get("timestep")), folder / entry.get("file")) for entry in collection.iter("DataSet")]
-    times = [t for t, _ in sets]
+    sets, (packed_times, grids) = [], ([], [])
+    if (folder / "fields.pvd").exists():
+        collection = xml.parse(folder / "fields.pvd").getroot()
+        assert collection.tag == "VTKFile" and collection.get("type") == "Collection"
+        sets = [(float(entry.get("timestep")), folder / entry.get("file")) for entry in collection.iter("DataSet")]
+    if (folder / "fields.vtkhdf").exists():
+        packed_times, grids = packed(folder / "fields.vtkhdf")
+        assert sets or not (folder / "fields").exists(), "without fields.pvd there are no files in fields"
+    times = [t for t, _ in sets] or packed_times
     with open(folder / "history.csv", newline="") as file:
         known = [0.0] + [float(row["t"]) for row in csv.DictReader(file)]
     assert times == sorted(set(times)) and set(times) <= set(known), f"times of steps, ascending: {times}"
@@ -164,10 +224,16 @@ def main(folder):
         readers.append(with_vtk)
     except ImportError:
         pass
-    for read in readers:
+    for read in readers if sets else []:
         for _, path in sets:
             read(path)
         types = check_last(read, sets[-1][1], summary, fields)
+    if grids:
+        types = check_last(lambda _: grids[-1], folder / "fields.vtkhdf", summary, fields)
+        if sets:
+            check_packed(folder, packed_times, grids, sets)
+        against = ", as the .vtu files to the bit" if sets else ""
+        print(f"{len(grids)} snapshots of fields.vtkhdf read by VTK, as summary.json says{against}")
     surfaces = folder / "contact.pvd"
     if surfaces.exists():
         manifest = json.loads((folder / "manifest.json").read_text())
@@ -176,7 +242,8 @@ def main(folder):
             for path in files:
                 check_contact(read, path, path.with_suffix(".csv"), manifest)
         print(f"{len(files)} files of contact, as contact/*.csv says")
-    print(f"{len(sets)} files of fields with cells {', '.join(types)} read by {' and '.join(r.__name__.removeprefix('with_') for r in readers)}, as summary.json says")
+    if sets:
+        print(f"{len(sets)} files of fields with cells {', '.join(types)} read by {' and '.join(r.__name__.removeprefix('with_') for r in readers)}, as summary.json says")
 
 
 if __name__ == "__main__":

@@ -63,4 +63,5 @@ pub mod tensor;
 pub mod units;
 #[cfg(feature = "case")]
 pub mod verify;
+mod vtkhdf;
 mod vtu;

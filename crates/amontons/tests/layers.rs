@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 const LAYERS: &[&[&str]] = &[
     &["tensor", "arrays", "expression", "units", "machine"],
     &["quadrature", "field", "vtu"],
-    &["element"],
+    &["element", "vtkhdf"],
     &["mesh"],
     &["material", "contact", "space"],
     &["linalg"],

@@ -19,7 +19,7 @@ use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
 use crate::material::{Dilatation, Material};
 use crate::mesh::Mesh;
-use crate::output::{CheckpointInterval, Input, OutputField, Probe};
+use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
 use crate::tensor::Point;
 use crate::units::System;
@@ -162,6 +162,15 @@ pub(super) fn fields(raw: &raw::Output) -> Vec<OutputField> {
         }
     }
     fields
+}
+
+/// The files of the fields.
+pub(super) fn format(raw: &raw::Output) -> FieldsFormat {
+    match raw.format {
+        raw::FieldsFormat::Vtu => FieldsFormat::Vtu,
+        raw::FieldsFormat::Vtkhdf => FieldsFormat::Vtkhdf,
+        raw::FieldsFormat::Both => FieldsFormat::Both,
+    }
 }
 
 /// When checkpoints are written.

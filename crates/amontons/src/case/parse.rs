@@ -14,7 +14,9 @@ use super::verify::{Expected, Verify};
 use super::{build, check, library, mesh, overrides, path, raw, syntax};
 use crate::convergence::Exact;
 use crate::machine;
-use crate::output::{CheckpointInterval, FolderOptions, Identity, Input, OutputField, Probe, fingerprint};
+use crate::output::{
+    CheckpointInterval, FieldsFormat, FolderOptions, Identity, Input, OutputField, Probe, fingerprint,
+};
 use crate::problem::Problem;
 
 /// A case, ready to run.
@@ -26,6 +28,8 @@ pub struct Case {
     pub every: usize,
     /// Fields of the snapshots beside those that every one has.
     pub fields: Vec<OutputField>,
+    /// The files in which a run that has ended leaves its fields.
+    pub format: FieldsFormat,
     /// When checkpoints are written.
     pub checkpoint: CheckpointInterval,
     /// What is read off the run after every step.
@@ -71,6 +75,7 @@ impl Case {
             identity: self.identity(),
             every: self.every,
             fields: self.fields.clone(),
+            format: self.format,
             probes: self.probes.clone(),
             checkpoint: self.checkpoint,
             overrides: self.overrides.clone(),
@@ -166,7 +171,8 @@ fn build_case(
         }
     };
     library::fill(&mut raw, &mut findings);
-    let (every, fields, checkpoint) = (raw.output.every, build::fields(&raw.output), build::checkpoint(&raw.output));
+    let (every, fields, format) = (raw.output.every, build::fields(&raw.output), build::format(&raw.output));
+    let checkpoint = build::checkpoint(&raw.output);
     let expected = raw.expected.as_ref().map(build::expected);
     let (cells, has_mesh_file) = (mesh::cells(&raw.mesh), matches!(raw.mesh, raw::Mesh::File { .. }));
     let blocks = mesh::blocks(&raw.mesh);
@@ -180,6 +186,7 @@ fn build_case(
                 problem,
                 every,
                 fields,
+                format,
                 checkpoint,
                 probes,
                 expected,

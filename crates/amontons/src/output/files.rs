@@ -93,6 +93,30 @@ pub(super) fn write_atomically(
     result.map_err(OutputError::io("write", path))
 }
 
+/// Lets something that wants a path make a file, in the same way: under a temporary name, which becomes that of the file
+/// when all is on the disk.
+pub(super) fn make_atomically<E>(
+    path: &Path,
+    make: impl FnOnce(&Path) -> Result<(), E>,
+) -> Result<Result<Written, E>, OutputError> {
+    let (temporary, _) = temporary(path).map_err(OutputError::io("write", path))?;
+    let made = make(&temporary);
+    let result = match made {
+        Ok(()) => (|| {
+            let written = Written::read(&temporary)?;
+            File::open(&temporary)?.sync_all()?;
+            fs::rename(&temporary, path)?;
+            sync_folder(path.parent())?;
+            Ok(Ok(written))
+        })(),
+        Err(error) => Ok(Err(error)),
+    };
+    if !matches!(result, Ok(Ok(_))) {
+        let _ = fs::remove_file(&temporary);
+    }
+    result.map_err(OutputError::io("write", path))
+}
+
 /// Writes a file of these bytes, which is whole or not there.
 #[cfg(feature = "plot")]
 pub(crate) fn write_file(path: &Path, bytes: &[u8]) -> io::Result<()> {

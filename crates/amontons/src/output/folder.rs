@@ -1,5 +1,7 @@
 //! The results folder.
 
+mod snapshots;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
@@ -12,15 +14,15 @@ use super::inputs::{Input, fingerprint, write_inputs};
 use super::manifest::{Manifest, Settings};
 use super::owned::{self, STAGING};
 use super::room::demand;
-use super::vtu::{write_collection, write_fields};
 use super::{
-    FolderLock, Identity, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot, StressRecovery, Summary,
-    checkpoint, manifest,
+    FieldsFormat, FolderLock, Identity, Outcome, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot,
+    StressRecovery, Summary, checkpoint, manifest, packed, surface, vtu,
 };
-use super::{surface, vtu};
 use crate::machine;
 use crate::problem::Problem;
 use crate::units::Measure;
+use snapshots::is_due;
+pub(crate) use snapshots::{contact_file, fields_file};
 
 pub(super) const HISTORY: &str = "history.csv";
 pub(super) const PROBES: &str = "probes.csv";
@@ -47,6 +49,8 @@ pub struct FolderOptions {
     pub every: usize,
     /// Fields of the snapshots beside those that every one has.
     pub fields: Vec<OutputField>,
+    /// The files in which a run that has ended leaves its fields.
+    pub format: FieldsFormat,
     /// What is read off the run after every step.
     pub probes: Vec<Probe>,
     /// Whether results that are there may be replaced.
@@ -83,6 +87,7 @@ impl FolderOptions {
             inputs: Vec::new(),
             every: 0,
             fields: OutputField::DEFAULT.to_vec(),
+            format: FieldsFormat::default(),
             probes: Vec::new(),
             force: false,
             checkpoint: CheckpointInterval::default(),
@@ -120,8 +125,8 @@ pub struct Folder {
     probes: Option<(ProbeSet, Rows)>,
     /// The recovery of stresses on the mesh of the run, from its first snapshot on.
     recovery: Option<StressRecovery>,
-    /// Time and file of the field snapshots, and of the sides of contact.
-    snapshots: Vec<(f64, String)>,
+    /// Step and time of the field snapshots; time and file of the sides of contact.
+    snapshots: Vec<(usize, f64)>,
     surfaces: Vec<(f64, String)>,
     last_checkpoint: LastCheckpoint,
     /// What a user has to know about what was found in the folder.
@@ -275,39 +280,6 @@ impl Folder {
         is_due(self.options.every, step)
     }
 
-    fn write_fields(&mut self, now: &Snapshot) -> Result<(), OutputError> {
-        let root = self.root();
-        let file = fields_file(now.state.step);
-        if self.recovery.is_none() && now.problem.physics.has_mechanics() {
-            self.recovery = Some(StressRecovery::new(&now.problem.mesh));
-        }
-        let written = write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
-        self.manifest.list(&file, Some(written));
-        if let Some(report) = now.report.filter(|_| !now.problem.contacts.is_empty()) {
-            create_folder(&root.join(CONTACT))?;
-            let (table, sides) = (contact_file(now.state.step), surface_file(now.state.step));
-            let written = write_contact(&root.join(&table), now)?;
-            self.manifest.list(&table, Some(written));
-            let written = surface::write(&root.join(&sides), now, &report.contact)?;
-            self.manifest.list(&sides, Some(written));
-            self.surfaces.push((now.state.t, sides));
-        }
-        self.snapshots.push((now.state.t, file));
-        self.write_collections()
-    }
-
-    fn write_collections(&mut self) -> Result<(), OutputError> {
-        for (name, files) in [("fields.pvd", &self.snapshots), ("contact.pvd", &self.surfaces)] {
-            if name != "fields.pvd" && files.is_empty() {
-                remove_file(&self.root().join(name))?;
-            } else {
-                let written = write_collection(&self.root().join(name), files)?;
-                self.manifest.list(name, Some(written));
-            }
-        }
-        Ok(())
-    }
-
     fn write_checkpoint(&mut self, now: &Snapshot, keeps: bool) -> Result<(), OutputError> {
         let begin = Instant::now();
         // The rows come first: a checkpoint must not be ahead of the history.
@@ -364,7 +336,12 @@ impl Folder {
     fn check_room(&self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, first) = (start.from.problem, start.from.state.step);
         let due = (first..problem.steps).filter(|&n| self.is_due(n)).count() + 1;
-        let needed = demand(&start.from, &self.options.fields, due, problem.steps - first.min(problem.steps));
+        let needed = demand(
+            &start.from,
+            (&self.options.fields, self.options.format),
+            due,
+            problem.steps - first.min(problem.steps),
+        );
         match machine::disk_free(&self.path) {
             Some(free) if needed > free as f64 => {
                 Err(OutputError::NoRoom { path: self.path.clone(), needed, free: free as f64 })
@@ -394,7 +371,7 @@ impl Folder {
     }
 
     /// The tables and files for ParaView of the run, and what their columns and arrays measure where it is known.
-    fn tables(&self, problem: &Problem) -> [(&'static str, Vec<(String, Measure)>); 5] {
+    fn tables(&self, problem: &Problem) -> Vec<(&'static str, Vec<(String, Measure)>)> {
         let of_points =
             contact_measures(problem).into_iter().filter_map(|(name, measure)| Some((name, measure?))).collect();
         let probes = self.options.probes.iter().filter_map(|probe| Some((probe, probe.measure()?)));
@@ -403,13 +380,17 @@ impl Folder {
             endings.into_iter().map(move |ending| (format!("{}{ending}", probe.name), measure)).collect::<Vec<_>>()
         };
         let of_probes = std::iter::once(("t".to_owned(), Measure::Time)).chain(probes.flat_map(columns)).collect();
-        [
+        let mut tables = vec![
             (HISTORY, history_measures(problem)),
             ("contact.csv", of_points),
             (PROBES, of_probes),
             ("fields.pvd", vtu::measures()),
             ("contact.pvd", surface::measures()),
-        ]
+        ];
+        if self.options.format != FieldsFormat::Vtu {
+            tables.push((packed::FILE, vtu::measures()));
+        }
+        tables
     }
 
     /// Brings the files back to the step of the checkpoint.
@@ -439,64 +420,6 @@ impl Folder {
         }
         write_inputs(&self.path, &self.options.inputs)
     }
-
-    /// Takes the snapshots up to a step as they are, and removes the others.
-    ///
-    /// Those count that were due, or are listed as written; not the one that was written only because the run ended.
-    fn keep_snapshots(&mut self, problem: &Problem, step: usize) -> Result<(), OutputError> {
-        let (every, passing) = (self.manifest.settings().every, self.manifest.passing());
-        let before = self.manifest.clone();
-        let listed: Vec<(&str, Option<&Written>)> = before.outputs();
-        let counts = |n: usize, name: &str| {
-            n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
-        };
-        let there = owned::snapshots(&self.path);
-        let snapshot = |name: &str| [FIELDS, CONTACT].iter().any(|folder| name.starts_with(&format!("{folder}/")));
-        self.manifest.retain(|name| !snapshot(name));
-        for (n, name) in there {
-            let path = self.path.join(&name);
-            if !counts(n, &name) {
-                remove_file(&path)?;
-                continue;
-            }
-            let written = match listed.iter().find(|(other, _)| *other == name) {
-                Some((_, Some(written))) => (*written).clone(),
-                _ => Written::read(&path).map_err(OutputError::io("read", &path))?,
-            };
-            self.manifest.list(&name, Some(written));
-            if name == fields_file(n) {
-                self.snapshots.push((problem.time(n), name));
-            } else if name == surface_file(n) {
-                self.surfaces.push((problem.time(n), name));
-            }
-        }
-        let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n)).map(fields_file);
-        for name in due.filter(|name| !self.snapshots.iter().any(|(_, file)| file == name)) {
-            self.notes.push(format!("{name} of the run before is gone; fields.pvd leaves it out"));
-            self.manifest.list(&name, None);
-        }
-        self.write_collections()
-    }
-}
-
-/// Whether a snapshot is due at a step.
-fn is_due(every: usize, step: usize) -> bool {
-    every > 0 && step.is_multiple_of(every)
-}
-
-/// The file of the contact points beside the fields at a step, seen from the results folder.
-pub(crate) fn contact_file(step: usize) -> String {
-    format!("{CONTACT}/step_{step:07}.csv")
-}
-
-/// The file of the sides of contact at a step, seen from the results folder.
-fn surface_file(step: usize) -> String {
-    format!("{CONTACT}/step_{step:07}.vtu")
-}
-
-/// The file of the fields at a step, seen from the results folder.
-pub(crate) fn fields_file(step: usize) -> String {
-    format!("{FIELDS}/step_{step:07}.vtu")
 }
 
 impl Sink for Folder {
@@ -519,7 +442,10 @@ impl Sink for Folder {
         let step = start.from.state.step;
         self.manifest.begin(start.threads, step);
         self.manifest.write(&root)?;
-        if !start.resumed {
+        if start.resumed {
+            // The snapshots are listed as files of their own now.
+            remove_file(&root.join(packed::FILE))?;
+        } else {
             self.write_checkpoint(&start.from, false)?;
         }
         (self.last_checkpoint.step, self.last_checkpoint.first) = (Some(step), step);
@@ -550,8 +476,7 @@ impl Sink for Folder {
         if self.replaces.is_some() {
             return Ok(());
         }
-        let file = fields_file(last.state.step);
-        if self.snapshots.last().is_none_or(|(_, newest)| *newest != file) {
+        if self.snapshots.last().is_none_or(|(newest, _)| *newest != last.state.step) {
             self.write_fields(last)?;
         }
         self.write_end(last)
@@ -571,6 +496,9 @@ impl Sink for Folder {
         }
         let written = write_json(&self.path.join("summary.json"), summary)?;
         self.manifest.list("summary.json", Some(written));
+        if summary.outcome != Outcome::Interrupted {
+            self.pack()?;
+        }
         for (name, written) in checkpoint::written(&self.path) {
             self.manifest.list(name, Some(written));
         }

@@ -5,6 +5,7 @@ use std::path::Path;
 use super::files::Written;
 use super::folder::FIELDS;
 use super::manifest::Manifest;
+use super::packed::{self, StoredFields};
 use super::{OutputError, manifest, owned};
 
 /// The files of a results folder held against its manifest.
@@ -66,5 +67,11 @@ pub fn inspect(folder: &Path) -> Result<Inspection, OutputError> {
             found.faults.push(format!("{name} is not listed in {}", manifest::FILE));
         }
     }
+    match StoredFields::of(folder).packed() {
+        Ok(packed) => found.snapshots.extend(packed.iter().map(|(step, _)| *step)),
+        Err(what) => found.faults.push(format!("{}: {what}", packed::FILE)),
+    }
+    found.snapshots.sort_unstable();
+    found.snapshots.dedup();
     Ok(found)
 }

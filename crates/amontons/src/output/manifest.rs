@@ -182,7 +182,10 @@ impl Manifest {
                 .map(|(name, written)| (name.as_str(), written.as_ref()))
                 .collect(),
             // Versions that did not list them wrote these.
-            None => super::owned::NAMES.iter().map(|name| (*name, None)).collect(),
+            None => {
+                let names = super::owned::NAMES.iter().filter(|name| **name != super::packed::FILE);
+                names.map(|name| (*name, None)).collect()
+            }
         }
     }
 
@@ -262,6 +265,12 @@ impl Manifest {
         };
         (self.case, self.units) = (case.to_owned(), units);
         self.columns = tables.iter().map(|(name, columns)| ((*name).to_owned(), of(columns))).collect();
+    }
+
+    /// The units of the columns of a table that have one.
+    pub fn units_of(&self, table: &str) -> &BTreeMap<String, String> {
+        static NONE: BTreeMap<String, String> = BTreeMap::new();
+        self.columns.get(table).unwrap_or(&NONE)
     }
 
     /// Notes the names of the regions and of the sides of contact, in the order of their numbers.

@@ -24,6 +24,7 @@ mod lock;
 mod manifest;
 mod memory;
 mod owned;
+mod packed;
 mod probe;
 mod quantity;
 mod reaction;
@@ -60,6 +61,11 @@ pub use inputs::{INPUTS, Input, fingerprint};
 pub use inspect::{Inspection, inspect};
 pub use lock::FolderLock;
 pub use memory::Memory;
+#[cfg(feature = "plot")]
+pub(crate) use packed::FILE as PACKED;
+pub use packed::FieldsFormat;
+#[cfg(feature = "case")]
+pub(crate) use packed::StoredFields;
 pub use probe::{Probe, ProbeError, ProbePlace, ProbeSet, Take};
 pub use quantity::{Base, Quantity, Selection};
 pub use recovery::{NodalStress, StressRecovery, nodal_stress};

@@ -11,11 +11,11 @@ use super::files::{LONGEST, create_folder, move_file, of_temporary, remove_empty
 use super::folder::{CONTACT, FIELDS, HISTORY, PROBES};
 use super::inputs::{INPUTS, Input};
 use super::manifest::Manifest;
-use super::{Outcome, OutputError, Summary, checkpoint, manifest};
+use super::{Outcome, OutputError, Summary, checkpoint, manifest, packed};
 use crate::machine;
 
 /// The files that a run may write, but for copies of inputs and snapshots.
-pub(super) const NAMES: [&str; 12] = [
+pub(super) const NAMES: [&str; 13] = [
     "case.toml",
     CERTIFICATE,
     HISTORY,
@@ -23,6 +23,7 @@ pub(super) const NAMES: [&str; 12] = [
     "contact.csv",
     "contact.pvd",
     "fields.pvd",
+    packed::FILE,
     "summary.json",
     checkpoint::FILE,
     checkpoint::PREVIOUS,

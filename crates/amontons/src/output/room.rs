@@ -1,6 +1,6 @@
 //! What the results of a run take on the disk, estimated before it starts.
 
-use super::{OutputField, Snapshot};
+use super::{FieldsFormat, OutputField, Snapshot};
 
 /// Bytes that the sides of contact take for each contact point in a snapshot: 20 numbers at its node, its share of the
 /// facets, and as much again on the other side of a pair.
@@ -9,8 +9,14 @@ const OF_SURFACE: f64 = 2.0 * 32.0 * 8.0 * 4.0 / 3.0;
 /// Bytes that the snapshots, checkpoints and rows of a run take.
 ///
 /// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one that is written; three
-/// checkpoints hold the state, velocities, displacements, temperatures and branches.
-pub(super) fn demand(from: &Snapshot, fields: &[OutputField], snapshots: usize, steps: usize) -> f64 {
+/// checkpoints hold the state, velocities, displacements, temperatures and branches. Where the snapshots are packed in
+/// the end, the packed file is there beside them.
+pub(super) fn demand(
+    from: &Snapshot,
+    (fields, format): (&[OutputField], FieldsFormat),
+    snapshots: usize,
+    steps: usize,
+) -> f64 {
     let problem = from.problem;
     let (mesh, physics) = (&problem.mesh, problem.physics);
     let (nodes, cells) = (mesh.points.len() as f64, mesh.cell_count() as f64);
@@ -33,5 +39,6 @@ pub(super) fn demand(from: &Snapshot, fields: &[OutputField], snapshots: usize, 
     let state = from.state;
     let kept = state.u.len() + state.w.len() + state.theta.len() + state.branches.iter().map(Vec::len).sum::<usize>();
     let checkpoint = 8.0 * kept as f64 + points * 300.0;
-    (snapshots as f64 + 1.0) * per_snapshot + 3.0 * checkpoint + steps as f64 * 700.0
+    let packed = if format == FieldsFormat::Vtu { 0.0 } else { snapshots as f64 * grid };
+    packed + (snapshots as f64 + 1.0) * per_snapshot + 3.0 * checkpoint + steps as f64 * 700.0
 }

@@ -9,6 +9,7 @@ use crate::material::VTK_COMPONENTS;
 use crate::problem::{Physics, Problem};
 use crate::tensor::{Point, Sym};
 use crate::units::Measure;
+use crate::vtu::Grid;
 use crate::vtu::write::{Cells, Written as Array, write};
 
 /// A field that is written beside those that every file has: displacement, velocity and recovered von Mises stress at
@@ -64,6 +65,48 @@ pub(super) fn write_fields(
     let fields: Vec<OutputField> = fields.iter().copied().filter(|field| field.is_of(now.problem.physics)).collect();
     let (points, cells) = (at_points(now, &fields, recovery), at_cells(now, &fields));
     write_atomically(path, |out| write(out, &now.problem.mesh.points, connectivity(now.problem), &points, &cells))
+}
+
+/// The arrays in the order in which they are written.
+const ORDER: [&str; 14] = [
+    "displacement",
+    "velocity",
+    "temperature",
+    "nodal_stress",
+    "nodal_von_mises",
+    "stress",
+    "von_mises",
+    "region",
+    "strain",
+    "principal",
+    "principal_direction_1",
+    "principal_direction_2",
+    "principal_direction_3",
+    "heat_flux",
+];
+
+/// Writes a grid that was read to the bytes that [`write_fields`] wrote.
+pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<Written, OutputError> {
+    let arrays = |data: &'_ std::collections::BTreeMap<String, crate::vtu::Array>| {
+        let place = |name: &str| ORDER.iter().position(|other| *other == name).unwrap_or(ORDER.len());
+        let mut names: Vec<&String> = data.keys().collect();
+        names.sort_by_key(|name| place(name));
+        let array = |name: &String| {
+            let (array, name) = (&data[name], name.clone());
+            if name == "region" {
+                Array::counts(name, array.values.iter().map(|&number| number as i64).collect())
+            } else {
+                Array::reals(name, array.components, array.values.clone())
+            }
+        };
+        names.into_iter().map(array).collect::<Vec<_>>()
+    };
+    let cells = Cells {
+        connectivity: grid.connectivity.iter().map(|&node| i64::from(node)).collect(),
+        ends: grid.ends.iter().map(|&end| end as i64).collect(),
+        types: grid.types.clone(),
+    };
+    write_atomically(path, |out| write(out, &grid.points, cells, &arrays(&grid.point_data), &arrays(&grid.cell_data)))
 }
 
 fn connectivity(problem: &Problem) -> Cells {

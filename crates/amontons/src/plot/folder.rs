@@ -12,7 +12,9 @@ use super::{PlotError, frames, vtu};
 use crate::case::{self, CaseError};
 use crate::contact::{NoSlip, Status, read, read_vector};
 use crate::output::columns::{self, Column, OnContact};
+use crate::output::{PACKED, fields_file};
 use crate::problem::Problem;
+use crate::vtkhdf::Reader;
 
 /// Cell types of VTK that are plane: triangles and quadrilaterals, linear and quadratic.
 const PLANE: [u8; 4] = [5, 9, 22, 28];
@@ -20,8 +22,8 @@ const PLANE: [u8; 4] = [5, 9, 22, 28];
 const LINES: [u8; 2] = [3, 21];
 
 impl Run {
-    /// Reads the run in a results folder at its latest time: `case.toml`, `fields.pvd` with its latest snapshot,
-    /// `contact.csv` and `history.csv`.
+    /// Reads the run in a results folder at its latest time: `case.toml`, `fields.pvd` with its latest snapshot or
+    /// `fields.vtkhdf`, `contact.csv` and `history.csv`.
     ///
     /// # Errors
     /// When a file is missing or is not what a run writes; the error names the file.
@@ -54,6 +56,13 @@ pub(super) struct Results<'f> {
     pub history: History,
     /// Times and files of the fields, at least one.
     pub snapshots: Vec<(f64, String)>,
+    /// The one file of all fields; none where each has its own.
+    packed: Option<Reader>,
+}
+
+/// Whether a results folder has the fields of a run.
+pub(super) fn has_fields(folder: &Path) -> bool {
+    ["fields.pvd", PACKED].iter().any(|name| folder.join(name).exists())
 }
 
 /// The problem of the case in a results folder.
@@ -69,17 +78,27 @@ pub(super) fn problem(folder: &Path) -> Result<Problem, PlotError> {
 impl Results<'_> {
     pub(super) fn read(folder: &Path) -> Result<Results<'_>, PlotError> {
         let problem = Arc::new(problem(folder)?);
-        let snapshots = vtu::snapshots(&folder.join("fields.pvd"))?;
+        let (list, path) = (folder.join("fields.pvd"), folder.join(PACKED));
+        let (snapshots, packed) = if list.exists() || !path.exists() {
+            (vtu::snapshots(&list)?, None)
+        } else {
+            let reader = Reader::open(&path).map_err(|what| PlotError::Format { path, what })?;
+            // Under the names that the files would have: those of the contact points are like them.
+            (reader.at().iter().map(|&(step, t)| (t, fields_file(step))).collect(), Some(reader))
+        };
         let history = history(&CsvTable::read(&folder.join("history.csv"))?)?;
-        Ok(Results { folder, problem, history, snapshots })
+        Ok(Results { folder, problem, history, snapshots, packed })
     }
 
     /// The run at the time of a snapshot.
     pub(super) fn run(&self, snapshot: usize) -> Result<Run, PlotError> {
         let (t, file) = &self.snapshots[snapshot];
-        let path = self.folder.join(file);
-        let grid = vtu::read(&path)?;
+        let path = self.folder.join(if self.packed.is_some() { PACKED } else { file });
         let format = |what: String| PlotError::Format { path: path.clone(), what };
+        let grid = match &self.packed {
+            Some(reader) => reader.grid(snapshot).map_err(format)?,
+            None => vtu::read(&path)?,
+        };
         let all = |kinds: &[u8]| grid.types.iter().all(|kind| kinds.contains(kind));
         let dimension = if all(&PLANE) {
             2

@@ -304,7 +304,7 @@ pub fn folder(dir: &Path, options: &Options) -> Result<Vec<PathBuf>, PlotError> 
         make()?;
         paths.extend(convergence(&plot)?.save(&into.join("convergence"), options.pixels)?);
     }
-    if !is_study || dir.join("fields.pvd").exists() {
+    if !is_study || folder::has_fields(dir) {
         let runs = Run::frames(dir, &options.times)?;
         make()?;
         for kind in Kind::ALL {

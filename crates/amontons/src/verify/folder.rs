@@ -23,7 +23,9 @@ use serde_json::Value;
 use super::{Verdict, VerifyError, interpolate, verdict};
 use crate::case::{self, Case, Check, Comparison, Take};
 use crate::machine;
-use crate::output::{self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, Work, history_columns, history_values};
+use crate::output::{
+    self, Checkpoint, Inspection, LONGEST, ProbeSet, Snapshot, StoredFields, Work, history_columns, history_values,
+};
 use crate::scheme::Discretization;
 use fields::Fields;
 use tables::{Audit, Table};
@@ -179,10 +181,10 @@ impl Files<'_> {
 
     /// The snapshots, each against itself and against the row of its step.
     fn snapshots(&self, history: Option<&Table>, found: &mut Recomputed) {
-        let mut differences = fields::Differences::default();
+        let (mut differences, stored) = (fields::Differences::default(), StoredFields::of(self.folder));
         for &step in &self.inspection.snapshots {
-            let file = output::fields_file(step);
-            match Fields::read(&self.folder.join(&file), &self.case.problem) {
+            let file = stored.name(step);
+            match Fields::read(&stored, step, &self.case.problem) {
                 Ok(fields) => fields.differences(self.discretization, &self.case.problem, &mut differences),
                 Err(what) => {
                     found.faults.push(format!("{file}: {what}"));
@@ -198,7 +200,7 @@ impl Files<'_> {
                     Err(what) => found.faults.push(format!("{}: {what}", output::contact_file(step))),
                 }
             }
-            if let Ok(fields) = Fields::read(&self.folder.join(&file), &self.case.problem) {
+            if let Ok(fields) = Fields::read(&stored, step, &self.case.problem) {
                 fields.energies(self.discretization, &self.case.problem, (history, row), &mut differences);
             }
         }
@@ -211,8 +213,9 @@ impl Files<'_> {
     fn end(&self, checkpoint: &Checkpoint, history: Option<&Table>, summary: Option<&Value>, found: &mut Recomputed) {
         let (problem, name) = (&self.case.problem, self.name());
         let mut state = checkpoint.state.clone();
-        let file = output::fields_file(state.step);
-        match Fields::read(&self.folder.join(&file), problem) {
+        let stored = StoredFields::of(self.folder);
+        let file = stored.name(state.step);
+        match Fields::read(&stored, state.step, problem) {
             Ok(fields) => fields.put(problem, &mut state, &mut |what, difference, scale| {
                 found.differ(name, format!("{what} of {file} against the checkpoint"), difference, scale);
             }),

@@ -242,7 +242,7 @@ fn behind_underscore<'a>(bytes: &'a [u8], position: u64, tag: &BytesStart) -> Re
 }
 
 /// Checks that the arrays fit each other.
-fn check(grid: &Grid) -> Result<(), String> {
+pub(crate) fn check(grid: &Grid) -> Result<(), String> {
     let (nodes, cells) = (grid.points.len(), grid.ends.len());
     if grid.types.len() != cells {
         return Err(format!("there are {} cell types for {cells} cells", grid.types.len()));

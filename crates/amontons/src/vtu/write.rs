@@ -35,7 +35,7 @@ impl<'a> Written<'a> {
     }
 
     /// An array of whole numbers.
-    pub fn counts(name: &'a str, values: Vec<i64>) -> Written<'a> {
+    pub fn counts(name: impl Into<Cow<'a, str>>, values: Vec<i64>) -> Written<'a> {
         Written { name: name.into(), components: 1, values: Values::Counts(values) }
     }
 

@@ -196,6 +196,8 @@ pub(in crate::case) struct Output {
     pub every: usize,
     /// Fields written in addition to displacement, velocity, temperature, von Mises stress and region.
     pub fields: Vec<OutputField>,
+    /// The files in which a run that has ended leaves its fields.
+    pub format: FieldsFormat,
     /// When checkpoints are written besides those at the start, after the first step and at the end. By default at
     /// least every minute, and more often if that takes less than 1 % of the time.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -218,8 +220,21 @@ pub(in crate::case) struct Checkpoint {
 
 impl Default for Output {
     fn default() -> Output {
-        Output { every: 0, fields: vec![OutputField::Stress], checkpoint: None }
+        Output { every: 0, fields: vec![OutputField::Stress], format: FieldsFormat::Vtu, checkpoint: None }
     }
+}
+
+/// The files in which a run that has ended leaves its fields.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub(in crate::case) enum FieldsFormat {
+    /// fields.pvd, with one file in fields/ per snapshot.
+    Vtu,
+    /// fields.vtkhdf: one file, which has the mesh once and the fields at all snapshots. Until the run has ended they are
+    /// files in fields/.
+    Vtkhdf,
+    /// Both.
+    Both,
 }
 
 /// A field of the snapshots.

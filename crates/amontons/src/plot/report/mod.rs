@@ -17,7 +17,7 @@ use serde_json::{Value, json};
 
 use super::color::ColorMap;
 use super::convergence::ConvergencePlot;
-use super::folder::Results;
+use super::folder::{Results, has_fields};
 use super::table::CsvTable;
 use super::{Options, PlotError, convergence, frames, profiles, time};
 use crate::case::{self, Case, CaseError};
@@ -99,7 +99,7 @@ impl Contents {
         let study = study(dir, units)?;
         let mut contents =
             Contents { case, text, summary: None, study, data: Value::Null, arrays: String::new(), notes: Vec::new() };
-        if contents.study.is_none() || dir.join("fields.pvd").exists() {
+        if contents.study.is_none() || has_fields(dir) {
             contents.run(dir)?;
         }
         Ok(contents)

@@ -1,18 +1,16 @@
 //! The snapshots of a run: read, and computed again from displacement, velocity and temperature.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use super::tables::Table;
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
-use crate::machine;
 use crate::material::VTK_COMPONENTS;
-use crate::output::{LONGEST, PointValues, cell_values, columns};
+use crate::output::{PointValues, StoredFields, cell_values, columns};
 use crate::problem::Problem;
 use crate::scheme::{Accumulated, Counts, Discretization, Ledger, State};
 use crate::tensor::Sym;
-use crate::vtu::{self, Array, Grid};
+use crate::vtu::{Array, Grid};
 
 /// Largest differences by what was compared, each with the largest number beside it.
 #[derive(Debug, Default)]
@@ -39,13 +37,12 @@ pub(super) struct Fields {
 }
 
 impl Fields {
-    /// Reads a snapshot on the mesh of a problem.
+    /// Reads the snapshot at a step on the mesh of a problem.
     ///
     /// # Errors
     /// What is wrong with the file.
-    pub fn read(path: &Path, problem: &Problem) -> Result<Fields, String> {
-        let bytes = machine::read(path, LONGEST).map_err(|error| format!("cannot be read: {error}"))?;
-        let grid = vtu::parse(&bytes, |_| true)?;
+    pub fn read(stored: &StoredFields, step: usize, problem: &Problem) -> Result<Fields, String> {
+        let grid = stored.grid(step)?;
         let mesh = &problem.mesh;
         let same = grid.points.len() == mesh.points.len()
             && grid.points.iter().zip(&mesh.points).all(|(a, b)| a.map(f64::to_bits) == b.map(f64::to_bits));

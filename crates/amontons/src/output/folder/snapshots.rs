@@ -1,0 +1,143 @@
+//! The snapshots of a run: written, kept where it goes on, and packed when it has ended.
+
+use std::collections::BTreeSet;
+
+use super::super::csv::write_contact;
+use super::super::files::{Written, create_folder, remove_empty_folder, remove_file};
+use super::super::packed::{self, FieldsFormat, Packed};
+use super::super::vtu::{write_collection, write_fields};
+use super::super::{OutputError, Snapshot, StressRecovery, owned, surface};
+use super::{CONTACT, FIELDS, Folder};
+use crate::problem::Problem;
+
+/// The list of the snapshots.
+const COLLECTION: &str = "fields.pvd";
+
+/// Whether a snapshot is due at a step.
+pub(super) fn is_due(every: usize, step: usize) -> bool {
+    every > 0 && step.is_multiple_of(every)
+}
+
+/// The file of the contact points beside the fields at a step, seen from the results folder.
+pub(crate) fn contact_file(step: usize) -> String {
+    format!("{CONTACT}/step_{step:07}.csv")
+}
+
+/// The file of the sides of contact at a step, seen from the results folder.
+fn surface_file(step: usize) -> String {
+    format!("{CONTACT}/step_{step:07}.vtu")
+}
+
+/// The file of the fields at a step, seen from the results folder.
+pub(crate) fn fields_file(step: usize) -> String {
+    format!("{FIELDS}/step_{step:07}.vtu")
+}
+
+impl Folder {
+    pub(super) fn write_fields(&mut self, now: &Snapshot) -> Result<(), OutputError> {
+        let root = self.root();
+        let file = fields_file(now.state.step);
+        if self.recovery.is_none() && now.problem.physics.has_mechanics() {
+            self.recovery = Some(StressRecovery::new(&now.problem.mesh));
+        }
+        let written = write_fields(&root.join(&file), now, &self.options.fields, self.recovery.as_ref())?;
+        self.manifest.list(&file, Some(written));
+        if let Some(report) = now.report.filter(|_| !now.problem.contacts.is_empty()) {
+            create_folder(&root.join(CONTACT))?;
+            let (table, sides) = (contact_file(now.state.step), surface_file(now.state.step));
+            let written = write_contact(&root.join(&table), now)?;
+            self.manifest.list(&table, Some(written));
+            let written = surface::write(&root.join(&sides), now, &report.contact)?;
+            self.manifest.list(&sides, Some(written));
+            self.surfaces.push((now.state.t, sides));
+        }
+        self.snapshots.push((now.state.step, now.state.t));
+        self.write_collections()
+    }
+
+    fn write_collections(&mut self) -> Result<(), OutputError> {
+        let fields: Vec<(f64, String)> = self.snapshots.iter().map(|&(step, t)| (t, fields_file(step))).collect();
+        for (name, files) in [(COLLECTION, &fields), ("contact.pvd", &self.surfaces)] {
+            if name != COLLECTION && files.is_empty() {
+                remove_file(&self.root().join(name))?;
+            } else {
+                let written = write_collection(&self.root().join(name), files)?;
+                self.manifest.list(name, Some(written));
+            }
+        }
+        Ok(())
+    }
+
+    /// Takes the snapshots up to a step as they are, and removes the others. Those that were packed become files of
+    /// their own; the packed file stays.
+    ///
+    /// Those count that were due, or are listed as written; not the one that was written only because the run ended.
+    pub(super) fn keep_snapshots(&mut self, problem: &Problem, step: usize) -> Result<(), OutputError> {
+        let (every, passing) = (self.manifest.settings().every, self.manifest.passing());
+        let before = self.manifest.clone();
+        let listed: Vec<(&str, Option<&Written>)> = before.outputs();
+        let counts = |n: usize, name: &str| {
+            n <= step && passing != Some(n) && (is_due(every, n) || listed.iter().any(|(other, _)| *other == name))
+        };
+        // A run that was killed while it packed has not listed the packed file with a hash.
+        let is_packed = listed.iter().any(|(name, written)| *name == packed::FILE && written.is_some());
+        let was_packed = |n: usize| is_packed && n <= step && passing != Some(n);
+        create_folder(&self.path.join(FIELDS))?;
+        let unpacked: BTreeSet<usize> =
+            packed::unpack(&self.path, |n| was_packed(n) || counts(n, &fields_file(n)))?.into_iter().collect();
+        let snapshot = |name: &str| [FIELDS, CONTACT].iter().any(|folder| name.starts_with(&format!("{folder}/")));
+        self.manifest.retain(|name| !snapshot(name));
+        for (n, name) in owned::snapshots(&self.path) {
+            let path = self.path.join(&name);
+            if !counts(n, &name) && !(unpacked.contains(&n) && name == fields_file(n)) {
+                remove_file(&path)?;
+                continue;
+            }
+            let written = match listed.iter().find(|(other, _)| *other == name) {
+                Some((_, Some(written))) => (*written).clone(),
+                _ => Written::read(&path).map_err(OutputError::io("read", &path))?,
+            };
+            self.manifest.list(&name, Some(written));
+            if name == fields_file(n) {
+                self.snapshots.push((n, problem.time(n)));
+            } else if name == surface_file(n) {
+                self.surfaces.push((problem.time(n), name));
+            }
+        }
+        let due = (0..=step).filter(|&n| is_due(every, n) && passing != Some(n));
+        for n in due.filter(|n| !self.snapshots.iter().any(|(other, _)| other == n)) {
+            let name = fields_file(n);
+            self.notes.push(format!("{name} of the run before is gone; {COLLECTION} leaves it out"));
+            self.manifest.list(&name, None);
+        }
+        self.write_collections()
+    }
+
+    /// Packs the snapshots of a run that has ended, if that is asked for. Snapshots that do not make one series stay as
+    /// they are, with a note.
+    ///
+    /// The files of the snapshots are removed after the packed file is on the disk under its name.
+    pub(super) fn pack(&mut self) -> Result<(), OutputError> {
+        let format = self.options.format;
+        if format == FieldsFormat::Vtu || self.snapshots.is_empty() {
+            return Ok(());
+        }
+        match packed::pack(&self.path, &self.snapshots, self.manifest.units_of(COLLECTION))? {
+            Packed::Written(written) => self.manifest.list(packed::FILE, Some(written)),
+            Packed::Refused(why) => {
+                self.notes.push(format!("{} is not written: {why}; the fields are in {COLLECTION}", packed::FILE));
+                return Ok(());
+            }
+        }
+        if format == FieldsFormat::Vtkhdf {
+            remove_file(&self.path.join(COLLECTION))?;
+            for &(step, _) in &self.snapshots {
+                remove_file(&self.path.join(fields_file(step)))?;
+            }
+            remove_empty_folder(&self.path.join(FIELDS));
+            let packed: Vec<String> = self.snapshots.iter().map(|&(step, _)| fields_file(step)).collect();
+            self.manifest.retain(|name| name != COLLECTION && !packed.iter().any(|file| file == name));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,129 @@
+//! `fields.vtkhdf`: the fields of a run at all its snapshots in one file, which has the mesh once.
+//!
+//! While a run goes on, its snapshots are the files `fields/*.vtu`. When it has ended they are packed into this file;
+//! where it goes on after that, they are unpacked first. So each snapshot is on the disk at all times, and the file does
+//! not depend on how often the run was broken off.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use super::OutputError;
+use super::files::{LONGEST, Written, make_atomically};
+use super::folder::fields_file;
+use super::vtu::write_grid;
+use crate::machine;
+use crate::vtkhdf::{self, Reader, Series, WriteError};
+use crate::vtu::{self, Grid};
+
+/// Name of the file in a results folder.
+pub(crate) const FILE: &str = "fields.vtkhdf";
+
+/// The files in which a run that has ended leaves its fields. While it goes on, and when it was interrupted, they are
+/// in `fields/*.vtu`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FieldsFormat {
+    /// `fields.pvd` with `fields/*.vtu`, one file per snapshot.
+    #[default]
+    Vtu,
+    /// `fields.vtkhdf`, one file for all snapshots.
+    Vtkhdf,
+    /// Both.
+    Both,
+}
+
+/// What came of packing.
+pub(super) enum Packed {
+    /// The file is written.
+    Written(Written),
+    /// The snapshots cannot be packed.
+    Refused(String),
+}
+
+/// Packs the snapshots of some steps and times; `units` has the units of arrays.
+pub(super) fn pack(root: &Path, at: &[(usize, f64)], units: &BTreeMap<String, String>) -> Result<Packed, OutputError> {
+    let path = root.join(FILE);
+    let source = |index: usize, wanted: &dyn Fn(&str) -> bool| read(&root.join(fields_file(at[index].0)), wanted);
+    let unit = |name: &str| units.get(name).cloned();
+    let series = Series { at, source: &source, unit: &unit, room: Series::room() };
+    match make_atomically(&path, |temporary| vtkhdf::write(temporary, &series))? {
+        Ok(written) => Ok(Packed::Written(written)),
+        Err(WriteError::Snapshots(why)) => Ok(Packed::Refused(why)),
+        Err(WriteError::File(hdf5_pure::Error::Io(source))) => Err(OutputError::io("write", &path)(source)),
+        Err(WriteError::File(error)) => Err(OutputError::Encode { path, message: error.to_string() }),
+    }
+}
+
+/// Writes those snapshots as files of their own that are wanted and not there, and tells the steps of those wanted.
+pub(super) fn unpack(root: &Path, wanted: impl Fn(usize) -> bool) -> Result<Vec<usize>, OutputError> {
+    let path = root.join(FILE);
+    if path.symlink_metadata().is_err() {
+        return Ok(Vec::new());
+    }
+    let damaged = |found: String| OutputError::Inconsistent {
+        path: path.clone(),
+        found,
+        expected: "the fields of the run; move the file away to go on without them".to_owned(),
+    };
+    let reader = Reader::open(&path).map_err(damaged)?;
+    let mut steps = Vec::new();
+    for (index, &(step, _)) in reader.at().iter().enumerate().filter(|(_, (step, _))| wanted(*step)) {
+        let file = root.join(fields_file(step));
+        if file.symlink_metadata().is_err() {
+            write_grid(&file, &reader.grid(index).map_err(damaged)?)?;
+        }
+        steps.push(step);
+    }
+    Ok(steps)
+}
+
+fn read(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
+    let bytes = machine::read(path, LONGEST).map_err(|error| format!("cannot be read: {error}"))?;
+    vtu::parse(&bytes, wanted)
+}
+
+/// The fields of a results folder, wherever they are.
+pub(crate) struct StoredFields {
+    root: PathBuf,
+    /// The file of all snapshots, if it is there.
+    packed: Option<Result<Reader, String>>,
+}
+
+impl StoredFields {
+    /// Looks for the fields of a folder.
+    pub fn of(root: &Path) -> StoredFields {
+        let path = root.join(FILE);
+        let packed = path.symlink_metadata().is_ok().then(|| Reader::open(&path));
+        StoredFields { root: root.to_owned(), packed }
+    }
+
+    /// Steps and times in the file of all snapshots; none where there is no such file.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn packed(&self) -> Result<&[(usize, f64)], String> {
+        match &self.packed {
+            Some(Ok(reader)) => Ok(reader.at()),
+            Some(Err(what)) => Err(what.clone()),
+            None => Ok(&[]),
+        }
+    }
+
+    /// Name of the file of the fields at a step.
+    pub fn name(&self, step: usize) -> String {
+        let own = fields_file(step);
+        if self.packed.is_some() && !self.root.join(&own).exists() { format!("{FILE}, step {step}") } else { own }
+    }
+
+    /// The grid with all fields at a step.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub fn grid(&self, step: usize) -> Result<Grid, String> {
+        let own = self.root.join(fields_file(step));
+        let packed = self.packed.as_ref().filter(|_| !own.exists());
+        let Some(packed) = packed else { return read(&own, |_| true) };
+        let reader = packed.as_ref().map_err(String::clone)?;
+        let index = reader.at().iter().position(|(other, _)| *other == step);
+        reader.grid(index.ok_or_else(|| format!("it does not have step {step}"))?)
+    }
+}
