@@ -55,7 +55,11 @@ spoiled! {
     unknown_key_of_another_table: "[time] " => "[time]\nyoung = 2.0 #"
         "paper.toml:20:1: time.young: found an unknown key, expected one of end, steps; `young` belongs to [material.elasticity] with law = \"isotropic\" or [material.elasticity] with law = \"orthotropic\" or [material.elasticity] with law = \"von-mises-projection\"";
     unknown_key_without_a_guess: "[output]" => "[output]\nfoobar = 3"
-        "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields";
+        "paper.toml:70:1: output.foobar: found an unknown key, expected one of checkpoint, every, fields, format";
+    format_unknown: "[output]" => "[output]\nformat = \"vtkhd\""
+        "paper.toml:70:10: output.format: found \"vtkhd\", expected \"vtu\", \"vtkhdf\" or \"both\" (the files in which a run that has ended leaves its fields); did you mean \"vtkhdf\"?";
+    format_of_another_type: "[output]" => "[output]\nformat = [\"vtu\", \"vtkhdf\"]"
+        "paper.toml:70:10: output.format: found an array, expected \"vtu\", \"vtkhdf\" or \"both\" (the files in which a run that has ended leaves its fields)";
     coupling_unknown: "[output]" => "[scheme]\ncoupling = \"monolitic\"\n[output]"
         "paper.toml:70:12: scheme.coupling: found \"monolitic\", expected \"staggered\", \"fixed-point\" or \"monolithic\" (how mechanics and heat are coupled within a step); did you mean \"monolithic\"?";
     unknown_table: "[output]" => "[outputs]"
