@@ -26,6 +26,8 @@ pub struct Arguments {
 const OF_SESSIONS: [&str; 4] = ["summary.json", "manifest.json", "checkpoint/state.bin", "checkpoint/previous.bin"];
 /// The case, small, with snapshots and checkpoints that take most of its time.
 const SET: [&str; 4] = ["mesh.n=8", "time.steps=300", "output.every=20", "output.checkpoint={ steps = 7 }"];
+/// The files of the fields, which the runs have in turn.
+const FORMATS: [&str; 2] = ["vtu", "vtkhdf"];
 
 /// Kills and fails runs, and tells what came of it.
 pub fn run(arguments: &Arguments) -> ExitCode {
@@ -48,37 +50,42 @@ fn endure(arguments: &Arguments, folder: &Path) -> Result<(), String> {
         return Err("the program is not built: cargo build --release --workspace --bins".to_owned());
     }
     let mut random = Random::new(arguments.seed);
-    let whole = folder.join("whole");
-    let begin = Instant::now();
-    let ended = start(&program, &whole, None).wait().map_err(|error| error.to_string())?;
-    let length = begin.elapsed();
-    if !ended.success() {
-        return Err(format!("the whole run: {ended}"));
+    let mut length = Duration::ZERO;
+    let whole = FORMATS.map(|format| folder.join(format!("whole-{format}")));
+    for (whole, format) in whole.iter().zip(FORMATS) {
+        let begin = Instant::now();
+        let ended = start(&program, whole, format, None).wait().map_err(|error| error.to_string())?;
+        length = length.max(begin.elapsed());
+        if !ended.success() {
+            return Err(format!("the whole run: {ended}"));
+        }
     }
     let mut steps = BTreeMap::new();
     for i in 0..arguments.kills {
         let out = folder.join(format!("killed-{i}"));
         let instant = Duration::from_secs_f64(random.between(0.0, length.as_secs_f64()));
-        let mut child = start(&program, &out, None);
+        let (whole, format) = (&whole[i % FORMATS.len()], FORMATS[i % FORMATS.len()]);
+        let mut child = start(&program, &out, format, None);
         std::thread::sleep(instant);
         child.kill().and_then(|()| child.wait()).map_err(|error| error.to_string())?;
         *steps.entry(rows(&out).min(300) / 60 * 60).or_insert(0) += 1;
-        go_on(&program, &out, &whole).map_err(|what| format!("killed after {instant:?}: {what}"))?;
+        go_on(&program, &out, (whole, format)).map_err(|what| format!("{format} killed after {instant:?}: {what}"))?;
         fs::remove_dir_all(&out).map_err(|error| error.to_string())?;
     }
     println!("{} runs killed, each resumed to the same bits; by steps made: {steps:?}", arguments.kills);
     let mut codes = BTreeMap::new();
     for i in 0..arguments.faults {
         let out = folder.join(format!("failed-{i}"));
-        // The largest file has some 60 kB.
-        let blocks = random.decades(1.0, 130.0) as usize;
-        let ended = start(&program, &out, Some(blocks)).wait().map_err(|error| error.to_string())?;
+        // The largest file has some 60 kB; that of all fields some 200 kB.
+        let blocks = random.decades(1.0, if i % FORMATS.len() == 0 { 130.0 } else { 450.0 }) as usize;
+        let (whole, format) = (&whole[i % FORMATS.len()], FORMATS[i % FORMATS.len()]);
+        let ended = start(&program, &out, format, Some(blocks)).wait().map_err(|error| error.to_string())?;
         let code = ended.code().ok_or_else(|| format!("files of {blocks} blocks: {ended}"))?;
         if ![0, 4].contains(&code) {
             return Err(format!("files of {blocks} blocks: {ended}"));
         }
         *codes.entry(code).or_insert(0) += 1;
-        go_on(&program, &out, &whole).map_err(|what| format!("files of {blocks} blocks: {what}"))?;
+        go_on(&program, &out, (whole, format)).map_err(|what| format!("{format}, files of {blocks} blocks: {what}"))?;
         fs::remove_dir_all(&out).map_err(|error| error.to_string())?;
     }
     println!("{} runs with failing writes, each resumed to the same bits; exit codes: {codes:?}", arguments.faults);
@@ -86,13 +93,13 @@ fn endure(arguments: &Arguments, folder: &Path) -> Result<(), String> {
 }
 
 /// Starts the run, with files of at most so many blocks of 512 bytes.
-fn start(program: &Path, out: &Path, blocks: Option<usize>) -> std::process::Child {
+fn start(program: &Path, out: &Path, format: &str, blocks: Option<usize>) -> std::process::Child {
     let case = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases/paper.toml");
     let mut command = Command::new("sh");
     let limit = blocks.map_or_else(String::new, |blocks| format!("ulimit -f {blocks}; "));
     command.args(["-c", &format!("{limit}exec \"$0\" \"$@\"")]).arg(program).arg("run").arg(case);
     command.arg("--out").arg(out).args(["--quiet", "--no-certificate"]);
-    command.args(SET.iter().flat_map(|set| ["--set", set]));
+    command.args(SET.iter().flat_map(|set| ["--set", set])).args(["--set", &format!("output.format=\"{format}\"")]);
     command.stdout(Stdio::null()).stderr(Stdio::null());
     command.spawn().unwrap_or_else(|error| {
         eprintln!("sh: {error}");
@@ -107,7 +114,7 @@ fn rows(out: &Path) -> usize {
 
 /// Resumes a run and holds its results against those of the whole one. One that was killed before it had made its
 /// folder is started.
-fn go_on(program: &Path, out: &Path, whole: &Path) -> Result<(), String> {
+fn go_on(program: &Path, out: &Path, (whole, format): (&Path, &str)) -> Result<(), String> {
     let resumed = Command::new(program).arg("resume").arg(out).args(["--quiet"]).output();
     let resumed = resumed.map_err(|error| error.to_string())?;
     if !resumed.status.success() {
@@ -115,7 +122,7 @@ fn go_on(program: &Path, out: &Path, whole: &Path) -> Result<(), String> {
         if out.join("checkpoint").exists() || out.join("history.csv").exists() {
             return Err(format!("resume: {}: {told}", resumed.status));
         }
-        let ended = start(program, out, None).wait().map_err(|error| error.to_string())?;
+        let ended = start(program, out, format, None).wait().map_err(|error| error.to_string())?;
         if !ended.success() {
             return Err(format!("run again: {ended}"));
         }

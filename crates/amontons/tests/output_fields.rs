@@ -225,3 +225,35 @@ fn files_have_the_fields_asked_for() {
          temperature velocity von_mises"
     );
 }
+
+/// One file for all snapshots has the mesh once: with twenty of them it takes less than the files of their own without
+/// their meshes, and less than two thirds of them.
+#[test]
+fn the_file_of_all_fields_has_the_mesh_once() {
+    let overrides = ["mesh.n=24", "time.steps=20", "output.every=1", "output.format=\"both\""].map(str::to_owned);
+    let case = common::case("cases/paper.toml", &overrides);
+    let path = folder("packed");
+    run(&case.problem, &settings(), &mut [&mut Folder::create(&path, case.folder_options()).unwrap()]).unwrap();
+    let own: u64 = fs::read_dir(path.join("fields")).unwrap().map(|file| file.unwrap().metadata().unwrap().len()).sum();
+    let packed = fs::metadata(path.join("fields.vtkhdf")).unwrap().len();
+    assert!(3 * packed < 2 * own, "{packed} bytes, and {own} in files of their own");
+    let file = hdf5_pure::File::open(path.join("fields.vtkhdf")).unwrap();
+    let rows = |name: &str| file.dataset(&format!("VTKHDF/{name}")).unwrap().shape().unwrap()[0] as usize;
+    let (mesh, cells) = (&case.problem.mesh, case.problem.mesh.cell_count());
+    assert_eq!([rows("Points"), rows("Types"), rows("Connectivity")], [mesh.points.len(), cells, 3 * cells]);
+    assert_eq!([rows("PointData/displacement"), rows("CellData/region")], [21 * mesh.points.len(), cells]);
+    let root = file.group("VTKHDF").unwrap().attrs().unwrap();
+    assert_eq!(root["Version"].to_i64s(), Some(vec![2, 0]));
+    assert_eq!(root["Type"].as_str(), Some("UnstructuredGrid"));
+    let steps = file.group("VTKHDF/Steps").unwrap();
+    assert_eq!(steps.attrs().unwrap()["NSteps"].as_i64(), Some(21));
+    let times: Vec<u64> = (0..=20).map(|n| case.problem.time(n).to_bits()).collect();
+    let found = file.dataset("VTKHDF/Steps/Values").unwrap().read_f64().unwrap();
+    assert_eq!(found.iter().map(|t| t.to_bits()).collect::<Vec<_>>(), times);
+    for name in ["NumberOfParts", "PartOffsets", "PointOffsets", "CellOffsets", "ConnectivityIdOffsets"] {
+        let all = file.dataset(&format!("VTKHDF/Steps/{name}")).unwrap().read_i64().unwrap();
+        assert_eq!(all, [i64::from(name == "NumberOfParts"); 21], "{name}");
+    }
+    let offsets = file.dataset("VTKHDF/Steps/PointDataOffsets/velocity").unwrap().read_i64().unwrap();
+    assert!(offsets.iter().enumerate().all(|(n, offset)| *offset == (n * mesh.points.len()) as i64), "{offsets:?}");
+}

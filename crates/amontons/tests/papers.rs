@@ -47,7 +47,7 @@ fn between(line: &str, mark: char) -> Vec<&str> {
 }
 
 /// Files of a results folder, which are not in the repository, and files that the text tells to write.
-const RESULTS: [&str; 16] = [
+const RESULTS: [&str; 17] = [
     "plots/",
     "fields/",
     "checkpoint/",
@@ -64,6 +64,7 @@ const RESULTS: [&str; 16] = [
     "convergence.csv",
     "report.md",
     "fields.pvd",
+    "fields.vtkhdf",
 ];
 /// Names in examples: files of the reader.
 const EXAMPLES: [&str; 8] =

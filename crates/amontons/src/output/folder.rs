@@ -15,7 +15,7 @@ use super::manifest::{Manifest, Settings};
 use super::owned::{self, STAGING};
 use super::room::demand;
 use super::{
-    FieldsFormat, FolderLock, Identity, Outcome, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot,
+    FieldsFormat, FolderLock, Identity, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot,
     StressRecovery, Summary, checkpoint, manifest, packed, surface, vtu,
 };
 use crate::machine;
@@ -476,15 +476,18 @@ impl Sink for Folder {
         if self.replaces.is_some() {
             return Ok(());
         }
-        if self.snapshots.last().is_none_or(|(newest, _)| *newest != last.state.step) {
-            self.write_fields(last)?;
-        }
-        self.write_end(last)
+        self.write_last_fields(last)?;
+        self.write_end(last)?;
+        self.pack()
     }
 
+    /// The snapshots of a run that is to go on are not packed, and those of a large body are left out at the end.
     fn interrupted(&mut self, last: &Snapshot) -> Result<(), OutputError> {
-        if last.problem.mesh.points.len() <= SOON || self.replaces.is_some() {
-            return self.last(last);
+        if self.replaces.is_some() {
+            return Ok(());
+        }
+        if last.problem.mesh.points.len() <= SOON {
+            self.write_last_fields(last)?;
         }
         self.write_end(last)
     }
@@ -496,9 +499,6 @@ impl Sink for Folder {
         }
         let written = write_json(&self.path.join("summary.json"), summary)?;
         self.manifest.list("summary.json", Some(written));
-        if summary.outcome != Outcome::Interrupted {
-            self.pack()?;
-        }
         for (name, written) in checkpoint::written(&self.path) {
             self.manifest.list(name, Some(written));
         }

@@ -175,18 +175,13 @@ impl Manifest {
             let mut parts = Path::new(name).components();
             parts.by_ref().all(|part| matches!(part, Component::Normal(_)))
         };
-        match &self.outputs {
-            Some(all) => all
-                .iter()
-                .filter(|(name, _)| inside(name))
-                .map(|(name, written)| (name.as_str(), written.as_ref()))
-                .collect(),
-            // Versions that did not list them wrote these.
-            None => {
-                let names = super::owned::NAMES.iter().filter(|name| **name != super::packed::FILE);
-                names.map(|name| (*name, None)).collect()
-            }
+        if let Some(all) = &self.outputs {
+            let inside = all.iter().filter(|(name, _)| inside(name));
+            return inside.map(|(name, written)| (name.as_str(), written.as_ref())).collect();
         }
+        // Versions that did not list them wrote these.
+        let names = super::owned::NAMES.iter().filter(|name| **name != super::packed::FILE);
+        names.map(|name| (*name, None)).collect()
     }
 
     /// Notes a file that the run writes, with its length and hash once they are known.

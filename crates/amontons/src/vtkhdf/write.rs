@@ -13,10 +13,13 @@ use crate::vtu::{Array, Grid};
 
 /// The version of the format: the first with data over time.
 const VERSION: [i64; 2] = [2, 0];
-/// Level of compression. The bytes of the reals are shuffled before, so that those of like magnitude meet.
-const LEVEL: u32 = 4;
+/// Level of compression: the fastest, which higher ones better by 3 %. The bytes of the reals are shuffled before, so that
+/// those of one place meet.
+const LEVEL: u32 = 1;
 /// Bytes of a chunk, the least and the most: VTK's library keeps chunks of up to a megabyte.
 const CHUNK: [usize; 2] = [1 << 16, 1 << 20];
+/// Most tuples of a chunk: `hdf5-pure` stores larger numbers in four bytes, while HDF5 2.0 expects as few as they take.
+const LONGEST: usize = u16::MAX as usize;
 
 /// Reads of the grid of a snapshot, given by its index, the mesh and the arrays whose names are wanted.
 pub(crate) type Source<'a> = &'a dyn Fn(usize, &dyn Fn(&str) -> bool) -> Result<Grid, String>;
@@ -190,18 +193,22 @@ fn skeleton(mesh: &Grid, at: &[(usize, f64)]) -> FileBuilder {
     file
 }
 
-/// Lets a dataset be stored in compressed chunks: tuples of some components of some bytes each, so many at a snapshot,
-/// and so many in all.
-fn compress(dataset: &mut DatasetBuilder, [components, size]: [usize; 2], [tuples, all]: [usize; 2]) {
-    let [least, most] = CHUNK.map(|bound| bound / (components * size));
+/// Lets a dataset be stored in compressed chunks.
+fn compress(dataset: &mut DatasetBuilder, [components, size]: [usize; 2], counts: [usize; 2]) {
+    let rows = chunk(components * size, counts) as u64;
+    let shape = if components > 1 { vec![rows, components as u64] } else { vec![rows] };
+    dataset.with_chunks(&shape).with_shuffle().with_deflate(LEVEL);
+}
+
+/// Number of tuples in a chunk, of tuples of some bytes: so many at a snapshot, and so many in all.
+pub(super) fn chunk(bytes: usize, [tuples, all]: [usize; 2]) -> usize {
+    let [least, most] = CHUNK.map(|bound| (bound / bytes).min(LONGEST));
     let rows = match tuples.max(1) {
         tuples if tuples < least => tuples * (least / tuples),
         // Parts of about one size, the last of which ends about where the snapshot does.
         tuples => tuples.div_ceil(tuples.div_ceil(most)),
     };
-    let rows = rows.clamp(1, all.max(1));
-    let shape = if components > 1 { vec![rows as u64, components as u64] } else { vec![rows as u64] };
-    dataset.with_chunks(&shape).with_shuffle().with_deflate(LEVEL);
+    rows.clamp(1, all.max(1))
 }
 
 /// Reads the values of some of the arrays at all snapshots.

@@ -55,6 +55,12 @@ impl Folder {
         self.write_collections()
     }
 
+    /// Writes the fields of the last step unless they are there.
+    pub(super) fn write_last_fields(&mut self, last: &Snapshot) -> Result<(), OutputError> {
+        let is_there = self.snapshots.last().is_some_and(|(newest, _)| *newest == last.state.step);
+        if is_there { Ok(()) } else { self.write_fields(last) }
+    }
+
     fn write_collections(&mut self) -> Result<(), OutputError> {
         let fields: Vec<(f64, String)> = self.snapshots.iter().map(|&(step, t)| (t, fields_file(step))).collect();
         for (name, files) in [(COLLECTION, &fields), ("contact.pvd", &self.surfaces)] {
@@ -86,10 +92,12 @@ impl Folder {
         let unpacked: BTreeSet<usize> =
             packed::unpack(&self.path, |n| was_packed(n) || counts(n, &fields_file(n)))?.into_iter().collect();
         let snapshot = |name: &str| [FIELDS, CONTACT].iter().any(|folder| name.starts_with(&format!("{folder}/")));
-        self.manifest.retain(|name| !snapshot(name));
+        // The packed file is removed when the manifest lists what was in it.
+        self.manifest.retain(|name| !snapshot(name) && name != packed::FILE);
         for (n, name) in owned::snapshots(&self.path) {
             let path = self.path.join(&name);
-            if !counts(n, &name) && !(unpacked.contains(&n) && name == fields_file(n)) {
+            let is_unpacked = name == fields_file(n) && unpacked.contains(&n);
+            if !is_unpacked && !counts(n, &name) {
                 remove_file(&path)?;
                 continue;
             }
