@@ -59,7 +59,7 @@ spoiled! {
     format_unknown: "[output]" => "[output]\nformat = \"vtkhd\""
         "paper.toml:70:10: output.format: found \"vtkhd\", expected \"vtu\", \"vtkhdf\" or \"both\" (the files in which a run that has ended leaves its fields); did you mean \"vtkhdf\"?";
     format_of_another_type: "[output]" => "[output]\nformat = [\"vtu\", \"vtkhdf\"]"
-        "paper.toml:70:10: output.format: found an array, expected \"vtu\", \"vtkhdf\" or \"both\" (the files in which a run that has ended leaves its fields)";
+        "paper.toml:70:10: output.format: found an array of 2, expected \"vtu\", \"vtkhdf\" or \"both\" (the files in which a run that has ended leaves its fields)";
     coupling_unknown: "[output]" => "[scheme]\ncoupling = \"monolitic\"\n[output]"
         "paper.toml:70:12: scheme.coupling: found \"monolitic\", expected \"staggered\", \"fixed-point\" or \"monolithic\" (how mechanics and heat are coupled within a step); did you mean \"monolithic\"?";
     unknown_table: "[output]" => "[outputs]"

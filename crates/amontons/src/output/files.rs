@@ -93,8 +93,8 @@ pub(super) fn write_atomically(
     result.map_err(OutputError::io("write", path))
 }
 
-/// Lets something that wants a path make a file, in the same way: under a temporary name, which becomes that of the file
-/// when all is on the disk.
+/// Lets something that wants a path make a file, in the same way: under a temporary name, which becomes that of the
+/// file when all is on the disk. An error of what makes the file is handed back.
 pub(super) fn make_atomically<E>(
     path: &Path,
     make: impl FnOnce(&Path) -> Result<(), E>,

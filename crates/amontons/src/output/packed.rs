@@ -1,8 +1,8 @@
 //! `fields.vtkhdf`: the fields of a run at all its snapshots in one file, which has the mesh once.
 //!
 //! While a run goes on, its snapshots are the files `fields/*.vtu`. When it has ended they are packed into this file;
-//! where it goes on after that, they are unpacked first. So each snapshot is on the disk at all times, and the file does
-//! not depend on how often the run was broken off.
+//! where it goes on after that, they are unpacked first. So each snapshot is on the disk at all times, and the file
+//! does not depend on how often the run was broken off.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

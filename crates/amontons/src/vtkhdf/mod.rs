@@ -1,8 +1,8 @@
 //! Files in the format VTKHDF: one unstructured grid with data over time, in HDF5.
 //!
 //! The mesh is there once. The values of an array at all snapshots stand one behind the other in one dataset, and
-//! `Steps` says where those of each snapshot begin; values that do not change are there once, too. Beside what VTK reads,
-//! the group [`OWN`] has the steps of the snapshots, and each array the attribute `units`.
+//! `Steps` says where those of each snapshot begin; values that do not change are there once, too. Beside what VTK
+//! reads, the group [`OWN`] has the steps of the snapshots, and each array the attribute `units`.
 
 mod read;
 mod write;

@@ -152,13 +152,13 @@ fn damaged_files_are_refused_or_read() {
 /// Chunks hold whole snapshots of small grids and parts of one size of large ones, never more than two bytes count.
 #[test]
 fn chunks_have_a_size_that_all_readers_take() {
-    assert_eq!(super::write::chunk(24, [289, 100_000]), 2601);
-    assert_eq!(super::write::chunk(24, [289, 300]), 300);
-    assert_eq!(super::write::chunk(24, [66_049, 1_387_029]), 33_025);
-    assert_eq!(super::write::chunk(8, [66_049, 1_387_029]), 33_025);
+    assert_eq!(write::chunk(24, [289, 100_000]), 2601);
+    assert_eq!(write::chunk(24, [289, 300]), 300);
+    assert_eq!(write::chunk(24, [66_049, 1_387_029]), 33_025);
+    assert_eq!(write::chunk(8, [66_049, 1_387_029]), 33_025);
     for tuples in [1, 255, 65_535, 65_536, 131_072, 1 << 30] {
         for bytes in [1, 8, 24, 48, 512] {
-            let rows = super::write::chunk(bytes, [tuples, 3 * tuples]);
+            let rows = write::chunk(bytes, [tuples, 3 * tuples]);
             assert!((1..=65_535).contains(&rows) && rows <= 3 * tuples, "{rows} of {tuples} tuples of {bytes} bytes");
         }
     }

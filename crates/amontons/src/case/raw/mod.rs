@@ -230,8 +230,8 @@ impl Default for Output {
 pub(in crate::case) enum FieldsFormat {
     /// fields.pvd, with one file in fields/ per snapshot.
     Vtu,
-    /// fields.vtkhdf: one file, which has the mesh once and the fields at all snapshots. Until the run has ended they are
-    /// files in fields/.
+    /// fields.vtkhdf: one file, which has the mesh once and the fields at all snapshots. Until the run has ended they
+    /// are files in fields/.
     Vtkhdf,
     /// Both.
     Both,
