@@ -155,7 +155,7 @@ impl Space {
         frame::enter(&self.frames, self.components, w);
         for dof in self.held.iter().map(|&dof| dof as usize) {
             let rate = (values[dof] - bar[dof]) / gamma;
-            changes |= w[dof] != rate;
+            changes |= w[dof] - rate != 0.0;
             w[dof] = rate;
         }
         frame::leave(&self.frames, self.components, w);

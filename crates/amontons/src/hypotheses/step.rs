@@ -229,13 +229,12 @@ impl At<'_> {
     }
 
     fn system(&mut self) -> Result<&mut System, SolveError> {
-        let made = match self.system.take() {
-            Some(system) => system,
-            None => {
-                let Step { problem, discrete, .. } = self.step;
-                let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
-                System::new(&problem.backend, &self.matrix, &layout)?
-            }
+        let made = if let Some(system) = self.system.take() {
+            system
+        } else {
+            let Step { problem, discrete, .. } = self.step;
+            let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
+            System::new(&problem.backend, &self.matrix, &layout)?
         };
         Ok(self.system.insert(made))
     }

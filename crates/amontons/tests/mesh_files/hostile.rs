@@ -45,7 +45,9 @@ pub fn replaced(bytes: &[u8], old: &[u8], new: &[u8]) -> Vec<u8> {
     let mut all = bytes.to_vec();
     let places: Vec<usize> = (0..=all.len() - old.len()).filter(|&at| all[at..].starts_with(old)).collect();
     assert!(!places.is_empty(), "{old:?} does not occur");
-    places.into_iter().for_each(|at| all[at..at + old.len()].copy_from_slice(new));
+    for at in places {
+        all[at..at + old.len()].copy_from_slice(new);
+    }
     all
 }
 

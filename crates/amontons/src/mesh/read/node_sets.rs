@@ -62,12 +62,11 @@ impl Loose {
                 && block.kind.name == kind.name
                 && block.kind.dim == kind.dim
         };
-        match self.blocks.last_mut().filter(same) {
-            Some(block) => block.nodes.extend(nodes),
-            None => {
-                let (groups, nodes) = (groups.clone(), nodes.to_vec());
-                self.blocks.push(LooseBlock { kind, groups, at, nodes, numbers: Vec::new() });
-            }
+        if let Some(block) = self.blocks.last_mut().filter(same) {
+            block.nodes.extend(nodes);
+        } else {
+            let (groups, nodes) = (groups.clone(), nodes.to_vec());
+            self.blocks.push(LooseBlock { kind, groups, at, nodes, numbers: Vec::new() });
         }
     }
 
@@ -107,7 +106,9 @@ impl Loose {
         for block in self.blocks.iter().filter(|block| block.kind.dim == dim) {
             let facets = block.kind.element.map_or(&[][..], |element| element.facets);
             for cell in block.nodes.chunks_exact(block.kind.nodes.max(1)) {
-                facets.iter().for_each(|facet| look(FacetOf::new(facet, cell)));
+                for facet in facets {
+                    look(FacetOf::new(facet, cell));
+                }
             }
         }
     }
@@ -147,12 +148,14 @@ impl Loose {
                 self.side(name, &on_side);
             } else if on_edges.len() == nodes.len() {
                 let groups = self.group(1, name);
-                inside.into_iter().for_each(|(element, edge)| {
+                for (element, edge) in inside {
                     self.push(Kind::of(element, edge.len()), &groups, 0, edge);
-                });
+                }
             } else {
                 let groups = self.group(0, name);
-                nodes.iter().for_each(|node| self.push(Kind::of(&POINT_LEFT, 1), &groups, 0, &[*node]));
+                for node in nodes {
+                    self.push(Kind::of(&POINT_LEFT, 1), &groups, 0, &[node]);
+                }
             }
         }
     }
