@@ -23,7 +23,7 @@ pub struct Discretization {
     /// The mesh.
     pub mesh: Arc<Mesh>,
     /// The strain that elasticity and viscosity see.
-    pub dilatation: Dilatation,
+    pub dilatation: Vec<Dilatation>,
     /// V^h.
     pub v: Space,
     /// Q^h.
@@ -143,7 +143,7 @@ impl Discretization {
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
             let linear: Vec<&dyn TensorLaw> =
                 materials.iter().map(|m| if is_fixed(law(m)) { law(m).as_ref() } else { &ZERO }).collect();
-            forms::tensor_form(&mesh, &graph, &linear, problem.dilatation)
+            forms::tensor_form(&mesh, &graph, &linear, &problem.dilatation())
         };
         let others =
             |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
@@ -176,7 +176,7 @@ impl Discretization {
             convection: forms::convection(&mesh, &graph, &problem.boundary),
             f: forms::f(&mesh, &problem.body_force, &problem.boundary),
             q_h: forms::q(&mesh, &problem.heat_source, &problem.boundary),
-            dilatation: problem.dilatation,
+            dilatation: problem.dilatation(),
             boundary,
             v,
             q,
@@ -270,7 +270,7 @@ impl Discretization {
     }
 
     fn tangent(&self, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> BlockMatrix {
-        forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), self.dilatation, at, theta)
+        forms::tangent(&self.mesh, self.mass.graph(), &borrowed(laws), &self.dilatation, at, theta)
     }
 
     /// K_θ = C/δ + D, C the mass matrix times the heat capacity and D with the convection.
@@ -345,7 +345,7 @@ impl Discretization {
             if warm { forms::expansion_slope(mesh, graph, &self.warm.expansion, theta) } else { self.m.clone() };
         for (laws, at) in [(&self.elasticity, u), (&self.viscosity, w)] {
             if laws.iter().any(|law| depends_on_temperature(law.as_ref())) {
-                let slope = forms::law_slope(mesh, graph, &borrowed(laws), self.dilatation, [at, theta]);
+                let slope = forms::law_slope(mesh, graph, &borrowed(laws), &self.dilatation, [at, theta]);
                 matrix.add_scaled(-1.0, &slope);
             }
         }
@@ -442,13 +442,13 @@ impl Discretization {
         if self.elasticity.is_empty() {
             Some(linear)
         } else {
-            Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), self.dilatation, u, theta)?)
+            Some(linear + forms::energy(&self.mesh, &borrowed(&self.elasticity), &self.dilatation, u, theta)?)
         }
     }
 
     fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> Vec<f64> {
         if !laws.is_empty() {
-            let terms = forms::residual(&self.mesh, &borrowed(laws), self.dilatation, at, theta);
+            let terms = forms::residual(&self.mesh, &borrowed(laws), &self.dilatation, at, theta);
             for (sum, term) in product.iter_mut().zip(terms) {
                 *sum += term;
             }

@@ -235,8 +235,12 @@ fn bending_error(element: &'static Element, n: usize, nu: f64, dilatation: Dilat
     };
     let (mesh, transverse) = (mesh.expect("a beam"), nu / (1.0 - nu));
     let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
-    let matrix =
-        forms::tensor_form(&mesh, &graph, &[&Isotropic::elastic(dim, 1.0, nu, StressState::PlaneStrain)], dilatation);
+    let matrix = forms::tensor_form(
+        &mesh,
+        &graph,
+        &[&Isotropic::elastic(dim, 1.0, nu, StressState::PlaneStrain)],
+        &[dilatation],
+    );
     // The load by hand: the traction at the nodes of the right end is linear on the height, as its functions are.
     let mut load = vec![0.0; dim * mesh.points.len()];
     let set = &mesh.facets["right"];
@@ -292,7 +296,7 @@ fn patch_test_with_the_mean_dilatation() {
         let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
         let law = Isotropic::lame(dim, 5.0, 2.0, StressState::PlaneStrain);
         let [full, mean] = [Dilatation::Full, Dilatation::Mean]
-            .map(|dilatation| forms::tensor_form(&mesh, &graph, &[&law], dilatation));
+            .map(|dilatation| forms::tensor_form(&mesh, &graph, &[&law], &[dilatation]));
         let u: Vec<f64> = mesh
             .points
             .iter()

@@ -16,6 +16,48 @@ use amontons::material::{Carreau, Hencky, Isotropic, StressState, TensorLaw};
 use amontons::mesh::{Block, Diagonal, Elements, Mesh};
 use amontons::tensor::Sym;
 
+/// Of a body in two regions, one of which takes the mean dilatation, the form is the sum of those of both parts, each
+/// with its own strain and with nothing in the other region.
+#[test]
+fn each_region_has_its_own_dilatation() {
+    for (dim, elements) in [(2, Elements::Q1), (2, Elements::P2), (3, Elements::Q1)] {
+        let mut mesh = if dim == 2 {
+            Mesh::rectangle_of(elements, [2.0, 1.0], [4, 3], Diagonal::Right)
+        } else {
+            Mesh::box_([2.0, 1.0, 1.5], [2, 2, 2], elements)
+        }
+        .expect("a mesh");
+        // Cells that are no parallelograms, half of them in a second region.
+        for (i, x) in mesh.points.iter_mut().enumerate() {
+            x[0] += 0.05 * (i as f64 * 1.7).sin();
+            x[1] += 0.05 * (i as f64 * 2.3).cos();
+        }
+        let (mut stiff, n) = (mesh.blocks[0].clone(), mesh.blocks[0].element.nodes.len());
+        let half = mesh.blocks[0].len() / 2 * n;
+        stiff.nodes = mesh.blocks[0].nodes.split_off(half);
+        stiff.region = 1;
+        mesh.blocks.push(stiff);
+        mesh.regions = vec!["soft".to_owned(), "stiff".to_owned()];
+        let graph = Arc::new(Graph::of_mesh(&mesh));
+        let law = |young: f64, nu: f64| Isotropic::elastic(dim, young, nu, StressState::PlaneStrain);
+        let (soft, stiff, none) = (law(1.0, 0.499), law(40.0, 0.3), law(0.0, 0.0));
+        let [mean, full] = [[Dilatation::Mean], [Dilatation::Full]];
+        let u: Vec<f64> = (0..graph.len() * dim).map(|i| (i as f64 * 0.9).sin()).collect();
+        let of =
+            |laws: &[&dyn TensorLaw], which: &[Dilatation]| forms::tensor_form(&mesh, &graph, laws, which).apply(&u);
+        let mixed = of(&[&soft, &stiff], &[Dilatation::Mean, Dilatation::Full]);
+        let parts = [of(&[&soft, &none], &mean), of(&[&none, &stiff], &full)];
+        let largest = mixed.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        for (i, mixed) in mixed.iter().enumerate() {
+            assert!((mixed - parts[0][i] - parts[1][i]).abs() < 1e-13 * largest, "{dim} {elements:?}");
+        }
+        let both = of(&[&soft, &stiff], &mean);
+        assert!(mixed.iter().zip(&both).any(|(a, b)| (a - b).abs() > 1e-3 * largest), "the choice acts");
+        let residual = forms::residual(&mesh, &[&soft, &stiff], &[Dilatation::Mean, Dilatation::Full], &u, &[]);
+        assert!(mixed.iter().zip(&residual).all(|(a, b)| (a - b).abs() < 1e-12 * largest));
+    }
+}
+
 /// A rectangle whose inner nodes are moved off the grid.
 fn distorted(diagonal: Diagonal) -> (Mesh, Arc<Graph>) {
     let mut mesh = Mesh::rectangle([2.0, 1.0], [7, 5], diagonal).expect("a mesh of 7 × 5 squares");
@@ -159,10 +201,10 @@ fn the_tangent_of_a_linear_law_is_its_form() {
     let law = Isotropic::elastic(3, 2.0, 0.3, StressState::PlaneStrain);
     let u = wavy(&mesh, 0.1, 0.3);
     for dilatation in [Dilatation::Full, Dilatation::Mean] {
-        let form = forms::tensor_form(&mesh, &graph, &[&law], dilatation);
-        let residual = forms::residual(&mesh, &[&law], dilatation, &u, &[]);
+        let form = forms::tensor_form(&mesh, &graph, &[&law], &[dilatation]);
+        let residual = forms::residual(&mesh, &[&law], &[dilatation], &u, &[]);
         assert!(largest(form.apply(&u).iter().zip(&residual).map(|(a, b)| a - b)) < 1e-14);
-        assert!(forms::tangent(&mesh, &graph, &[&law], dilatation, &u, &[]).asymmetry(&form) < 1e-14);
+        assert!(forms::tangent(&mesh, &graph, &[&law], &[dilatation], &u, &[]).asymmetry(&form) < 1e-14);
     }
 }
 
@@ -176,13 +218,13 @@ fn the_tangent_is_the_derivative_of_the_residual() {
         let graph = Arc::new(Graph::of_mesh(&mesh));
         let (u, w) = (wavy(&mesh, 0.2, 0.3), wavy(&mesh, 0.2, 1.9));
         for dilatation in [Dilatation::Full, Dilatation::Mean] {
-            let exact = forms::tangent(&mesh, &graph, &[&law], dilatation, &u, &[]).apply(&w);
+            let exact = forms::tangent(&mesh, &graph, &[&law], &[dilatation], &u, &[]).apply(&w);
             let error = |h: f64| {
                 let at = |s: f64| {
                     forms::residual(
                         &mesh,
                         &[&law],
-                        dilatation,
+                        &[dilatation],
                         &u.iter().zip(&w).map(|(u, w)| u + s * w).collect::<Vec<_>>(),
                         &[],
                     )

@@ -203,11 +203,11 @@ fn a_function_of_one_value_is_that_value() {
         let with = |time: Coefficient<f64>| {
             changed(&paper(&["mesh.n=6", "time.steps=8", "time.end=0.5"]).problem, |data| {
                 data.mesh = Arc::new(mesh.clone());
-                data.dilatation = dilatation;
                 let dim = data.mesh.tensor_dim();
                 let law: Arc<dyn TensorLaw> = Arc::new(Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain));
                 let pairs = [(1.5.into(), time), (0.5.into(), 0.2.into())];
                 let material = &mut data.materials[0];
+                material.dilatation = dilatation;
                 material.prony = Some(Prony::varying(&law, &pairs, &data.mesh.sites(None)).unwrap());
                 material.viscosity = Arc::new(Isotropic::lame(dim, 0.3, 0.5, StressState::PlaneStrain));
                 material.elasticity = law;

@@ -48,7 +48,7 @@ fn constant_strain() {
                 * (2.0 * 0.3 / (1.3 * 0.4) * (2.0 * alpha + beta).powi(2)
                     + 2.0 / 1.3 * (2.0 * alpha * alpha + beta * beta));
             for dilatation in [Dilatation::Full, Dilatation::Mean] {
-                let force = forms::tensor_form(&mesh, &graph, &[&law], dilatation).apply(&u);
+                let force = forms::tensor_form(&mesh, &graph, &[&law], &[dilatation]).apply(&u);
                 let boundary = on_boundary(&mesh);
                 for (i, f) in force.iter().enumerate().filter(|(i, _)| {
                     !boundary[i / 2]

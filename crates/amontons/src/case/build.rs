@@ -17,7 +17,7 @@ use crate::convergence::Exact;
 use crate::field::Field;
 use crate::linalg::{Automatic, Backend, Multigrid, Supernodal, Workload};
 use crate::machine::Memory;
-use crate::material::{Dilatation, Material};
+use crate::material::Material;
 use crate::mesh::Mesh;
 use crate::output::{CheckpointInterval, FieldsFormat, Input, OutputField, Probe};
 use crate::problem::{Coupling, Initial, Physics, Problem, ProblemData};
@@ -70,7 +70,6 @@ pub(super) fn problem(
         steps: raw.time.steps,
         physics,
         materials,
-        dilatation: dilatation(raw.material.dilatation),
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
@@ -94,13 +93,6 @@ fn system(raw: raw::Units) -> System {
     match raw {
         raw::Units::Si => System::Si,
         raw::Units::Dimensionless => System::Dimensionless,
-    }
-}
-
-fn dilatation(raw: raw::Dilatation) -> Dilatation {
-    match raw {
-        raw::Dilatation::Full => Dilatation::Full,
-        raw::Dilatation::Mean => Dilatation::Mean,
     }
 }
 
@@ -305,10 +297,6 @@ impl Build<'_> {
             let prefix = format!("region[{i}].material");
             let regions: Vec<usize> = number(&region.on).into_iter().collect();
             let material = self.material(&region.material, &prefix, mesh, &regions);
-            if region.material.dilatation != raw.material.dilatation {
-                let expected = "that of [material]: there is one for the body";
-                self.note(&format!("{prefix}.dilatation"), At::Value, "another dilatation", expected, None);
-            }
             let on = format!("region[{i}].on");
             match mesh.regions.iter().position(|name| *name == region.on) {
                 None => {

@@ -8,9 +8,16 @@ use super::elasticity::{self, Law, Shape};
 use super::place::At;
 use super::raw::{self, Coefficient, Elasticity, Expansion, ExpansionKind, Orientation, Tensor};
 use crate::field::{self, Field, Graded};
-use crate::material::{Isotropic, Material, Prony, StressState, TensorLaw};
+use crate::material::{Dilatation, Isotropic, Material, Prony, StressState, TensorLaw};
 use crate::mesh::Mesh;
 use crate::tensor::{Point, Rotation, Sym, mandel_len};
+
+fn dilatation(raw: raw::Dilatation) -> Dilatation {
+    match raw {
+        raw::Dilatation::Full => Dilatation::Full,
+        raw::Dilatation::Mean => Dilatation::Mean,
+    }
+}
 
 impl Build<'_> {
     /// Builds the material at `prefix` of the case, which fills these regions; what is wrong with it goes to the
@@ -80,6 +87,7 @@ impl Builder<'_, '_, '_> {
             expansion,
             coupling,
             conductivity,
+            dilatation: dilatation(raw.dilatation),
         }
     }
 

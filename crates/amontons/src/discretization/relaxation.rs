@@ -23,7 +23,7 @@ enum Kind {
     /// One τ in s, with ∫ 𝓖ε(·):ε(·).
     Same { time: f64, form: BlockMatrix },
     /// The springs by region, and τ in s at the points of the cells.
-    Varying { mesh: Arc<Mesh>, dilatation: Dilatation, graph: Arc<Graph>, springs: Vec<Branch>, times: Vec<f64> },
+    Varying { mesh: Arc<Mesh>, dilatation: Vec<Dilatation>, graph: Arc<Graph>, springs: Vec<Branch>, times: Vec<f64> },
 }
 
 /// What the energy identity needs to know of branches over a step, J.
@@ -49,11 +49,12 @@ impl Relaxation {
         let varying = (0..problem.varying_branches()).map(|number| {
             let of = |m: &Material| m.varying_branches().nth(number).unwrap_or(&ZERO).clone();
             let springs: Vec<Branch> = problem.materials.iter().map(of).collect();
-            let points = StrainPoints { mesh, dilatation: problem.dilatation };
+            let dilatation = problem.dilatation();
+            let points = StrainPoints { mesh, dilatation: &dilatation };
             let times = points.values(|region, x| {
                 springs.get(region).or(springs.last()).map_or(f64::INFINITY, |spring| spring.at(x).time)
             });
-            let (mesh, graph, dilatation) = (Arc::clone(mesh), Arc::clone(graph), problem.dilatation);
+            let (mesh, graph) = (Arc::clone(mesh), Arc::clone(graph));
             Relaxation(Kind::Varying { mesh, dilatation, graph, springs, times })
         });
         same.chain(varying).collect()
@@ -65,7 +66,7 @@ impl Relaxation {
         match &self.0 {
             Kind::Same { .. } => fields,
             Kind::Varying { mesh, dilatation, times, .. } => {
-                StrainPoints { mesh, dilatation: *dilatation }.components() * times.len()
+                StrainPoints { mesh, dilatation }.components() * times.len()
             }
         }
     }
@@ -77,7 +78,7 @@ impl Relaxation {
         match &self.0 {
             Kind::Same { time, .. } => bar.iter().zip(w).map(|(z, w)| factor(rule, *time) * (z + gamma * w)).collect(),
             Kind::Varying { mesh, dilatation, times, .. } => {
-                let points = StrainPoints { mesh, dilatation: *dilatation };
+                let points = StrainPoints { mesh, dilatation };
                 let mut strains = points.strains(w);
                 let count = points.components();
                 for ((e, bar), time) in strains.chunks_exact_mut(count).zip(bar.chunks_exact(count)).zip(times) {
@@ -94,7 +95,7 @@ impl Relaxation {
         match &self.0 {
             Kind::Same { form, .. } => form.apply(state),
             Kind::Varying { mesh, dilatation, springs, .. } => {
-                StrainPoints { mesh, dilatation: *dilatation }.force(&laws(springs), state)
+                StrainPoints { mesh, dilatation }.force(&laws(springs), state)
             }
         }
     }
@@ -105,7 +106,7 @@ impl Relaxation {
             Kind::Same { time, form } => matrix.add_scaled(rule.gamma * factor(rule, *time), form),
             Kind::Varying { mesh, dilatation, graph, springs, times } => {
                 let factors: Vec<f64> = times.iter().map(|time| factor(rule, *time)).collect();
-                let points = StrainPoints { mesh, dilatation: *dilatation };
+                let points = StrainPoints { mesh, dilatation };
                 matrix.add_scaled(rule.gamma, &points.form(graph, &laws(springs), &factors));
             }
         }
@@ -139,7 +140,7 @@ impl Relaxation {
     fn products(&self, strains: &[f64]) -> [f64; 2] {
         let Kind::Varying { mesh, dilatation, springs, times, .. } = &self.0 else { return [0.0; 2] };
         let rates: Vec<f64> = times.iter().map(|time| 1.0 / time).collect();
-        StrainPoints { mesh, dilatation: *dilatation }.products(&laws(springs), strains, &rates)
+        StrainPoints { mesh, dilatation }.products(&laws(springs), strains, &rates)
     }
 }
 
@@ -158,7 +159,8 @@ fn laws(springs: &[Branch]) -> Vec<&dyn TensorLaw> {
 
 /// ∫ 𝓖ε(·):ε(·) with the sum of the springs of each region.
 fn form(problem: &Problem, graph: &Arc<Graph>, by_region: Vec<Vec<Branch>>) -> BlockMatrix {
-    let assemble = |springs: &[Branch]| forms::tensor_form(&problem.mesh, graph, &laws(springs), problem.dilatation);
+    let dilatation = problem.dilatation();
+    let assemble = |springs: &[Branch]| forms::tensor_form(&problem.mesh, graph, &laws(springs), &dilatation);
     let uniform = |branches: &Vec<Branch>| {
         let mut sum = ZERO.clone();
         for branch in branches.iter().filter(|branch| branch.graded().is_none()) {

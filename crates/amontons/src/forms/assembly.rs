@@ -37,14 +37,20 @@ pub(super) struct Cell<'a> {
     room: Vec<f64>,
 }
 
+/// Whether a region takes the mean dilatation; `all` is a list by region, whose last entry serves those beyond.
+pub(crate) fn is_mean(all: &[Dilatation], region: usize) -> bool {
+    all.get(region).or(all.last()) == Some(&Dilatation::Mean)
+}
+
 /// Number of leading Mandel components that a strain has.
 pub(super) fn strain_components(mesh: &Mesh) -> usize {
     if mesh.axisymmetric { 4 } else { mandel_len(mesh.dim) }
 }
 
 impl<'a> Cell<'a> {
-    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a ShapeTable, strains: Option<Dilatation>) -> Cell<'a> {
+    pub fn new(mesh: &'a Mesh, block: &Block, table: &'a ShapeTable, strains: Option<&[Dilatation]>) -> Cell<'a> {
         let (components, fields) = (strain_components(mesh), block.element.nodes.len() * mesh.dim);
+        let has_mean = strains.is_some_and(|all| is_mean(all, block.region));
         Cell {
             mesh,
             table,
@@ -55,7 +61,7 @@ impl<'a> Cell<'a> {
             point: 0,
             fields,
             strains: if strains.is_some() { vec![0.0; components * fields] } else { Vec::new() },
-            mean: if strains == Some(Dilatation::Mean) { vec![0.0; fields] } else { Vec::new() },
+            mean: if has_mean { vec![0.0; fields] } else { Vec::new() },
             room: vec![0.0; fields],
         }
     }
@@ -181,7 +187,7 @@ const TASK: usize = 32;
 pub(super) fn by_cells(
     mesh: &Mesh,
     degree: impl Fn(&Element) -> usize,
-    strains: Option<Dilatation>,
+    strains: Option<&[Dilatation]>,
     size: impl Fn(&Element) -> usize,
     form: impl Fn(&mut Cell, &mut [f64]) + Sync,
     mut add: impl FnMut(&[u32], usize, &[f64]),
@@ -219,7 +225,7 @@ pub(super) fn assemble(
     graph: &Arc<Graph>,
     shape: (usize, usize),
     degree: impl Fn(&Element) -> usize,
-    strains: Option<Dilatation>,
+    strains: Option<&[Dilatation]>,
     form: impl Fn(&mut Cell, &mut [f64]) + Sync,
 ) -> BlockMatrix {
     let mut matrix = BlockMatrix::zero(graph, shape.0, shape.1);

@@ -36,6 +36,7 @@ mod thermal;
 use std::sync::Arc;
 
 pub use crate::material::Dilatation;
+pub(crate) use assembly::is_mean;
 pub use boundary::{convection, dashpots, springs};
 pub(crate) use load::data_degree;
 pub use load::{Load, f, q};
@@ -95,18 +96,18 @@ pub(crate) fn weighted_at(
 /// a(u, v) = ∫ 𝓔ε(u):ε(v) of linear laws.
 #[must_use]
 pub fn a(mesh: &Mesh, graph: &Arc<Graph>, elasticity: &[&dyn TensorLaw]) -> BlockMatrix {
-    tensor_form(mesh, graph, elasticity, Dilatation::Full)
+    tensor_form(mesh, graph, elasticity, &[Dilatation::Full])
 }
 
 /// b(w, v) = ∫ 𝓥ε(w):ε(v) of linear laws.
 #[must_use]
 pub fn b(mesh: &Mesh, graph: &Arc<Graph>, viscosity: &[&dyn TensorLaw]) -> BlockMatrix {
-    tensor_form(mesh, graph, viscosity, Dilatation::Full)
+    tensor_form(mesh, graph, viscosity, &[Dilatation::Full])
 }
 
 /// [`a`] or [`b`] with a choice of the strain.
 #[must_use]
-pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: Dilatation) -> BlockMatrix {
+pub fn tensor_form(mesh: &Mesh, graph: &Arc<Graph>, laws: &[&dyn TensorLaw], dilatation: &[Dilatation]) -> BlockMatrix {
     let at_rest = |law: &dyn TensorLaw, cell: &Cell| taking_part(|| law.tangent(&cell.map.position, &Sym::ZERO));
     all_at_once_in_parallel(&arrays(laws), || stiffness::assemble(mesh, graph, dilatation, laws, &[], at_rest))
 }
@@ -152,14 +153,14 @@ pub(crate) fn d_at<K: InSpace<Sym>>(
 #[must_use]
 pub fn m(mesh: &Mesh, graph: &Arc<Graph>, expansion: &[&impl InSpace<Sym>]) -> BlockMatrix {
     let tensor = |cell: &Cell| of_region(expansion, cell.region).map(|m| m.at(&cell.map.position));
-    works(mesh, graph, Dilatation::Full, |e| mesh.value_products(e, true), tensor)
+    works(mesh, graph, &[Dilatation::Full], |e| mesh.value_products(e, true), tensor)
 }
 
 /// ∫ θ 𝓣:ε(v) with a tensor at each point, none where there is none; rows v, columns θ.
 fn works(
     mesh: &Mesh,
     graph: &Arc<Graph>,
-    dilatation: Dilatation,
+    dilatation: &[Dilatation],
     degree: impl Fn(&Element) -> usize,
     tensor: impl Fn(&Cell) -> Option<Sym> + Sync,
 ) -> BlockMatrix {
@@ -188,7 +189,7 @@ pub fn e(mesh: &Mesh, graph: &Arc<Graph>, coupling: &[&impl InSpace<Sym>]) -> Bl
         graph,
         (1, mesh.dim),
         |e| mesh.value_products(e, true),
-        Some(Dilatation::Full),
+        Some(&[Dilatation::Full]),
         |cell, out| {
             let Some(coupling) = of_region(coupling, cell.region) else { return };
             cell.integrate(|cell, weight| {
@@ -228,7 +229,7 @@ mod tests {
                         .collect::<Vec<f64>>()
                 };
                 let u: Vec<f64> = (0..3 * graph.len()).map(|i| (i as f64).sin()).collect();
-                Ok([blocks(&a), blocks(&h), residual(&mesh, &[&law], Dilatation::Full, &u, &[])].concat())
+                Ok([blocks(&a), blocks(&h), residual(&mesh, &[&law], &[Dilatation::Full], &u, &[])].concat())
             })
             .map_err(Into::into)
         };

@@ -19,7 +19,7 @@ use crate::tensor::{Point, Sym};
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct StrainPoints<'a> {
     pub mesh: &'a Mesh,
-    pub dilatation: Dilatation,
+    pub dilatation: &'a [Dilatation],
 }
 
 impl StrainPoints<'_> {
@@ -51,7 +51,12 @@ impl StrainPoints<'_> {
     }
 
     /// `size` numbers at each point.
-    fn at_points(&self, strains: Option<Dilatation>, size: usize, of: impl Fn(&Cell, &mut [f64]) + Sync) -> Vec<f64> {
+    fn at_points(
+        &self,
+        strains: Option<&[Dilatation]>,
+        size: usize,
+        of: impl Fn(&Cell, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
         let mut all = Vec::with_capacity(size * self.count());
         by_cells(
             self.mesh,

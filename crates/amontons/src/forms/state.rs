@@ -34,7 +34,7 @@ fn local<R>(law: &dyn TensorLaw, cell: &Cell, theta: &[f64], with: impl FnOnce(&
 ///
 /// `laws` is a list by region; `u` has d components a node, and `theta` the temperature of each node, empty for none.
 #[must_use]
-pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Vec<f64> {
+pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: &[Dilatation], u: &[f64], theta: &[f64]) -> Vec<f64> {
     let value = |cell: &Cell| {
         let law = of_region(laws, cell.region)?;
         let strain = strain(cell, u);
@@ -46,7 +46,7 @@ pub fn residual(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u:
 /// The vector of ∫ 𝓣:ε(v) with a tensor at each point, none where there is none.
 pub(super) fn vector(
     mesh: &Mesh,
-    dilatation: Dilatation,
+    dilatation: &[Dilatation],
     degree: impl Fn(&Element) -> usize,
     tensor: impl Fn(&Cell) -> Option<Sym> + Sync,
 ) -> Vec<f64> {
@@ -78,12 +78,24 @@ pub(super) fn vector(
 
 /// ∫ W(ε(u)) of the potentials of the laws, J; none if one of the laws has none.
 #[must_use]
-pub fn energy(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
+pub fn energy(
+    mesh: &Mesh,
+    laws: &[&dyn TensorLaw],
+    dilatation: &[Dilatation],
+    u: &[f64],
+    theta: &[f64],
+) -> Option<f64> {
     all_at_once_in_parallel(&arrays(laws), || energy_now(mesh, laws, dilatation, u, theta))
 }
 
 /// The same in one pass over the cells.
-fn energy_now(mesh: &Mesh, laws: &[&dyn TensorLaw], dilatation: Dilatation, u: &[f64], theta: &[f64]) -> Option<f64> {
+fn energy_now(
+    mesh: &Mesh,
+    laws: &[&dyn TensorLaw],
+    dilatation: &[Dilatation],
+    u: &[f64],
+    theta: &[f64],
+) -> Option<f64> {
     let mut sum = Some(0.0);
     by_cells(
         mesh,
@@ -112,7 +124,7 @@ pub fn tangent(
     mesh: &Mesh,
     graph: &Arc<Graph>,
     laws: &[&dyn TensorLaw],
-    dilatation: Dilatation,
+    dilatation: &[Dilatation],
     u: &[f64],
     theta: &[f64],
 ) -> BlockMatrix {

@@ -37,7 +37,7 @@ impl Stiffness {
 pub(super) fn assemble(
     mesh: &Mesh,
     graph: &Arc<Graph>,
-    dilatation: Dilatation,
+    dilatation: &[Dilatation],
     laws: &[&dyn TensorLaw],
     factor: &[f64],
     tangent: impl Fn(&dyn TensorLaw, &Cell) -> SymMap + Sync,
@@ -54,7 +54,7 @@ pub(super) fn assemble(
     let is_symmetric = is_linear && known.iter().flatten().all(Stiffness::is_symmetric);
     // Without a mean and without a hoop strain the strain of N e_c is that of the gradient alone; a tangent that
     // depends on the strain needs it all the same.
-    let by_gradients = dilatation == Dilatation::Full && !mesh.axisymmetric;
+    let by_gradients = !dilatation.contains(&Dilatation::Mean) && !mesh.axisymmetric;
     let strains = if by_gradients && is_linear { None } else { Some(dilatation) };
     let matrix = sum(
         mesh,

@@ -128,7 +128,7 @@ pub(crate) fn conduction_slope(
 pub(crate) fn expanded(mesh: &Mesh, expansion: &[Coefficient<Sym>], theta: &[f64]) -> Vec<f64> {
     vector(
         mesh,
-        Dilatation::Full,
+        &[Dilatation::Full],
         |e| mesh.value_products(e, true),
         |cell| {
             let expansion = expansion.get(cell.region).or(expansion.last())?;
@@ -147,7 +147,7 @@ pub(crate) fn expansion_slope(
     works(
         mesh,
         graph,
-        Dilatation::Full,
+        &[Dilatation::Full],
         |e| mesh.value_products(e, true),
         |cell| {
             let expansion = expansion.get(cell.region).or(expansion.last())?;
@@ -162,7 +162,7 @@ pub(crate) fn law_slope(
     mesh: &Mesh,
     graph: &Arc<Graph>,
     laws: &[&dyn TensorLaw],
-    dilatation: Dilatation,
+    dilatation: &[Dilatation],
     [u, theta]: [&[f64]; 2],
 ) -> BlockMatrix {
     works(

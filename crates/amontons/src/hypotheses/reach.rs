@@ -200,7 +200,7 @@ impl<'a> Body<'a> {
             return Some(("the elasticity is not linear", "material.elasticity".to_owned()));
         }
         let heat_acts = largest_norm(problem, |m| &m.expansion) > 0.0;
-        if heat_acts && problem.dilatation == Dilatation::Mean {
+        if heat_acts && problem.dilatation().contains(&Dilatation::Mean) {
             return Some((
                 "a and b control the mean dilatation only, and heat acts on the whole",
                 "material.dilatation".to_owned(),

@@ -178,6 +178,8 @@ pub struct Material {
     pub coupling: Coefficient<Sym>,
     /// 𝓚 in W/(m K), (H3).
     pub conductivity: Coefficient<Sym>,
+    /// The strain that elasticity, viscosity and branches see.
+    pub dilatation: Dilatation,
 }
 
 impl Material {
@@ -194,6 +196,7 @@ impl Material {
             expansion: Sym::ZERO.into(),
             coupling: Sym::ZERO.into(),
             conductivity: Sym::ZERO.into(),
+            dilatation: Dilatation::Full,
         }
     }
 

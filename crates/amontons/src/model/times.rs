@@ -68,9 +68,9 @@ fn period(problem: &Problem, graph: &Arc<Graph>) -> Option<f64> {
     let densities = of_materials(problem, |m| &m.density)?;
     let laws: Vec<&dyn TensorLaw> = problem.materials.iter().map(|m| m.elasticity.as_ref()).collect();
     let mut stiffness = if laws.iter().all(|law| law.is_linear()) {
-        forms::tensor_form(mesh, graph, &laws, problem.dilatation)
+        forms::tensor_form(mesh, graph, &laws, &problem.dilatation())
     } else {
-        forms::tangent(mesh, graph, &laws, problem.dilatation, &vec![0.0; space.free.len()], &[])
+        forms::tangent(mesh, graph, &laws, &problem.dilatation(), &vec![0.0; space.free.len()], &[])
     };
     if let Some(springs) = forms::springs(mesh, graph, &problem.boundary) {
         stiffness.add_scaled(1.0, &springs);

@@ -3,9 +3,9 @@
 use super::fit::Fit;
 use crate::arrays::all_at_once;
 use crate::element::{Element, ShapeTable};
-use crate::forms::StrainPoints;
+use crate::forms::{StrainPoints, is_mean};
 use crate::linalg::max_abs;
-use crate::material::{Branch, Dilatation, Material, Prony, TensorLaw, material_arrays};
+use crate::material::{Branch, Material, Prony, TensorLaw, material_arrays};
 use crate::mesh::{Block, CellMap, Mesh};
 use crate::problem::Problem;
 use crate::quadrature::{self, Rule};
@@ -39,8 +39,8 @@ impl PointValues {
 #[derive(Debug)]
 pub(super) struct Tables {
     pub points: Vec<ShapeTable>,
-    /// The points of the means of the dilatation, where it is taken so.
-    means: Vec<ShapeTable>,
+    /// By block the points of the means of the dilatation, where it is taken so.
+    means: Vec<Option<ShapeTable>>,
     /// By block and point the weights of the points of the cell at which strains of springs are kept; empty where none
     /// are. They are those of a linear function fitted to their values.
     fits: Vec<Vec<Vec<f64>>>,
@@ -57,12 +57,12 @@ impl Tables {
             let (fit, _) = Fit::new(mesh.dim, 1, &block.element.centre(), &kept);
             rule(block.element).points.iter().map(|x| fit.weights(x)).collect()
         });
-        let means = mesh.blocks.iter().filter(|_| problem.dilatation == Dilatation::Mean);
-        Tables {
-            fits: fits.collect(),
-            points,
-            means: means.map(|block| ShapeTable::new(block.element, strain_degree(mesh, block.element))).collect(),
-        }
+        let dilatation = problem.dilatation();
+        let mean = |block: &Block| {
+            let table = || ShapeTable::new(block.element, strain_degree(mesh, block.element));
+            is_mean(&dilatation, block.region).then(table)
+        };
+        Tables { fits: fits.collect(), points, means: mesh.blocks.iter().map(mean).collect() }
     }
 }
 
@@ -95,7 +95,8 @@ impl<'a> Evaluator<'a> {
     pub fn new(problem: &'a Problem, state: &'a State, tables: &'a Tables, block: usize) -> Evaluator<'a> {
         let mesh = &problem.mesh;
         let material = problem.material_of(mesh.blocks[block].region);
-        let kept = StrainPoints { mesh, dilatation: problem.dilatation };
+        // Strains that are kept are read, not computed.
+        let kept = StrainPoints { mesh, dilatation: &[] };
         let points_of =
             |block: &Block| block.len() * tables.fits.first().map_or(0, |_| kept.table(block.element).len());
         Evaluator {
@@ -108,7 +109,11 @@ impl<'a> Evaluator<'a> {
             first: mesh.blocks[..block].iter().map(points_of).sum(),
             fits: tables.fits.get(block).map_or(&[], Vec::as_slice),
             map: CellMap::new(mesh, &tables.points[block]),
-            mean: tables.means.get(block).map(|table| (CellMap::new(mesh, table), &table.weights[..])),
+            mean: tables
+                .means
+                .get(block)
+                .and_then(Option::as_ref)
+                .map(|table| (CellMap::new(mesh, table), &table.weights[..])),
         }
     }
 

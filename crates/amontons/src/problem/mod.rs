@@ -151,8 +151,6 @@ pub struct ProblemData {
     pub initial: Initial,
     /// How mechanics and heat are coupled within a step.
     pub coupling: Coupling,
-    /// The strain that elasticity and viscosity see.
-    pub dilatation: Dilatation,
     /// How linear systems are solved: of a run, a study and the certificate.
     pub backend: Arc<dyn Backend>,
 }
@@ -227,7 +225,6 @@ impl ProblemData {
             contacts: Vec::new(),
             initial: Initial::default(),
             coupling: Coupling::Staggered,
-            dilatation: Dilatation::Full,
             backend: Arc::new(Supernodal),
         }
     }
@@ -284,6 +281,12 @@ impl ProblemData {
     #[must_use]
     pub fn material_of(&self, region: usize) -> Option<&Material> {
         self.materials.get(region).or(self.materials.last())
+    }
+
+    /// Which strain the laws of each region see.
+    #[must_use]
+    pub fn dilatation(&self) -> Vec<Dilatation> {
+        self.materials.iter().map(|material| material.dilatation).collect()
     }
 
     /// The relaxation times of all materials that are the same everywhere, s, ascending, each once.

@@ -77,7 +77,7 @@ pub(in crate::case) struct Material {
     /// Branches of a generalized Maxwell body: relaxing stress in addition to 𝓔 and 𝓥.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub prony: Vec<Branch>,
-    /// How the dilatation (change of volume) of a cell is computed, for the whole body.
+    /// How the dilatation (change of volume) of a cell is computed.
     #[serde(default)]
     pub dilatation: Dilatation,
 }
