@@ -1,7 +1,7 @@
-//! Vectors: entries of several at once, sums and the largest entry.
+//! Passes over vectors: entrywise functions, sums, combinations, the largest entry.
 //!
-//! Every thread works on blocks of fixed size, so that no result depends on their number. A pass over several vectors
-//! reads each of them once, which for vectors that do not fit into a cache is its cost.
+//! Every thread works on blocks of fixed size, so that no result depends on the number of threads. A pass reads each of
+//! its vectors once; for vectors that do not fit into a cache that is what it costs.
 
 use rayon::prelude::*;
 
@@ -85,8 +85,9 @@ pub fn add_combination<V: AsRef<[f64]> + Sync>(y: &mut [f64], factors: &[f64], v
     });
 }
 
-/// Takes from a vector what it has of an orthonormal basis: returns its components, of which `duals` holds the
-/// products. Twice, which is enough for an orthogonal rest to round-off (Giraud, Langou, Rozložník 2005).
+/// Orthogonalizes a vector against a basis and returns the components that it had: `duals[i]`·x is that along
+/// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput. Math.
+/// Appl. 50 (2005) 1069).
 pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
     let mut components = vec![0.0; basis.len()];
     for _ in 0..2 {
