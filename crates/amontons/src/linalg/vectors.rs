@@ -25,24 +25,22 @@ pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) 
 #[must_use]
 pub fn sum<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> f64 {
     let length = of.first().map_or(0, |v| v.len());
-    let blocks = length.div_ceil(BLOCK);
-    let partial: Vec<f64> = (0..blocks)
-        .into_par_iter()
-        .map(|block| {
-            let of = of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]);
-            let of_lanes = of.map(|v| v.as_chunks::<8>());
-            let mut lanes = [0.0; 8];
-            for i in 0..of_lanes.first().map_or(0, |(eights, _)| eights.len()) {
-                for l in 0..8 {
-                    lanes[l] += f(of_lanes.map(|(eights, _)| eights[i][l]));
-                }
-            }
-            let rest = of_lanes.map(|(_, rest)| rest);
-            let of_rest = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i])));
-            lanes.iter().sum::<f64>() + of_rest.sum::<f64>()
-        })
-        .collect();
+    let of_block = |block: usize| sum_of_block(of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]), &f);
+    let partial: Vec<f64> = (0..length.div_ceil(BLOCK)).into_par_iter().map(of_block).collect();
     partial.iter().sum()
+}
+
+/// The same of one block, in eight lanes.
+fn sum_of_block<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64) -> f64 {
+    let (eights, rest) = (of.map(|v| v.as_chunks::<8>().0), of.map(|v| v.as_chunks::<8>().1));
+    let mut lanes = [0.0; 8];
+    for i in 0..eights.first().map_or(0, |v| v.len()) {
+        for l in 0..8 {
+            lanes[l] += f(eights.map(|v| v[i][l]));
+        }
+    }
+    let of_rest = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i])));
+    lanes.iter().sum::<f64>() + of_rest.sum::<f64>()
 }
 
 /// Sum of the products.
@@ -56,21 +54,10 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
     let of_block = |(block, x): (usize, &[f64])| -> Vec<f64> {
         let at = block * BLOCK;
-        vectors.iter().map(|v| dot_of_block(&v.as_ref()[at..at + x.len()], x)).collect()
+        vectors.iter().map(|v| sum_of_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| v * x)).collect()
     };
     let partial: Vec<Vec<f64>> = x.par_chunks(BLOCK).enumerate().map(of_block).collect();
     (0..vectors.len()).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
-}
-
-fn dot_of_block(a: &[f64], b: &[f64]) -> f64 {
-    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<8>(), b.as_chunks::<8>());
-    let mut lanes = [0.0; 8];
-    for (a, b) in a.iter().zip(b) {
-        for l in 0..8 {
-            lanes[l] += a[l] * b[l];
-        }
-    }
-    lanes.iter().sum::<f64>() + a_rest.iter().zip(b_rest).map(|(a, b)| a * b).sum::<f64>()
 }
 
 /// y ← y + Σ f_i v_i.
@@ -86,8 +73,8 @@ pub fn add_combination<V: AsRef<[f64]> + Sync>(y: &mut [f64], factors: &[f64], v
 }
 
 /// Orthogonalizes a vector against a basis and returns the components that it had: `duals[i]`·x is that along
-/// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput. Math.
-/// Appl. 50 (2005) 1069).
+/// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput.
+/// Math. Appl. 50 (2005) 1069).
 pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
     let mut components = vec![0.0; basis.len()];
     for _ in 0..2 {
