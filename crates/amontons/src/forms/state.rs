@@ -85,37 +85,23 @@ pub fn energy(
     u: &[f64],
     theta: &[f64],
 ) -> Option<f64> {
-    all_at_once_in_parallel(&arrays(laws), || energy_now(mesh, laws, dilatation, u, theta))
-}
-
-/// The same in one pass over the cells.
-fn energy_now(
-    mesh: &Mesh,
-    laws: &[&dyn TensorLaw],
-    dilatation: &[Dilatation],
-    u: &[f64],
-    theta: &[f64],
-) -> Option<f64> {
-    let mut sum = Some(0.0);
-    by_cells(
-        mesh,
-        |e| mesh.gradient_products(e),
-        Some(dilatation),
-        |_| 1,
-        |cell, energy| {
-            let Some(law) = of_region(laws, cell.region) else { return };
-            cell.integrate(|cell, weight| {
-                let strain = strain(cell, u);
-                let potential = local(law, cell, theta, |law| law.potential(&cell.map.position, &strain));
-                energy[0] += weight * potential.unwrap_or(f64::NAN);
-            });
-        },
-        |_, _, energies| {
+    let of_cell = |cell: &mut Cell, energy: &mut [f64]| {
+        let Some(law) = of_region(laws, cell.region) else { return };
+        cell.integrate(|cell, weight| {
+            let strain = strain(cell, u);
+            let potential = local(law, cell, theta, |law| law.potential(&cell.map.position, &strain));
+            energy[0] += weight * potential.unwrap_or(f64::NAN);
+        });
+    };
+    all_at_once_in_parallel(&arrays(laws), || {
+        let mut sum = Some(0.0);
+        let add = |_: &[u32], _: usize, energies: &[f64]| {
             let part: f64 = energies.iter().sum();
             sum = sum.filter(|_| !part.is_nan()).map(|sum| sum + part);
-        },
-    );
-    sum
+        };
+        by_cells(mesh, |e| mesh.gradient_products(e), Some(dilatation), |_| 1, of_cell, add);
+        sum
+    })
 }
 
 /// The derivative of [`residual`]: the form ∫ D𝓔(ε(u)) ε(w):ε(v), rows v and columns w.
