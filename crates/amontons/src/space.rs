@@ -1,6 +1,7 @@
 //! Degrees of freedom: node-major components, some of them prescribed.
 
 pub(crate) mod frame;
+pub(crate) mod links;
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -8,7 +9,7 @@ use std::collections::BTreeMap;
 pub use frame::Frame;
 
 use crate::field::Field;
-use crate::mesh::Mesh;
+use crate::mesh::{Link, Links, Mesh, leader};
 use crate::tensor::{Point, dot, length};
 
 /// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
@@ -16,6 +17,8 @@ use crate::tensor::{Point, dot, length};
 /// A degree of freedom is a component of the value at a node; at a node with a prescribed direction that is along no
 /// axis it is a component in the [`Frame`] of the node. Vectors over the degrees of freedom that are given to the
 /// methods have components along the axes everywhere.
+///
+/// Degrees of freedom of a node that follows another one ([`Link`]) are not free: they are those of the other node.
 #[derive(Clone, Debug)]
 pub struct Space {
     /// Components a node.
@@ -24,6 +27,8 @@ pub struct Space {
     pub free: Vec<bool>,
     /// The directions of the degrees of freedom of the nodes where they are not the axes, by node.
     pub frames: Vec<Frame>,
+    /// Nodes that follow others.
+    pub links: Vec<Link>,
     prescribed: Vec<Prescribed>,
     /// The degrees of freedom that are prescribed.
     held: Vec<u32>,
@@ -60,18 +65,35 @@ impl Space {
     /// The space in which some directions are prescribed on parts of the boundary.
     /// At a node of two facet sets the prescription of a direction that comes first holds.
     pub fn new<'a>(mesh: &Mesh, components: usize, prescriptions: impl IntoIterator<Item = Prescription<'a>>) -> Space {
+        Space::linked(mesh, components, prescriptions, Links::default())
+    }
+
+    /// The same with nodes that follow others. What is prescribed at such a node is prescribed at the one it follows.
+    pub fn linked<'a>(
+        mesh: &Mesh,
+        components: usize,
+        prescriptions: impl IntoIterator<Item = Prescription<'a>>,
+        links: Links,
+    ) -> Space {
+        static ZERO: Field = Field::ZERO;
+        let of_side = |given: Prescription<'a>| {
+            let nodes = mesh.named(given.on)?.node_list();
+            let at = |node: u32| links::given(&links, node, given.direction, components);
+            Some((given.field, nodes.into_iter().map(|node| (node, at(node))).collect::<Vec<_>>()))
+        };
+        let on_axis = links::held_on_axis(&links, components);
         let prescriptions: Vec<_> =
-            prescriptions.into_iter().filter_map(|given| Some((given, mesh.named(given.on)?.node_list()))).collect();
-        let oblique = prescriptions.iter().filter(|(given, _)| axis(&given.direction).is_none());
-        let mut axes: BTreeMap<u32, Vec<Point>> =
-            oblique.flat_map(|(_, nodes)| nodes.iter().map(|&node| (node, Vec::new()))).collect();
+            prescriptions.into_iter().filter_map(of_side).chain(on_axis.map(|at| (&ZERO, at))).collect();
+        let all = || prescriptions.iter().flat_map(|(_, nodes)| nodes);
+        let oblique = all().filter(|(_, (_, direction))| axis(direction).is_none());
+        let mut axes: BTreeMap<u32, Vec<Point>> = oblique.map(|(_, (node, _))| (*node, Vec::new())).collect();
         let mut free = vec![true; mesh.points.len() * components];
         let mut prescribed = Vec::new();
-        for (Prescription { direction, field, .. }, nodes) in prescriptions {
+        for (field, nodes) in &prescriptions {
             let mut part = Prescribed::new(field);
-            for node in nodes {
+            for &(at, (node, direction)) in nodes {
                 let dof = |c: usize| node as usize * components + c;
-                let x = mesh.points[node as usize];
+                let x = mesh.points[at as usize];
                 if let Some(axes) = axes.get_mut(&node) {
                     if axes.len() < components
                         && let Some((along, rest, scale)) = across(&direction, axes)
@@ -89,9 +111,14 @@ impl Space {
             }
             prescribed.push(part);
         }
-        let frames = axes.into_iter().map(|(node, axes)| Frame { node, axes: completed(axes, components) }).collect();
+        let mut frames: Vec<Frame> =
+            axes.into_iter().map(|(node, axes)| Frame { node, axes: completed(axes, components) }).collect();
         let held = (0u32..).zip(&free).filter_map(|(dof, free)| (!free).then_some(dof)).collect();
-        Space { components, free, frames, prescribed, held }
+        links::add_frames(&links.nodes, components, &mut frames);
+        for link in &links.nodes {
+            free[link.node as usize * components..][..components].fill(false);
+        }
+        Space { components, free, frames, links: links.nodes, prescribed, held }
     }
 
     /// The directions of the degrees of freedom of a node.
@@ -108,7 +135,8 @@ impl Space {
 
     /// The directions in which the value at a node is prescribed.
     pub fn held_directions(&self, node: u32) -> impl Iterator<Item = Point> {
-        let held = move |c: &usize| self.free.get(node as usize * self.components + c).is_some_and(|free| !free);
+        let leader = leader(&self.links, node);
+        let held = move |c: &usize| self.free.get(leader as usize * self.components + c).is_some_and(|free| !free);
         let axes = self.directions(node);
         (0..self.components).filter(held).map(move |c| axes[c])
     }
@@ -118,6 +146,12 @@ impl Space {
     pub fn held(&self, node: u32) -> [Point; 3] {
         let mut directions = self.held_directions(node);
         std::array::from_fn(|_| directions.next().unwrap_or_default())
+    }
+
+    /// Whether the value at a node is prescribed in all directions.
+    #[must_use]
+    pub fn is_held(&self, node: u32) -> bool {
+        self.held_directions(node).count() == self.components
     }
 
     /// Number of unknowns.
@@ -144,6 +178,11 @@ impl Space {
                 values[dof as usize] -= factor * values[other as usize];
             }
         }
+        self.each_linked(|own, followed| {
+            if !self.free[followed] {
+                values[own] = values[followed];
+            }
+        });
         frame::leave(&self.frames, self.components, values);
     }
 
@@ -158,8 +197,32 @@ impl Space {
             changes |= w[dof] - rate != 0.0;
             w[dof] = rate;
         }
+        self.each_linked(|own, followed| w[own] = w[followed]);
         frame::leave(&self.frames, self.components, w);
         changes
+    }
+
+    /// Each degree of freedom that follows another one, with that one.
+    fn each_linked(&self, mut act: impl FnMut(usize, usize)) {
+        for link in &self.links {
+            for c in 0..self.components {
+                act(link.node as usize * self.components + c, link.to as usize * self.components + c);
+            }
+        }
+    }
+
+    /// Gives the nodes that follow others the values of these.
+    pub fn follow(&self, values: &mut [f64]) {
+        links::follow(&self.links, &self.frames, self.components, values);
+    }
+
+    /// Adds the forces at nodes that follow others to these nodes, and leaves none.
+    pub fn gather(&self, forces: &mut [f64]) {
+        if !self.links.is_empty() {
+            frame::enter(&self.frames, self.components, forces);
+            self.each_linked(|own, followed| forces[followed] += std::mem::take(&mut forces[own]));
+            frame::leave(&self.frames, self.components, forces);
+        }
     }
 
     /// A vector by its components along the directions of the degrees of freedom.
@@ -168,10 +231,14 @@ impl Space {
         frame::entered(&self.frames, self.components, values)
     }
 
-    /// Largest magnitude of the entries at some nodes that are free: those of an equation that is solved.
+    /// Largest magnitude of the forces at some nodes that are free: those of an equation that is solved.
     #[must_use]
-    pub fn largest_at(&self, nodes: &[u32], values: &[f64]) -> f64 {
-        let values = self.in_frames(values);
+    pub fn largest_at(&self, nodes: &[u32], forces: &[f64]) -> f64 {
+        let mut values = self.in_frames(forces);
+        if !self.links.is_empty() {
+            let values = values.to_mut();
+            self.each_linked(|own, followed| values[followed] += values[own]);
+        }
         let dofs =
             nodes.iter().flat_map(|&node| (0..self.components).map(move |c| node as usize * self.components + c));
         dofs.filter(|&dof| self.free[dof]).fold(0.0, |most, dof| most.max(values[dof].abs()))
@@ -184,17 +251,18 @@ impl Space {
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }
 
-    /// Sets the entries of prescribed degrees of freedom to zero.
+    /// Sets the entries of prescribed degrees of freedom to zero, after those of nodes that follow others were gathered.
     pub fn mask(&self, values: &mut [f64]) {
         frame::enter(&self.frames, self.components, values);
         self.held.iter().for_each(|&dof| values[dof as usize] = 0.0);
         frame::leave(&self.frames, self.components, values);
     }
 
-    /// Sets the entries of free degrees of freedom to zero.
+    /// Sets all entries but those of prescribed degrees of freedom to zero.
     pub fn mask_free(&self, values: &mut [f64]) {
         frame::enter(&self.frames, self.components, values);
         values.iter_mut().zip(&self.free).filter(|(_, free)| **free).for_each(|(value, _)| *value = 0.0);
+        self.each_linked(|own, followed| values[own] = values[followed]);
         frame::leave(&self.frames, self.components, values);
     }
 
@@ -207,6 +275,7 @@ impl Space {
                 values[node * self.components + c] = value;
             }
         }
+        self.follow(&mut values);
         values
     }
 }

@@ -72,6 +72,7 @@ pub(super) fn problem(
         materials,
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
+        cyclic: build.cyclic(raw.cyclic),
         boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
         contacts: contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect(),
         initial: build.initial(&raw.initial, &mesh.points),

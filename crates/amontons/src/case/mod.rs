@@ -22,6 +22,7 @@ mod build;
 mod check;
 mod coefficient;
 mod contact;
+mod cyclic;
 mod data;
 mod elasticity;
 mod fault;

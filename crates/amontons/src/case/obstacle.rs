@@ -84,8 +84,8 @@ impl Build<'_> {
         Some([0, 1, 2].map(|c| components.get(c).copied().unwrap_or_default()))
     }
 
-    /// The axis of a cylinder: in the plane it is z.
-    fn axis(&mut self, path: &str, components: &[f64]) -> Option<Point> {
+    /// The axis of a cylinder or a sector: in the plane it is z.
+    pub fn axis(&mut self, path: &str, components: &[f64]) -> Option<Point> {
         if self.dim == 3 {
             return self.direction(path, "axis", components);
         }

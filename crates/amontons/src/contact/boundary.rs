@@ -6,7 +6,7 @@ use super::mortar::{Mortar, MortarRow};
 use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
-use crate::mesh::{FacetMap, FacetSet, Mesh};
+use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
 use crate::quadrature::{Rule, Shape};
 use crate::tensor::Point;
 
@@ -206,8 +206,8 @@ pub struct PointOnBoundary {
 
 /// The side of one contact.
 pub enum Side<'a> {
-    /// A side that faces a rigid foundation.
-    Foundation(&'a FacetSet, Quadrature),
+    /// A side that faces a rigid foundation, and nodes that follow others.
+    Foundation(&'a FacetSet, Quadrature, &'a [Link]),
     /// A pair of sides, and nodes that are contact nodes besides those of its rows.
     Pair(Mortar, Vec<u32>),
 }
@@ -232,7 +232,7 @@ impl ContactBoundary {
     /// point on each.
     #[must_use]
     pub fn on(mesh: &Mesh, sides: &[(&FacetSet, Quadrature)]) -> ContactBoundary {
-        let sides: Vec<Side> = sides.iter().map(|&(set, quadrature)| Side::Foundation(set, quadrature)).collect();
+        let sides: Vec<Side> = sides.iter().map(|&(set, quadrature)| Side::Foundation(set, quadrature, &[])).collect();
         ContactBoundary::of(mesh, &sides)
     }
 
@@ -240,7 +240,7 @@ impl ContactBoundary {
     #[must_use]
     pub fn of(mesh: &Mesh, sides: &[Side]) -> ContactBoundary {
         let of_side = |side: &Side| match side {
-            Side::Foundation(set, _) => set.node_list(),
+            Side::Foundation(set, ..) => set.node_list(),
             Side::Pair(mortar, kept) => {
                 let of_row = |row: &MortarRow| row.own.iter().chain(&row.other).map(|(node, _)| *node).collect();
                 mortar.rows.iter().flat_map(|row| -> Vec<u32> { of_row(row) }).chain(kept.iter().copied()).collect()
@@ -253,8 +253,8 @@ impl ContactBoundary {
         let mut points = Vec::new();
         for (side, of) in sides.iter().enumerate() {
             let mut on_side = match of {
-                Side::Foundation(set, Quadrature::Nodal) => nodal_points(mesh, set, local),
-                Side::Foundation(set, Quadrature::Gauss) => gauss_points(mesh, set, local),
+                Side::Foundation(set, Quadrature::Nodal, links) => nodal_points(mesh, set, links, local),
+                Side::Foundation(set, Quadrature::Gauss, _) => gauss_points(mesh, set, local),
                 Side::Pair(mortar, _) => mortar.rows.iter().map(|row| pair_point(mesh, row, local)).collect(),
             };
             for point in &mut on_side {
@@ -353,8 +353,8 @@ fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> Poi
 }
 
 /// One point per node: weight ω_i = ∫ φ_i, and the mean of the normals that the facets have there, by their shares in
-/// the weight.
-fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
+/// the weight. The facets at a node are those at a node that follows it as well, turned.
+fn nodal_points(mesh: &Mesh, set: &FacetSet, links: &[Link], local: impl Fn(u32) -> usize) -> Vec<PointOnBoundary> {
     let nodes = set.node_list();
     let on_set = |node: u32| nodes.binary_search(&node).unwrap_or_else(|slot| slot);
     let mut points: Vec<PointOnBoundary> = nodes
@@ -388,6 +388,11 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
                 }
             }
         }
+    }
+    for link in links {
+        let [Ok(own), Ok(followed)] = [link.node, link.to].map(|node| nodes.binary_search(&node)) else { continue };
+        let mean = link.normals(&points[own].normal, &points[followed].normal);
+        [points[own].normal, points[followed].normal] = mean;
     }
     points.retain(|point| point.weight > 0.0);
     for point in &mut points {

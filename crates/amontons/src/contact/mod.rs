@@ -36,7 +36,7 @@ pub use normal::{
     PressureTableFault, Signorini, Softening, Stop, Yield, resolvent,
 };
 pub use obstacle::Obstacle;
-pub use pair::{Geometry, Pair};
+pub use pair::{Geometry, Pair, Supports};
 pub use table::{PiecewiseLinear, TableFault};
 pub use wear::{Archard, WearLaw};
 

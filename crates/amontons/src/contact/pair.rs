@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::mortar::{Mortar, Sides};
 use super::{Contact, ContactBoundary, PointOnBoundary, Side};
 
-use crate::mesh::{FacetSet, Mesh, cross};
+use crate::mesh::{FacetSet, Link, Mesh, cross};
 use crate::tensor::Point;
 
 /// When the points of a pair that face each other are found.
@@ -54,24 +54,38 @@ impl Pair {
     }
 }
 
+/// What is known of the motion of the nodes of a body.
+#[derive(Clone, Copy)]
+pub struct Supports<'a> {
+    /// The directions in which the displacement of a node is prescribed, filled up with zeros.
+    pub held: &'a dyn Fn(u32) -> [Point; 3],
+    /// Nodes that follow others.
+    pub links: &'a [Link],
+}
+
+impl Supports<'_> {
+    /// Nothing holds a node, and none follows another one.
+    pub const NONE: Supports<'static> = Supports { held: &|_| [[0.0; 3]; 3], links: &[] };
+}
+
 impl Contact {
-    /// The rows of a pair on a mesh with the nodes at `x`; none where the foundation is rigid. `held` says which
-    /// components of the displacement of a node are prescribed. Of a pairing that is updated all vertices have a row.
+    /// The rows of a pair on a mesh with the nodes at `x`; none where the foundation is rigid. Of a pairing
+    /// that is updated all vertices have a row.
     #[must_use]
-    pub fn mortar(&self, mesh: &Mesh, x: &[Point], held: &dyn Fn(u32) -> [Point; 3]) -> Option<Mortar> {
+    pub fn mortar(&self, mesh: &Mesh, x: &[Point], supports: Supports) -> Option<Mortar> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let [nonmortar, mortar] = [self.bearing(), self.facing()?].map(|side| mesh.facets.get(side).unwrap_or(&NONE));
         let is_updated = self.pair.as_ref().is_some_and(Pair::is_updated);
-        Some(Mortar::new(&Sides { mesh, x, nonmortar, mortar, held }, is_updated))
+        Some(Mortar::new(&Sides { mesh, x, nonmortar, mortar, supports }, is_updated))
     }
 
     /// The side of the contact with its points on the bodies at rest.
     #[must_use]
-    pub fn side<'a>(&self, mesh: &'a Mesh, held: &dyn Fn(u32) -> [Point; 3]) -> Side<'a> {
+    pub fn side<'a>(&self, mesh: &'a Mesh, supports: Supports<'a>) -> Side<'a> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let set = |side: &str| mesh.facets.get(side).unwrap_or(&NONE);
-        let Some(mut mortar) = self.mortar(mesh, &mesh.points, held) else {
-            return Side::Foundation(set(&self.on), self.quadrature);
+        let Some(mut mortar) = self.mortar(mesh, &mesh.points, supports) else {
+            return Side::Foundation(set(&self.on), self.quadrature, supports.links);
         };
         if self.pair.as_ref().is_some_and(|pair| pair.closes) {
             mortar.rows.iter_mut().for_each(|row| row.gap = row.gap.max(0.0));
@@ -91,7 +105,7 @@ impl ContactBoundary {
         contacts: &[Contact],
         mesh: &Mesh,
         u: &[f64],
-        held: &dyn Fn(u32) -> [Point; 3],
+        supports: Supports,
     ) -> Option<Arc<ContactBoundary>> {
         let is_updated = |contact: &Contact| contact.pair.as_ref().is_some_and(Pair::is_updated);
         if !contacts.iter().any(is_updated) {
@@ -102,7 +116,7 @@ impl ContactBoundary {
             x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
         }
         let pairs = contacts.iter().enumerate().filter(|(_, contact)| is_updated(contact));
-        let made: Vec<_> = pairs.filter_map(|(i, contact)| Some((i, contact.mortar(mesh, &x, held)?))).collect();
+        let made: Vec<_> = pairs.filter_map(|(i, contact)| Some((i, contact.mortar(mesh, &x, supports)?))).collect();
         let mut boundary = self.with(mesh, &made);
         // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), and by how much an overlap was closed.
         let of_pairs = boundary.points.iter_mut().zip(&self.points);

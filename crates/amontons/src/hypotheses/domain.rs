@@ -172,7 +172,7 @@ fn trace_pair(whole: &mut Quotient, entries: Vec<Entry>) -> Result<Eigenpair, So
 /// Whether every node is joined by cells to one with a prescribed value.
 fn is_held(graph: &Graph, space: &Space) -> bool {
     let mut reached: Vec<bool> =
-        space.free.chunks_exact(space.components).map(|node| !node.iter().all(|&free| free)).collect();
+        (0..graph.len() as u32).map(|node| space.held_directions(node).next().is_some()).collect();
     let mut open: Vec<usize> = (0..reached.len()).filter(|&i| reached[i]).collect();
     while let Some(i) = open.pop() {
         for &j in graph.row(i) {

@@ -1,8 +1,8 @@
 //! Pairs of deformable bodies: what the theory says of a foundation it does not say of them.
 
 use super::{Certificate, Constants, Finding, FindingId, FindingStatus, judged};
-use crate::contact::Contact;
 use crate::contact::mortar::mean_facet;
+use crate::contact::{Contact, Supports};
 use crate::problem::Problem;
 use crate::units::Measure;
 
@@ -36,9 +36,8 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
     let (mut told, mut is_partly, mut deepest) = (Vec::new(), false, 0.0);
     for contact in problem.contacts.iter().filter(|contact| contact.pair.is_some()) {
-        let (Some(mortar), Some(facing)) =
-            (contact.mortar(mesh, &mesh.points, &|node| space.held(node)), contact.facing())
-        else {
+        let supports = Supports { held: &|node| space.held(node), links: &space.links };
+        let (Some(mortar), Some(facing)) = (contact.mortar(mesh, &mesh.points, supports), contact.facing()) else {
             continue;
         };
         let (bearing, share) = (contact.bearing(), mortar.covered / mortar.measure);

@@ -184,6 +184,9 @@ impl<'a> Body<'a> {
         if clash(&self.u) || clash(&self.w) {
             return Some(("initial data do not have the prescribed values", "initial".to_owned()));
         }
+        if !problem.cyclic.is_empty() {
+            return Some(("the body is a sector that is repeated about an axis", "cyclic".to_owned()));
+        }
         if problem.materials.len() > 1 {
             return Some(("the body has several materials", "region".to_owned()));
         }

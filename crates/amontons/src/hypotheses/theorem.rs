@@ -198,8 +198,7 @@ fn outside_of_contact(test: &Test) -> Option<(&'static str, &'static str)> {
 
 /// Whether every part of the body has a facet on which all values of a space are prescribed.
 fn is_held(problem: &Problem, space: &Space) -> bool {
-    let fixed: Vec<bool> =
-        space.free.chunks_exact(space.components).map(|node| !node.iter().any(|&free| free)).collect();
+    let fixed: Vec<bool> = (0..problem.mesh.points.len() as u32).map(|node| space.is_held(node)).collect();
     let held = |nodes: &[u32]| nodes.iter().all(|&node| fixed.get(node as usize) == Some(&true));
     let mut anchored = vec![false; fixed.len()];
     for set in problem.mesh.facets.values() {

@@ -10,7 +10,7 @@
 
 use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Share, Tangent, Turn};
-use crate::mesh::cross;
+use crate::mesh::{cross, leader};
 use crate::space::Space;
 use crate::tensor::{Point, dot, length};
 
@@ -93,14 +93,22 @@ impl Interface {
         space: &Space,
     ) -> Interface {
         let dim = space.components;
-        let mut seen = vec![0usize; boundary.nodes.len()];
+        // Nodes of which one follows the other have the same unknowns.
+        let leaders: Vec<u32> = boundary.nodes.iter().map(|&node| leader(&space.links, node)).collect();
+        let own = |node: usize| boundary.nodes.binary_search(&leaders[node]).unwrap_or(node);
+        let mut of_leader = vec![0usize; boundary.nodes.len()];
         for &(node, _) in boundary.points.iter().flat_map(|point| &point.nodes) {
-            seen[node] += 1;
+            of_leader[own(node)] += 1;
         }
+        let seen: Vec<usize> = (0..boundary.nodes.len()).map(|node| of_leader[own(node)]).collect();
         let (mut rows, mut turns) = (Vec::with_capacity(boundary.points.len()), Vec::new());
         for (point, normal) in boundary.points.iter().zip(normals) {
             let basis = basis_at(point, &boundary.nodes, normal, space);
-            let turn = own_node(point, &seen, unknown, dim).map(|unknowns| Turn { unknowns, basis, dim });
+            let is_turned = |point: &PointOnBoundary| {
+                point.nodes.first().is_some_and(|(node, _)| space.is_turned(boundary.nodes[*node]))
+            };
+            let own = own_node(point, &seen, unknown, dim).filter(|_| !is_turned(point));
+            let turn = own.map(|unknowns| Turn { unknowns, basis, dim });
             let on_node = OnNode { unknown, prescribed, space, nodes: &boundary.nodes };
             rows.push(vector_row(point, basis, turn.as_ref(), &on_node));
             turns.extend(turn);

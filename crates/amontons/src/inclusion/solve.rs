@@ -1,12 +1,16 @@
 //! How the mechanical step on Γ_C is solved: Newton's method, and what is done where it does not end.
 
+use std::collections::BTreeMap;
+
 use super::friction::Slip;
 use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
 use super::{Failure, ITERATIONS, NotConverged, Solved};
+use crate::contact::PointOnBoundary;
 use crate::linalg::{Condensed, SolveError, max_abs};
+use crate::tensor::Point;
 
 /// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the
 /// path.
@@ -45,7 +49,38 @@ impl MechanicalStep<'_> {
         let start = Iterate { x: guess.clone(), multipliers: term.predicted(&guess, term.local(multipliers)) };
         let (end, iterations) = term.solve(condensed, &right, start)?;
         *multipliers = term.global(&end.multipliers);
+        self.share(multipliers);
         Ok(Solved { x: term.interface.back(&end.x), iterations })
+    }
+
+    /// Gives the points at a node and at one that follows it the same tractions, turned: they have the same unknowns,
+    /// and only the sum of their forces is determined where the foundation is rigid or they stick.
+    fn share(&self, multipliers: &mut Multipliers) {
+        if self.space.links.is_empty() {
+            return;
+        }
+        let alone = |point: &PointOnBoundary| match point.nodes.as_slice() {
+            [(node, _)] => Some((self.boundary.nodes[*node], point.contact)),
+            _ => None,
+        };
+        let of_node: BTreeMap<(u32, usize), usize> =
+            self.boundary.points.iter().enumerate().filter_map(|(i, point)| Some((alone(point)?, i))).collect();
+        for link in &self.space.links {
+            for contact in 0..self.contacts.len() {
+                let [Some(&own), Some(&followed)] = [link.node, link.to].map(|node| of_node.get(&(node, contact)))
+                else {
+                    continue;
+                };
+                let weights = [own, followed].map(|i| self.boundary.points[i].weight);
+                let mean =
+                    |own: f64, followed: f64| (weights[0] * own + weights[1] * followed) / (weights[0] + weights[1]);
+                let p = mean(multipliers.p[own], multipliers.p[followed]);
+                let (q_own, q) = (link.back(&multipliers.q[own]), multipliers.q[followed]);
+                let q: Point = std::array::from_fn(|c| mean(q_own[c], q[c]));
+                (multipliers.p[own], multipliers.p[followed]) = (p, p);
+                (multipliers.q[own], multipliers.q[followed]) = (link.turned(&q), q);
+            }
+        }
     }
 }
 

@@ -69,10 +69,11 @@ impl Backend for Automatic {
     }
 
     fn proves(&self, matrix: &BlockMatrix, layout: &Layout) -> bool {
-        let ordering = Layout { contact: &[], ..*layout }.ordering(matrix.graph());
+        let graph = layout.graph(matrix.graph());
+        let ordering = Layout { contact: &[], ..*layout }.ordering(&graph);
         // A factor answers without a system being solved.
         let work = Workload { steps: 1.0, ..Workload::default() };
-        let estimate = Estimate::of(matrix.graph(), layout.free, layout.components, &ordering);
+        let estimate = Estimate::of(&graph, layout.free, layout.components, &ordering);
         Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes)).is_direct()
     }
 

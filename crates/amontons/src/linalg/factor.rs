@@ -55,8 +55,9 @@ pub trait Backend: Debug + Send + Sync {
     /// When that cannot be found out.
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
         // No unknowns last: the factor is the plain one, which a matrix that is not positive definite does not have.
-        let unknowns = self.order(matrix, &Layout { contact: &[], ..*layout });
-        match self.factorize(&matrix.in_frames(layout.frames), &unknowns) {
+        let matrix = layout.matrix(matrix);
+        let unknowns = self.order(&matrix, &Layout { contact: &[], ..*layout });
+        match self.factorize(&matrix, &unknowns) {
             Ok(_) => Ok(true),
             Err(SolveError::NotPositive { .. }) => Ok(false),
             Err(error) => Err(error),

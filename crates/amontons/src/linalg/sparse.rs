@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::vectors::max_abs;
 
-use crate::mesh::Mesh;
+use crate::mesh::{Link, Mesh};
 use crate::space::Frame;
 
 /// Which nodes share a cell: compressed rows, columns ascending, the node itself included.
@@ -87,10 +87,48 @@ impl Graph {
         &self.columns[self.start[i]..self.start[i + 1]]
     }
 
+    /// The graph in which the nodes that follow others are these: their rows have themselves alone.
+    #[must_use]
+    pub fn linked(&self, links: &[Link]) -> Graph {
+        let leaders = leaders(self.len(), links);
+        let mut rows: Vec<(u32, Vec<u32>)> = Vec::new();
+        for link in links {
+            let row = self.row(link.node as usize).iter().map(|&j| leaders[j as usize]).collect();
+            rows.push((link.to, row));
+        }
+        rows.sort_by_key(|(node, _)| *node);
+        let (mut start, mut columns, mut row) = (vec![0], Vec::with_capacity(self.columns.len()), Vec::new());
+        for i in 0..self.len() {
+            row.clear();
+            if leaders[i] as usize == i {
+                row.extend(self.row(i).iter().map(|&j| leaders[j as usize]));
+                let from = rows.partition_point(|(node, _)| (*node as usize) < i);
+                let followed = rows[from..].iter().take_while(|(node, _)| *node as usize == i);
+                followed.for_each(|(_, more)| row.extend(more));
+            } else {
+                row.push(i as u32);
+            }
+            row.sort_unstable();
+            row.dedup();
+            columns.extend_from_slice(&row);
+            start.push(columns.len());
+        }
+        Graph { start, columns }
+    }
+
     /// Position of the pair (i, j) among all pairs, if they share a cell.
     fn slot(&self, i: usize, j: u32) -> Option<usize> {
         self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
     }
+}
+
+/// The node that each of so many nodes follows, or itself.
+fn leaders(nodes: usize, links: &[Link]) -> Vec<u32> {
+    let mut leaders: Vec<u32> = (0..nodes as u32).collect();
+    for link in links {
+        leaders[link.node as usize] = link.to;
+    }
+    leaders
 }
 
 /// A matrix of R × C blocks, one for each pair of nodes that share a cell; the entry of components
@@ -241,6 +279,32 @@ impl BlockMatrix {
             }
         }
         Arc::new(turned)
+    }
+
+    /// The matrix Tᵀ A T, T the map that gives the nodes that follow others the components of these; A itself without
+    /// such nodes. The rows of nodes that follow have their own blocks alone.
+    #[must_use]
+    pub fn linked(self: &Arc<BlockMatrix>, links: &[Link]) -> Arc<BlockMatrix> {
+        if links.is_empty() {
+            return Arc::clone(self);
+        }
+        let leaders = leaders(self.graph.len(), links);
+        let mut joined = BlockMatrix::zero(&Arc::new(self.graph.linked(links)), self.rows, self.cols);
+        let size = self.rows * self.cols;
+        for (i, &to) in leaders.iter().enumerate() {
+            for (j, block) in self.row(i) {
+                if let Some(slot) = joined.graph.slot(to as usize, leaders[j]) {
+                    joined.values[slot * size..][..size].iter_mut().zip(block).for_each(|(sum, value)| *sum += value);
+                }
+                if i == j
+                    && to as usize != i
+                    && let Some(slot) = joined.graph.slot(i, i as u32)
+                {
+                    joined.values[slot * size..][..size].copy_from_slice(block);
+                }
+            }
+        }
+        Arc::new(joined)
     }
 
     /// Entry of components (r, c) of the nodes (i, j); zero where they share no cell.

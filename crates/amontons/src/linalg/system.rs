@@ -29,8 +29,9 @@ impl System {
     /// # Errors
     /// When the matrix is not positive definite or does not fit into memory.
     pub fn new(backend: &Arc<dyn Backend>, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<System, SolveError> {
-        let unknowns = backend.order(matrix, layout);
-        let factor = backend.factorize(&matrix.in_frames(&unknowns.frames.0), &unknowns)?;
+        let matrix = layout.matrix(matrix);
+        let unknowns = backend.order(&matrix, layout);
+        let factor = backend.factorize(&matrix, &unknowns)?;
         let condensed = factor.condensed();
         Ok(System { backend: Arc::clone(backend), unknowns, factor, condensed, factorizations: (1, 0), iterations: 0 })
     }
@@ -40,7 +41,7 @@ impl System {
     /// # Errors
     /// Those of [`System::new`]; the system is then as it was.
     pub fn replace(&mut self, matrix: &Arc<BlockMatrix>) -> Result<(), SolveError> {
-        self.factor = self.backend.factorize(&matrix.in_frames(&self.unknowns.frames.0), &self.unknowns)?;
+        self.factor = self.backend.factorize(&self.unknowns.matrix(matrix), &self.unknowns)?;
         self.factorizations = (self.factorizations.0 + 1, self.factorizations.1 + self.condensed.factorizations());
         self.iterations += self.condensed.iterations();
         self.condensed = self.factor.condensed();

@@ -1,5 +1,6 @@
 //! The unknowns of a matrix, where they are, and the order in which they are eliminated.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -8,8 +9,8 @@ use super::estimate::Choice;
 use super::ordering::{Ordering, nested_dissection};
 use super::sparse::{BlockMatrix, Graph};
 use super::vectors::BLOCK;
-use crate::mesh::Mesh;
-use crate::space::{Frame, Space, frame};
+use crate::mesh::{Link, Mesh, leader};
+use crate::space::{Frame, Space, frame, links};
 use crate::tensor::Point;
 
 /// Where the unknowns of a matrix are.
@@ -23,6 +24,8 @@ pub struct Layout<'a> {
     pub free: &'a [bool],
     /// Directions of the degrees of freedom where they are not the axes.
     pub frames: &'a [Frame],
+    /// Nodes that follow others; what is at them is at these.
+    pub links: &'a [Link],
     /// Nodes whose unknowns are kept.
     pub contact: &'a [u32],
 }
@@ -31,20 +34,40 @@ impl<'a> Layout<'a> {
     /// The unknowns of a space on a mesh.
     #[must_use]
     pub fn of(mesh: &'a Mesh, space: &'a Space, contact: &'a [u32]) -> Layout<'a> {
-        Layout { points: &mesh.points, components: space.components, free: &space.free, frames: &space.frames, contact }
+        let Space { components, free, frames, links, .. } = space;
+        Layout { points: &mesh.points, components: *components, free, frames, links, contact }
     }
 
-    /// What [`Unknowns::frames`] has.
+    /// Where unknowns are that have an order.
     #[must_use]
-    pub fn frames(&self) -> (Arc<[Frame]>, usize) {
-        (self.frames.into(), self.components)
+    pub fn unknowns(&self, dofs: Vec<u32>, interior: usize) -> Unknowns {
+        let frames = (self.frames.into(), self.components);
+        Unknowns { dofs, interior, points: Arc::new([]), frames, links: self.links.into(), choice: None }
+    }
+
+    /// The matrix of the unknowns: in their directions, and without the nodes that follow others.
+    #[must_use]
+    pub fn matrix(&self, matrix: &Arc<BlockMatrix>) -> Arc<BlockMatrix> {
+        matrix.in_frames(self.frames).linked(self.links)
+    }
+
+    /// The graph of the unknowns: without the nodes that follow others.
+    #[must_use]
+    pub fn graph<'g>(&self, graph: &'g Graph) -> Cow<'g, Graph> {
+        if self.links.is_empty() { Cow::Borrowed(graph) } else { Cow::Owned(graph.linked(self.links)) }
     }
 
     /// Orders the nodes that have an unknown by nested dissection, the contact nodes last.
     #[must_use]
     pub fn ordering(&self, graph: &Graph) -> Ordering {
         let keep: Vec<bool> = self.free.chunks_exact(self.components).map(|node| node.contains(&true)).collect();
-        nested_dissection(graph, self.points, &keep, self.contact)
+        if self.links.is_empty() {
+            return nested_dissection(graph, self.points, &keep, self.contact);
+        }
+        let mut contact: Vec<u32> = self.contact.iter().map(|&node| leader(self.links, node)).collect();
+        contact.sort_unstable();
+        contact.dedup();
+        nested_dissection(graph, self.points, &keep, &contact)
     }
 }
 
@@ -59,6 +82,8 @@ pub struct Unknowns {
     pub points: Arc<[Point]>,
     /// Directions of the degrees of freedom of nodes where they are not the axes, and the number of those of a node.
     pub frames: (Arc<[Frame]>, usize),
+    /// Nodes that follow others.
+    pub links: Arc<[Link]>,
     /// How systems are solved and why, where a backend has chosen.
     pub choice: Option<Arc<Choice>>,
 }
@@ -81,7 +106,13 @@ impl Unknowns {
                 interior = dofs.len();
             }
         }
-        Unknowns { dofs, interior, points: Arc::new([]), frames: layout.frames(), choice: None }
+        layout.unknowns(dofs, interior)
+    }
+
+    /// [`Layout::matrix`].
+    #[must_use]
+    pub fn matrix(&self, matrix: &Arc<BlockMatrix>) -> Arc<BlockMatrix> {
+        matrix.in_frames(&self.frames.0).linked(&self.links)
     }
 
     /// Number of unknowns.
@@ -111,13 +142,18 @@ impl Unknowns {
         (0..kept.len()).filter(|&i| i == 0 || node(kept[i]) != node(kept[i - 1])).collect()
     }
 
-    /// The number of each degree of freedom among the unknowns that are kept; none where it is not kept. `size` is the
-    /// number of degrees of freedom.
+    /// The number of each degree of freedom among the unknowns that are kept; none where it is not kept. At a node that
+    /// follows another one they are those of that node. `size` is the number of degrees of freedom.
     #[must_use]
     pub fn positions(&self, size: usize) -> Vec<Option<u32>> {
         let mut positions = vec![None; size];
         for (k, &dof) in self.kept().iter().enumerate() {
             positions[dof as usize] = Some(k as u32);
+        }
+        let components = self.frames.1;
+        for Link { node, to, .. } in self.links.iter() {
+            let [own, followed] = [node, to].map(|node| *node as usize * components);
+            positions.copy_within(followed..followed + components, own);
         }
         positions
     }
@@ -128,21 +164,33 @@ impl Unknowns {
         frame::directions(&self.frames.0, node)
     }
 
-    /// The entries of a vector over all degrees of freedom, in elimination order.
+    /// Forces over all degrees of freedom, in elimination order; what is at a node that follows another one acts there.
     #[must_use]
     pub fn gather(&self, full: &[f64]) -> Vec<f64> {
-        self.pick(&frame::entered(&self.frames.0, self.frames.1, full))
+        let (frames, components) = (&self.frames.0, self.frames.1);
+        let mut forces = frame::entered(frames, components, full);
+        for Link { node, to, .. } in self.links.iter() {
+            let [own, followed] = [node, to].map(|node| *node as usize * components);
+            for c in 0..components {
+                let force = forces[own + c];
+                forces.to_mut()[followed + c] += force;
+            }
+        }
+        self.pick(&forces)
     }
 
     /// Adds a vector in elimination order to its degrees of freedom.
     pub fn add(&self, x: &[f64], full: &mut [f64]) {
-        if self.frames.0.is_empty() {
-            return self.put(x, full);
+        let (frames, components) = (&self.frames.0, self.frames.1);
+        if frames.is_empty() {
+            self.put(x, full);
+        } else {
+            let mut change = vec![0.0; full.len()];
+            self.put(x, &mut change);
+            frame::leave(frames, components, &mut change);
+            full.iter_mut().zip(change).for_each(|(value, change)| *value += change);
         }
-        let mut change = vec![0.0; full.len()];
-        self.put(x, &mut change);
-        frame::leave(&self.frames.0, self.frames.1, &mut change);
-        full.iter_mut().zip(change).for_each(|(value, change)| *value += change);
+        links::follow(&self.links, frames, components, full);
     }
 
     /// The unknowns that are kept of a vector over all degrees of freedom.

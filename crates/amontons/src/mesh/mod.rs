@@ -2,6 +2,7 @@
 
 mod assembly;
 mod convert;
+mod cyclic;
 mod data;
 pub mod defects;
 pub mod exodus;
@@ -23,6 +24,7 @@ pub mod vtu;
 
 use std::collections::BTreeMap;
 
+pub use cyclic::{Cyclic, Link, Links, NotCyclic, leader, link_of};
 pub use data::MeshData;
 pub use facets::{FacetBlock, FacetSet};
 pub use generate::{Diagonal, Elements, rectangle_nodes};

@@ -70,6 +70,7 @@ impl Counted {
 fn of_system(problem: &Problem, graph: &Graph, space: &Space) -> Counted {
     let boundary = problem.contact_boundary();
     let layout = Layout::of(&problem.mesh, space, &boundary.nodes);
-    let estimate = Estimate::of(graph, layout.free, layout.components, &layout.ordering(graph));
+    let graph = layout.graph(graph);
+    let estimate = Estimate::of(&graph, layout.free, layout.components, &layout.ordering(&graph));
     Counted { estimate, choice: problem.backend.choice(&estimate) }
 }

@@ -82,8 +82,10 @@ fn motions_of(mesh: &Mesh, space: &Space, springs: &[(u32, Point)], part: &Compo
     };
     // Gram–Schmidt over the rows of the supports, largest remainder decides whether a row is new.
     let mut basis: Vec<Vec<f64>> = Vec::new();
-    let mut add = |node: u32, direction: &Point| {
-        let mut row: Vec<f64> = motions.iter().map(|&m| value(m, &mesh.points[node as usize], direction)).collect();
+    let along = |node: u32, direction: &Point| -> Vec<f64> {
+        motions.iter().map(|&m| value(m, &mesh.points[node as usize], direction)).collect()
+    };
+    let mut add = |mut row: Vec<f64>| {
         for _ in 0..2 {
             for b in &basis {
                 let along: f64 = row.iter().zip(b).map(|(r, b)| r * b).sum();
@@ -99,12 +101,19 @@ fn motions_of(mesh: &Mesh, space: &Space, springs: &[(u32, Point)], part: &Compo
     let mut more = true;
     for &node in &part.nodes {
         for direction in space.held_directions(node) {
-            more = more && add(node, &direction);
+            more = more && add(along(node, &direction));
         }
     }
     let inside = |node: u32| part.nodes.binary_search(&node).is_ok();
     for (node, direction) in springs.iter().filter(|(node, _)| inside(*node)) {
-        more = more && add(*node, direction);
+        more = more && add(along(*node, direction));
+    }
+    // A motion of a node that follows another one is the motion of that one, turned.
+    for link in space.links.iter().filter(|link| inside(link.node) && inside(link.to)) {
+        for axis in space.directions(link.to).iter().take(dim) {
+            let [own, followed] = [along(link.node, &link.turned(axis)), along(link.to, axis)];
+            more = more && add(own.iter().zip(followed).map(|(own, followed)| own - followed).collect());
+        }
     }
     motions.len() - basis.len()
 }

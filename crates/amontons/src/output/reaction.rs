@@ -2,6 +2,7 @@
 
 use super::Snapshot;
 use super::quantity::Base;
+use crate::mesh::{leader, link_of};
 use crate::problem::ProblemData;
 use crate::tensor::Point;
 
@@ -21,17 +22,25 @@ impl Held {
         }
         let of_heat = base == Base::ReactionHeat;
         let space = if of_heat { problem.temperature_space() } else { problem.displacement_space() };
+        // What is borne at a node that follows another one is borne there.
+        for node in &mut nodes {
+            *node = leader(&space.links, *node);
+        }
         nodes.sort_unstable();
+        nodes.dedup();
         let (mut numbers, mut nodes) = (Vec::new(), nodes.into_iter().peekable());
         let mut number = 0;
-        for (node, free) in space.free.chunks_exact(space.components).enumerate() {
-            let is_here = nodes.next_if(|&next| next as usize == node).is_some();
+        for (node, free) in (0u32..).zip(space.free.chunks_exact(space.components)) {
+            let is_here = nodes.next_if(|&next| next == node).is_some();
             if is_here && free.iter().all(|free| *free) {
                 return None;
             }
+            if link_of(&space.links, node).is_some() {
+                continue;
+            }
             for (c, _) in free.iter().enumerate().filter(|(_, free)| !**free) {
                 if is_here {
-                    numbers.push((number, space.directions(node as u32)[c]));
+                    numbers.push((number, space.directions(node)[c]));
                 }
                 number += 1;
             }

@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use super::files::{Written, write_atomically};
 use super::{OutputError, Snapshot};
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
 use crate::mesh::FacetSet;
 use crate::problem::Physics;
 use crate::scheme::ContactReport;
@@ -113,8 +113,9 @@ impl Field {
 /// Γ_C of a snapshot: a pair that is updated faces what is opposite to it now.
 fn boundary(now: &Snapshot) -> Arc<ContactBoundary> {
     let Snapshot { problem, discretization, state, .. } = *now;
-    let held = |node: u32| discretization.v.held(node);
-    let updated = discretization.boundary.updated(&problem.contacts, &problem.mesh, &state.u, &held);
+    let space = &discretization.v;
+    let supports = Supports { held: &|node| space.held(node), links: &space.links };
+    let updated = discretization.boundary.updated(&problem.contacts, &problem.mesh, &state.u, supports);
     updated.unwrap_or_else(|| Arc::clone(&discretization.boundary))
 }
 

@@ -269,14 +269,16 @@ impl ProblemData {
     /// V^h with the prescribed displacements: (2.5).
     #[must_use]
     pub fn displacement_space(&self) -> Space {
-        Space::new(&self.mesh, self.mesh.dim, self.boundary.iter().flat_map(|b| b.prescriptions(&self.mesh)))
+        let prescribed = self.boundary.iter().flat_map(|b| b.prescriptions(&self.mesh));
+        Space::linked(&self.mesh, self.mesh.dim, prescribed, self.links())
     }
 
     /// Q^h with the prescribed temperatures: (2.7).
     #[must_use]
     pub fn temperature_space(&self) -> Space {
         let prescribed = self.boundary.iter().filter_map(|b| Some((b.on.as_str(), b.temperature.as_ref()?)));
-        Space::new(&self.mesh, 1, prescribed.map(|(on, field)| Prescription { on, direction: unit(0), field }))
+        let prescribed = prescribed.map(|(on, field)| Prescription { on, direction: unit(0), field });
+        Space::linked(&self.mesh, 1, prescribed, self.links())
     }
 
     /// Sides exist, are named once, and bear no two conditions that exclude each other.
@@ -484,7 +486,7 @@ fn again(path: String, on: &str, first: usize, expected: &str) -> Fault {
 }
 
 /// A name that is none of those that are known, with the nearest one.
-fn unknown(path: String, name: &str, of: &str, known: &[&str]) -> Fault {
+pub(super) fn unknown(path: String, name: &str, of: &str, known: &[&str]) -> Fault {
     let fault = Fault::new(path, format!("\"{name}\""), format!("one of the {of} {}", known.join(", ")));
     match known
         .iter()

@@ -21,6 +21,7 @@ impl ProblemData {
         self.check_parts(&mut faults);
         self.check_shapes(&mut faults);
         self.check_boundary(&mut faults);
+        self.check_cyclic(&mut faults);
         self.check_times(&mut faults);
         if let Err(error) = self.mesh.check() {
             faults.push(Fault::new("mesh", error.to_string(), "cells of positive measure"));

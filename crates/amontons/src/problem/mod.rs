@@ -5,6 +5,7 @@
 
 mod boundary;
 mod check;
+mod cyclic;
 mod data;
 mod pairs;
 mod physics;
@@ -22,11 +23,11 @@ pub use physics::Physics;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 
-use crate::contact::{Contact, ContactBoundary, Side};
+use crate::contact::{Contact, ContactBoundary, Side, Supports};
 use crate::field::Field;
 use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
-use crate::mesh::{FacetSet, Mesh};
+use crate::mesh::{Cyclic, FacetSet, Mesh};
 use crate::units::{Extent, System, Units};
 
 /// One fault of the data: where, what was found, what was expected, what to try.
@@ -145,6 +146,9 @@ pub struct ProblemData {
     pub heat_source: Field,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,
+    /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to act
+    /// on the other sectors as well, turned. No condition and no contact is on these sides.
+    pub cyclic: Vec<Cyclic>,
     /// Contact of sides with their foundations, each side once.
     pub contacts: Vec<Contact>,
     /// Initial data.
@@ -222,6 +226,7 @@ impl ProblemData {
             body_force: Vec::new(),
             heat_source: Field::ZERO,
             boundary: Vec::new(),
+            cyclic: Vec::new(),
             contacts: Vec::new(),
             initial: Initial::default(),
             coupling: Coupling::Staggered,
@@ -314,10 +319,11 @@ impl ProblemData {
     /// Γ_C with the contact points of all sides; sides that the mesh does not have are left out.
     #[must_use]
     pub fn contact_boundary(&self) -> ContactBoundary {
-        let has_pairs = self.contacts.iter().any(|contact| contact.pair.is_some());
-        let space = has_pairs.then(|| self.displacement_space());
+        let asks = !self.cyclic.is_empty() || self.contacts.iter().any(|contact| contact.pair.is_some());
+        let space = asks.then(|| self.displacement_space());
         let held = |node: u32| space.as_ref().map_or([[0.0; 3]; 3], |space| space.held(node));
-        let sides: Vec<Side> = self.contacts.iter().map(|contact| contact.side(&self.mesh, &held)).collect();
+        let supports = Supports { held: &held, links: space.as_ref().map_or(&[], |space| &space.links) };
+        let sides: Vec<Side> = self.contacts.iter().map(|contact| contact.side(&self.mesh, supports)).collect();
         ContactBoundary::of(&self.mesh, &sides)
     }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::{Fault, ProblemData};
-use crate::contact::{Contact, Quadrature};
+use crate::contact::{Contact, Quadrature, Supports};
 use crate::mesh::FacetSet;
 
 impl ProblemData {
@@ -46,7 +46,7 @@ impl ProblemData {
             );
             return;
         }
-        let mortar = contact.mortar(&self.mesh, &self.mesh.points, &|_| [[0.0; 3]; 3]);
+        let mortar = contact.mortar(&self.mesh, &self.mesh.points, Supports::NONE);
         if mortar.is_some_and(|mortar| mortar.covered <= 0.0) && !pair.is_updated() {
             let found = format!("no point of \"{}\" that faces \"{}\"", contact.bearing(), pair.with);
             let hint = "check the names of the sides, the units of the mesh and the orientation of the bodies";

@@ -117,6 +117,7 @@ impl<'a> Coupled<'a> {
         let Step { discrete, .. } = self.step;
         let change = |new: Vec<f64>, old: &[f64], space: &Space| {
             let mut change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+            space.gather(&mut change);
             space.mask(&mut change);
             max_abs(&change)
         };

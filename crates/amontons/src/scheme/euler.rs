@@ -14,7 +14,7 @@ use super::{
     Accumulated, ContactReport, Counts, Discretization, Kept, Ledger, Reactions, Scheme, SetupError, State, StepError,
     StepReport,
 };
-use crate::contact::{Contact, ContactBoundary};
+use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::problem::Problem;
@@ -383,8 +383,8 @@ fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
 
 /// Γ_C in a step that starts from a state: pairs that are updated are made anew.
 fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
-    let held = |node: u32| discrete.v.held(node);
-    let updated = discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, &held);
+    let supports = Supports { held: &|node| discrete.v.held(node), links: &discrete.v.links };
+    let updated = discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, supports);
     updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
 }
 

@@ -3,7 +3,7 @@
 use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
-use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, kept, without_contact};
+use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
 use crate::linalg::{SolveError, Tangent, map, max_abs, sum};
 
@@ -194,6 +194,7 @@ impl Begun {
         let mut rest = map(terms, |[mass_theta, bar, d_theta, coupling, supply, chi]| {
             c / delta * (mass_theta - bar) + d_theta - coupling - supply + chi
         });
+        discrete.q.gather(&mut rest);
         let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);
         let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
@@ -219,7 +220,11 @@ impl Begun {
         let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
             Rounded::Here => discrete.thermal_round_off(&theta),
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
-            Rounded::Prescribed => discrete.thermal_round_off(&kept(&theta, |i| !discrete.q.free[i])),
+            Rounded::Prescribed => {
+                let mut prescribed = theta.clone();
+                discrete.q.mask_free(&mut prescribed);
+                discrete.thermal_round_off(&prescribed)
+            }
         })?;
         let sum = |v: &[f64]| sum([v], |[entry]| entry);
         let amounts = Amounts {

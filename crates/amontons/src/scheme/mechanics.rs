@@ -292,6 +292,7 @@ impl<'a> Equation<'a> {
         let iterate = Iterate::new(self.step, w, multipliers, &self.warmed);
         let (force, contact_force) = contact_forces(self.step, &states);
         let mut rest = map([&self.right(&iterate), &contact_force], |[right, force]| force - right);
+        discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
         let support_work = reactions.iter().zip(discrete.v.prescribed_of(&iterate.w)).map(|(r, w)| k * r * w).sum();
         discrete.v.mask(&mut rest);

@@ -233,11 +233,6 @@ impl Renewal {
     }
 }
 
-/// The entries of a vector that are kept, zero elsewhere.
-pub(super) fn kept(values: &[f64], is_kept: impl Fn(usize) -> bool) -> Vec<f64> {
-    values.iter().enumerate().map(|(i, value)| if is_kept(i) { *value } else { 0.0 }).collect()
-}
-
 /// Products of a state with the forms, which one step computes and the next one needs.
 #[derive(Debug)]
 pub(super) struct Products {

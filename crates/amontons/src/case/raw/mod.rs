@@ -6,6 +6,7 @@
 
 mod boundary;
 mod contact;
+mod cyclic;
 mod data;
 mod material;
 mod mesh;
@@ -22,6 +23,7 @@ pub(in crate::case) use boundary::{Boundary, Support};
 pub(in crate::case) use contact::{
     Automatic, Contact, Contacts, Foundation, Friction, Heat, HeatTerm, Normal, Quadrature, Wear,
 };
+pub(in crate::case) use cyclic::Cyclic;
 pub(in crate::case) use data::{Coefficient, Column, Component, Datum, Extend, Scalar, Steady, TableData};
 pub(in crate::case) use material::{
     Branch, Dilatation, Elasticity, Expansion, ExpansionKind, Material, Orientation, Region, StressState, Tensor,
@@ -62,6 +64,9 @@ pub(in crate::case) struct Case {
     /// inflow is insulated.
     #[serde(default)]
     pub boundary: Vec<Boundary>,
+    /// Sectors that are repeated about an axis, one entry per pair of sides along which a sector meets its neighbours.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cyclic: Vec<Cyclic>,
     /// Contact with a foundation, one entry per side in contact.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contact: Option<Contacts>,

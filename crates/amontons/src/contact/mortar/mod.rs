@@ -31,8 +31,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use rayon::prelude::*;
 
+use super::Supports;
 use crate::element::MAX_NODES;
-use crate::mesh::{FacetSet, Mesh};
+use crate::mesh::{FacetSet, Mesh, link_of};
 use crate::tensor::{Point, dot, length};
 pub use facing::{Facing, facing};
 
@@ -57,8 +58,8 @@ pub struct Sides<'a> {
     pub nonmortar: &'a FacetSet,
     /// The other side.
     pub mortar: &'a FacetSet,
-    /// Which components of the displacement of a node are prescribed.
-    pub held: &'a dyn Fn(u32) -> [Point; 3],
+    /// What holds their nodes.
+    pub supports: Supports<'a>,
 }
 
 /// A contact point of a pair: a vertex of the nonmortar side that has a multiplier.
@@ -120,18 +121,28 @@ impl Mortar {
                 *sum = std::array::from_fn(|c| sum[c] + normal[c]);
             }
         }
+        for link in sides.supports.links {
+            let [Some(own), Some(followed)] = [link.node, link.to].map(|node| nodes.get(&node)) else { continue };
+            let mean = link.normals(&own.normal, &followed.normal);
+            for (node, normal) in [link.node, link.to].into_iter().zip(mean) {
+                nodes.entry(node).or_default().normal = normal;
+            }
+        }
         let shared: BTreeSet<u32> = sides.mortar.node_list().into_iter().collect();
+        let nodes_of_side: BTreeSet<u32> = nodes.keys().copied().collect();
         let mut held = BTreeMap::new();
         for (&node, gathered) in &mut nodes {
-            let held_along = (sides.held)(node);
+            let held_along = (sides.supports.held)(node);
             let sum = &mut gathered.normal;
             for direction in &held_along {
                 let along = dot(sum, direction);
                 *sum = std::array::from_fn(|c| sum[c] - along * direction[c]);
             }
             let size = length(sum);
-            // A node of both sides, and one that cannot move along its normal, has no multiplier.
-            if size > DIRECTION && !shared.contains(&node) {
+            // A node of both sides, and one that cannot move along its normal, has no multiplier, and of two nodes that
+            // have one displacement only one does.
+            let follows = link_of(sides.supports.links, node).is_some_and(|link| nodes_of_side.contains(&link.to));
+            if size > DIRECTION && !shared.contains(&node) && !follows {
                 *sum = sum.map(|c| c / size);
                 held.insert(node, held_along.iter().flatten().any(|part| *part != 0.0));
             }

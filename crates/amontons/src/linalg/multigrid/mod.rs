@@ -40,7 +40,7 @@ impl Multigrid {
 impl Backend for Multigrid {
     fn order(&self, _matrix: &BlockMatrix, layout: &Layout) -> Unknowns {
         let dofs = (0..layout.free.len() as u32).filter(|&dof| layout.free[dof as usize]).collect();
-        Unknowns { dofs, interior: 0, points: layout.points.into(), frames: layout.frames(), choice: None }
+        Unknowns { points: layout.points.into(), ..layout.unknowns(dofs, 0) }
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
@@ -68,8 +68,9 @@ impl Backend for Multigrid {
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        let unknowns = self.order(matrix, layout);
-        match self.factorize(matrix, &unknowns) {
+        let matrix = layout.matrix(matrix);
+        let unknowns = self.order(&matrix, layout);
+        match self.factorize(&matrix, &unknowns) {
             Ok(factor) => factor.condensed().is_positive_definite(&Tangent::new()),
             Err(SolveError::NotPositive { .. }) => Ok(false),
             Err(error) => Err(error),

@@ -1,0 +1,244 @@
+//! Sectors of bodies that are repeated about an axis: which node of one side is which of the other.
+
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
+
+use super::{FacetSet, Mesh, cross};
+use crate::tensor::{Point, dot, length};
+
+/// Share of the shortest distance of two nodes of a facet within which a node has its partner.
+const SAME: f64 = 1e-3;
+/// Share of the angle of a sector by which it may differ from a whole part of the circle: the digits that are typed.
+const WHOLE: f64 = 1e-3;
+
+/// A node whose value is that of another one, turned: u(node) = R u(to); of a scalar the same.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// The node that follows.
+    pub node: u32,
+    /// The node that it follows, which follows none.
+    pub to: u32,
+    /// R, the images of the axes: R e_c is the entry c.
+    pub turn: [Point; 3],
+}
+
+impl Link {
+    /// R v.
+    #[must_use]
+    pub fn turned(&self, v: &Point) -> Point {
+        turned(&self.turn, v)
+    }
+
+    /// The sums of normals at the node and at the node that it follows with those of the facets of the neighbour.
+    #[must_use]
+    pub fn normals(&self, own: &Point, followed: &Point) -> [Point; 2] {
+        let own = self.back(own);
+        let sum = std::array::from_fn(|c| own[c] + followed[c]);
+        [self.turned(&sum), sum]
+    }
+
+    /// Rᵀ v.
+    #[must_use]
+    pub fn back(&self, v: &Point) -> Point {
+        self.turn.map(|image| dot(&image, v))
+    }
+}
+
+/// R v of the images of the axes.
+fn turned(turn: &[Point; 3], v: &Point) -> Point {
+    std::array::from_fn(|d| (0..3).map(|c| v[c] * turn[c][d]).sum())
+}
+
+/// All nodes of a mesh that follow others, and those that follow themselves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Links {
+    /// The nodes that follow others, ascending.
+    pub nodes: Vec<Link>,
+    /// The nodes on the axis about which is turned, each with two directions across it, in which a vector is zero there.
+    pub on_axis: Vec<(u32, [Point; 2])>,
+}
+
+impl Links {
+    /// Both together; none if a node would follow twice, or follow one that follows.
+    #[must_use]
+    pub fn and(mut self, other: Links) -> Option<Links> {
+        self.nodes.extend(other.nodes);
+        self.on_axis.extend(other.on_axis);
+        self.nodes.sort_unstable_by_key(|link| link.node);
+        let is_once = self.nodes.windows(2).all(|pair| pair[0].node != pair[1].node);
+        (is_once && self.nodes.iter().all(|link| link_of(&self.nodes, link.to).is_none())).then_some(self)
+    }
+}
+
+/// The link of a node; `links` are sorted by node.
+#[must_use]
+pub fn link_of(links: &[Link], node: u32) -> Option<&Link> {
+    links.binary_search_by_key(&node, |link| link.node).ok().and_then(|i| links.get(i))
+}
+
+/// The node that a node follows, or itself.
+#[must_use]
+pub fn leader(links: &[Link], node: u32) -> u32 {
+    link_of(links, node).map_or(node, |link| link.to)
+}
+
+/// A body that is one sector of a whole which turns into itself about an axis: all fields of the second side are those
+/// of the first one, turned.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cyclic {
+    /// Names of the two sides along which a sector meets its neighbours.
+    pub sides: [String; 2],
+    /// A point of the axis, m.
+    pub through: Point,
+    /// The direction of the axis; in the plane z.
+    pub axis: Point,
+}
+
+/// Why two sides do not make a sector.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NotCyclic {
+    /// The sides have different numbers of nodes.
+    Count([usize; 2]),
+    /// The angle in degrees by which one side would have to be turned to come to the other is no part of 360.
+    Angle(f64),
+    /// A node of the first side is turned to a place at which the second one has no node: the place, and how far the
+    /// nearest one is.
+    Apart(Point, f64),
+    /// A facet of the first side, at this place, is turned onto no facet of the second: both have the same nodes, and
+    /// facets that are cut differently.
+    Cut(Point),
+}
+
+impl Cyclic {
+    /// The nodes of the second side as followers of those of the first, and how many sectors make the whole.
+    ///
+    /// # Errors
+    /// Why the sides do not make a sector.
+    pub fn links(&self, mesh: &Mesh) -> Result<(Links, usize), NotCyclic> {
+        static NONE: FacetSet = FacetSet { blocks: Vec::new() };
+        let sets = self.sides.each_ref().map(|side| mesh.facets.get(side).unwrap_or(&NONE));
+        let [first, second] = sets.map(FacetSet::node_list);
+        if first.len() != second.len() {
+            return Err(NotCyclic::Count([first.len(), second.len()]));
+        }
+        let axis = self.axis.map(|c| c / length(&self.axis));
+        let from_axis = |x: &Point| {
+            let x: Point = std::array::from_fn(|c| x[c] - self.through[c]);
+            let along = dot(&x, &axis);
+            (std::array::from_fn(|c| x[c] - along * axis[c]), along)
+        };
+        let mean = |nodes: &[u32]| -> Point {
+            let sum = nodes.iter().map(|&node| from_axis(&mesh.points[node as usize]).0);
+            sum.fold([0.0; 3], |sum: Point, x: Point| std::array::from_fn(|c| sum[c] + x[c]))
+        };
+        let [from, to] = [&first, &second].map(|nodes| mean(nodes));
+        let angle = dot(&cross(&from, &to), &axis).atan2(dot(&from, &to));
+        let sectors = (TAU / angle.abs()).round();
+        let part = TAU / sectors;
+        if !(sectors.is_finite() && (angle.abs() - part).abs() <= WHOLE * part) {
+            return Err(NotCyclic::Angle(angle.to_degrees().abs()));
+        }
+        let turn = rotation(&axis, part.copysign(angle));
+        let image = |node: u32| {
+            let x: Point = std::array::from_fn(|c| mesh.points[node as usize][c] - self.through[c]);
+            let x = turned(&turn, &x);
+            std::array::from_fn(|c| x[c] + self.through[c])
+        };
+        let near = SAME * shortest(mesh, sets);
+        let (mut links, places) = (Links::default(), Places::new(mesh, &second));
+        for &node in &first {
+            let x = image(node);
+            let (partner, distance) = places.nearest(&x);
+            if distance > near || distance.is_nan() {
+                return Err(NotCyclic::Apart(x, distance));
+            }
+            if partner == node {
+                links.on_axis.push((node, across(&axis)));
+            } else {
+                links.nodes.push(Link { node: partner, to: node, turn });
+            }
+        }
+        links.nodes.sort_unstable_by_key(|link| link.node);
+        let leader_of = |&node: &u32| leader(&links.nodes, node);
+        let facets = |set: &FacetSet| -> BTreeSet<Vec<u32>> {
+            let sorted = |nodes: &[u32]| nodes.iter().map(leader_of).collect::<BTreeSet<u32>>().into_iter().collect();
+            set.facets().map(|(_, nodes)| sorted(nodes)).collect()
+        };
+        let [of_first, of_second] = sets.map(facets);
+        match of_first.difference(&of_second).next().and_then(|facet| facet.first()) {
+            Some(&node) => Err(NotCyclic::Cut(mesh.points[node as usize])),
+            None => Ok((links, sectors as usize)),
+        }
+    }
+}
+
+/// The images of the axes under a rotation about a unit vector: Rodrigues' formula.
+fn rotation(axis: &Point, angle: f64) -> [Point; 3] {
+    let (s, c) = angle.sin_cos();
+    std::array::from_fn(|e| {
+        let unit: Point = std::array::from_fn(|d| f64::from(u8::from(d == e)));
+        let (along, side) = (dot(axis, &unit), cross(axis, &unit));
+        std::array::from_fn(|d| c * unit[d] + s * side[d] + (1.0 - c) * along * axis[d])
+    })
+}
+
+/// Two directions across an axis: those of the plane where the axis is z.
+fn across(axis: &Point) -> [Point; 2] {
+    let least = (0..3).min_by(|&a, &b| axis[a].abs().total_cmp(&axis[b].abs())).unwrap_or(0);
+    let unit: Point = std::array::from_fn(|d| f64::from(u8::from(d == least)));
+    let along = dot(axis, &unit);
+    let first: Point = std::array::from_fn(|d| unit[d] - along * axis[d]);
+    let first = first.map(|c| c / length(&first));
+    [first, cross(axis, &first)]
+}
+
+/// The shortest distance of two nodes of a facet of two sides; in one dimension, where facets are points, infinite.
+fn shortest(mesh: &Mesh, sets: [&FacetSet; 2]) -> f64 {
+    let distance = |a: u32, b: u32| {
+        let [a, b] = [a, b].map(|node| mesh.points[node as usize]);
+        length(&std::array::from_fn(|c| a[c] - b[c]))
+    };
+    let facets = sets.into_iter().flat_map(FacetSet::facets);
+    facets.fold(f64::INFINITY, |least, (_, nodes)| {
+        let pairs = nodes.iter().enumerate().flat_map(|(i, &a)| nodes[..i].iter().map(move |&b| (a, b)));
+        pairs.fold(least, |least, (a, b)| least.min(distance(a, b)))
+    })
+}
+
+/// Nodes by the coordinate in which they are farthest apart.
+struct Places {
+    along: usize,
+    nodes: Vec<(u32, Point)>,
+}
+
+impl Places {
+    fn new(mesh: &Mesh, nodes: &[u32]) -> Places {
+        let mut nodes: Vec<(u32, Point)> = nodes.iter().map(|&node| (node, mesh.points[node as usize])).collect();
+        let spread = |c: usize| {
+            let extremes = nodes
+                .iter()
+                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], (_, x)| [low.min(x[c]), high.max(x[c])]);
+            extremes[1] - extremes[0]
+        };
+        let along = (0..3).max_by(|&a, &b| spread(a).total_cmp(&spread(b))).unwrap_or(0);
+        nodes.sort_unstable_by(|(_, a), (_, b)| a[along].total_cmp(&b[along]));
+        Places { along, nodes }
+    }
+
+    /// The node nearest to a place, and how far it is: from the place outwards, until all others are farther away in
+    /// the one coordinate.
+    fn nearest(&self, x: &Point) -> (u32, f64) {
+        let (c, mut best) = (self.along, (u32::MAX, f64::INFINITY));
+        let middle = self.nodes.partition_point(|(_, y)| y[c] < x[c]);
+        let mut look = |&(node, y): &(u32, Point)| {
+            let distance = length(&std::array::from_fn(|d| x[d] - y[d]));
+            if distance < best.1 {
+                best = (node, distance);
+            }
+            (x[c] - y[c]).abs() > best.1
+        };
+        let _ = self.nodes[..middle].iter().rev().any(&mut look);
+        let _ = self.nodes[middle..].iter().any(&mut look);
+        best
+    }
+}

@@ -1,0 +1,110 @@
+//! Sectors that are repeated about an axis.
+
+use super::boundary::unknown;
+use super::{Fault, ProblemData};
+use crate::mesh::{Cyclic, Links, NotCyclic};
+use crate::tensor::length;
+
+impl ProblemData {
+    /// The nodes that follow others; none where the sides of a sector do not match, which the check names.
+    #[must_use]
+    pub fn links(&self) -> Links {
+        let of_each = self.cyclic.iter().filter_map(|cyclic| Some(cyclic.links(&self.mesh).ok()?.0));
+        of_each.fold(Links::default(), |all, links| all.clone().and(links).unwrap_or(all))
+    }
+
+    /// The sides of sectors exist, bear nothing else, and turn into each other.
+    pub(super) fn check_cyclic(&self, faults: &mut Vec<Fault>) {
+        let mut all = Links::default();
+        for (i, cyclic) in self.cyclic.iter().enumerate() {
+            let path = format!("cyclic[{i}]");
+            let known = faults.len();
+            self.check_sides_of(cyclic, &path, faults);
+            if faults.len() > known {
+                continue;
+            }
+            match cyclic.links(&self.mesh) {
+                Ok((links, _)) => match all.clone().and(links) {
+                    Some(both) => all = both,
+                    None => faults.push(
+                        Fault::new(format!("{path}.sides"), "nodes that follow others already", "sides of one sector")
+                            .hint(
+                                "give each pair of sides in one entry, and no side of two sectors about different axes",
+                            ),
+                    ),
+                },
+                Err(why) => faults.push(self.unmatched(cyclic, &path, &why)),
+            }
+        }
+    }
+
+    /// What of the names, the axis and the other conditions on the sides is not sound.
+    fn check_sides_of(&self, cyclic: &Cyclic, path: &str, faults: &mut Vec<Fault>) {
+        if self.mesh.dim == 1 || self.mesh.axisymmetric {
+            let found = if self.mesh.axisymmetric { "a body of revolution" } else { "a body in one dimension" };
+            faults.push(Fault::new(path, found, "a body in the plane or in space"));
+            return;
+        }
+        let size = length(&cyclic.axis);
+        if !(size.is_finite() && size > 0.0) {
+            faults.push(Fault::new(
+                format!("{path}.axis"),
+                format!("{:?}", cyclic.axis),
+                "a direction that is not zero",
+            ));
+        }
+        for (k, side) in cyclic.sides.iter().enumerate() {
+            let at = format!("{path}.sides[{k}]");
+            if !self.mesh.facets.contains_key(side) {
+                let known: Vec<&str> = self.mesh.facets.keys().map(String::as_str).collect();
+                faults.push(unknown(at, side, "facet sets", &known));
+                continue;
+            }
+            if let Some(entry) = self.boundary.iter().position(|b| b.on == *side && !b.is_empty()) {
+                let found = format!("\"{side}\", which has conditions in boundary[{entry}]");
+                let hint = "the body goes on behind this side: remove the conditions; a plane of symmetry takes `normal_displacement = 0` instead of cyclic symmetry";
+                faults.push(Fault::new(at, found, "a side without conditions").hint(hint));
+            } else if let Some(entry) = self.contacts.iter().position(|contact| contact.sides().any(|s| s == side)) {
+                let found = format!("\"{side}\", which is in {}", self.contact_path(entry));
+                faults.push(Fault::new(at, found, "a side without contact"));
+            }
+        }
+        if cyclic.sides[0] == cyclic.sides[1] {
+            faults.push(Fault::new(format!("{path}.sides"), "one side twice", "the two sides of a sector"));
+        }
+    }
+
+    /// The fault of sides that do not turn into each other.
+    fn unmatched(&self, cyclic: &Cyclic, path: &str, why: &NotCyclic) -> Fault {
+        let path = format!("{path}.sides");
+        let [first, second] = &cyclic.sides;
+        match why {
+            NotCyclic::Count([a, b]) => {
+                let found = format!("{a} nodes on \"{first}\" and {b} on \"{second}\"");
+                let hint = "mesh both sides alike: in Gmsh with `Periodic Curve` or `Periodic Surface`";
+                Fault::new(path, found, "two sides with the same mesh, one turned").hint(hint)
+            }
+            NotCyclic::Angle(angle) => {
+                let found = format!("an angle of {angle:.4}° from \"{first}\" to \"{second}\"");
+                let hint = "check `center` and `axis`, and whether the sides are those along which the sector meets its neighbours";
+                Fault::new(path, found, "360° divided by a whole number").hint(hint)
+            }
+            NotCyclic::Cut(x) => {
+                let found = format!(
+                    "a facet of \"{first}\" at {} that is turned onto no facet of \"{second}\"",
+                    self.mesh.place(x)
+                );
+                let hint = "the nodes match, the facets are cut differently: mesh both sides alike, in Gmsh with `Periodic Surface`";
+                Fault::new(path, found, "two sides with the same mesh, one turned").hint(hint)
+            }
+            NotCyclic::Apart(x, distance) => {
+                let place = self.mesh.place(x);
+                let found = format!(
+                    "no node of \"{second}\" at {place}, to where one of \"{first}\" is turned; the nearest is {distance:.3e} m away"
+                );
+                let hint = "mesh both sides alike: in Gmsh with `Periodic Curve` or `Periodic Surface`; check `center` and `axis`";
+                Fault::new(path, found, "two sides with the same mesh, one turned").hint(hint)
+            }
+        }
+    }
+}
