@@ -20,10 +20,11 @@ pub fn rows(problem: &Problem, model: &Model) -> Vec<String> {
     let extents =
         low.iter().zip(high).map(|(low, high)| format!("{low:.5e} … {high:.5e}")).collect::<Vec<_>>().join(" × ");
     let parts = if model.parts == 1 { String::new() } else { format!(" in {} parts", model.parts) };
+    let sectors = model.sectors.map(|sectors| format!(", one of {sectors} sectors")).unwrap_or_default();
     let mass = if mechanics { format!(", mass {}", write(model.mass, Measure::Mass)) } else { String::new() };
     let mut rows = vec![
         row("bounding box", format!("{extents} {}", problem.units().of(Measure::Length)).trim_end()),
-        row("body", &format!("volume {}{mass}{parts}", write(model.volume, Measure::Volume))),
+        row("body", &format!("volume {}{mass}{parts}{sectors}", write(model.volume, Measure::Volume))),
     ];
     rows.extend(model.sides.iter().map(|(side, size)| {
         let points =

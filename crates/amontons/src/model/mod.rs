@@ -35,6 +35,10 @@ pub struct Model {
     pub mass: f64,
     /// Parts that hang together by common nodes.
     pub parts: usize,
+    /// How many sectors like the body make the whole, where it is repeated about an axis. Volume, mass and areas are those
+    /// of one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sectors: Option<usize>,
     /// Area of each named side, m².
     pub sides: BTreeMap<String, f64>,
     /// Contact points of each contact, by the name of its side.
@@ -70,6 +74,7 @@ impl Model {
             volume: volumes.iter().sum(),
             mass: mesh.blocks.iter().zip(&volumes).filter_map(mass).sum(),
             parts: components(mesh).len(),
+            sectors: problem.cyclic.first().and_then(|cyclic| Some(cyclic.links(mesh).ok()?.1)),
             sides: mesh.facets.iter().map(|(name, set)| (name.clone(), mesh.measure(set))).collect(),
             contact_points: problem
                 .contacts

@@ -342,7 +342,7 @@ impl<'a> Equation<'a> {
         let Equation { step, load, theta, thermal, given, .. } = self;
         let Balanced { iterate, states, residual, scale, driven, contact, force, reactions, support_work } = end;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
-        step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
+        let residual = step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
             Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
             Rounded::Before => round_off(step.bar.w, &step.sizes(step.bar.w)),
             Rounded::Prescribed => {
