@@ -251,7 +251,8 @@ impl Space {
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }
 
-    /// Sets the entries of prescribed degrees of freedom to zero, after those of nodes that follow others were gathered.
+    /// Sets the entries of prescribed degrees of freedom to zero, after those of nodes that follow others were
+    /// gathered.
     pub fn mask(&self, values: &mut [f64]) {
         frame::enter(&self.frames, self.components, values);
         self.held.iter().for_each(|&dof| values[dof as usize] = 0.0);

@@ -95,7 +95,20 @@ const HASH: usize = 32;
 
 /// Names of the readers.
 pub fn names() -> Vec<&'static str> {
-    vec!["case", "override", "expression", "table", "gmsh", "inp", "vtu", "med", "exodus", "checkpoint", "results"]
+    vec![
+        "case",
+        "override",
+        "expression",
+        "table",
+        "gmsh",
+        "inp",
+        "vtu",
+        "med",
+        "exodus",
+        "checkpoint",
+        "results",
+        "vtkhdf",
+    ]
 }
 
 /// A reader with what it needs.
@@ -118,7 +131,8 @@ enum Kind {
         case: Box<Case>,
         folder: PathBuf,
     },
-    /// A results folder with the names of its files: the first byte of an input chooses one of them.
+    /// A results folder with the names of its files, or of the one with the fields: the first byte of an input chooses
+    /// one of them.
     Results {
         folder: PathBuf,
         files: Vec<PathBuf>,
@@ -151,13 +165,17 @@ impl Target {
             "med" => (Kind::Med, meshes("med")),
             "exodus" => (Kind::Exodus, meshes("e")),
             "checkpoint" => {
-                let (folder, case) = small_run(name)?;
+                let (folder, case) = small_run(name, SMALL)?;
                 let sound = fs::read(folder.join("checkpoint/state.bin")).ok()?;
                 (Kind::Checkpoint { case: Box::new(case), folder }, vec![sound])
             }
-            "results" => {
-                let (folder, _) = small_run(name)?;
-                let files: Vec<PathBuf> = files(&folder);
+            "results" | "vtkhdf" => {
+                let format = if name == "vtkhdf" { "format = \"vtkhdf\"\n" } else { "" };
+                let (folder, _) = small_run(name, &format!("{SMALL}{format}"))?;
+                let mut files: Vec<PathBuf> = files(&folder);
+                if name == "vtkhdf" {
+                    files.retain(|file| file.ends_with("fields.vtkhdf"));
+                }
                 let sound: Vec<Vec<u8>> = files.iter().filter_map(|file| fs::read(file).ok()).collect();
                 let corpus = sound.iter().enumerate().map(|(i, bytes)| [&[i as u8][..], bytes].concat()).collect();
                 (Kind::Results { folder, files, sound }, corpus)
@@ -293,10 +311,10 @@ fn results(folder: &Path, files: &[PathBuf], sound: &[Vec<u8>], bytes: &[u8]) ->
     found + &drawn + &restored
 }
 
-/// A results folder of its own with the run of the small case.
-fn small_run(name: &str) -> Option<(PathBuf, Case)> {
+/// A results folder of its own with the run of a case.
+fn small_run(name: &str, text: &str) -> Option<(PathBuf, Case)> {
     let folder = std::env::temp_dir().join(format!("amontons-fuzz-{name}-{}", std::process::id()));
-    let case = case::parse(&Source::new("small.toml", SMALL), &[]).ok()?;
+    let case = case::parse(&Source::new("small.toml", text), &[]).ok()?;
     let options = FolderOptions { certificate: false, ..case.folder_options() };
     let settings = Settings { certificate: false, ..Settings::default() };
     let mut results = Folder::create(&folder, options).ok()?;

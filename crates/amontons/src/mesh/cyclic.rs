@@ -54,7 +54,8 @@ fn turned(turn: &[Point; 3], v: &Point) -> Point {
 pub struct Links {
     /// The nodes that follow others, ascending.
     pub nodes: Vec<Link>,
-    /// The nodes on the axis about which is turned, each with two directions across it, in which a vector is zero there.
+    /// The nodes on the axis about which is turned, each with two directions across it, in which a vector is zero
+    /// there.
     pub on_axis: Vec<(u32, [Point; 2])>,
 }
 

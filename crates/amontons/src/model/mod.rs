@@ -35,8 +35,8 @@ pub struct Model {
     pub mass: f64,
     /// Parts that hang together by common nodes.
     pub parts: usize,
-    /// How many sectors like the body make the whole, where it is repeated about an axis. Volume, mass and areas are those
-    /// of one.
+    /// How many sectors like the body make the whole, where it is repeated about an axis. Volume, mass and areas are
+    /// those of one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sectors: Option<usize>,
     /// Area of each named side, m².

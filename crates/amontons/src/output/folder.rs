@@ -336,10 +336,12 @@ impl Folder {
     fn check_room(&self, start: &RunStart) -> Result<(), OutputError> {
         let (problem, first) = (start.from.problem, start.from.state.step);
         let due = (first..problem.steps).filter(|&n| self.is_due(n)).count() + 1;
+        let is_packed = start.resumed && self.path.join(packed::FILE).exists();
+        let unpacked = if is_packed { (0..first).filter(|&n| self.is_due(n)).count() } else { 0 };
         let needed = demand(
             &start.from,
             (&self.options.fields, self.options.format),
-            due,
+            [due, unpacked],
             problem.steps - first.min(problem.steps),
         );
         match machine::disk_free(&self.path) {

@@ -10,11 +10,12 @@ const OF_SURFACE: f64 = 2.0 * 32.0 * 8.0 * 4.0 / 3.0;
 ///
 /// Snapshots are written as base64, 4 characters per 3 bytes, with a temporary copy of the one that is written; three
 /// checkpoints hold the state, velocities, displacements, temperatures and branches. Where the snapshots are packed in
-/// the end, the packed file is there beside them.
+/// the end, the packed file is there beside them. `snapshots` has those that are due, and those that are packed and
+/// become files of their own before the run goes on.
 pub(super) fn demand(
     from: &Snapshot,
     (fields, format): (&[OutputField], FieldsFormat),
-    snapshots: usize,
+    snapshots: [usize; 2],
     steps: usize,
 ) -> f64 {
     let problem = from.problem;
@@ -39,6 +40,7 @@ pub(super) fn demand(
     let state = from.state;
     let kept = state.u.len() + state.w.len() + state.theta.len() + state.branches.iter().map(Vec::len).sum::<usize>();
     let checkpoint = 8.0 * kept as f64 + points * 300.0;
-    let packed = if format == FieldsFormat::Vtu { 0.0 } else { snapshots as f64 * grid };
-    packed + (snapshots as f64 + 1.0) * per_snapshot + 3.0 * checkpoint + steps as f64 * 700.0
+    let snapshots: f64 = snapshots.iter().map(|&n| n as f64).sum();
+    let packed = if format == FieldsFormat::Vtu { 0.0 } else { snapshots * grid };
+    packed + (snapshots + 1.0) * per_snapshot + 3.0 * checkpoint + steps as f64 * 700.0
 }

@@ -311,8 +311,8 @@ pub struct Solver {
     /// Krylov iterations; 0 where systems are solved by a factor.
     #[serde(default)]
     pub krylov_iterations: usize,
-    /// Largest residual of a step, relative to its largest term; one that is round-off, relative to the sizes of what its
-    /// terms are sums of.
+    /// Largest residual of a step, relative to its largest term; one that is round-off, relative to the sizes of what
+    /// its terms are sums of.
     pub residual_max: f64,
     /// Passes over both half-steps: one per step where they are staggered.
     pub passes_total: usize,

@@ -146,8 +146,8 @@ pub struct ProblemData {
     pub heat_source: Field,
     /// Conditions on the parts of the boundary; at a node of two parts the first entry that prescribes a value holds.
     pub boundary: Vec<BoundaryCondition>,
-    /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to act
-    /// on the other sectors as well, turned. No condition and no contact is on these sides.
+    /// Sides along which the body is one sector of a whole that turns into itself: what acts on the body is taken to
+    /// act on the other sectors as well, turned. No condition and no contact is on these sides.
     pub cyclic: Vec<Cyclic>,
     /// Contact of sides with their foundations, each side once.
     pub contacts: Vec<Contact>,

@@ -67,8 +67,8 @@ pub struct Counts {
     pub sweeps: usize,
     /// Krylov iterations; 0 where systems are solved by a factor.
     pub krylov_iterations: usize,
-    /// Largest residual of an accepted step, relative to its largest term; one that is round-off, relative to the sizes of
-    /// what its terms are sums of.
+    /// Largest residual of an accepted step, relative to its largest term; one that is round-off, relative to the sizes
+    /// of what its terms are sums of.
     pub residual_max: f64,
     /// Passes over both half-steps: one per step where they are staggered.
     pub passes_total: usize,
