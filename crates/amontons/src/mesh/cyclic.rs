@@ -139,7 +139,8 @@ impl Cyclic {
         if !(sectors.is_finite() && (angle.abs() - part).abs() <= WHOLE * part) {
             return Err(NotCyclic::Angle(angle.to_degrees().abs()));
         }
-        let turn = rotation(&axis, part.copysign(angle));
+        // The angle of the mesh, so that one side is turned onto the other whatever the digits of its coordinates.
+        let turn = rotation(&axis, angle);
         let image = |node: u32| {
             let x: Point = std::array::from_fn(|c| mesh.points[node as usize][c] - self.through[c]);
             let x = turned(&turn, &x);
