@@ -186,14 +186,29 @@ fn tube(mesh: &Mesh, more: &str) -> Problem {
 }
 
 fn sector_of_tube() -> Mesh {
-    let ring = Mesh::ring([1.0, 2.0], Some(std::f64::consts::TAU / 3.0), [2, 4], Elements::Q1);
-    ring.and_then(|ring| ring.extruded(1.0, 2, ["bottom", "top"])).unwrap()
+    Mesh::cylinder([1.0, 2.0], Some(std::f64::consts::TAU / 3.0), 1.0, [2, 4, 2], Elements::Q1).unwrap()
+}
+
+/// The sides of sectors that are generated match, in all elements.
+#[test]
+fn generated_sectors_match() {
+    for elements in [Elements::P1, Elements::P2, Elements::Q1, Elements::Q2] {
+        for n in 2..9 {
+            let angle = Some(std::f64::consts::TAU / f64::from(n));
+            let plane = Mesh::ring([1.0, 2.0], angle, [3, 2], elements).unwrap();
+            let space = Mesh::cylinder([0.5, 2.0], angle, 0.7, [3, 2, 2], elements).unwrap();
+            for mesh in [plane, space] {
+                let sector = Cyclic { sides: ["start", "end"].map(str::to_owned), ..Z };
+                assert_eq!(sector.links(&mesh).map(|(_, sectors)| sectors), Ok(n as usize), "{elements:?}, {n}");
+            }
+        }
+    }
 }
 
 /// In space, with a factor and by an iteration.
 #[test]
 fn a_third_of_a_tube_does_what_the_tube_does() {
-    let whole = tube(&Mesh::cylinder([1.0, 2.0], 1.0, [2, 12, 2], Elements::Q1).unwrap(), "");
+    let whole = tube(&Mesh::cylinder([1.0, 2.0], None, 1.0, [2, 12, 2], Elements::Q1).unwrap(), "");
     for (solver, tolerance) in [("direct", 1e-10), ("iterative", 1e-9)] {
         let part = tube(&sector_of_tube(), &format!("[solver]\nsolver = \"{solver}\"\n"));
         assert_same(&part, &whole, [0.0; 3], tolerance);

@@ -99,7 +99,7 @@ faults! {
     a_height_of_a_rectangle: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\nheight = 1.0",
         "mesh.blocks[1].height: found `height`, expected it only besides the `radii` of a cylinder; remove it";
     an_angle_of_a_rectangle: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\nangle = 1.0",
-        "mesh.blocks[1].angle: found `angle`, expected it only besides the `radii` of a ring; remove it";
+        "mesh.blocks[1].angle: found `angle`, expected it only besides the `radii` of a ring or a cylinder; remove it";
     a_diagonal_of_quadrilaterals: "size = [2.0, 1.0]" => "size = [2.0, 1.0]\ndiagonal = \"left\"\nelements = \"Q1\"",
         "mesh.blocks[1].diagonal: found `diagonal`, expected it only in a rectangle of triangles, P1 or P2; remove it";
     a_ring_with_a_hole_that_is_too_large: "size = [2.0, 1.0]" => "radii = [1.0, 0.5]",

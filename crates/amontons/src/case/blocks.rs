@@ -81,9 +81,13 @@ impl Build<'_> {
                 axisymmetric: false,
             },
             (&[x, y, z], ..) => raw::Mesh::Box { size: [x, y, z], n: raw::Cells3::Each([n[0], n[1], n[2]]), elements },
-            (_, Some(radii), Some(height)) => {
-                raw::Mesh::Cylinder { radii, height, n: raw::Cells3::Each([n[0], n[1], n[2]]), elements }
-            }
+            (_, Some(radii), Some(height)) => raw::Mesh::Cylinder {
+                radii,
+                angle: block.angle,
+                height,
+                n: raw::Cells3::Each([n[0], n[1], n[2]]),
+                elements,
+            },
             (_, Some([0.0, radius]), None) if block.angle.is_none() => {
                 raw::Mesh::Disc { radius, n: raw::Cells2::Each([n[0], n[1]]), elements }
             }
@@ -124,8 +128,8 @@ fn misplaced(block: &raw::Block) -> Option<(&'static str, &'static str)> {
     let is_rectangle = block.size.len() == 2 && matches!(block.elements, raw::Elements::P1 | raw::Elements::P2);
     if block.height.is_some() && block.radii.is_none() {
         Some(("height", "it only besides the `radii` of a cylinder"))
-    } else if block.angle.is_some() && (block.radii.is_none() || block.height.is_some()) {
-        Some(("angle", "it only besides the `radii` of a ring"))
+    } else if block.angle.is_some() && block.radii.is_none() {
+        Some(("angle", "it only besides the `radii` of a ring or a cylinder"))
     } else if block.diagonal.is_some() && !is_rectangle {
         Some(("diagonal", "it only in a rectangle of triangles, P1 or P2"))
     } else {

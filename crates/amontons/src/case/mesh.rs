@@ -82,8 +82,8 @@ pub(super) fn generate(raw: &raw::Mesh, cells: &[usize]) -> Result<Mesh, MeshErr
         (raw::Mesh::Ring { radii, angle, elements: e, .. }, &[radial, around]) => {
             Mesh::ring(*radii, *angle, [radial, around], elements(*e))
         }
-        (raw::Mesh::Cylinder { radii, height, elements: e, .. }, &[radial, around, axial]) => {
-            Mesh::cylinder(*radii, *height, [radial, around, axial], elements(*e))
+        (raw::Mesh::Cylinder { radii, angle, height, elements: e, .. }, &[radial, around, axial]) => {
+            Mesh::cylinder(*radii, *angle, *height, [radial, around, axial], elements(*e))
         }
         _ => Ok(empty()),
     }

@@ -159,6 +159,15 @@ fn check_around(around: usize, solid: bool) -> Result<(), MeshError> {
     if around < 3 { Err(MeshError::Around { found: around, expected: "at least 3" }) } else { Ok(()) }
 }
 
+/// Checks the angle of a sector, or the cells around a whole.
+fn check_sector(sector: Option<f64>, around: usize, solid: bool) -> Result<(), MeshError> {
+    match sector {
+        Some(angle) if !(angle > 0.0 && angle < TAU) => Err(MeshError::Angle { found: angle }),
+        Some(_) => Ok(()),
+        None => check_around(around, solid),
+    }
+}
+
 impl Mesh {
     /// The disc of a radius around the origin, `[radial, around]` cells: a square of (around/4)² cells in the middle
     /// and `radial` layers of `around` cells; facet set `outer`.
@@ -186,32 +195,38 @@ impl Mesh {
     ) -> Result<Mesh, MeshError> {
         check_radii(radii[0], radii[1])?;
         check(&radii, &cells, plane_nodes(cells, false, elements))?;
-        match sector {
-            Some(angle) if !(angle > 0.0 && angle < TAU) => return Err(MeshError::Angle { found: angle }),
-            Some(_) => {}
-            None => check_around(cells[1], false)?,
-        }
+        check_sector(sector, cells[1], false)?;
         ring(radii, sector, cells).into_mesh(elements, None)
     }
 
     /// The cylinder between the radii `[inner, outer]` around the z-axis, 0 < z < height, `[radial, around, axial]`
-    /// cells; solid where the inner radius is 0, with cells as of [`Mesh::disc`]; facet sets `outer`, `inner` where it
-    /// is hollow, `bottom`, `top`.
+    /// cells, or a sector of it from the x-axis over an angle in rad; solid where the inner radius is 0, with cells as
+    /// of [`Mesh::disc`]; facet sets `outer`, `inner` where it is hollow, `bottom`, `top`, and `start`, `end` of a
+    /// sector.
     ///
     /// # Errors
     /// As those of [`Mesh::disc`] and [`Mesh::ring`]; also when the height is not positive and finite.
-    pub fn cylinder(radii: [f64; 2], height: f64, cells: [usize; 3], elements: Elements) -> Result<Mesh, MeshError> {
+    pub fn cylinder(
+        radii: [f64; 2],
+        sector: Option<f64>,
+        height: f64,
+        cells: [usize; 3],
+        elements: Elements,
+    ) -> Result<Mesh, MeshError> {
         let [inner, outer] = radii;
-        let solid = inner == 0.0;
+        let solid = inner == 0.0 && sector.is_none();
         check_radii(inner, outer)?;
+        if sector.is_some() {
+            check(&radii, &[cells[0], cells[1]], 0.0)?;
+        }
         let across = [cells[0], cells[1]];
         check(
             &[outer, outer, height],
             &cells,
             plane_nodes(across, solid, elements) * (cells[2] as f64 * elements.degree() as f64 + 1.0),
         )?;
-        check_around(cells[1], solid)?;
-        let section = if solid { disc(outer, across) } else { ring(radii, None, across) };
+        check_sector(sector, cells[1], solid)?;
+        let section = if solid { disc(outer, across) } else { ring(radii, sector, across) };
         section.into_mesh(elements, Some((height, cells[2])))
     }
 }

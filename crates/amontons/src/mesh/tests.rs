@@ -116,8 +116,8 @@ fn round_bodies_converge_to_their_measures() -> Result<(), MeshError> {
         let discs = [1, 2].map(|f| Mesh::disc(2.0, [2 * f, 16 * f], elements));
         let rings = [1, 2].map(|f| Mesh::ring([1.0, 2.0], None, [2 * f, 16 * f], elements));
         let sectors = [1, 2].map(|f| Mesh::ring([1.0, 2.0], Some(1.3), [2 * f, 4 * f], elements));
-        let solids = [1, 2].map(|f| Mesh::cylinder([0.0, 2.0], 0.5, [2 * f, 16 * f, 1], elements));
-        let hollows = [1, 2].map(|f| Mesh::cylinder([1.0, 2.0], 0.5, [2 * f, 16 * f, 1], elements));
+        let solids = [1, 2].map(|f| Mesh::cylinder([0.0, 2.0], None, 0.5, [2 * f, 16 * f, 1], elements));
+        let hollows = [1, 2].map(|f| Mesh::cylinder([1.0, 2.0], None, 0.5, [2 * f, 16 * f, 1], elements));
         let arcs = [TAU * 2.0, TAU, TAU * 2.0, 1.3, 2.6, PI * 2.0, PI, PI * 2.0];
         let exact = [(discs, 4.0 * PI), (rings, 3.0 * PI), (sectors, 1.95), (solids, 2.0 * PI), (hollows, 1.5 * PI)];
         let mut arc = arcs.iter();
@@ -156,6 +156,27 @@ fn round_bodies_converge_to_their_measures() -> Result<(), MeshError> {
             }
         }
     }
+    Ok(())
+}
+
+/// A sector of a cylinder is bounded by its sides: six areas, and a volume that converges with the arcs.
+#[test]
+fn a_sector_of_a_cylinder_has_six_sides() -> Result<(), MeshError> {
+    for elements in EVERY {
+        let mesh = Mesh::cylinder([1.0, 2.0], Some(1.2), 0.5, [2, 12, 3], elements)?;
+        assert_closed(&mesh, "a sector");
+        let sides = [("start", 0.5), ("end", 0.5), ("bottom", 1.8), ("top", 1.8), ("inner", 0.6), ("outer", 1.2)];
+        assert_eq!(mesh.facets.len(), sides.len());
+        for (side, area) in sides {
+            let found = mesh.measure(&mesh.facets[side]);
+            assert!((found - area).abs() < 2e-3 * area, "{elements:?}: {side} has {found}, expected {area}");
+        }
+        assert!((volume_integral(&mesh, |_| 1.0) - 0.9).abs() < 2e-3, "{elements:?}");
+    }
+    let none = Mesh::cylinder([0.0, 1.0], Some(1.2), 1.0, [1, 4, 1], Elements::P1);
+    assert!(matches!(none, Err(MeshError::Size { direction: 0, .. })), "{none:?}");
+    let whole = Mesh::cylinder([1.0, 2.0], Some(7.0), 1.0, [1, 4, 1], Elements::P1);
+    assert!(matches!(whole, Err(MeshError::Angle { .. })), "{whole:?}");
     Ok(())
 }
 
@@ -216,10 +237,10 @@ fn bad_numbers_are_named() {
     assert!(matches!(Mesh::ring([1.0, 2.0], Some(7.0), [2, 6], Elements::P1), Err(MeshError::Angle { .. })));
     assert!(matches!(Mesh::ring([1.0, 2.0], None, [2, 2], Elements::P1), Err(MeshError::Around { found: 2, .. })));
     assert!(matches!(
-        Mesh::cylinder([0.0, 1.0], -1.0, [1, 4, 1], Elements::P1),
+        Mesh::cylinder([0.0, 1.0], None, -1.0, [1, 4, 1], Elements::P1),
         Err(MeshError::Size { direction: 2, .. })
     ));
-    assert!(matches!(Mesh::cylinder([f64::NAN, 1.0], 1.0, [1, 4, 1], Elements::P1), Err(MeshError::Size { .. })));
+    assert!(matches!(Mesh::cylinder([f64::NAN, 1.0], None, 1.0, [1, 4, 1], Elements::P1), Err(MeshError::Size { .. })));
 }
 
 /// A cell that is inverted, flat, or folded at one of its points only is found.

@@ -28,7 +28,7 @@ fn sound_meshes_have_none() {
         Mesh::disc(1.0, [3, 12], Elements::P2).expect("a mesh"),
         Mesh::ring([0.5, 1.0], None, [2, 9], Elements::Q2).expect("a mesh"),
         Mesh::box_([1.0, 1.0, 1.0], [3, 3, 3], Elements::P2).expect("a mesh"),
-        Mesh::cylinder([0.5, 1.0], 1.0, [2, 8, 2], Elements::Q2).expect("a mesh"),
+        Mesh::cylinder([0.5, 1.0], None, 1.0, [2, 8, 2], Elements::Q2).expect("a mesh"),
         solid.quadratic().expect("a mesh"),
         solid,
     ] {

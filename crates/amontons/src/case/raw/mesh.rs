@@ -78,10 +78,15 @@ pub(in crate::case) enum Mesh {
         #[serde(default)]
         elements: Elements,
     },
-    /// A cylinder around the z-axis, 0 < z < height. Its sides are named inner, outer, bottom and top.
+    /// A cylinder around the z-axis, 0 < z < height, or a sector of it that begins at the x-axis. Its sides are named
+    /// inner, outer, bottom, top, and start and end of a sector.
     Cylinder {
         /// Inner radius, 0 for a solid cylinder, and outer radius in m.
         radii: [f64; 2],
+        /// Angle of the sector in rad; default: a whole cylinder.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        #[schemars(extend("exclusiveMinimum" = 0))]
+        angle: Option<f64>,
         /// Height in m.
         #[schemars(extend("exclusiveMinimum" = 0))]
         height: f64,
@@ -149,7 +154,7 @@ pub(in crate::case) struct Block {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub height: Option<f64>,
-    /// Angle of the sector of a ring in rad; default: a whole ring.
+    /// Angle of the sector of a ring or a cylinder in rad; default: all around.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub angle: Option<f64>,

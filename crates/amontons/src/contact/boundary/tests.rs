@@ -143,7 +143,7 @@ fn curved_contact() -> Result<(), MeshError> {
         for quadrature in [Quadrature::Nodal, Quadrature::Gauss] {
             let mut errors = Vec::new();
             for around in [16, 32] {
-                let mesh = Mesh::cylinder([1.0, 2.0], 1.0, [1, around, around / 16], elements)?;
+                let mesh = Mesh::cylinder([1.0, 2.0], None, 1.0, [1, around, around / 16], elements)?;
                 let boundary = ContactBoundary::new(&mesh, &mesh.facets["outer"], quadrature);
                 assert!(boundary.points.iter().all(|p| p.weight > 0.0));
                 let area: f64 = boundary.points.iter().map(|p| p.weight).sum();
