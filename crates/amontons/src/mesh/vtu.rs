@@ -7,10 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::data::Values;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, completed};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, of_vtk};
 use super::{Block, Mesh};
 use crate::element;
-use crate::quadrature::Shape;
 use crate::tensor::Point;
 use crate::vtu::{self, Array, Grid};
 
@@ -114,20 +113,11 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
             element: element::ALL.iter().copied().find(|e| e.vtk == 1),
         });
     }
-    let incomplete = match code {
-        23 => completed(Shape::Quadrilateral, 8).map(|element| (element, 8)),
-        25 => completed(Shape::Hexahedron, 20).map(|element| (element, 20)),
-        26 => completed(Shape::Prism, 15).map(|element| (element, 15)),
-        _ => None,
-    };
-    if let Some((element, nodes)) = incomplete {
-        return Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) });
-    }
-    let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
+    let (element, nodes) = of_vtk(code).ok_or_else(|| {
         let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
         MeshFileError::Element { at: FilePosition::Cell(cell), found: format!("VTK {code}"), known: known.join(", ") }
     })?;
-    Ok(Kind { name: element.name, dim: element.dim(), nodes: element.nodes.len(), element: Some(element) })
+    Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) })
 }
 
 /// The first of some cell data, as integers.

@@ -7,15 +7,15 @@ use super::body;
 use crate::element;
 use crate::mesh::Mesh;
 
-/// Most nodes of a facet.
-const FACET_NODES: usize = 9;
+/// Most vertices of a facet.
+const VERTICES: usize = 4;
 
 /// The surface of a body in space.
 #[derive(Clone, Debug)]
 pub struct Skin {
     /// All nodes of the body, m.
     pub(super) points: Vec<[f64; 3]>,
-    /// Triangles with their outward side in front; a quadratic facet gives four or eight.
+    /// Triangles with their outward side in front; a quadratic facet gives four, six or eight.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The cell of each triangle.
     pub(super) owners: Vec<u32>,
@@ -35,7 +35,8 @@ pub(super) struct Edge {
 }
 
 impl Skin {
-    /// The surface of cells given by their VTK type and their nodes in the order of VTK.
+    /// The surface of cells given by their VTK type and their nodes in the order of VTK: those of the element, or of the
+    /// cells of VTK where these have fewer.
     ///
     /// # Errors
     /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a
@@ -48,14 +49,14 @@ impl Skin {
             Skin { points, triangles: Vec::new(), owners: Vec::new(), facets: Vec::new(), edges: Vec::new(), cells: 0 };
         // In the order in which the facets came, so that a picture depends on the mesh only.
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
-        let mut open: HashMap<[u32; FACET_NODES], usize> = HashMap::new();
+        let mut open: HashMap<[u32; VERTICES], usize> = HashMap::new();
         for (c, (kind, nodes)) in cells.into_iter().enumerate() {
             let Some(element) = element::ALL.iter().find(|e| e.vtk == kind && e.dim() == 3) else {
                 return Err(PlotError::Data(format!(
                     "cell {c} has the VTK type {kind}, expected one of a body in space"
                 )));
             };
-            if nodes.len() != element.nodes.len() {
+            if ![element.nodes.len(), element.vtk_nodes()].contains(&nodes.len()) {
                 return Err(PlotError::Data(format!(
                     "cell {c} has {} nodes, expected {}",
                     nodes.len(),
@@ -69,9 +70,10 @@ impl Skin {
                 )));
             }
             for facet in element.facets {
-                let own: Vec<u32> = facet.nodes.iter().map(|&i| nodes[i]).collect();
-                let mut key = [u32::MAX; FACET_NODES];
-                key.iter_mut().zip(&own).for_each(|(k, n)| *k = *n);
+                let own: Vec<u32> = facet.nodes.iter().filter_map(|&i| nodes.get(i).copied()).collect();
+                // By the vertices: a pyramid of a file lacks the node in the middle of its base, its neighbour has it.
+                let mut key = [u32::MAX; VERTICES];
+                key.iter_mut().zip(own.iter().take(facet.element.shape.vertices())).for_each(|(k, n)| *k = *n);
                 key.sort_unstable();
                 if let Some(other) = open.remove(&key) {
                     found[other] = None;

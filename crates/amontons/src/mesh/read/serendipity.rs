@@ -1,5 +1,5 @@
-//! Cells without nodes in the middle of their faces and of the cell: quadrilaterals of 8, hexahedra of 20 and prisms of
-//! 15 nodes.
+//! Cells without nodes in the middle of their faces and of the cell: quadrilaterals of 8, hexahedra of 20, prisms
+//! of 15 and pyramids of 13 nodes.
 //!
 //! Their shape functions (Zienkiewicz and Taylor, The Finite Element Method, "serendipity" elements) are among those of
 //! the element with all nodes. So the body stays the same when the missing nodes are put where the functions have them:
@@ -19,8 +19,20 @@ pub(in crate::mesh) fn completed(shape: Shape, nodes: usize) -> Option<&'static 
         (Shape::Quadrilateral, 8) => Some(&element::Q2_QUADRILATERAL),
         (Shape::Hexahedron, 20) => Some(&element::Q2_HEXAHEDRON),
         (Shape::Prism, 15) => Some(&element::P2_PRISM),
+        (Shape::Pyramid, 13) => Some(&element::P2_PYRAMID),
         _ => None,
     }
+}
+
+/// The element of a type of cells of VTK, and how many of its nodes, the first ones, these cells have.
+pub(in crate::mesh) fn of_vtk(code: u8) -> Option<(&'static Element, usize)> {
+    let (shape, nodes) = match code {
+        23 => (Shape::Quadrilateral, 8),
+        25 => (Shape::Hexahedron, 20),
+        26 => (Shape::Prism, 15),
+        _ => return element::ALL.into_iter().find(|e| e.vtk == code).map(|e| (e, e.vtk_nodes())),
+    };
+    completed(shape, nodes).map(|element| (element, nodes))
 }
 
 /// Adds the nodes that the elements of the library have and the cells of the file have not.
