@@ -143,3 +143,64 @@ pub static P2_PYRAMID: Element = Element {
     // Gmsh goes through the edges by their first vertex: 01, 03, 04, 12, 14, 23, 24, 34.
     gmsh_nodes: &[0, 1, 2, 3, 4, 5, 8, 9, 6, 10, 7, 11, 12, 13],
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::ShapeTable;
+
+    /// ∫ N_i N_j and ∫ ∂N_i/∂x_c ∂N_j/∂x_c over the reference cell by a rule.
+    fn products(degree: usize) -> Vec<f64> {
+        let (table, n) = (ShapeTable::new(&P2_PYRAMID, degree), NODES.len());
+        let mut sums = vec![0.0; 4 * n * n];
+        for (q, weight) in table.weights.iter().enumerate() {
+            let (values, gradients) = (table.values(q), table.gradients(q));
+            for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+                sums[4 * (n * i + j)] += weight * values[i] * values[j];
+                (0..3).for_each(|c| sums[4 * (n * i + j) + c + 1] += weight * gradients[i][c] * gradients[j][c]);
+            }
+        }
+        sums
+    }
+
+    /// The rule that the forms take is exact, and none of a lower degree is.
+    #[test]
+    fn products_of_functions_and_gradients_are_integrated_exactly() {
+        let (exact, degree) = (products(12), 2 * P2_PYRAMID.gradient_degree);
+        let error = |degree| products(degree).iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        assert!(error(degree) < 1e-14, "{:e}", error(degree));
+        assert!(error(degree - 1) > 1e-4, "{:e}", error(degree - 1));
+    }
+
+    /// The functions of thirteen nodes as Bedrosian (1992) gives them, over the base [−1, 1]².
+    fn bedrosian([x, y, z]: Point) -> [f64; 13] {
+        let (a, b) = (2.0 * x - (1.0 - z), 2.0 * y - (1.0 - z));
+        let vertex = |p: f64, q: f64| {
+            let bilinear = (1.0 + p * a) * (1.0 + q * b) - z + p * q * a * b * z / (1.0 - z);
+            0.25 * (p * a + q * b - 1.0) * bilinear
+        };
+        let edge =
+            |along: f64, across: f64| (1.0 + along - z) * (1.0 - along - z) * (1.0 + across - z) / (2.0 * (1.0 - z));
+        let up = |p: f64, q: f64| z * (1.0 + p * a - z) * (1.0 + q * b - z) / (1.0 - z);
+        let corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
+        let [n1, n2, n3, n4] = corners.map(|(p, q)| vertex(p, q));
+        let [n10, n11, n12, n13] = corners.map(|(p, q)| up(p, q));
+        let apex = z * (2.0 * z - 1.0);
+        [n1, n2, n3, n4, apex, edge(a, -b), edge(b, a), edge(a, b), edge(b, -a), n10, n11, n12, n13]
+    }
+
+    /// With the centre of the base at −¼ Σ vertices + ½ Σ middles the fourteen functions are those of thirteen nodes: a
+    /// cell that lacks that node keeps its shape.
+    #[test]
+    fn thirteen_nodes_are_a_part_of_fourteen() {
+        for (x, _) in crate::quadrature::rule(Shape::Pyramid, 6).iter() {
+            let mut values = [0.0; 14];
+            (P2_PYRAMID.shape_functions)(x, &mut values);
+            for (i, expected) in bedrosian(*x).into_iter().enumerate() {
+                let share = if i < 4 { -0.25 } else { 0.5 * f64::from(u8::from((5..9).contains(&i))) };
+                let found = values[i] + share * values[13];
+                assert!((found - expected).abs() < 1e-15, "N_{i} at {x:?}: {found} and {expected}");
+            }
+        }
+    }
+}
