@@ -205,6 +205,33 @@ mod tests {
         Ok(())
     }
 
+    /// A pyramid on a cube, and alone, with and without the node in the middle of its base: volumes 4/3 and 1/3.
+    #[test]
+    fn the_base_of_a_pyramid_is_a_facet_of_its_neighbour() -> Outcome {
+        let mut mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2)?;
+        let cube = mesh.blocks[0].nodes.clone();
+        let base: Vec<u32> = mesh.blocks[0].element.facets[1].nodes.iter().map(|&i| cube[i]).collect();
+        let first = mesh.points.len() as u32;
+        mesh.points.push([0.5, 0.5, 2.0]);
+        for &corner in &base[..4] {
+            let [x, y, z] = mesh.points[corner as usize];
+            mesh.points.push([0.5 * (x + 0.5), 0.5 * (y + 0.5), 0.5 * (z + 2.0)]);
+        }
+        let up: Vec<u32> = (first + 1..first + 5).collect();
+        let pyramid = [&base[..4], &[first], &base[4..8], &up, &base[8..]].concat();
+        for nodes in [13, 14] {
+            let alone = (27, &pyramid[..nodes]);
+            for (cells, volume) in [(vec![(29, cube.as_slice()), alone], 4.0 / 3.0), (vec![alone], 1.0 / 3.0)] {
+                let surface = Skin::new(mesh.points.clone(), cells)?;
+                let flux = |t: &[u32; 3]| dot(surface.points[t[0] as usize], surface.across(t)) / 6.0;
+                let found: f64 = surface.triangles.iter().map(flux).sum();
+                assert!((found - volume).abs() < 1e-14, "{nodes} nodes: {found} instead of {volume}");
+                assert!(surface.edges.iter().all(|e| e.facets[0] != e.facets[1]), "a closed surface has no rim");
+            }
+        }
+        Ok(())
+    }
+
     /// The edges of a box are its outline, of length 4 (1 + 2 + 3); a second region adds the line around between both.
     #[test]
     fn the_outline_of_a_box_are_its_edges() -> Outcome {
