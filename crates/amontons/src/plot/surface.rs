@@ -35,8 +35,8 @@ pub(super) struct Edge {
 }
 
 impl Skin {
-    /// The surface of cells given by their VTK type and their nodes in the order of VTK: those of the element, or of the
-    /// cells of VTK where these have fewer.
+    /// The surface of cells given by their VTK type and their nodes in the order of VTK: those of the element, or of
+    /// the cells of VTK where these have fewer.
     ///
     /// # Errors
     /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a

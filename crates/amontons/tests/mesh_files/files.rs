@@ -108,8 +108,8 @@ fn prisms_and_hexahedra_of_first_and_second_order() {
     );
 }
 
-/// The bases of the pyramids lie on a part of a cylinder. Without the nodes in the middle of faces and cells the body is
-/// the same.
+/// The bases of the pyramids lie on a part of a cylinder. Without the nodes in the middle of faces and cells the body
+/// is the same.
 #[test]
 fn pyramids_between_hexahedra_and_tetrahedra() {
     for name in ["blocks_pyramids.msh", "blocks_pyramids_incomplete.msh"] {

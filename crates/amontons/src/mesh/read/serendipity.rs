@@ -1,10 +1,10 @@
 //! Cells without nodes in the middle of their faces and of the cell: quadrilaterals of 8, hexahedra of 20, prisms
 //! of 15 and pyramids of 13 nodes.
 //!
-//! Their shape functions (Zienkiewicz and Taylor, The Finite Element Method, "serendipity" elements) are among those of
-//! the element with all nodes. So the body stays the same when the missing nodes are put where the functions have them:
-//! in the middle of a quadrilateral face at −¼ Σ vertices + ½ Σ middles, in that of a hexahedron at −¼ Σ + ¼ Σ. On a face
-//! in common with a cell that has all nodes there is that of this cell.
+//! Their shape functions (Zienkiewicz and Taylor, The Finite Element Method, "serendipity" elements; of pyramids
+//! Bedrosian, 1992) are among those of the element with all nodes. So the body stays the same when the missing nodes
+//! are put where the functions have them: in the middle of a quadrilateral face at −¼ Σ vertices + ½ Σ middles, in that
+//! of a hexahedron at −¼ Σ + ¼ Σ. A face in common with a cell that has all nodes takes the node of that cell.
 
 use std::collections::HashMap;
 
