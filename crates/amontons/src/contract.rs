@@ -37,7 +37,8 @@ fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
 }
 
 /// Shape functions are one at their node, zero at the others, sum to one and have the gradients they
-/// claim; facets have the nodes of their element and close the cell.
+/// claim; facets have the nodes of their element and close the cell, and on a facet the functions are those of its
+/// element.
 ///
 /// # Panics
 /// When the element breaks the contract.
@@ -71,6 +72,7 @@ pub fn assert_element(element: &'static Element) {
         }
     }
     assert_facets(element);
+    assert_traces(element);
     let mut listed = element.gmsh_nodes.to_vec();
     listed.sort_unstable();
     assert!(
@@ -135,6 +137,28 @@ fn assert_facets(element: &'static Element) {
     }
     let volume = if element.dim() > 0 { element.shape.measure() * element.dim() as f64 } else { 0.0 };
     near(flux, volume, 1e-14, &format!("{}: ∫ x·ν over the facets", element.name));
+}
+
+/// On a facet the functions of its nodes are those of its element, and the others vanish: cells that meet there have
+/// the same values.
+fn assert_traces(element: &'static Element) {
+    let n = element.nodes.len();
+    for facet in element.facets {
+        let of_facet = facet.element.nodes.len();
+        for (at, _) in rule(facet.element.shape, 4).iter() {
+            let (mut expected, mut found, mut own) = ([0.0; MAX_NODES], [0.0; MAX_NODES], [0.0; MAX_NODES]);
+            (facet.element.shape_functions)(at, &mut own[..of_facet]);
+            let mut x = [0.0; 3];
+            for (&node, value) in facet.nodes.iter().zip(own) {
+                expected[node] = value;
+                (0..3).for_each(|d| x[d] += value * element.nodes[node][d]);
+            }
+            (element.shape_functions)(&x, &mut found[..n]);
+            for (i, (found, expected)) in found.iter().zip(expected).enumerate().take(n) {
+                near(*found, expected, 1e-14, &format!("{}: N_{i} on the facet {:?}", element.name, facet.nodes));
+            }
+        }
+    }
 }
 
 /// (H1), (H2): zero at zero, the tangent is the derivative, the value that of the potential (and the tangent symmetric)

@@ -47,42 +47,92 @@ fn largest(values: impl Iterator<Item = f64>) -> f64 {
 
 /// A linear displacement on the boundary gives that displacement inside, its constant stress, and no force at inner
 /// nodes.
+fn assert_patch(what: &str, mesh: &Mesh, volume: f64) {
+    let gradient = [[0.3, -0.2, 0.15], [0.1, 0.5, -0.05], [-0.25, 0.2, -0.4]];
+    let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(mesh)));
+    let u: Vec<f64> =
+        mesh.points.iter().flat_map(|p| (0..dim).map(|c| 0.7 + dot(&gradient[c], p)).collect::<Vec<_>>()).collect();
+    let law = Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain);
+    let a = forms::a(mesh, &graph, &[&law]);
+    let (boundary, force) = (on_boundary(mesh), a.apply(&u));
+    let inside = || (0..u.len()).filter(|i| !boundary[i / dim]);
+    assert!(largest(inside().map(|i| force[i])) < 1e-13, "{what}: forces at inner nodes");
+    // Virtual work of the constant stress: ∫ σ:ε = |Ω| σ:ε.
+    let strain = Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
+    let work: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
+    assert!((work - volume * law.map_dot(&strain)).abs() < 1e-13, "{what}: work {work}");
+
+    let free: Vec<bool> = (0..u.len()).map(|i| !boundary[i / dim]).collect();
+    let found = solve(mesh, &a, &vec![0.0; u.len()], &u, &free);
+    assert!(largest((0..u.len()).map(|i| found[i] - u[i])) < 1e-13, "{what}: the displacement is not reproduced");
+
+    // Heat: the same with a constant flux.
+    let theta: Vec<f64> = mesh.points.iter().map(|p| 1.0 + 2.0 * p[0] - 3.0 * p[1] + 0.5 * p[2]).collect();
+    let d = forms::d(mesh, &graph, &[&Sym::identity(dim)]);
+    let free: Vec<bool> = boundary.iter().map(|b| !b).collect();
+    let found = solve(mesh, &d, &vec![0.0; theta.len()], &theta, &free);
+    assert!(
+        largest((0..theta.len()).map(|i| found[i] - theta[i])) < 1e-13,
+        "{what}: the temperature is not reproduced"
+    );
+}
+
 #[test]
 fn patch_tests() {
-    let gradient = [[0.3, -0.2, 0.15], [0.1, 0.5, -0.05], [-0.25, 0.2, -0.4]];
     for element in cells() {
-        let mesh = distorted(element, 3, 0.2);
-        let (dim, graph) = (mesh.dim, Arc::new(Graph::of_mesh(&mesh)));
-        let u: Vec<f64> =
-            mesh.points.iter().flat_map(|p| (0..dim).map(|c| 0.7 + dot(&gradient[c], p)).collect::<Vec<_>>()).collect();
-        let law = Isotropic::elastic(dim, 2.0, 0.3, StressState::PlaneStrain);
-        let a = forms::a(&mesh, &graph, &[&law]);
-        let (boundary, force) = (on_boundary(&mesh), a.apply(&u));
-        let inside = || (0..u.len()).filter(|i| !boundary[i / dim]);
-        assert!(largest(inside().map(|i| force[i])) < 1e-13, "{}: forces at inner nodes", element.name);
-        // Virtual work of the constant stress: ∫ σ:ε = |Ω| σ:ε.
-        let strain = Sym::from_fn(dim, |i, j| 0.5 * (gradient[i][j] + gradient[j][i]));
-        let work: f64 = u.iter().zip(&force).map(|(u, f)| u * f).sum();
-        assert!((work - law.map_dot(&strain)).abs() < 1e-13, "{}: work {work}", element.name);
+        assert_patch(element.name, &distorted(element, 3, 0.2), 1.0);
+    }
+    assert_patch("mixed cells", &mixed(), MIXED);
+}
 
-        let free: Vec<bool> = (0..u.len()).map(|i| !boundary[i / dim]).collect();
-        let found = solve(&mesh, &a, &vec![0.0; u.len()], &u, &free);
-        assert!(
-            largest((0..u.len()).map(|i| found[i] - u[i])) < 1e-13,
-            "{}: the displacement is not reproduced",
-            element.name
-        );
+/// Volume of the mixed mesh, a box.
+const MIXED: f64 = 1.0 * 0.8 * 1.1;
 
-        // Heat: the same with a constant flux.
-        let theta: Vec<f64> = mesh.points.iter().map(|p| 1.0 + 2.0 * p[0] - 3.0 * p[1] + 0.5 * p[2]).collect();
-        let d = forms::d(&mesh, &graph, &[&Sym::identity(dim)]);
-        let free: Vec<bool> = boundary.iter().map(|b| !b).collect();
-        let found = solve(&mesh, &d, &vec![0.0; theta.len()], &theta, &free);
-        assert!(
-            largest((0..theta.len()).map(|i| found[i] - theta[i])) < 1e-13,
-            "{}: the temperature is not reproduced",
-            element.name
-        );
+/// Hexahedra below and tetrahedra above with pyramids between them, with straight edges.
+fn mixed() -> Mesh {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/meshes/blocks_pyramids.msh");
+    let mut mesh = amontons::mesh::read(&path).expect("a mesh");
+    assert_eq!(mesh.blocks.iter().filter(|block| block.element.name == "P2 pyramid").count(), 1);
+    let curved = mesh.points.clone();
+    for block in &mesh.blocks {
+        let linear = Element::find(block.element.shape, 1).expect("a linear element");
+        let table = ShapeTable::at(linear, block.element.nodes);
+        for cell in block.cells() {
+            for (q, &node) in cell.iter().enumerate() {
+                let shares = || cell.iter().zip(table.values(q));
+                mesh.points[node as usize] =
+                    std::array::from_fn(|d| shares().map(|(&n, v)| curved[n as usize][d] * v).sum());
+            }
+        }
+    }
+    mesh.check().expect("positive cells");
+    mesh
+}
+
+/// Quadratic functions are among those of quadratic cells with straight edges, which have the volume of the body.
+#[test]
+fn quadratic_functions_are_reproduced() {
+    let f = |[x, y, z]: &Point| {
+        let value = 1.0 + x * x - 2.0 * y * y + 0.5 * z * z + x * y - 3.0 * y * z + 2.0 * z * x - x + y;
+        (value, [2.0 * x + y + 2.0 * z - 1.0, -4.0 * y + x - 3.0 * z + 1.0, z - 3.0 * y + 2.0 * x])
+    };
+    for (mesh, volume) in [(distorted(&element::P2_PYRAMID, 3, 0.2), 1.0), (mixed(), MIXED)] {
+        let values: Vec<f64> = mesh.points.iter().map(|p| f(p).0).collect();
+        let [l2, h1] = errors(&mesh, &values, f);
+        assert!(l2 < 1e-14 && h1 < 1e-13, "{l2:e} {h1:e}");
+        let [size, _] = errors(&mesh, &vec![0.0; values.len()], |_| (1.0, [0.0; 3]));
+        assert!((size * size - volume).abs() < 1e-13, "{}", size * size);
+    }
+}
+
+/// Pyramids that are refined, into pyramids and tetrahedra, converge as other quadratic cells do.
+#[test]
+fn orders_on_refined_pyramids() {
+    for mesh in [unit(&element::P2_PYRAMID, 1), mixed()] {
+        let coarse = mesh.refined().expect("a mesh");
+        let fine = coarse.refined().expect("a mesh");
+        let [coarse, fine] = [&coarse, &fine].map(heat_error);
+        assert_orders("refined pyramids", 2, coarse, fine);
     }
 }
 
@@ -196,7 +246,7 @@ fn heat_error(mesh: &Mesh) -> [f64; 2] {
 }
 
 /// Meshes of the solved problems: an element with the numbers of cells a side.
-fn solved() -> [(&'static Element, [usize; 2]); 8] {
+fn solved() -> [(&'static Element, [usize; 2]); 9] {
     [
         (&element::P2_SEGMENT, [8, 16]),
         (&element::P1_TRIANGLE, [16, 32]),
@@ -206,6 +256,7 @@ fn solved() -> [(&'static Element, [usize; 2]); 8] {
         (&element::P1_TETRAHEDRON, [8, 16]),
         (&element::P2_TETRAHEDRON, [3, 6]),
         (&element::Q1_HEXAHEDRON, [6, 12]),
+        (&element::P2_PYRAMID, [3, 6]),
     ]
 }
 

@@ -99,7 +99,7 @@ class Cells(NamedTuple):
     element: str
     """Name of the element."""
     vtk: int
-    """Its cell type in VTK."""
+    """Its cell type in VTK; a quadratic pyramid of VTK, type 27, has the first 13 of the 14 nodes."""
     region: str
     """Name of the region."""
     nodes: np.ndarray
@@ -252,8 +252,10 @@ class Result:
         pv = package("pyvista", "to_pyvista()", "pyvista")
         chosen, cells, types = self._chosen(snapshot), [], []
         for block in self.mesh.cells:
-            count, size = block.nodes.shape
-            cells.append(np.hstack([np.full((count, 1), size, dtype=np.int64), block.nodes]).ravel())
+            # A quadratic pyramid of VTK has no node in the middle of its base, the last one here.
+            nodes = block.nodes[:, :13] if block.vtk == 27 else block.nodes
+            count, size = nodes.shape
+            cells.append(np.hstack([np.full((count, 1), size, dtype=np.int64), nodes]).ravel())
             types.append(np.full(count, block.vtk, dtype=np.uint8))
         grid = pv.UnstructuredGrid(np.concatenate(cells), np.concatenate(types), np.array(self.mesh.points))
         for name, values in chosen.fields.items():

@@ -5,7 +5,7 @@
 //! | segments | [`P1_SEGMENT`], [`P2_SEGMENT`], their ends [`POINT_LEFT`], [`POINT_RIGHT`] |
 //! | triangles, tetrahedra | [`P1_TRIANGLE`], [`P2_TRIANGLE`], [`P1_TETRAHEDRON`], [`P2_TETRAHEDRON`] |
 //! | quadrilaterals, hexahedra | [`Q1_QUADRILATERAL`], [`Q2_QUADRILATERAL`], [`Q1_HEXAHEDRON`], [`Q2_HEXAHEDRON`] |
-//! | prisms, pyramids | [`P1_PRISM`], [`P2_PRISM`], [`P1_PYRAMID`] |
+//! | prisms, pyramids | [`P1_PRISM`], [`P2_PRISM`], [`P1_PYRAMID`], [`P2_PYRAMID`] |
 //!
 //! Nodes are numbered as in the VTK file formats: vertices, then middles of edges, of faces, of the cell.
 
@@ -21,7 +21,7 @@ mod triangle;
 
 pub use hexahedron::{Q1_HEXAHEDRON, Q2_HEXAHEDRON};
 pub use prism::{P1_PRISM, P2_PRISM};
-pub use pyramid::P1_PYRAMID;
+pub use pyramid::{P1_PYRAMID, P2_PYRAMID};
 pub use quadrilateral::{Q1_QUADRILATERAL, Q2_QUADRILATERAL};
 pub use segment::{P1_SEGMENT, P2_SEGMENT, POINT_LEFT, POINT_RIGHT};
 pub use table::ShapeTable;
@@ -71,6 +71,9 @@ pub struct Facet {
     pub nodes: &'static [usize],
 }
 
+/// VTK's type of a pyramid with nodes in the middle of its edges.
+const QUADRATIC_PYRAMID: u8 = 27;
+
 /// Most nodes that an element has.
 pub const MAX_NODES: usize = 27;
 
@@ -88,6 +91,13 @@ impl Element {
         matches!(self.shape, Shape::Segment | Shape::Triangle | Shape::Tetrahedron)
     }
 
+    /// How many of the nodes, the first ones, a cell of the type [`Element::vtk`] has: all but the last one of the
+    /// quadratic pyramid, as VTK has quadratic pyramids of 13 and of 19 nodes.
+    #[must_use]
+    pub fn vtk_nodes(&self) -> usize {
+        if self.vtk == QUADRATIC_PYRAMID { 13 } else { self.nodes.len() }
+    }
+
     /// The mean of the vertices of the reference cell.
     #[must_use]
     pub fn centre(&self) -> Point {
@@ -103,7 +113,7 @@ impl Element {
 }
 
 /// Every element of the library.
-pub static ALL: [&Element; 15] = [
+pub static ALL: [&Element; 16] = [
     &POINT_LEFT,
     &POINT_RIGHT,
     &P1_SEGMENT,
@@ -119,4 +129,5 @@ pub static ALL: [&Element; 15] = [
     &P1_PRISM,
     &P2_PRISM,
     &P1_PYRAMID,
+    &P2_PYRAMID,
 ];

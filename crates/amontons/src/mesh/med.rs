@@ -3,41 +3,42 @@
 //! Groups of cells of dimension d become regions, those of dimension d − 1 sides, those of edges named edges. Groups of
 //! nodes that hold facets of the boundary are sides, the others edges or points. A cell of no group is in no region, as
 //! in a file of Gmsh. Read are the files of versions 2.2 to 4 with one mesh, of which the first step counts. MED
-//! numbers the nodes of a cell as VTK does, but for its orientation.
+//! numbers the nodes of a cell as VTK does, but for its orientation and the faces of a hexahedron of 27 nodes.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use hdf5_pure::{AttrValue, Dataset, File, Group};
 
 use super::Mesh;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, completed};
-use crate::element;
-use crate::quadrature::Shape;
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, NodeSet, of_vtk};
 use crate::tensor::Point;
 
 /// Length of the name of a group.
 const NAME: usize = 80;
-/// The types of cells: name in the file, dimension, nodes, type of VTK; 0 for those that the library has not.
+/// The types of cells: name in the file, dimension, nodes, type of VTK.
 const TYPES: [(&str, usize, usize, u8); 18] = [
     ("PO1", 0, 1, 1),
     ("SE2", 1, 2, 3),
     ("SE3", 1, 3, 21),
     ("TR3", 2, 3, 5),
     ("TR6", 2, 6, 22),
-    ("TR7", 2, 7, 0),
     ("QU4", 2, 4, 9),
     ("QU8", 2, 8, 23),
     ("QU9", 2, 9, 28),
     ("TE4", 3, 4, 10),
     ("T10", 3, 10, 24),
     ("PY5", 3, 5, 14),
-    ("P13", 3, 13, 0),
+    ("P13", 3, 13, 27),
     ("PE6", 3, 6, 13),
     ("P15", 3, 15, 26),
-    ("P18", 3, 18, 0),
+    ("P18", 3, 18, 32),
     ("HE8", 3, 8, 12),
     ("H20", 3, 20, 25),
+    ("H27", 3, 27, 29),
 ];
+/// The places in MED of the middles of a hexahedron's faces in the order of VTK, −x, +x, −y, +y, −z, +z: MED begins
+/// below, goes around and ends above.
+const FACES: [usize; 6] = [24, 22, 21, 23, 20, 25];
 
 fn refuse(message: impl Into<String>) -> MeshFileError {
     MeshFileError::Grid { message: message.into() }
@@ -177,10 +178,11 @@ impl Reading {
     /// The cells of one type.
     fn cells(&mut self, group: &Group, code: &str, families: &Families) -> Result<(), MeshFileError> {
         let Some(&(name, dim, nodes, vtk)) = TYPES.iter().find(|(name, ..)| *name == code) else {
-            let known: Vec<&str> = TYPES.iter().filter(|(.., vtk)| *vtk != 0).map(|(name, ..)| *name).collect();
-            return Err(refuse(format!("cells of type {code}, expected one of {}", known.join(", "))));
+            let known: Vec<&str> = TYPES.iter().map(|(name, ..)| *name).collect();
+            let hint = if code == "TR7" { "; save triangles with a node in the middle as TR6, without it" } else { "" };
+            return Err(refuse(format!("cells of type {code}, expected one of {}{hint}", known.join(", "))));
         };
-        let kind = Kind { name, dim, nodes, element: element_of(vtk) };
+        let kind = Kind { name, dim, nodes, element: of_vtk(vtk).map(|(element, _)| element) };
         let listed = integers(&group.dataset("NOD").map_err(told("NOD"))?, "NOD")?;
         let count = listed.len() / nodes;
         if count * nodes != listed.len() {
@@ -196,7 +198,7 @@ impl Reading {
             };
             index.insert(family, block);
             for local in 0..nodes {
-                let node = self.node(listed[local * count + cell], cell, code)?;
+                let node = self.node(listed[place(nodes, local) * count + cell], cell, code)?;
                 self.blocks[block].nodes.push(node);
             }
         }
@@ -244,12 +246,8 @@ fn integers(data: &Dataset, what: &str) -> Result<Vec<i64>, MeshFileError> {
     data.read_i64().map_err(told(what))
 }
 
-fn element_of(vtk: u8) -> Option<&'static element::Element> {
-    match vtk {
-        0 => None,
-        23 => completed(Shape::Quadrilateral, 8),
-        25 => completed(Shape::Hexahedron, 20),
-        26 => completed(Shape::Prism, 15),
-        _ => element::ALL.iter().copied().find(|element| element.vtk == vtk),
-    }
+/// The place in MED of a node of a cell with so many.
+fn place(nodes: usize, local: usize) -> usize {
+    let of_face = local.checked_sub(20).filter(|_| nodes == 27).and_then(|face| FACES.get(face));
+    of_face.copied().unwrap_or(local)
 }

@@ -193,6 +193,12 @@ impl Block {
     pub fn cells(&self) -> impl Iterator<Item = &[u32]> {
         self.nodes.chunks_exact(self.element.nodes.len())
     }
+
+    /// Nodes of each cell as far as VTK lists them, see [`Element::vtk_nodes`].
+    pub(crate) fn vtk_cells(&self) -> impl Iterator<Item = &[u32]> {
+        let listed = self.element.vtk_nodes();
+        self.cells().map(move |cell| cell.get(..listed).unwrap_or(cell))
+    }
 }
 
 /// A mesh of a body in d dimensions.

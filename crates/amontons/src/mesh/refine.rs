@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::{Block, FacetSet, Mesh, MeshError};
-use crate::element::{Element, P1_PYRAMID, P1_TETRAHEDRON};
+use crate::element::{Element, P1_TETRAHEDRON, P2_TETRAHEDRON};
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot};
 
@@ -67,12 +67,12 @@ fn push(blocks: &mut Vec<Block>, element: &'static Element, region: usize, nodes
     }
 }
 
-/// The element of a part with this shape.
+/// The element of a part with this shape: of other shapes are only the tetrahedra in a pyramid.
 fn element_of(parent: &'static Element, shape: Shape) -> &'static Element {
     if shape == parent.shape {
         parent
-    } else if shape == Shape::Pyramid {
-        &P1_PYRAMID
+    } else if parent.degree == 2 {
+        &P2_TETRAHEDRON
     } else {
         &P1_TETRAHEDRON
     }

@@ -7,10 +7,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::data::Values;
-use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, completed};
+use super::read::{FilePosition, Kind, Loose, LooseBlock, MeshFileError, complete_data, of_vtk};
 use super::{Block, Mesh};
 use crate::element;
-use crate::quadrature::Shape;
 use crate::tensor::Point;
 use crate::vtu::{self, Array, Grid};
 
@@ -49,22 +48,27 @@ pub(super) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec<Block>, 
         let found = format!("the data \"{name}\" have {components} components and {} numbers", values.len());
         return Err(refuse(format!("{found}, expected one number for each of the {expected} {what}")));
     }
-    let mut blocks: Vec<Block> = Vec::new();
+    let mut blocks: Vec<LooseBlock> = Vec::new();
     let mut by_cell: Vec<Vec<f64>> = Vec::new();
     for (cell, nodes) in grid.cells().enumerate().filter(|&(cell, _)| kinds[cell].dim == dim && dim > 0) {
-        let Some(element) = kinds[cell].element.filter(|element| element.nodes.len() == nodes.len()) else {
+        let kind = kinds[cell];
+        if nodes.len() != kind.nodes {
             return Err(refuse(format!("cell {cell} has {} nodes, expected those of its type", nodes.len())));
-        };
-        let block = blocks.iter().position(|block| std::ptr::eq(block.element, element)).unwrap_or_else(|| {
-            blocks.push(Block { element, region: 0, nodes: Vec::new() });
+        }
+        let same = |block: &LooseBlock| (block.kind.name, block.kind.nodes) == (kind.name, kind.nodes);
+        let block = blocks.iter().position(same).unwrap_or_else(|| {
+            let groups = BTreeSet::new();
+            blocks.push(LooseBlock { kind, groups, at: cell, nodes: Vec::new(), numbers: Vec::new() });
             by_cell.push(Vec::new());
             blocks.len() - 1
         });
         blocks[block].nodes.extend_from_slice(nodes);
         by_cell[block].push(if is_of_cells { values[cell] } else { 0.0 });
     }
-    let values = if is_of_cells { Values::Cells(by_cell) } else { Values::Nodes(values) };
-    Ok((grid.points, blocks, values))
+    let (mut points, mut of_nodes) = (grid.points, if is_of_cells { Vec::new() } else { values });
+    let blocks = complete_data(&mut points, &mut of_nodes, blocks);
+    let values = if is_of_cells { Values::Cells(by_cell) } else { Values::Nodes(of_nodes) };
+    Ok((points, blocks, values))
 }
 
 fn loose(grid: Grid) -> Result<Loose, MeshFileError> {
@@ -114,20 +118,11 @@ fn kind(cell: usize, code: u8) -> Result<Kind, MeshFileError> {
             element: element::ALL.iter().copied().find(|e| e.vtk == 1),
         });
     }
-    let incomplete = match code {
-        23 => completed(Shape::Quadrilateral, 8).map(|element| (element, 8)),
-        25 => completed(Shape::Hexahedron, 20).map(|element| (element, 20)),
-        26 => completed(Shape::Prism, 15).map(|element| (element, 15)),
-        _ => None,
-    };
-    if let Some((element, nodes)) = incomplete {
-        return Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) });
-    }
-    let element = element::ALL.iter().copied().find(|e| e.vtk == code).ok_or_else(|| {
+    let (element, nodes) = of_vtk(code).ok_or_else(|| {
         let known: Vec<String> = element::ALL.iter().map(|e| format!("{} ({})", e.vtk, e.name)).collect();
         MeshFileError::Element { at: FilePosition::Cell(cell), found: format!("VTK {code}"), known: known.join(", ") }
     })?;
-    Ok(Kind { name: element.name, dim: element.dim(), nodes: element.nodes.len(), element: Some(element) })
+    Ok(Kind { name: element.name, dim: element.dim(), nodes, element: Some(element) })
 }
 
 /// The first of some cell data, as integers.

@@ -112,7 +112,7 @@ pub(super) fn write_grid(path: &Path, grid: &Grid) -> Result<Written, OutputErro
 fn connectivity(problem: &Problem) -> Cells {
     let mut cells = Cells { connectivity: Vec::new(), ends: Vec::new(), types: Vec::new() };
     for block in &problem.mesh.blocks {
-        for cell in block.cells() {
+        for cell in block.vtk_cells() {
             cells.connectivity.extend(cell.iter().map(|&node| i64::from(node)));
             cells.ends.push(cells.connectivity.len() as i64);
         }

@@ -12,6 +12,7 @@ pub(super) fn pieces(nodes: usize) -> Option<(&'static [usize], &'static [[usize
         3 => Some((&[0, 1, 2], &[[0, 1, 2]])),
         4 => Some((&[0, 1, 2, 3], &[[0, 1, 2], [0, 2, 3]])),
         6 => Some((&[0, 3, 1, 4, 2, 5], &[[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]])),
+        8 => Some((&[0, 4, 1, 5, 2, 6, 3, 7], &[[0, 4, 7], [4, 1, 5], [5, 2, 6], [6, 3, 7], [4, 5, 6], [4, 6, 7]])),
         9 => Some((
             &[0, 4, 1, 5, 2, 6, 3, 7],
             &[[8, 0, 4], [8, 4, 1], [8, 1, 5], [8, 5, 2], [8, 2, 6], [8, 6, 3], [8, 3, 7], [8, 7, 0]],
@@ -57,7 +58,7 @@ impl Body {
         let mut order = Vec::new();
         for (c, cell) in cells.into_iter().enumerate() {
             let Some((outline, parts)) = pieces(cell.len()) else {
-                return Err(PlotError::Data(format!("cell {c} has {} nodes, expected 3, 4, 6 or 9", cell.len())));
+                return Err(PlotError::Data(format!("cell {c} has {} nodes, expected 3, 4, 6, 8 or 9", cell.len())));
             };
             if let Some(node) = cell.iter().find(|&&n| n as usize >= body.points.len()) {
                 return Err(PlotError::Data(format!(

@@ -7,15 +7,15 @@ use super::body;
 use crate::element;
 use crate::mesh::Mesh;
 
-/// Most nodes of a facet.
-const FACET_NODES: usize = 9;
+/// Most vertices of a facet.
+const VERTICES: usize = 4;
 
 /// The surface of a body in space.
 #[derive(Clone, Debug)]
 pub struct Skin {
     /// All nodes of the body, m.
     pub(super) points: Vec<[f64; 3]>,
-    /// Triangles with their outward side in front; a quadratic facet gives four or eight.
+    /// Triangles with their outward side in front; a quadratic facet gives four, six or eight.
     pub(super) triangles: Vec<[u32; 3]>,
     /// The cell of each triangle.
     pub(super) owners: Vec<u32>,
@@ -35,7 +35,8 @@ pub(super) struct Edge {
 }
 
 impl Skin {
-    /// The surface of cells given by their VTK type and their nodes in the order of VTK.
+    /// The surface of cells given by their VTK type and their nodes in the order of VTK: those of the element, or of
+    /// the cells of VTK where these have fewer.
     ///
     /// # Errors
     /// [`PlotError::Data`] when a cell is not one of [`element::ALL`] in space or has a node that does not exist, or a
@@ -48,14 +49,14 @@ impl Skin {
             Skin { points, triangles: Vec::new(), owners: Vec::new(), facets: Vec::new(), edges: Vec::new(), cells: 0 };
         // In the order in which the facets came, so that a picture depends on the mesh only.
         let mut found: Vec<Option<(Vec<u32>, u32)>> = Vec::new();
-        let mut open: HashMap<[u32; FACET_NODES], usize> = HashMap::new();
+        let mut open: HashMap<[u32; VERTICES], usize> = HashMap::new();
         for (c, (kind, nodes)) in cells.into_iter().enumerate() {
             let Some(element) = element::ALL.iter().find(|e| e.vtk == kind && e.dim() == 3) else {
                 return Err(PlotError::Data(format!(
                     "cell {c} has the VTK type {kind}, expected one of a body in space"
                 )));
             };
-            if nodes.len() != element.nodes.len() {
+            if ![element.nodes.len(), element.vtk_nodes()].contains(&nodes.len()) {
                 return Err(PlotError::Data(format!(
                     "cell {c} has {} nodes, expected {}",
                     nodes.len(),
@@ -69,9 +70,10 @@ impl Skin {
                 )));
             }
             for facet in element.facets {
-                let own: Vec<u32> = facet.nodes.iter().map(|&i| nodes[i]).collect();
-                let mut key = [u32::MAX; FACET_NODES];
-                key.iter_mut().zip(&own).for_each(|(k, n)| *k = *n);
+                let own: Vec<u32> = facet.nodes.iter().filter_map(|&i| nodes.get(i).copied()).collect();
+                // By the vertices: a pyramid of a file lacks the node in the middle of its base, its neighbour has it.
+                let mut key = [u32::MAX; VERTICES];
+                key.iter_mut().zip(own.iter().take(facet.element.shape.vertices())).for_each(|(k, n)| *k = *n);
                 key.sort_unstable();
                 if let Some(other) = open.remove(&key) {
                     found[other] = None;
@@ -199,6 +201,33 @@ mod tests {
             assert!((surface.areas().iter().sum::<f64>() - 22.0).abs() < 1e-12, "{elements:?}");
             // Euler: V − E + F = 2 of the nodes, edges and triangles of a closed surface; here by its facets' outlines.
             assert!(surface.edges.iter().all(|e| e.facets[0] != e.facets[1]), "a closed surface has no rim");
+        }
+        Ok(())
+    }
+
+    /// A pyramid on a cube, and alone, with and without the node in the middle of its base: volumes 4/3 and 1/3.
+    #[test]
+    fn the_base_of_a_pyramid_is_a_facet_of_its_neighbour() -> Outcome {
+        let mut mesh = Mesh::box_([1.0; 3], [1; 3], Elements::Q2)?;
+        let cube = mesh.blocks[0].nodes.clone();
+        let base: Vec<u32> = mesh.blocks[0].element.facets[1].nodes.iter().map(|&i| cube[i]).collect();
+        let first = mesh.points.len() as u32;
+        mesh.points.push([0.5, 0.5, 2.0]);
+        for &corner in &base[..4] {
+            let [x, y, z] = mesh.points[corner as usize];
+            mesh.points.push([0.5 * (x + 0.5), 0.5 * (y + 0.5), 0.5 * (z + 2.0)]);
+        }
+        let up: Vec<u32> = (first + 1..first + 5).collect();
+        let pyramid = [&base[..4], &[first], &base[4..8], &up, &base[8..]].concat();
+        for nodes in [13, 14] {
+            let alone = (27, &pyramid[..nodes]);
+            for (cells, volume) in [(vec![(29, cube.as_slice()), alone], 4.0 / 3.0), (vec![alone], 1.0 / 3.0)] {
+                let surface = Skin::new(mesh.points.clone(), cells)?;
+                let flux = |t: &[u32; 3]| dot(surface.points[t[0] as usize], surface.across(t)) / 6.0;
+                let found: f64 = surface.triangles.iter().map(flux).sum();
+                assert!((found - volume).abs() < 1e-14, "{nodes} nodes: {found} instead of {volume}");
+                assert!(surface.edges.iter().all(|e| e.facets[0] != e.facets[1]), "a closed surface has no rim");
+            }
         }
         Ok(())
     }

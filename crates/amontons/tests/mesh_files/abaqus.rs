@@ -293,6 +293,10 @@ fn every_fault_is_told_with_its_line() {
             "line 6: found node 4, expected the tag of one of the 3 nodes of the file",
         ),
         (
+            format!("{nodes}*ELEMENT, TYPE=C3D13\n1,1,2,3\n"),
+            "line 5: found element type C3D13, expected one of bodies of 2 or 3 nodes on a line, 3, 4, 6 or 8 in the plane, 4, 5, 6, 8, 10, 15 or 20 in space; try elements of the first order",
+        ),
+        (
             format!("{nodes}*ELEMENT, TYPE=C3D27\n1,1,2,3\n"),
             "line 5: found element type C3D27, expected one of bodies of 2 or 3 nodes on a line, 3, 4, 6 or 8 in the plane, 4, 5, 6, 8, 10, 15 or 20 in space; try elements of the first order",
         ),

@@ -3,6 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
+use amontons::element::{Element, ShapeTable};
 use amontons::mesh::{self, Mesh, defects};
 
 use super::{assert_same, region, side};
@@ -105,6 +106,60 @@ fn prisms_and_hexahedra_of_first_and_second_order() {
         &[("body", 22, area, 0.833_255_930_044_8)],
         &[("bottom", 11, area, 0.833_255_930_044_8), ("round", 6, 1.570_675_936_297, 0.999_846_190_363_5)],
     );
+}
+
+/// The bases of the pyramids lie on a part of a cylinder. Without the nodes in the middle of faces and cells the body
+/// is the same.
+#[test]
+fn pyramids_between_hexahedra_and_tetrahedra() {
+    for name in ["blocks_pyramids.msh", "blocks_pyramids_incomplete.msh"] {
+        let mesh = read(name);
+        assert_eq!(
+            mesh.blocks.iter().map(|b| (b.element.name, b.len())).collect::<Vec<_>>(),
+            [("Q2 hexahedron", 8), ("P2 tetrahedron", 63), ("P2 pyramid", 4)],
+            "{name}"
+        );
+        let (below, above) = (0.453_730_705_884_866, 0.426_269_294_106_507_05);
+        integrals_agree(
+            &mesh,
+            &[("below", 8, below, 0.226_865_352_943_854_65), ("above", 67, above, 0.213_134_647_051_861_97)],
+            &[("bottom", 4, 0.8, 0.4), ("front", 10, 1.1, 0.55), ("top", 12, 0.8, 0.4)],
+        );
+        assert!((below + above - 0.88).abs() < 1e-10, "the file fills its box");
+        let whole = mesh.boundary();
+        assert!((side(&mesh, &whole).2 - 3.0 * 0.88).abs() < 1e-10, "{name}");
+    }
+}
+
+/// The nodes of a cell of a file are where the map of its vertices has them: the order of the file was understood.
+pub fn assert_places(mesh: &Mesh, name: &str) {
+    let [block] = mesh.blocks.as_slice() else { panic!("{name}: {} kinds of cells", mesh.blocks.len()) };
+    let element = block.element;
+    let linear = Element::find(element.shape, 1).expect("a linear element");
+    let table = ShapeTable::at(linear, element.nodes);
+    for cell in block.cells() {
+        for (i, &node) in cell.iter().enumerate() {
+            for d in 0..3 {
+                let share = |(&vertex, value): (&u32, &f64)| mesh.points[vertex as usize][d] * value;
+                let expected: f64 = cell.iter().zip(table.values(i)).map(share).sum();
+                let found = mesh.points[node as usize][d];
+                assert!((found - expected).abs() < 1e-15, "{name}: node {i} at {:?}", mesh.points[node as usize]);
+            }
+        }
+    }
+}
+
+/// `meshes/vtk_cells.py` wrote the pyramid with VTK; Gmsh's own reference nodes are those of a single cell.
+#[test]
+fn single_pyramids_have_their_nodes_in_place() {
+    for name in ["pyramid13.vtu", "pyramid13.e", "pyramid14.e"] {
+        let mesh = read(name);
+        mesh.check().expect("a sound mesh");
+        assert_eq!(mesh.blocks[0].element.name, "P2 pyramid");
+        assert_places(&mesh, name);
+        // A third of the determinant of the three edges.
+        assert!((region(&mesh, &mesh.regions[0]).0 - 0.992_187_5 / 3.0).abs() < 1e-15, "{name}");
+    }
 }
 
 #[test]

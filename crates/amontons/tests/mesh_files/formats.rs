@@ -20,6 +20,8 @@ fn bodies() -> Vec<Mesh> {
         Mesh::box_([1.0, 2.0, 3.0], [2, 1, 1], Elements::Q2).expect("a mesh"),
         linear_prisms.quadratic().expect("a mesh"),
         linear_prisms,
+        super::files::read("pyramid5.e"),
+        super::files::read("pyramid14.e"),
     ]
 }
 

@@ -1,10 +1,10 @@
-//! MED files, as Code_Aster and Salome write them: `meshes/med.py` made those of the tests, from the description of the
-//! format.
+//! MED files, as Code_Aster and Salome write them: `meshes/med.py` made those of the tests from the description of the
+//! format, `meshes/med_cells.py` others with the library of the format.
 
-use amontons::mesh::{Mesh, parse};
+use amontons::mesh::{Mesh, defects, parse};
 
 use super::abaqus::sorted;
-use super::files::read as file;
+use super::files::{assert_places, read as file};
 use super::hostile::{refusal, replaced, spoil_at_random, spoil_counts};
 use super::{assert_same, region};
 
@@ -15,6 +15,11 @@ fn bytes(name: &str) -> &'static [u8] {
         "brick" => include_bytes!("../meshes/brick.med"),
         "prism" => include_bytes!("../meshes/prism.med"),
         "pyramid" => include_bytes!("../meshes/pyramid.med"),
+        "quadrilateral9" => include_bytes!("../meshes/quadrilateral9.med"),
+        "triangle7" => include_bytes!("../meshes/triangle7.med"),
+        "pyramid13" => include_bytes!("../meshes/pyramid13.med"),
+        "prism18" => include_bytes!("../meshes/prism18.med"),
+        "hexahedron27" => include_bytes!("../meshes/hexahedron27.med"),
         _ => include_bytes!("../meshes/tetrahedron.med"),
     }
 }
@@ -74,6 +79,28 @@ fn single_cells_have_their_volumes() {
     }
 }
 
+/// Files of the library of the format, `meshes/med_cells.py`, which says itself where the middle nodes belong.
+#[test]
+fn cells_with_nodes_in_the_middle_of_faces_have_them_in_place() {
+    let volume = 0.992_187_5;
+    for (name, element, size) in [
+        ("quadrilateral9", "Q2 quadrilateral", 2.0),
+        ("pyramid13", "P2 pyramid", volume / 3.0),
+        ("prism18", "P2 prism", volume / 2.0),
+        ("hexahedron27", "Q2 hexahedron", volume),
+    ] {
+        let mesh = read(name);
+        assert_eq!(mesh.blocks.iter().map(|block| block.element.name).collect::<Vec<_>>(), [element]);
+        assert_places(&mesh, name);
+        assert!((size_of_body(&mesh) - size).abs() < 1e-14, "{name}: {}", size_of_body(&mesh));
+        assert_eq!(defects::defects(&mesh), [], "{name}");
+    }
+    assert_eq!(
+        refusal("med", bytes("triangle7")).expect("a refusal").to_string(),
+        "cells of type TR7, expected one of PO1, SE2, SE3, TR3, TR6, QU4, QU8, QU9, TE4, T10, PY5, P13, PE6, P15, P18, HE8, H20, H27; save triangles with a node in the middle as TR6, without it"
+    );
+}
+
 /// What meshio writes of the ring of Gmsh is the ring of Gmsh.
 #[test]
 fn a_file_of_another_program_is_the_mesh_it_was_made_of() {
@@ -90,7 +117,7 @@ fn what_is_no_med_file_is_refused() {
     assert_eq!(spoiled(b"ENS_MAA\0", b"ENS_MAB\0"), "HDF5 without meshes (ENS_MAA), expected a MED file");
     assert_eq!(
         spoiled(b"QU4\0", b"QV4\0"),
-        "cells of type QV4, expected one of PO1, SE2, SE3, TR3, TR6, QU4, QU8, QU9, TE4, T10, PY5, PE6, P15, HE8, H20"
+        "cells of type QV4, expected one of PO1, SE2, SE3, TR3, TR6, QU4, QU8, QU9, TE4, T10, PY5, P13, PE6, P15, P18, HE8, H20, H27"
     );
 }
 

@@ -81,7 +81,11 @@ def plate():
 # Corners of the cells in space, then the pairs, faces and the whole that the further nodes are the middle of.
 CELLS = {
     "TETRA10": ([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], [(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)], 4),
-    "PYRAMID5": ([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)], [], 5),
+    "PYRAMID14": (
+        [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)],
+        [(0, 1), (1, 2), (2, 3), (0, 3), (0, 4), (1, 4), (2, 4), (3, 4), (0, 1, 2, 3)],
+        5,
+    ),
     "WEDGE18": (
         [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (0, 1, 1)],
         [(0, 1), (1, 2), (0, 2), (0, 3), (1, 4), (2, 5), (3, 4), (4, 5), (3, 5), (0, 1, 4, 3), (1, 2, 5, 4), (0, 2, 5, 3)],
@@ -98,8 +102,10 @@ CELLS = {
 
 def single():
     """One cell of each type, with each side as a set of its own, and what VTK reads of it."""
-    kinds = {"TETRA4": ("TETRA10", 4), "TETRA10": ("TETRA10", 10), "PYRAMID5": ("PYRAMID5", 5), "WEDGE6": ("WEDGE18", 6)}
-    kinds |= {"WEDGE15": ("WEDGE18", 15), "WEDGE18": ("WEDGE18", 18), "HEX8": ("HEX27", 8), "HEX20": ("HEX27", 20)}
+    kinds = {"TETRA4": ("TETRA10", 4), "TETRA10": ("TETRA10", 10)}
+    kinds |= {f"PYRAMID{nodes}": ("PYRAMID14", nodes) for nodes in (5, 13, 14)}
+    kinds |= {"WEDGE6": ("WEDGE18", 6), "WEDGE15": ("WEDGE18", 15), "WEDGE18": ("WEDGE18", 18)}
+    kinds |= {"HEX8": ("HEX27", 8), "HEX20": ("HEX27", 20)}
     kinds["HEX27"] = ("HEX27", 27)
     # Numbers that VTK, which keeps coordinates in single precision, does not round.
     shear = np.array([[2.0, 0.0, 0.125], [0.25, 1.0, 0.0], [0.0, -0.25, 0.5]])

@@ -5,7 +5,7 @@ use crate::element;
 use crate::quadrature::Shape;
 
 /// What is read, to end the message about what is not.
-pub(super) const KNOWN: &str = "expected bars of 2 or 3 nodes, triangles of 3 or 6, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or 10, pyramids of 5, wedges of 6, 15 or 18, or hexahedra of 8, 20 or 27";
+pub(super) const KNOWN: &str = "expected bars of 2 or 3 nodes, triangles of 3 or 6, quadrilaterals of 4, 8 or 9, tetrahedra of 4 or 10, pyramids of 5, 13 or 14, wedges of 6, 15 or 18, or hexahedra of 8, 20 or 27";
 
 /// What the names of types begin with.
 const SHAPES: [(&str, Shape); 14] = [

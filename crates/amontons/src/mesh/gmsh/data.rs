@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::super::data::Values;
-use super::super::read::{LooseBlock, MeshFileError};
+use super::super::read::{MeshFileError, complete_data};
 use super::cursor::Cursor;
 use super::sections::{self, Tags};
 use crate::mesh::Block;
@@ -62,22 +62,19 @@ pub(super) fn section(cursor: &mut Cursor, word: &[u8], wanted: &str) -> Result<
 /// The points of a file, its cells of the highest dimension by element, and the data `name` of these cells or of the
 /// points.
 pub(in crate::mesh) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec<Block>, Values), MeshFileError> {
-    let (points, tags, loose, section) = sections::with_data(bytes, name)?;
+    let (mut points, tags, mut cells, section) = sections::with_data(bytes, name)?;
     let Some(Section { of_elements, values }) = section else {
         let message = format!("no data \"{name}\", expected $ElementData or $NodeData with this name");
         return Err(MeshFileError::Grid { message });
     };
-    let dim = loose.iter().map(|block| block.kind.dim).max().unwrap_or(0);
-    let cells: Vec<&LooseBlock> = loose.iter().filter(|block| block.kind.dim == dim && dim > 0).collect();
-    let mut blocks: Vec<Block> = Vec::new();
+    let dim = cells.iter().map(|block| block.kind.dim).max().unwrap_or(0);
+    cells.retain(|block| block.kind.dim == dim && dim > 0 && block.kind.element.is_some());
     let mut by_cell: Vec<Vec<f64>> = Vec::new();
     let by_number: HashMap<i64, f64> = values.iter().copied().collect();
     let mut missing = 0;
-    for loose in cells {
-        let Some(element) = loose.kind.element else { continue };
-        blocks.push(Block { element, region: 0, nodes: loose.nodes.clone() });
+    for block in &cells {
         let value = |number: &i64| by_number.get(number).copied();
-        let own: Vec<Option<f64>> = loose.numbers.iter().map(value).collect();
+        let own: Vec<Option<f64>> = block.numbers.iter().map(value).collect();
         missing += own.iter().filter(|value| value.is_none()).count();
         by_cell.push(own.into_iter().map(|value| value.unwrap_or(f64::NAN)).collect());
     }
@@ -87,9 +84,11 @@ pub(in crate::mesh) fn data(bytes: &[u8], name: &str) -> Result<(Vec<Point>, Vec
             let found = format!("the data \"{name}\" lack {missing} of {all} cells");
             return Err(MeshFileError::Grid { message: format!("{found}, expected a value per cell") });
         }
+        let blocks = complete_data(&mut points, &mut Vec::new(), cells);
         return Ok((points, blocks, Values::Cells(by_cell)));
     }
-    let nodes = of_nodes(&tags, points.len(), &values);
+    let mut nodes = of_nodes(&tags, points.len(), &values);
+    let blocks = complete_data(&mut points, &mut nodes, cells);
     Ok((points, blocks, Values::Nodes(nodes)))
 }
 

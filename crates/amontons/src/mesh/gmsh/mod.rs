@@ -48,6 +48,7 @@ fn kind(code: i64) -> Option<Kind> {
         16 => Shape::Quadrilateral,
         17 => Shape::Hexahedron,
         18 => Shape::Prism,
+        19 => Shape::Pyramid,
         _ => Shape::Point,
     };
     let element = complete.or_else(|| completed(shape, nodes));

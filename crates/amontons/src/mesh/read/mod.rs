@@ -22,7 +22,7 @@ use super::Mesh;
 use crate::machine;
 pub(super) use loose::{Kind, Loose, LooseBlock};
 pub(super) use node_sets::{FacetOf, NodeSet, facet_with};
-pub(super) use serendipity::completed;
+pub(super) use serendipity::{complete_data, completed, of_vtk};
 
 /// Longest mesh file in bytes.
 const LONGEST: u64 = 4 << 30;

@@ -1,14 +1,16 @@
-//! Cells without nodes in the middle of their faces and of the cell: quadrilaterals of 8, hexahedra of 20 and prisms of
-//! 15 nodes.
+//! Cells without nodes in the middle of their faces and of the cell: quadrilaterals of 8, hexahedra of 20, prisms
+//! of 15 and pyramids of 13 nodes.
 //!
-//! Their shape functions (Zienkiewicz and Taylor, The Finite Element Method, "serendipity" elements) are among those of
-//! the element with all nodes. So the body stays the same when the missing nodes are put where the functions have them:
-//! in the middle of a quadrilateral face at −¼ Σ vertices + ½ Σ middles, in that of a hexahedron at −¼ Σ + ¼ Σ.
+//! Their shape functions (Zienkiewicz and Taylor, The Finite Element Method, "serendipity" elements; of pyramids
+//! Bedrosian, 1992) are among those of the element with all nodes. So the body stays the same when the missing nodes
+//! are put where the functions have them: in the middle of a quadrilateral face at −¼ Σ vertices + ½ Σ middles, in that
+//! of a hexahedron at −¼ Σ + ¼ Σ. A face in common with a cell that has all nodes takes the node of that cell.
 
 use std::collections::HashMap;
 
 use super::{Kind, LooseBlock};
 use crate::element::{self, Element};
+use crate::mesh::Block;
 use crate::mesh::topology::{Key, key};
 use crate::quadrature::Shape;
 use crate::tensor::Point;
@@ -19,22 +21,55 @@ pub(in crate::mesh) fn completed(shape: Shape, nodes: usize) -> Option<&'static 
         (Shape::Quadrilateral, 8) => Some(&element::Q2_QUADRILATERAL),
         (Shape::Hexahedron, 20) => Some(&element::Q2_HEXAHEDRON),
         (Shape::Prism, 15) => Some(&element::P2_PRISM),
+        (Shape::Pyramid, 13) => Some(&element::P2_PYRAMID),
         _ => None,
     }
 }
 
+/// The element of a type of cells of VTK, and how many of its nodes, the first ones, these cells have.
+pub(in crate::mesh) fn of_vtk(code: u8) -> Option<(&'static Element, usize)> {
+    let (shape, nodes) = match code {
+        23 => (Shape::Quadrilateral, 8),
+        25 => (Shape::Hexahedron, 20),
+        26 => (Shape::Prism, 15),
+        _ => return element::ALL.into_iter().find(|e| e.vtk == code).map(|e| (e, e.vtk_nodes())),
+    };
+    completed(shape, nodes).map(|element| (element, nodes))
+}
+
 /// Adds the nodes that the elements of the library have and the cells of the file have not.
 pub(super) fn complete(points: &mut Vec<Point>, blocks: &mut [LooseBlock]) {
-    let mut known: HashMap<Key, u32> = HashMap::new();
+    complete_with(points, &mut Vec::new(), blocks);
+}
+
+/// The cells with the nodes that they lack, which are added to the points, and to values of the nodes if there are
+/// such: both are as the cells of the file have them there.
+pub(in crate::mesh) fn complete_data(
+    points: &mut Vec<Point>,
+    values: &mut Vec<f64>,
+    mut blocks: Vec<LooseBlock>,
+) -> Vec<Block> {
+    complete_with(points, values, &mut blocks);
+    let whole = |block: LooseBlock| Some(Block { element: block.kind.element?, region: 0, nodes: block.nodes });
+    blocks.into_iter().filter_map(whole).collect()
+}
+
+fn complete_with(points: &mut Vec<Point>, values: &mut Vec<f64>, blocks: &mut [LooseBlock]) {
+    let lacking = |block: &LooseBlock| block.kind.element.filter(|element| element.nodes.len() > block.kind.nodes);
+    if !blocks.iter().any(|block| lacking(block).is_some()) {
+        return;
+    }
+    let mut added = Added { points, values, known: HashMap::new() };
+    for block in blocks.iter().filter(|block| lacking(block).is_none()) {
+        added.know(block);
+    }
     for block in blocks {
-        let Some(element) = block.kind.element.filter(|element| element.nodes.len() > block.kind.nodes) else {
-            continue;
-        };
+        let Some(element) = lacking(block) else { continue };
         let mut nodes = Vec::with_capacity(block.nodes.len() / block.kind.nodes * element.nodes.len());
         for cell in block.nodes.chunks_exact(block.kind.nodes) {
             nodes.extend_from_slice(cell);
             for local in block.kind.nodes..element.nodes.len() {
-                nodes.push(middle(points, &mut known, element, cell, local));
+                nodes.push(added.middle(element, cell, local));
             }
         }
         block.nodes = nodes;
@@ -42,31 +77,67 @@ pub(super) fn complete(points: &mut Vec<Point>, blocks: &mut [LooseBlock]) {
     }
 }
 
-/// The node in the middle of a face, one for both cells that have it, or in the middle of the cell.
-fn middle(
-    points: &mut Vec<Point>,
-    known: &mut HashMap<Key, u32>,
-    element: &Element,
-    cell: &[u32],
-    local: usize,
-) -> u32 {
-    let put = |points: &mut Vec<Point>, vertices: &[u32], middles: &[u32], weight: f64| {
-        let sum = |nodes: &[u32], d: usize| nodes.iter().map(|&node| points[node as usize][d]).sum::<f64>();
-        let point = std::array::from_fn(|d| -0.25 * sum(vertices, d) + weight * sum(middles, d));
-        points.push(point);
-        points.len() as u32 - 1
-    };
-    if element.shape == Shape::Quadrilateral {
-        let (vertices, middles) = cell.split_at(4);
-        let of = key(vertices.iter().copied());
-        return *known.entry(of).or_insert_with(|| put(points, vertices, middles, 0.5));
+/// The nodes with those that are added.
+struct Added<'a> {
+    points: &'a mut Vec<Point>,
+    /// A value of each node; empty without values.
+    values: &'a mut Vec<f64>,
+    /// The nodes in the middle of faces, by the vertices.
+    known: HashMap<Key, u32>,
+}
+
+impl Added<'_> {
+    /// Notes the nodes in the middle of faces that cells of the file have: one that lacks it takes that of its
+    /// neighbour.
+    fn know(&mut self, block: &LooseBlock) {
+        let Some(element) = block.kind.element else { return };
+        let whole = (0..element.nodes.len()).collect::<Vec<_>>();
+        let own = (element.shape == Shape::Quadrilateral).then_some(whole.as_slice());
+        let faces: Vec<&[usize]> = own
+            .into_iter()
+            .chain(element.facets.iter().map(|facet| facet.nodes))
+            .filter(|face| face.len() == 9)
+            .collect();
+        for cell in block.nodes.chunks_exact(element.nodes.len()) {
+            for face in &faces {
+                self.known.insert(key(face[..4].iter().map(|&node| cell[node])), cell[face[8]]);
+            }
+        }
     }
-    let face = element.facets.iter().find(|facet| facet.nodes.last() == Some(&local) && facet.nodes.len() == 9);
-    let Some(face) = face else {
-        let (vertices, middles) = cell.split_at(8);
-        return put(points, vertices, middles, 0.25);
-    };
-    let nodes: Vec<u32> = face.nodes[..8].iter().map(|&node| cell[node]).collect();
-    let (vertices, middles) = nodes.split_at(4);
-    *known.entry(key(vertices.iter().copied())).or_insert_with(|| put(points, vertices, middles, 0.5))
+
+    /// The node in the middle of a face, one for both cells that have it, or in the middle of the cell.
+    fn middle(&mut self, element: &Element, cell: &[u32], local: usize) -> u32 {
+        if element.shape == Shape::Quadrilateral {
+            return self.of_face(cell);
+        }
+        let face = element.facets.iter().find(|facet| facet.nodes.last() == Some(&local) && facet.nodes.len() == 9);
+        let Some(face) = face else {
+            let (vertices, middles) = cell.split_at(8);
+            return self.put(vertices, middles, 0.25);
+        };
+        let nodes: Vec<u32> = face.nodes[..8].iter().map(|&node| cell[node]).collect();
+        self.of_face(&nodes)
+    }
+
+    fn of_face(&mut self, face: &[u32]) -> u32 {
+        let (vertices, middles) = face.split_at(4);
+        let of = key(vertices.iter().copied());
+        if let Some(&node) = self.known.get(&of) {
+            return node;
+        }
+        let node = self.put(vertices, middles, 0.5);
+        self.known.insert(of, node);
+        node
+    }
+
+    fn put(&mut self, vertices: &[u32], middles: &[u32], weight: f64) -> u32 {
+        let sum = |nodes: &[u32], at: &dyn Fn(usize) -> f64| nodes.iter().map(|&node| at(node as usize)).sum::<f64>();
+        let between = |at: &dyn Fn(usize) -> f64| -0.25 * sum(vertices, at) + weight * sum(middles, at);
+        let point = std::array::from_fn(|d| between(&|node| self.points[node][d]));
+        if !self.values.is_empty() {
+            self.values.push(between(&|node| self.values[node]));
+        }
+        self.points.push(point);
+        self.points.len() as u32 - 1
+    }
 }

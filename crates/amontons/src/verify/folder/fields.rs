@@ -6,6 +6,7 @@ use super::tables::Table;
 use crate::inclusion::Multipliers;
 use crate::linalg::dot;
 use crate::material::VTK_COMPONENTS;
+use crate::mesh::Block;
 use crate::output::{PointValues, StoredFields, cell_values, columns};
 use crate::problem::Problem;
 use crate::scheme::{Accumulated, Counts, Discretization, Ledger, State};
@@ -49,7 +50,7 @@ impl Fields {
         if !same {
             return Err("its points are not those of the mesh".to_owned());
         }
-        let cells = mesh.blocks.iter().flat_map(crate::mesh::Block::cells);
+        let cells = mesh.blocks.iter().flat_map(Block::vtk_cells);
         if grid.ends.len() != mesh.cell_count() || !grid.cells().zip(cells).all(|(a, b)| a == b) {
             return Err("its cells are not those of the mesh".to_owned());
         }
