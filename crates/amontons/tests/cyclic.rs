@@ -382,6 +382,26 @@ fn a_sector_that_is_none_is_refused() {
             "[[boundary]]\non = \"end\"\ntraction = [1, 0]\n[[cyclic]]",
             "cyclic[0].sides[1]: found \"end\", which has conditions in boundary[0], expected a side without conditions; the body goes on behind this side: remove the conditions; a plane of symmetry takes `normal_displacement = 0` instead of cyclic symmetry",
         ),
+        (
+            "temperature = \"t*(1 +",
+            "temperature = \"x + t*(1 +",
+            "boundary[0].temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+        ),
+        (
+            "spring = 30\n",
+            "displacement = [0, \"free\"]\n",
+            "boundary[0].displacement: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+        ),
+        (
+            "[[cyclic]]",
+            "[initial]\ntemperature = \"y\"\n[[cyclic]]",
+            "initial.temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+        ),
+        (
+            "[[cyclic]]",
+            "[initial]\nvelocity = [\"-y\", 0]\n[[cyclic]]",
+            "initial.velocity: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+        ),
     ] {
         let found = told(&Source::new("ring.toml", spoil(&sound, old, new)), &[]);
         let found = found.lines().next().and_then(|line| line.split_once(": ")).map_or("", |(_, what)| what);

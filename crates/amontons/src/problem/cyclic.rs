@@ -2,8 +2,13 @@
 
 use super::boundary::unknown;
 use super::{Fault, ProblemData};
-use crate::mesh::{Cyclic, Links, NotCyclic};
-use crate::tensor::length;
+use crate::mesh::{Cyclic, Link, Links, NotCyclic};
+use crate::space::Prescription;
+use crate::tensor::{Point, dot, length};
+
+/// Times at which what is given at both ends of a seam is compared, and how much it may differ: digits that are typed.
+const TIMES: u32 = 8;
+const GIVEN: f64 = 1e-6;
 
 impl ProblemData {
     /// The nodes that follow others; none where the sides of a sector do not match, which the check names.
@@ -25,7 +30,10 @@ impl ProblemData {
             }
             match cyclic.links(&self.mesh) {
                 Ok((links, _)) => match all.clone().and(links) {
-                    Some(both) => all = both,
+                    Some(both) => {
+                        self.check_seam(&both.nodes, faults);
+                        all = both;
+                    }
                     None => faults.push(
                         Fault::new(format!("{path}.sides"), "nodes that follow others already", "sides of one sector")
                             .hint(
@@ -72,6 +80,63 @@ impl ProblemData {
         if cyclic.sides[0] == cyclic.sides[1] {
             faults.push(Fault::new(format!("{path}.sides"), "one side twice", "the two sides of a sector"));
         }
+    }
+
+    /// What is given at both ends of a seam is the same, turned.
+    fn check_seam(&self, links: &[Link], faults: &mut Vec<Fault>) {
+        for (i, b) in self.boundary.iter().enumerate() {
+            let Some(set) = self.mesh.named(&b.on) else { continue };
+            let nodes = set.node_list();
+            let both = |link: &&Link| [link.node, link.to].iter().all(|node| nodes.binary_search(node).is_ok());
+            let given = b.prescriptions(&self.mesh);
+            let axis = [1.0, 0.0, 0.0];
+            let heat: Vec<_> =
+                b.temperature.iter().map(|field| Prescription { on: &b.on, direction: axis, field }).collect();
+            for (key, given, is_vector) in [("displacement", given, true), ("temperature", heat, false)] {
+                let clash = links.iter().filter(both).find(|link| self.clashes(&given, link, is_vector));
+                faults.extend(clash.map(|link| self.clash(format!("boundary[{i}].{key}"), link)));
+            }
+        }
+        let initial = &self.initial;
+        let temperature = std::slice::from_ref(&initial.temperature);
+        for (key, fields, is_vector) in [
+            ("displacement", initial.displacement.as_slice(), true),
+            ("velocity", &initial.velocity, true),
+            ("temperature", temperature, false),
+        ] {
+            let axes: [Point; 3] = std::array::from_fn(|c| std::array::from_fn(|d| f64::from(u8::from(c == d))));
+            let given: Vec<_> =
+                fields.iter().zip(axes).map(|(field, direction)| Prescription { on: "", direction, field }).collect();
+            let clash = links.iter().find(|link| self.clashes(&given, link, is_vector));
+            faults.extend(clash.map(|link| self.clash(format!("initial.{key}"), link)));
+        }
+    }
+
+    /// Whether prescriptions at a node that follows are not those at the node that it follows, turned, at some time:
+    /// directions, or values along them.
+    fn clashes(&self, given: &[Prescription], link: &Link, is_vector: bool) -> bool {
+        let x = |node: u32| self.mesh.points[node as usize];
+        (0..=TIMES).any(|n| {
+            let t = self.end * f64::from(n) / f64::from(TIMES);
+            let values = |node: u32| given.iter().map(|given| given.field.value(&x(node), t)).collect::<Vec<f64>>();
+            let [own, followed] = [values(link.node), values(link.to)];
+            let size = own.iter().chain(&followed).fold(0.0f64, |most, value| most.max(value.abs()));
+            given.iter().zip(&own).any(|(given_here, value)| {
+                let here = if is_vector { link.back(&given_here.direction) } else { given_here.direction };
+                let shares: Vec<f64> = given.iter().map(|given| dot(&here, &given.direction)).collect();
+                let there: f64 = shares.iter().zip(&followed).map(|(share, value)| share * value).sum();
+                // The directions of an entry are axes, or one normal.
+                let length: f64 = shares.iter().map(|share| share * share).sum();
+                length < 1.0 - GIVEN || (value - there).abs() > GIVEN * size
+            })
+        })
+    }
+
+    fn clash(&self, path: String, link: &Link) -> Fault {
+        let [here, there] = [link.node, link.to].map(|node| self.mesh.place(&self.mesh.points[node as usize]));
+        let found = format!("a value at {here} that is not the one at {there}, turned");
+        let hint = "the body is repeated about its axis: what is given must be the same in every sector, turned";
+        Fault::new(path, found, "the same at both ends of the seam").hint(hint)
     }
 
     /// The fault of sides that do not turn into each other.

@@ -185,6 +185,29 @@ fn rollers(name: &'static str, front: &str, case: Case) -> Case {
     Case { name, template: format!("{before}{sides}{after}"), ..case }
 }
 
+/// A sector of a ring, or of a tube, whose neighbours do as it does; contact at the bore.
+fn sector(name: &'static str, dim: usize, elements: Elements, laws: &str) -> Case {
+    let angle = Some(std::f64::consts::TAU / 5.0);
+    let (mesh, center, axis) = if dim == 2 {
+        (Mesh::ring([0.5, 1.2], angle, [3, 5], elements), "<x|0; 0>", "")
+    } else {
+        (Mesh::cylinder([0.5, 1.2], angle, 0.6, [2, 3, 2], elements), "<x|0; 0; 0>", "axis = <1|0; 0; 1>\n")
+    };
+    let mut mesh = mesh.expect("a sector");
+    for (new, old) in [("held", "outer"), ("base", "inner")] {
+        let set = mesh.facets.remove(old).expect("a side");
+        mesh.facets.insert(new.to_owned(), set);
+    }
+    let whole = body(dim, if dim == 2 { STRAIN } else { "" }, 6.0);
+    let (loads, _) = whole.split_once("[[boundary]]").expect("the sides");
+    let held = if dim == 2 { "<m|0; 0>" } else { "<m|0; 0; 0>" };
+    let sides = format!(
+        "[[boundary]]\non = \"held\"\ndisplacement = {held}\ntemperature = <K|T>\n\
+         [[cyclic]]\nsides = [\"start\", \"end\"]\ncenter = {center}\n{axis}"
+    );
+    Case { name, mesh, template: format!("{loads}{sides}{}", contact("base", laws)) }
+}
+
 pub fn all() -> Vec<Case> {
     let laws = "normal = { law = \"compliance\", stiffness = <Pa/m|1e4> }\nfriction = { law = \"coulomb\", coefficient = 0.2 }\n\
                 heat = { law = \"ramp\", conductance = <W/m2K|1>, width = <m|1e-4>, foundation_temperature = <K|10*T> }\n";
@@ -217,6 +240,10 @@ pub fn all() -> Vec<Case> {
         "-0.003*T*(1 + X)",
         iterated("", space("", Elements::P1, [6, 5, 5], laws)),
     ));
+    all.push(sector("sectors, quadrilaterals", 2, Elements::Q1, laws));
+    all.push(sector("sectors, quadratic triangles", 2, Elements::P2, held));
+    all.push(sector("sectors in space, hexahedra", 3, Elements::Q1, held));
+    all.push(iterated("by an iteration: sectors in space", sector("", 3, Elements::Q1, laws)));
     all.push(iterated(
         "by an iteration: compliance, Coulomb, ramp (tetrahedra)",
         space("", Elements::P1, [6, 5, 5], laws),
