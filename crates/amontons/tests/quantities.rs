@@ -260,7 +260,7 @@ const UNITS: &[(&str, &str)] = &[
     (
         "m",
         "Automatic.distance, Block.height, Block.origin, Block.radii, Block.size, Boundary.at, Boundary.displacement, Boundary.normal_displacement, \
-          Check probe.at, Contact.gap, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
+          Check probe.at, Contact.gap, Cyclic.center, Exact.displacement, Heat ramp.width, Heat gap.roughness, \
           HeatTerm ramp.width, HeatTerm gap.roughness, Initial.displacement, Mesh rectangle.origin, \
           Mesh rectangle.size, Mesh interval.size, Mesh box.size, Mesh disc.radius, Mesh ring.radii, \
           Mesh cylinder.height, Mesh cylinder.radii, Normal table.penetration, Normal stop.depth, \
@@ -276,7 +276,7 @@ const UNITS: &[(&str, &str)] = &[
     (
         "rad",
         "Block.angle, Elasticity orthotropic.orientation, Elasticity anisotropic.orientation, Mesh ring.angle, \
-          Viscosity anisotropic.orientation",
+          Mesh cylinder.angle, Viscosity anisotropic.orientation",
     ),
     (
         "s",
