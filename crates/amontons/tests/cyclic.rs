@@ -375,7 +375,7 @@ fn a_sector_that_is_none_is_refused() {
         (
             "[[cyclic]]",
             "[[cyclic]]\nsides = [\"end\", \"start\"]\n[[cyclic]]",
-            "cyclic[1].sides: found nodes that follow others already, expected sides of one sector; give each pair of sides in one entry, and no side of two sectors about different axes",
+            "cyclic[1].sides: found sides that another entry has joined already, expected the sides of one sector; give each pair of sides in one entry, and no side of two sectors about different axes",
         ),
         (
             "[[cyclic]]",
@@ -395,26 +395,35 @@ fn what_differs_at_a_seam_is_refused() {
         (
             "temperature = \"t*(1 +",
             "temperature = \"x + t*(1 +",
-            "boundary[0].temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+            "boundary[0].temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same on both sides of the sector; the body is repeated about its axis: what is given in one sector is given in every other, turned",
         ),
         (
             "spring = 30\n",
             "displacement = [0, \"free\"]\n",
-            "boundary[0].displacement: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+            "boundary[0].displacement: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same on both sides of the sector; the body is repeated about its axis: what is given in one sector is given in every other, turned",
         ),
         (
             "[[cyclic]]",
             "[initial]\ntemperature = \"y\"\n[[cyclic]]",
-            "initial.temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+            "initial.temperature: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same on both sides of the sector; the body is repeated about its axis: what is given in one sector is given in every other, turned",
         ),
         (
             "[[cyclic]]",
             "[initial]\nvelocity = [\"-y\", 0]\n[[cyclic]]",
-            "initial.velocity: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same at both ends of the seam; the body is repeated about its axis: what is given must be the same in every sector, turned",
+            "initial.velocity: found a value at x = 0.0, y = 1.0 that is not the one at x = 1.0, y = 0.0, turned, expected the same on both sides of the sector; the body is repeated about its axis: what is given in one sector is given in every other, turned",
         ),
     ] {
         assert_eq!(first_fault(&spoil(&sound, old, new)), message);
     }
+}
+
+/// What is zero on both sides but for the round-off of coordinates is the same: x y, where the one is along x and the
+/// other along y.
+#[test]
+fn round_off_at_a_seam_is_no_difference() {
+    let sound = spoil(&ring("Q1", COMPLIANCE, false, ""), "temperature = \"t*(1 +", "temperature = \"x*y*t*(1 +");
+    let both = spoil(&sound, "[[cyclic]]", "[initial]\ntemperature = \"x*y\"\n[[cyclic]]");
+    assert_eq!(first_fault(&both), "");
 }
 
 /// The first fault of a case without its place in the file.

@@ -45,6 +45,24 @@ normal = { law = "signorini" }
 "#
 );
 
+/// A body that is bent and comes back: at the end nothing acts, and its residual is the round-off of nothing. It is
+/// told as round-off.
+#[test]
+fn a_residual_where_nothing_acts_is_round_off() {
+    let text = "name = \"back\"\nunits = \"dimensionless\"\n[mesh]\nkind = \"rectangle\"\nsize = [1.0, 1.0]\nn = 4\n\
+                [time]\nend = 1.0\nsteps = 4\n[material]\ndensity = 0\n\
+                elasticity = { law = \"isotropic\", young = 10.0, poisson = 0.3, stress_state = \"plane-strain\" }\n\
+                [[boundary]]\non = \"bottom\"\ndisplacement = [0, 0]\n\
+                [[boundary]]\non = \"top\"\ndisplacement = [\"0.1*sin(4*atan(1)*t)\", \"0.1*(0.3 + t*(1 - t) - 0.3)\"]\n";
+    let state = end(&problem(text, &[]));
+    assert!(
+        state.u.iter().fold(0.0f64, |m, u| m.max(u.abs())) < 1e-15,
+        "{:e}",
+        state.u.iter().fold(0.0f64, |m, u| m.max(u.abs()))
+    );
+    assert!(state.counts.residual_max < 1e-12, "{:e}", state.counts.residual_max);
+}
+
 /// A rod that is drawn away from the foundation, and one that is brought back to where it was: free of stress in every
 /// step.
 #[test]

@@ -9,11 +9,17 @@ mod common;
 use std::sync::Arc;
 
 use amontons::case::{self, Case, Source};
+use amontons::element::POINT_LEFT;
+use amontons::field::Field;
+use amontons::forms;
 use amontons::hypotheses::full;
-use amontons::mesh::{Diagonal, Elements, Mesh};
+use amontons::linalg::{Backend, Graph, Layout, Multigrid, Supernodal};
+use amontons::material::{Isotropic, StressState};
+use amontons::mesh::{Diagonal, Elements, FacetSet, Mesh};
 use amontons::output::{Memory, OutputError, ProbeSet, RunStart, Sink, Snapshot, Summary};
 use amontons::problem::{BoundaryCondition, Problem};
 use amontons::run::{Settings, run};
+use amontons::space::{Prescription, Space};
 use amontons::tensor::{Point, dot, length};
 use at_rest::{parse, settings};
 use common::{Random, changed};
@@ -47,6 +53,36 @@ fn error(elements: &str, n: usize) -> f64 {
         sum += (u[0] - radial * x[0] / r).powi(2) + (u[1] - radial * x[1] / r).powi(2);
     }
     (sum / case.problem.mesh.points.len() as f64).sqrt()
+}
+
+/// A square held at one corner is rigid when the next corner cannot turn about it, and only then: each backend sees the
+/// direction in which that one is held, steep or along the side that joins both.
+#[test]
+fn every_backend_sees_oblique_directions() {
+    let mut mesh = Mesh::rectangle([1.0, 1.0], [4, 4], Diagonal::Right).unwrap();
+    for (name, x) in [("corner", [0.0; 3]), ("next", [1.0, 0.0, 0.0])] {
+        let set = FacetSet::of(&POINT_LEFT, mesh.nodes_at(&x));
+        mesh.edges.insert(name.to_owned(), set);
+    }
+    let graph = Arc::new(Graph::of_mesh(&mesh));
+    let law = Isotropic::elastic(2, 2.0, 0.3, StressState::PlaneStrain);
+    // Less a little of the mass: what moves without strain has a negative energy then, and nothing else has.
+    let mut matrix = forms::a(&mesh, &graph, &[&law]);
+    matrix.add_scaled(-1e-6, &forms::inner_h(&mesh, &graph));
+    let matrix = Arc::new(matrix);
+    let backends: [Arc<dyn Backend>; 2] = [Arc::new(Supernodal), Arc::new(Multigrid::default())];
+    for angle in [5.0f64, 40.0, 80.0] {
+        let (s, c) = angle.to_radians().sin_cos();
+        for (direction, is_rigid) in [([c, s, 0.0], true), ([s, c, 0.0], true), ([1.0, 0.0, 0.0], false)] {
+            let held = [("corner", [1.0, 0.0, 0.0]), ("corner", [0.0, 1.0, 0.0]), ("next", direction)];
+            let given = held.map(|(on, direction)| Prescription { on, direction, field: &Field::ZERO });
+            let space = Space::new(&mesh, 2, given);
+            for backend in &backends {
+                let found = backend.is_positive_definite(&matrix, &Layout::of(&mesh, &space, &[]));
+                assert_eq!(found.unwrap_or(false), is_rigid, "{backend:?}, {direction:?}");
+            }
+        }
+    }
 }
 
 /// Lamé's tube between planes that are not at right angles: the displacement converges at the order of the elements

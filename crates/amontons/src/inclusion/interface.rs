@@ -95,12 +95,12 @@ impl Interface {
         let dim = space.components;
         // Nodes of which one follows the other have the same unknowns.
         let leaders: Vec<u32> = boundary.nodes.iter().map(|&node| leader(&space.links, node)).collect();
-        let own = |node: usize| boundary.nodes.binary_search(&leaders[node]).unwrap_or(node);
+        let shared = |node: usize| boundary.nodes.binary_search(&leaders[node]).unwrap_or(node);
         let mut of_leader = vec![0usize; boundary.nodes.len()];
         for &(node, _) in boundary.points.iter().flat_map(|point| &point.nodes) {
-            of_leader[own(node)] += 1;
+            of_leader[shared(node)] += 1;
         }
-        let seen: Vec<usize> = (0..boundary.nodes.len()).map(|node| of_leader[own(node)]).collect();
+        let seen: Vec<usize> = (0..boundary.nodes.len()).map(|node| of_leader[shared(node)]).collect();
         let (mut rows, mut turns) = (Vec::with_capacity(boundary.points.len()), Vec::new());
         for (point, normal) in boundary.points.iter().zip(normals) {
             let basis = basis_at(point, &boundary.nodes, normal, space);

@@ -3,8 +3,8 @@
 
 use serde::Serialize;
 
+use super::graph::Graph;
 use super::ordering::{Ordering, column_lengths};
-use super::sparse::Graph;
 
 /// Operations per second of a factorization, and bytes that sweeps and products read per second, as measured on one
 /// core of 2026. Only their ratios decide.

@@ -4,7 +4,7 @@
 //! median gives about the fill of a graph partitioner in a tenth of its time. The postordering
 //! behind it makes the supernodes, and the subtrees that are solved in parallel, contiguous.
 
-use super::sparse::Graph;
+use super::graph::Graph;
 use crate::tensor::Point;
 
 /// Parts below this size are not cut further.

@@ -6,8 +6,9 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::estimate::Choice;
+use super::graph::Graph;
 use super::ordering::{Ordering, nested_dissection};
-use super::sparse::{BlockMatrix, Graph};
+use super::sparse::BlockMatrix;
 use super::vectors::BLOCK;
 use crate::mesh::{Link, Mesh, leader};
 use crate::space::{Frame, Space, frame, links};

@@ -35,10 +35,12 @@ impl ProblemData {
                         all = both;
                     }
                     None => faults.push(
-                        Fault::new(format!("{path}.sides"), "nodes that follow others already", "sides of one sector")
-                            .hint(
-                                "give each pair of sides in one entry, and no side of two sectors about different axes",
-                            ),
+                        Fault::new(
+                            format!("{path}.sides"),
+                            "sides that another entry has joined already",
+                            "the sides of one sector",
+                        )
+                        .hint("give each pair of sides in one entry, and no side of two sectors about different axes"),
                     ),
                 },
                 Err(why) => faults.push(self.unmatched(cyclic, &path, &why)),
@@ -93,11 +95,12 @@ impl ProblemData {
             let heat: Vec<_> =
                 b.temperature.iter().map(|field| Prescription { on: &b.on, direction: axis, field }).collect();
             for (key, given, is_vector) in [("displacement", given, true), ("temperature", heat, false)] {
-                let clash = links.iter().filter(both).find(|link| self.clashes(&given, link, is_vector));
+                let sizes = self.sizes(&given, &nodes);
+                let clash = links.iter().filter(both).find(|link| self.clashes(&given, &sizes, link, is_vector));
                 faults.extend(clash.map(|link| self.clash(format!("boundary[{i}].{key}"), link)));
             }
         }
-        let initial = &self.initial;
+        let (initial, all) = (&self.initial, (0..self.mesh.points.len() as u32).collect::<Vec<u32>>());
         let temperature = std::slice::from_ref(&initial.temperature);
         for (key, fields, is_vector) in [
             ("displacement", initial.displacement.as_slice(), true),
@@ -107,20 +110,32 @@ impl ProblemData {
             let axes: [Point; 3] = std::array::from_fn(|c| std::array::from_fn(|d| f64::from(u8::from(c == d))));
             let given: Vec<_> =
                 fields.iter().zip(axes).map(|(field, direction)| Prescription { on: "", direction, field }).collect();
-            let clash = links.iter().find(|link| self.clashes(&given, link, is_vector));
+            let sizes = self.sizes(&given, &all);
+            let clash = links.iter().find(|link| self.clashes(&given, &sizes, link, is_vector));
             faults.extend(clash.map(|link| self.clash(format!("initial.{key}"), link)));
         }
     }
 
+    /// The times at which what is given at both ends of the seam is compared.
+    fn instants(&self) -> impl Iterator<Item = f64> {
+        (0..=TIMES).map(|n| self.end * f64::from(n) / f64::from(TIMES))
+    }
+
+    /// The largest value of prescriptions at some nodes, at each of the times: beside it the round-off of coordinates
+    /// is none.
+    fn sizes(&self, given: &[Prescription], nodes: &[u32]) -> Vec<f64> {
+        let points: Vec<Point> = nodes.iter().map(|&node| self.mesh.points[node as usize]).collect();
+        let at = |t: f64| given.iter().flat_map(|given| given.field.values(&points, t)).collect::<Vec<f64>>();
+        self.instants().map(|t| at(t).iter().fold(0.0f64, |most, value| most.max(value.abs()))).collect()
+    }
+
     /// Whether prescriptions at a node that follows are not those at the node that it follows, turned, at some time:
-    /// directions, or values along them.
-    fn clashes(&self, given: &[Prescription], link: &Link, is_vector: bool) -> bool {
+    /// directions, or values along them. `sizes` has the largest value at each time.
+    fn clashes(&self, given: &[Prescription], sizes: &[f64], link: &Link, is_vector: bool) -> bool {
         let x = |node: u32| self.mesh.points[node as usize];
-        (0..=TIMES).any(|n| {
-            let t = self.end * f64::from(n) / f64::from(TIMES);
+        self.instants().zip(sizes).any(|(t, size)| {
             let values = |node: u32| given.iter().map(|given| given.field.value(&x(node), t)).collect::<Vec<f64>>();
             let [own, followed] = [values(link.node), values(link.to)];
-            let size = own.iter().chain(&followed).fold(0.0f64, |most, value| most.max(value.abs()));
             given.iter().zip(&own).any(|(given_here, value)| {
                 let here = if is_vector { link.back(&given_here.direction) } else { given_here.direction };
                 let shares: Vec<f64> = given.iter().map(|given| dot(&here, &given.direction)).collect();
@@ -135,8 +150,8 @@ impl ProblemData {
     fn clash(&self, path: String, link: &Link) -> Fault {
         let [here, there] = [link.node, link.to].map(|node| self.mesh.place(&self.mesh.points[node as usize]));
         let found = format!("a value at {here} that is not the one at {there}, turned");
-        let hint = "the body is repeated about its axis: what is given must be the same in every sector, turned";
-        Fault::new(path, found, "the same at both ends of the seam").hint(hint)
+        let hint = "the body is repeated about its axis: what is given in one sector is given in every other, turned";
+        Fault::new(path, found, "the same on both sides of the sector").hint(hint)
     }
 
     /// The fault of sides that do not turn into each other.

@@ -1,0 +1,120 @@
+//! The graph of the nodes of a mesh.
+
+use crate::mesh::{Link, Mesh};
+
+/// Which nodes share a cell: compressed rows, columns ascending, the node itself included.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Graph {
+    pub(super) start: Vec<usize>,
+    pub(super) columns: Vec<u32>,
+}
+
+impl Graph {
+    /// The graph of the nodes of a mesh.
+    #[must_use]
+    pub fn of_mesh(mesh: &Mesh) -> Graph {
+        let n = mesh.points.len();
+        let mut count = vec![0usize; n + 1];
+        for block in &mesh.blocks {
+            for cell in block.cells() {
+                for &a in cell {
+                    count[a as usize + 1] += cell.len();
+                }
+            }
+        }
+        for i in 0..n {
+            count[i + 1] += count[i];
+        }
+        let mut filled = count.clone();
+        let mut pairs = vec![0u32; count[n]];
+        for block in &mesh.blocks {
+            for cell in block.cells() {
+                for &a in cell {
+                    for &b in cell {
+                        pairs[filled[a as usize]] = b;
+                        filled[a as usize] += 1;
+                    }
+                }
+            }
+        }
+        let (mut start, mut columns) = (vec![0], Vec::new());
+        for i in 0..n {
+            let row = &mut pairs[count[i]..count[i + 1]];
+            row.sort_unstable();
+            for (k, &c) in row.iter().enumerate() {
+                if k == 0 || row[k - 1] != c {
+                    columns.push(c);
+                }
+            }
+            start.push(columns.len());
+        }
+        Graph { start, columns }
+    }
+
+    /// Number of nodes.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    /// Number of pairs of nodes that share a cell.
+    #[must_use]
+    pub fn pairs(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether there are no nodes.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The nodes that share a cell with node `i`, itself included, ascending.
+    #[must_use]
+    pub fn row(&self, i: usize) -> &[u32] {
+        &self.columns[self.start[i]..self.start[i + 1]]
+    }
+
+    /// The graph in which the nodes that follow others are these: their rows have themselves alone.
+    #[must_use]
+    pub fn linked(&self, links: &[Link]) -> Graph {
+        let leaders = leaders(self.len(), links);
+        let mut rows: Vec<(u32, Vec<u32>)> = Vec::new();
+        for link in links {
+            let row = self.row(link.node as usize).iter().map(|&j| leaders[j as usize]).collect();
+            rows.push((link.to, row));
+        }
+        rows.sort_by_key(|(node, _)| *node);
+        let (mut start, mut columns, mut row) = (vec![0], Vec::with_capacity(self.columns.len()), Vec::new());
+        for i in 0..self.len() {
+            row.clear();
+            if leaders[i] as usize == i {
+                row.extend(self.row(i).iter().map(|&j| leaders[j as usize]));
+                let from = rows.partition_point(|(node, _)| (*node as usize) < i);
+                let followed = rows[from..].iter().take_while(|(node, _)| *node as usize == i);
+                followed.for_each(|(_, more)| row.extend(more));
+            } else {
+                row.push(i as u32);
+            }
+            row.sort_unstable();
+            row.dedup();
+            columns.extend_from_slice(&row);
+            start.push(columns.len());
+        }
+        Graph { start, columns }
+    }
+
+    /// Position of the pair (i, j) among all pairs, if they share a cell.
+    pub(super) fn slot(&self, i: usize, j: u32) -> Option<usize> {
+        self.row(i).binary_search(&j).ok().map(|k| self.start[i] + k)
+    }
+}
+
+/// The node that each of so many nodes follows, or itself.
+pub(super) fn leaders(nodes: usize, links: &[Link]) -> Vec<u32> {
+    let mut leaders: Vec<u32> = (0..nodes as u32).collect();
+    for link in links {
+        leaders[link.node as usize] = link.to;
+    }
+    leaders
+}
