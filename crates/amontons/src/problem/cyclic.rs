@@ -6,9 +6,12 @@ use crate::mesh::{Cyclic, Link, Links, NotCyclic};
 use crate::space::Prescription;
 use crate::tensor::{Point, dot, length};
 
-/// Times at which what is given at both ends of a seam is compared, and how much it may differ: digits that are typed.
+/// Times at which what is given on both sides of a sector is compared, and how much it may differ: digits that are
+/// typed.
 const TIMES: u32 = 8;
 const GIVEN: f64 = 1e-6;
+/// How far a place may be off, relative to the distance of the places that are compared: as much as the angle may.
+const PLACE: f64 = 1e-3;
 
 impl ProblemData {
     /// The nodes that follow others; none where the sides of a sector do not match, which the check names.
@@ -84,7 +87,7 @@ impl ProblemData {
         }
     }
 
-    /// What is given at both ends of a seam is the same, turned.
+    /// What is given on both sides of a sector is the same, turned.
     fn check_seam(&self, links: &[Link], faults: &mut Vec<Fault>) {
         for (i, b) in self.boundary.iter().enumerate() {
             let Some(set) = self.mesh.named(&b.on) else { continue };
@@ -95,12 +98,11 @@ impl ProblemData {
             let heat: Vec<_> =
                 b.temperature.iter().map(|field| Prescription { on: &b.on, direction: axis, field }).collect();
             for (key, given, is_vector) in [("displacement", given, true), ("temperature", heat, false)] {
-                let sizes = self.sizes(&given, &nodes);
-                let clash = links.iter().filter(both).find(|link| self.clashes(&given, &sizes, link, is_vector));
+                let clash = links.iter().filter(both).find(|link| self.clashes(&given, link, is_vector));
                 faults.extend(clash.map(|link| self.clash(format!("boundary[{i}].{key}"), link)));
             }
         }
-        let (initial, all) = (&self.initial, (0..self.mesh.points.len() as u32).collect::<Vec<u32>>());
+        let initial = &self.initial;
         let temperature = std::slice::from_ref(&initial.temperature);
         for (key, fields, is_vector) in [
             ("displacement", initial.displacement.as_slice(), true),
@@ -110,39 +112,33 @@ impl ProblemData {
             let axes: [Point; 3] = std::array::from_fn(|c| std::array::from_fn(|d| f64::from(u8::from(c == d))));
             let given: Vec<_> =
                 fields.iter().zip(axes).map(|(field, direction)| Prescription { on: "", direction, field }).collect();
-            let sizes = self.sizes(&given, &all);
-            let clash = links.iter().find(|link| self.clashes(&given, &sizes, link, is_vector));
+            let clash = links.iter().find(|link| self.clashes(&given, link, is_vector));
             faults.extend(clash.map(|link| self.clash(format!("initial.{key}"), link)));
         }
     }
 
-    /// The times at which what is given at both ends of the seam is compared.
-    fn instants(&self) -> impl Iterator<Item = f64> {
-        (0..=TIMES).map(|n| self.end * f64::from(n) / f64::from(TIMES))
-    }
-
-    /// The largest value of prescriptions at some nodes, at each of the times: beside it the round-off of coordinates
-    /// is none.
-    fn sizes(&self, given: &[Prescription], nodes: &[u32]) -> Vec<f64> {
-        let points: Vec<Point> = nodes.iter().map(|&node| self.mesh.points[node as usize]).collect();
-        let at = |t: f64| given.iter().flat_map(|given| given.field.values(&points, t)).collect::<Vec<f64>>();
-        self.instants().map(|t| at(t).iter().fold(0.0f64, |most, value| most.max(value.abs()))).collect()
-    }
-
     /// Whether prescriptions at a node that follows are not those at the node that it follows, turned, at some time:
-    /// directions, or values along them. `sizes` has the largest value at each time.
-    fn clashes(&self, given: &[Prescription], sizes: &[f64], link: &Link, is_vector: bool) -> bool {
+    /// directions, or values along them. A value may differ by what the places of the nodes are off.
+    fn clashes(&self, given: &[Prescription], link: &Link, is_vector: bool) -> bool {
         let x = |node: u32| self.mesh.points[node as usize];
-        self.instants().zip(sizes).any(|(t, size)| {
-            let values = |node: u32| given.iter().map(|given| given.field.value(&x(node), t)).collect::<Vec<f64>>();
-            let [own, followed] = [values(link.node), values(link.to)];
+        let place = x(link.node);
+        let off = PLACE * (0..3).map(|c| (place[c] - x(link.to)[c]).abs()).fold(0.0, f64::max);
+        (0..=TIMES).any(|n| {
+            let t = self.end * f64::from(n) / f64::from(TIMES);
+            let values = |x: &Point| given.iter().map(|given| given.field.value(x, t)).collect::<Vec<f64>>();
+            let [own, followed] = [link.node, link.to].map(|node| values(&x(node)));
+            let beside = |d: usize, by: f64| values(&std::array::from_fn(|c| place[c] + if c == d { by } else { 0.0 }));
+            let moved: Vec<Vec<f64>> = (0..self.mesh.dim).flat_map(|d| [beside(d, off), beside(d, -off)]).collect();
+            let changes = moved.iter().flat_map(|values| values.iter().zip(&own).map(|(there, here)| there - here));
+            let allowed = changes.chain(own.iter().chain(&followed).map(|value| GIVEN * value));
+            let allowed = allowed.fold(0.0f64, |most, change| most.max(change.abs()));
             given.iter().zip(&own).any(|(given_here, value)| {
                 let here = if is_vector { link.back(&given_here.direction) } else { given_here.direction };
                 let shares: Vec<f64> = given.iter().map(|given| dot(&here, &given.direction)).collect();
                 let there: f64 = shares.iter().zip(&followed).map(|(share, value)| share * value).sum();
                 // The directions of an entry are axes, or one normal.
                 let length: f64 = shares.iter().map(|share| share * share).sum();
-                length < 1.0 - GIVEN || (value - there).abs() > GIVEN * size
+                length < 1.0 - GIVEN || (value - there).abs() > allowed
             })
         })
     }
