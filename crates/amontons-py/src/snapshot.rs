@@ -3,9 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use amontons::material::VTK_COMPONENTS;
-use amontons::output::{
-    self, ContactValues, PointValues, contact_columns, history_columns, history_values, nodal_stress,
-};
+use amontons::output::{self, ContactValues, PointValues, contact_columns, history_columns, history_values};
 use amontons::problem::Problem;
 use amontons::scheme::State;
 use amontons::tensor::Sym;
@@ -33,7 +31,7 @@ pub struct Cells {
     stress: Vec<f64>,
     strain: Vec<f64>,
     heat_flux: Vec<f64>,
-    pub von_mises: Vec<f64>,
+    von_mises: Vec<f64>,
 }
 
 impl Cells {
@@ -65,12 +63,6 @@ impl Snapshot {
     /// The values of the cells, computed when they are first asked for.
     pub fn cells(&self, py: Python<'_>) -> &Cells {
         py.detach(|| self.cells.get_or_init(|| Cells::new(&self.problem, &self.state)))
-    }
-
-    /// The recovered von Mises stress at each node.
-    pub fn nodal_von_mises(&self) -> Vec<f64> {
-        let means = nodal_stress(&self.problem, &self.state).means(self.problem.mesh.points.len());
-        means.iter().map(Sym::von_mises).collect()
     }
 }
 

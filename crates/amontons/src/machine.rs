@@ -1,8 +1,14 @@
-//! What the machine allows: memory, disk space, and files that are safe to read.
+//! What the machine allows: memory, disk space, a clock, and files that are safe to read.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read};
 use std::path::Path;
+#[cfg(not(target_family = "wasm"))]
+pub(crate) use std::time::Instant;
+
+// The standard library has no clock in a browser.
+#[cfg(target_family = "wasm")]
+pub(crate) use web_time::Instant;
 
 /// Address space that a thread takes for products of dense blocks and for its own allocations.
 #[cfg(unix)]
@@ -19,8 +25,8 @@ pub(crate) struct Memory {
 
 /// Memory that can still be taken, by the tightest of what limits it; none where the system does not report it.
 pub(crate) fn memory() -> Option<Memory> {
-    let space =
-        address_space().map(|bytes| Memory { bytes, limit: Some("the limit of the address space, `ulimit -v`") });
+    let limit = if cfg!(unix) { "the limit of the address space, `ulimit -v`" } else { "the address space" };
+    let space = address_space().map(|bytes| Memory { bytes, limit: Some(limit) });
     least(physical_memory().into_iter().chain(space))
 }
 
@@ -46,7 +52,14 @@ fn address_space() -> Option<f64> {
     Some((limit as f64 - taken - threads as f64 * PER_THREAD).max(0.0))
 }
 
-#[cfg(not(unix))]
+/// In a browser the addresses of 32 bits end it.
+#[cfg(target_family = "wasm")]
+fn address_space() -> Option<f64> {
+    const PAGE: f64 = 65_536.0;
+    Some(4_294_967_296.0 - core::arch::wasm32::memory_size::<0>() as f64 * PAGE)
+}
+
+#[cfg(not(any(unix, target_family = "wasm")))]
 fn address_space() -> Option<f64> {
     None
 }

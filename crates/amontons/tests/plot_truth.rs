@@ -11,15 +11,22 @@
 
 mod common;
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use amontons::output::{Folder, FolderOptions};
-use amontons::plot::{self, Kind, Options, Panel, Run};
+use amontons::plot::{self, Film, Kind, Options, Panel, Run};
 use amontons::run::{Settings, run};
 
 /// The results of a shipped case with overrides.
 fn solved(name: &str, case: &str, overrides: &[&str]) -> PathBuf {
+    filmed(name, case, overrides).0
+}
+
+/// The same with the film of the run.
+fn filmed(name: &str, case: &str, overrides: &[&str]) -> (PathBuf, Film) {
     let dir = Path::new(env!("CARGO_TARGET_TMPDIR")).join("plot-truth").join(name);
     if dir.exists() {
         fs::remove_dir_all(&dir).expect("the folder of an earlier test");
@@ -33,8 +40,11 @@ fn solved(name: &str, case: &str, overrides: &[&str]) -> PathBuf {
         ..FolderOptions::new(case.text.clone())
     };
     let mut folder = Folder::create(&dir, options).expect("a results folder");
-    run(&case.problem, &Settings { certificate: false, ..Settings::default() }, &mut [&mut folder]).expect("a run");
-    dir
+    let problem = Arc::new(case.problem);
+    let mut film = Film::new(&problem, case.every);
+    let settings = Settings { certificate: false, ..Settings::default() };
+    run(&problem, &settings, &mut [&mut folder, &mut film]).expect("a run");
+    (dir, film)
 }
 
 /// The points of each path of an SVG document that is drawn with a colour and a width.
@@ -229,4 +239,42 @@ fn bodies_of_a_pair_have_their_names() {
     let deformed = fs::read_to_string(one.join("plots/deformed.svg")).expect("an SVG");
     let body = "aria-label=\"body\"";
     assert!(!deformed.contains(body));
+}
+
+/// A film has the pictures of the folder that the run writes: linear and quadratic cells, laws without a bound, a pair,
+/// heat alone, mechanics alone, a line, a body in space; at the start, on the way and at the end.
+#[test]
+fn a_film_has_the_pictures_of_the_folder() {
+    let benchmark = |name: &str| format!("crates/amontons/benchmarks/{name}.toml");
+    let cases = [
+        ("cases/paper.toml".to_owned(), &["mesh.n=8", "time.steps=8", "output.every=4"][..]),
+        ("cases/paper.toml".to_owned(), &["mesh.n=6", "mesh.elements=\"P2\"", "time.steps=4", "output.every=2"]),
+        ("cases/o-ring.toml".to_owned(), &["time.steps=4", "output.every=2"]),
+        ("crates/amontons/tests/reference/two-bodies/cases/c-cycle.toml".to_owned(), &[]),
+        (benchmark("coulomb-shear-cap"), &[]),
+        (benchmark("thermal-wall"), &[]),
+        (benchmark("contact-conductance-rod"), &[]),
+        ("cases/clutch.toml".to_owned(), &["time.steps=4", "output.every=2"]),
+    ];
+    let mut drawn = BTreeSet::new();
+    for (number, (case, overrides)) in cases.iter().enumerate() {
+        let (dir, film) = filmed(&format!("film-{number}"), case, overrides);
+        let times = film.times();
+        let frames = Run::frames(&dir, &times).expect("the frames of the folder");
+        assert_eq!(frames.len(), times.len());
+        for (i, of_folder) in frames.iter().enumerate() {
+            let of_film = film.frame(i).expect("a frame");
+            for kind in Kind::ALL {
+                assert_eq!(kind.is_told_by(&of_film), kind.is_told_by(of_folder), "{case} {kind:?} at {}", times[i]);
+                if kind.is_told_by(of_folder) && (of_folder.dimension > 1 || kind == Kind::History) {
+                    assert!(picture(kind, &of_film) == picture(kind, of_folder), "{case} {kind:?} at {}", times[i]);
+                    drawn.insert((number, kind.file_name()));
+                }
+            }
+        }
+        assert!(film.frame(times.len()).is_err());
+    }
+    // Each of the cases is drawn, and each kind but wear is that of one.
+    assert!((0..cases.len()).all(|number| drawn.iter().any(|(of, _)| *of == number)), "{drawn:?}");
+    assert!(Kind::ALL.iter().filter(|k| **k != Kind::Wear).all(|k| drawn.iter().any(|(_, of)| *of == k.file_name())));
 }

@@ -1,7 +1,7 @@
 //! A study: its levels, its reference, and the table that comes out.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use super::norms::{Errors, Exact, against_exact};
 use super::transfer::{Transfer, TransferError};
 use crate::forms;
+use crate::machine::Instant;
 use crate::material::{Isotropic, StressState};
 use crate::problem::Problem;
 use crate::scheme::{BackwardEuler, MakeScheme, Scheme, SetupError, State, StepError};

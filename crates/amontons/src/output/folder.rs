@@ -4,7 +4,7 @@ mod snapshots;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::columns::{contact_measures, history_columns, history_measures, history_values};
 use super::csv::{Rows, write_contact};
@@ -18,7 +18,7 @@ use super::{
     FieldsFormat, FolderLock, Identity, OutputError, OutputField, Probe, ProbeSet, RunStart, Sink, Snapshot,
     StressRecovery, Summary, checkpoint, manifest, packed, surface, vtu,
 };
-use crate::machine;
+use crate::machine::{self, Instant};
 use crate::problem::Problem;
 use crate::units::Measure;
 use snapshots::is_due;

@@ -5,13 +5,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::body::Body;
-use super::run::{ContactRow, History, Rod, Run, Snapshot, Solid, SolidContact};
+use super::run::{History, Rod, Run, Snapshot, Solid, SolidContact};
 use super::surface::Skin;
 use super::table::CsvTable;
-use super::{PlotError, frames, vtu};
+use super::{PlotError, contact, frames, vtu};
 use crate::case::{self, CaseError};
-use crate::contact::{NoSlip, Status, read, read_vector};
-use crate::output::columns::{self, Column, OnContact};
+use crate::output::columns;
 use crate::output::{PACKED, fields_file};
 use crate::problem::Problem;
 use crate::vtkhdf::Reader;
@@ -123,35 +122,17 @@ impl Results<'_> {
         match (dimension, table) {
             (2, table) => {
                 run.snapshot = Some(plane(&grid).map_err(format)?);
-                run.contact = table.map_or_else(|| Ok(Vec::new()), |table| contact(&table, &run.sides))?;
-                self.read_in_means(&mut run.contact);
+                run.contact = table.map_or_else(|| Ok(Vec::new()), |table| contact::in_plane(&table, &run.sides))?;
+                contact::read_in_means(&self.problem, &mut run.contact);
             }
             (3, table) => {
-                let mut rows = table.map_or_else(|| Ok(Vec::new()), |table| contact_in_space(&table, &run.sides))?;
-                self.read_in_means(&mut rows);
+                let mut rows = table.map_or_else(|| Ok(Vec::new()), |table| contact::in_space(&table, &run.sides))?;
+                contact::read_in_means(&self.problem, &mut rows);
                 run.solid = Some(solid(&grid, rows).map_err(format)?);
             }
             _ => run.rod = Some(rod(&grid).map_err(format)?),
         }
         Ok(run)
-    }
-
-    /// Puts what can be read in the place of pressures, tractions and bounds, which alternate between the nodes of
-    /// quadratic facets.
-    fn read_in_means<R: Tractions>(&self, rows: &mut [R]) {
-        let (mesh, boundary) = (&self.problem.mesh, self.problem.contact_boundary());
-        if boundary.points.len() != rows.len() {
-            return;
-        }
-        let before: Vec<[f64; 4]> = rows.iter().map(Tractions::tractions).collect();
-        for (side, contact) in self.problem.contacts.iter().enumerate() {
-            let Some(set) = mesh.facets.get(contact.bearing()) else { continue };
-            for (point, shares) in boundary.readable(mesh, side, set) {
-                let [pressure, bound] = [0, 3].map(|c| read(&shares, |i| before[i][c]));
-                let [x, y, _] = read_vector(&shares, |i| [before[i][1], before[i][2], 0.0]);
-                rows[point].replace([pressure, x, y, bound]);
-            }
-        }
     }
 
     /// The contact points at the time of a snapshot; none without contact, and of a time at which they were not
@@ -166,30 +147,6 @@ impl Results<'_> {
         let stem = Path::new(&self.snapshots[snapshot].1).file_stem().unwrap_or_default();
         let path = self.folder.join("contact").join(stem).with_extension("csv");
         if path.exists() { CsvTable::read(&path).map(Some) } else { Ok(None) }
-    }
-}
-
-/// A contact point whose tractions are drawn: pressure, both components of the friction traction in the plane, bound.
-trait Tractions {
-    fn tractions(&self) -> [f64; 4];
-    fn replace(&mut self, values: [f64; 4]);
-}
-
-impl Tractions for ContactRow {
-    fn tractions(&self) -> [f64; 4] {
-        [self.pressure, self.traction[0], self.traction[1], self.bound.unwrap_or(0.0)]
-    }
-    fn replace(&mut self, [pressure, x, y, bound]: [f64; 4]) {
-        (self.pressure, self.traction, self.bound) = (pressure, [x, y], self.bound.map(|_| bound));
-    }
-}
-
-impl Tractions for SolidContact {
-    fn tractions(&self) -> [f64; 4] {
-        [self.pressure, 0.0, 0.0, 0.0]
-    }
-    fn replace(&mut self, [pressure, ..]: [f64; 4]) {
-        self.pressure = pressure;
     }
 }
 
@@ -274,90 +231,6 @@ fn array<'a>(data: &'a Arrays, name: &str, components: usize) -> Result<&'a [f64
     } else {
         Err(format!("the array {name} has {} components, expected {components}", array.components))
     }
-}
-
-/// The contact points of a body in space.
-fn contact_in_space(table: &CsvTable, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
-    let triple = |of: &Column<OnContact>| -> Result<[Vec<f64>; 3], PlotError> {
-        Ok([table.numbers(&of.component(0))?, table.numbers(&of.component(1))?, table.numbers(&of.component(2))?])
-    };
-    let ([x, y, z], slip) = (triple(&columns::POSITION)?, triple(&columns::SLIP_VELOCITY)?);
-    let (pressure, status, side) = (table.numbers(columns::PRESSURE.name)?, statuses(table)?, on_sides(table, sides)?);
-    let [wear, friction_work] = worn(table, x.len())?;
-    let row = |i: usize| SolidContact {
-        x: [x[i], y[i], z[i]],
-        pressure: pressure[i],
-        status: status[i],
-        slip_velocity: [slip[0][i], slip[1][i], slip[2][i]],
-        wear: wear[i],
-        friction_work: friction_work[i],
-        side: side[i],
-    };
-    Ok((0..x.len()).map(row).collect())
-}
-
-/// Wear and friction work, zero in a table without them.
-fn worn(table: &CsvTable, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
-    let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
-    Ok([column(columns::WEAR.name)?, column(columns::FRICTION_WORK.name)?])
-}
-
-/// The side of each contact point; the first where the table does not say.
-fn on_sides(table: &CsvTable, sides: &[String]) -> Result<Vec<usize>, PlotError> {
-    if !table.has(columns::SIDE.name) {
-        return Ok(vec![0; table.rows()]);
-    }
-    let names: Vec<String> = table.column(columns::SIDE.name)?;
-    let fault = |name: &String| PlotError::Format {
-        path: table.path().to_owned(),
-        what: format!("the side `{name}` is none of {}", sides.join(", ")),
-    };
-    names.iter().map(|name| sides.iter().position(|side| side == name).ok_or_else(|| fault(name))).collect()
-}
-
-/// The states of the contact points.
-fn statuses(table: &CsvTable) -> Result<Vec<Status>, PlotError> {
-    let words: Vec<String> = table.column(columns::STATUS.name)?;
-    let status = |word: &String| {
-        let known = [Status::Open, Status::Stick, Status::Slip];
-        known.into_iter().find(|s| s.name() == word).ok_or_else(|| PlotError::Format {
-            path: table.path().to_owned(),
-            what: format!("the status `{word}` is none of open, stick, slip"),
-        })
-    };
-    words.iter().map(status).collect()
-}
-
-fn contact(table: &CsvTable, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
-    let pairs = |of: &Column<OnContact>| -> Result<Vec<[f64; 2]>, PlotError> {
-        let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
-        Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
-    };
-    let (x, traction, slip_velocity) =
-        (pairs(&columns::POSITION)?, pairs(&columns::TRACTION)?, pairs(&columns::SLIP_VELOCITY)?);
-    let (penetration, pressure) = (table.numbers(columns::PENETRATION.name)?, table.numbers(columns::PRESSURE.name)?);
-    let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
-    let (temperature, heat_flux) = (of_heat(columns::TEMPERATURE.name)?, of_heat(columns::HEAT_FLUX.name)?);
-    let opposite_temperature = table.optional_numbers(columns::OPPOSITE_TEMPERATURE.name)?;
-    let (status, side) = (statuses(table)?, on_sides(table, sides)?);
-    let [wear, friction_work] = worn(table, x.len())?;
-    let bound = if table.has(columns::BOUND.name) { Some(table.numbers(columns::BOUND.name)?) } else { None };
-    let row = |i: usize| ContactRow {
-        x: x[i],
-        penetration: penetration[i],
-        pressure: pressure[i],
-        bound: bound.as_ref().map(|b| b[i]).filter(|&bound| bound < NoSlip::BOUND),
-        traction: traction[i],
-        slip_velocity: slip_velocity[i],
-        status: status[i],
-        temperature: temperature[i],
-        opposite_temperature: opposite_temperature[i],
-        heat_flux: heat_flux[i],
-        wear: wear[i],
-        friction_work: friction_work[i],
-        side: side[i],
-    };
-    Ok((0..x.len()).map(row).collect())
 }
 
 fn history(table: &CsvTable) -> Result<History, PlotError> {

@@ -1,7 +1,8 @@
 //! Pictures of a run and of a convergence study, as SVG and PNG, without fonts or libraries of the system.
 //!
 //! [`folder`] draws what a results folder holds; [`side_by_side`] compares runs in panels of one picture. Both go
-//! through [`Run`], which is plain data, and [`picture`]; a convergence study is drawn by [`convergence`].
+//! through [`Run`], which is plain data, and [`picture`]; [`Film`] keeps them of a run without a folder. A
+//! convergence study is drawn by [`convergence`].
 //!
 //! ```no_run
 //! use amontons::plot::{self, Options};
@@ -20,6 +21,7 @@ mod axes;
 mod body;
 mod charts;
 mod color;
+mod contact;
 mod convergence;
 mod field;
 mod folder;
@@ -28,6 +30,7 @@ mod footprint;
 mod frames;
 mod ground;
 mod history;
+mod memory;
 mod names;
 mod oblique;
 mod picture;
@@ -54,6 +57,7 @@ pub use animation::animation;
 pub use body::Body;
 pub use color::ColorMap;
 pub use convergence::{ConvergencePlot, ErrorSeries, convergence, convergence_panels};
+pub use memory::Film;
 pub use picture::Picture;
 pub use plane::scale_factor;
 pub use report::report;

@@ -1,0 +1,212 @@
+//! The contact points of a run, from a table of their columns: that of a file, or that of a run in memory.
+
+use super::PlotError;
+use super::run::{ContactRow, SolidContact};
+use super::table::CsvTable;
+use crate::contact::{NoSlip, Status, read, read_vector};
+use crate::output::ContactValues;
+use crate::output::columns::{self, Column, OnContact};
+use crate::problem::Problem;
+
+/// A table with the columns of `contact.csv`.
+pub(super) trait Columns {
+    /// Number of rows.
+    fn rows(&self) -> usize;
+    /// Whether there is a column.
+    fn has(&self, name: &str) -> bool;
+    /// Whether a column has no values: the run does not have the field.
+    fn is_empty(&self, name: &str) -> bool;
+    /// A column of finite numbers.
+    fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError>;
+    /// A column with numbers that need not be there: not a number where they are not.
+    fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError>;
+    /// A column of words.
+    fn words(&self, name: &str) -> Result<Vec<String>, PlotError>;
+    /// An error that says what is wrong with the table.
+    fn fault(&self, what: String) -> PlotError;
+}
+
+impl Columns for CsvTable {
+    fn rows(&self) -> usize {
+        CsvTable::rows(self)
+    }
+    fn has(&self, name: &str) -> bool {
+        CsvTable::has(self, name)
+    }
+    fn is_empty(&self, name: &str) -> bool {
+        CsvTable::is_empty(self, name)
+    }
+    fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        CsvTable::numbers(self, name)
+    }
+    fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        CsvTable::optional_numbers(self, name)
+    }
+    fn words(&self, name: &str) -> Result<Vec<String>, PlotError> {
+        self.column(name)
+    }
+    fn fault(&self, what: String) -> PlotError {
+        PlotError::Format { path: self.path().to_owned(), what }
+    }
+}
+
+/// The columns of a run in memory.
+impl Columns for &[(String, ContactValues)] {
+    fn rows(&self) -> usize {
+        self.first().map_or(0, |(_, values)| match values {
+            ContactValues::Numbers(values) => values.len(),
+            ContactValues::Words(words) => words.len(),
+        })
+    }
+    fn has(&self, name: &str) -> bool {
+        self.iter().any(|(known, _)| known == name)
+    }
+    fn is_empty(&self, name: &str) -> bool {
+        self.optional_numbers(name).is_ok_and(|values| values.iter().all(|v| v.is_nan()))
+    }
+    fn numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        match self.iter().find(|(known, _)| known == name) {
+            Some((_, ContactValues::Numbers(values))) if values.iter().all(|v| v.is_finite()) => Ok(values.clone()),
+            Some(_) => {
+                Err(self.fault(format!("the column {name} of the contact points has values that are not finite")))
+            }
+            None => Err(self.fault(format!("the contact points have no column {name}"))),
+        }
+    }
+    fn optional_numbers(&self, name: &str) -> Result<Vec<f64>, PlotError> {
+        match self.iter().find(|(known, _)| known == name) {
+            Some((_, ContactValues::Numbers(values))) => Ok(values.clone()),
+            _ => Ok(vec![f64::NAN; self.rows()]),
+        }
+    }
+    fn words(&self, name: &str) -> Result<Vec<String>, PlotError> {
+        match self.iter().find(|(known, _)| known == name) {
+            Some((_, ContactValues::Words(words))) => Ok(words.clone()),
+            _ => Err(self.fault(format!("the contact points have no column {name}"))),
+        }
+    }
+    fn fault(&self, what: String) -> PlotError {
+        PlotError::Data(what)
+    }
+}
+
+/// Puts what can be read in the place of pressures, tractions and bounds, which alternate between the nodes of
+/// quadratic facets.
+pub(super) fn read_in_means<R: Tractions>(problem: &Problem, rows: &mut [R]) {
+    let (mesh, boundary) = (&problem.mesh, problem.contact_boundary());
+    if boundary.points.len() != rows.len() {
+        return;
+    }
+    let before: Vec<[f64; 4]> = rows.iter().map(Tractions::tractions).collect();
+    for (side, contact) in problem.contacts.iter().enumerate() {
+        let Some(set) = mesh.facets.get(contact.bearing()) else { continue };
+        for (point, shares) in boundary.readable(mesh, side, set) {
+            let [pressure, bound] = [0, 3].map(|c| read(&shares, |i| before[i][c]));
+            let [x, y, _] = read_vector(&shares, |i| [before[i][1], before[i][2], 0.0]);
+            rows[point].replace([pressure, x, y, bound]);
+        }
+    }
+}
+
+/// A contact point whose tractions are drawn: pressure, both components of the friction traction in the plane, bound.
+pub(super) trait Tractions {
+    fn tractions(&self) -> [f64; 4];
+    fn replace(&mut self, values: [f64; 4]);
+}
+
+impl Tractions for ContactRow {
+    fn tractions(&self) -> [f64; 4] {
+        [self.pressure, self.traction[0], self.traction[1], self.bound.unwrap_or(0.0)]
+    }
+    fn replace(&mut self, [pressure, x, y, bound]: [f64; 4]) {
+        (self.pressure, self.traction, self.bound) = (pressure, [x, y], self.bound.map(|_| bound));
+    }
+}
+
+impl Tractions for SolidContact {
+    fn tractions(&self) -> [f64; 4] {
+        [self.pressure, 0.0, 0.0, 0.0]
+    }
+    fn replace(&mut self, [pressure, ..]: [f64; 4]) {
+        self.pressure = pressure;
+    }
+}
+
+/// The contact points of a body in space.
+pub(super) fn in_space(table: &impl Columns, sides: &[String]) -> Result<Vec<SolidContact>, PlotError> {
+    let triple = |of: &Column<OnContact>| -> Result<[Vec<f64>; 3], PlotError> {
+        Ok([table.numbers(&of.component(0))?, table.numbers(&of.component(1))?, table.numbers(&of.component(2))?])
+    };
+    let ([x, y, z], slip) = (triple(&columns::POSITION)?, triple(&columns::SLIP_VELOCITY)?);
+    let (pressure, status, side) = (table.numbers(columns::PRESSURE.name)?, statuses(table)?, on_sides(table, sides)?);
+    let [wear, friction_work] = worn(table, x.len())?;
+    let row = |i: usize| SolidContact {
+        x: [x[i], y[i], z[i]],
+        pressure: pressure[i],
+        status: status[i],
+        slip_velocity: [slip[0][i], slip[1][i], slip[2][i]],
+        wear: wear[i],
+        friction_work: friction_work[i],
+        side: side[i],
+    };
+    Ok((0..x.len()).map(row).collect())
+}
+
+/// Wear and friction work, zero in a table without them.
+fn worn(table: &impl Columns, rows: usize) -> Result<[Vec<f64>; 2], PlotError> {
+    let column = |name| if table.has(name) { table.numbers(name) } else { Ok(vec![0.0; rows]) };
+    Ok([column(columns::WEAR.name)?, column(columns::FRICTION_WORK.name)?])
+}
+
+/// The side of each contact point; the first where the table does not say.
+fn on_sides(table: &impl Columns, sides: &[String]) -> Result<Vec<usize>, PlotError> {
+    if !table.has(columns::SIDE.name) {
+        return Ok(vec![0; table.rows()]);
+    }
+    let names = table.words(columns::SIDE.name)?;
+    let fault = |name: &String| table.fault(format!("the side `{name}` is none of {}", sides.join(", ")));
+    names.iter().map(|name| sides.iter().position(|side| side == name).ok_or_else(|| fault(name))).collect()
+}
+
+/// The states of the contact points.
+fn statuses(table: &impl Columns) -> Result<Vec<Status>, PlotError> {
+    let status = |word: &String| {
+        let known = [Status::Open, Status::Stick, Status::Slip];
+        let fault = || table.fault(format!("the status `{word}` is none of open, stick, slip"));
+        known.into_iter().find(|s| s.name() == word).ok_or_else(fault)
+    };
+    table.words(columns::STATUS.name)?.iter().map(status).collect()
+}
+
+/// The contact points of a plane body.
+pub(super) fn in_plane(table: &impl Columns, sides: &[String]) -> Result<Vec<ContactRow>, PlotError> {
+    let pairs = |of: &Column<OnContact>| -> Result<Vec<[f64; 2]>, PlotError> {
+        let (x, y) = (table.numbers(&of.component(0))?, table.numbers(&of.component(1))?);
+        Ok(x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
+    };
+    let (x, traction, slip_velocity) =
+        (pairs(&columns::POSITION)?, pairs(&columns::TRACTION)?, pairs(&columns::SLIP_VELOCITY)?);
+    let (penetration, pressure) = (table.numbers(columns::PENETRATION.name)?, table.numbers(columns::PRESSURE.name)?);
+    let of_heat = |name: &str| if table.is_empty(name) { Ok(vec![f64::NAN; x.len()]) } else { table.numbers(name) };
+    let (temperature, heat_flux) = (of_heat(columns::TEMPERATURE.name)?, of_heat(columns::HEAT_FLUX.name)?);
+    let opposite_temperature = table.optional_numbers(columns::OPPOSITE_TEMPERATURE.name)?;
+    let (status, side) = (statuses(table)?, on_sides(table, sides)?);
+    let [wear, friction_work] = worn(table, x.len())?;
+    let bound = if table.has(columns::BOUND.name) { Some(table.numbers(columns::BOUND.name)?) } else { None };
+    let row = |i: usize| ContactRow {
+        x: x[i],
+        penetration: penetration[i],
+        pressure: pressure[i],
+        bound: bound.as_ref().map(|b| b[i]).filter(|&bound| bound < NoSlip::BOUND),
+        traction: traction[i],
+        slip_velocity: slip_velocity[i],
+        status: status[i],
+        temperature: temperature[i],
+        opposite_temperature: opposite_temperature[i],
+        heat_flux: heat_flux[i],
+        wear: wear[i],
+        friction_work: friction_work[i],
+        side: side[i],
+    };
+    Ok((0..x.len()).map(row).collect())
+}
