@@ -342,6 +342,10 @@ const STACK: usize = 8 << 20;
 /// A pool of its own, so that nothing global is set and a thread that cannot be started is an error; none where the
 /// work is in a pool already that will do.
 fn pool(threads: Option<usize>) -> Result<Option<ThreadPool>, RunError> {
+    // A browser has one thread, in which everything is computed.
+    if cfg!(target_family = "wasm") {
+        return Ok(None);
+    }
     let inside = rayon::current_thread_index().is_some();
     if inside && threads.is_none_or(|threads| threads == rayon::current_num_threads()) {
         return Ok(None);
