@@ -37,10 +37,19 @@ fn compiled(package: &Path) -> Result<PathBuf, Box<dyn Error>> {
     let cargo = env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let target = env::var_os("CARGO_TARGET_DIR").map_or_else(|| package.join("target"), PathBuf::from);
     let manifest = package.join("Cargo.toml");
-    let mut build = Command::new(cargo);
-    build.args(["build", "--release", "--locked", "--package", "amontons-web", "--target", TARGET, "--manifest-path"]);
-    let built = build.arg(&manifest).arg("--target-dir").arg(&target).status()?;
-    if built.success() {
+    let mut command = Command::new(cargo);
+    command.args([
+        "build",
+        "--release",
+        "--locked",
+        "--package",
+        "amontons-web",
+        "--target",
+        TARGET,
+        "--manifest-path",
+    ]);
+    let status = command.arg(&manifest).arg("--target-dir").arg(&target).status()?;
+    if status.success() {
         Ok(target.join(TARGET).join("release/amontons_web.wasm"))
     } else {
         Err(format!("the library could not be compiled for {TARGET}; `rustup target add {TARGET}` adds this target")
@@ -75,16 +84,12 @@ fn page(glue: &str, library: &[u8]) -> Result<String, Box<dyn Error>> {
     ];
     // Each place is filled once, in the order of the page, so that no part is searched for places.
     let (mut out, mut rest) = (String::new(), PAGE);
-    while let Some((place, text)) = parts
-        .iter()
-        .filter_map(|(name, text)| Some((rest.find(name)?, name, text)))
-        .min_by_key(|found| found.0)
-        .map(|(at, name, text)| ((at, name.len()), text))
-    {
-        let (at, length) = place;
+    let first =
+        |rest: &str| parts.iter().filter_map(|part| Some((rest.find(part.0)?, part))).min_by_key(|found| found.0);
+    while let Some((at, (place, text))) = first(rest) {
         out += &rest[..at];
         out += text;
-        rest = &rest[at + length..];
+        rest = &rest[at + place.len()..];
     }
     Ok(out + rest)
 }
