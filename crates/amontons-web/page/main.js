@@ -14,6 +14,8 @@ const library = (async () => {
 })();
 
 let worker = null, busy = false, shown = null, own = null;
+// Whether the text of the case was changed since it was last run: it is not written over then.
+let edited = false;
 // What is asked for while the worker is busy: the latest of each kind alone.
 const waiting = { load: null, run: null, draw: null };
 
@@ -115,7 +117,7 @@ function lay(told) {
   URL.revokeObjectURL(link.href);
   link.href = URL.createObjectURL(new Blob([JSON.stringify(told.summary, null, 2)], { type: "application/json" }));
   link.hidden = false;
-  if (document.activeElement !== get("case") || own === null) get("case").value = told.case;
+  if (!edited) get("case").value = told.case;
 }
 
 function draw() {
@@ -134,7 +136,7 @@ function solve() {
 }
 
 function use(text) {
-  own = text;
+  [own, edited] = [text, false];
   get("own").hidden = own === null;
   for (const id of ["friction", "foundation", "cells"]) get(id).disabled = own !== null;
   solve();
@@ -143,6 +145,7 @@ function use(text) {
 get("controls").addEventListener("input", solve);
 get("controls").addEventListener("submit", (event) => event.preventDefault());
 get("frame").addEventListener("input", draw);
+get("case").addEventListener("input", () => { edited = true; });
 get("run").addEventListener("click", () => use(get("case").value));
 get("back").addEventListener("click", () => use(null));
 get("stop").addEventListener("click", () => { restart(); fail("The run was stopped."); });

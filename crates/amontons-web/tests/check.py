@@ -120,7 +120,11 @@ def faults(check):
     """A case with a fault is refused with its line, and what was solved before stays; one's own case is run as it is."""
     text = check.page.value("document.querySelector('#case').value")
     headline = check.text("#rows")
-    check.set("#case", text.replace("poisson = 0.1", "poison = 0.1"))
+    spoiled = text.replace("poisson = 0.1", "poison = 0.1")
+    check.set("#case", spoiled)
+    check.set("#friction", "0.5")
+    check.that(check.page.value("document.querySelector('#case').value") == spoiled, "a slider writes over what was typed")
+    headline = check.text("#rows")
     check.click("#run")
     error = check.text("#error")
     check.that("case.toml:" in error and "poison: " in error and "expected" in error, f"the fault is told as {error!r}")

@@ -16,7 +16,9 @@ use wasm_bindgen_cli_support::Bindgen;
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const PAGE: &str = include_str!("../../page/index.html");
-const STYLE: &str = include_str!("../../page/style.css");
+/// The style of reports, and what the page has beside it.
+const STYLE: &str =
+    concat!(include_str!("../../../amontons/src/plot/report/page/style.css"), include_str!("../../page/style.css"));
 const SCRIPT: &str = include_str!("../../page/main.js");
 const WORKER: &str = include_str!("../../page/worker.js");
 const CASE: &str = include_str!("../../../../cases/paper.toml");
