@@ -79,7 +79,7 @@ impl Weight {
             Some([first, rest @ ..]) if rest.iter().all(|value| value.to_bits() == first.to_bits()) => {
                 Weight::Same(*first)
             }
-            _ => Weight::Varying(forms::weighted_inner_h(mesh, graph, values)),
+            _ => Weight::Varying(forms::weighted_inner_h(mesh, graph, values).repeated()),
         }
     }
 
@@ -143,7 +143,7 @@ impl Discretization {
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
             let linear: Vec<&dyn TensorLaw> =
                 materials.iter().map(|m| if is_fixed(law(m)) { law(m).as_ref() } else { &ZERO }).collect();
-            forms::tensor_form(&mesh, &graph, &linear, &problem.dilatation())
+            forms::tensor_form(&mesh, &graph, &linear, &problem.dilatation()).repeated()
         };
         let others =
             |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
@@ -159,7 +159,7 @@ impl Discretization {
             };
         let boundary = Arc::new(problem.contact_boundary());
         Discretization {
-            mass: forms::inner_h(&mesh, &graph),
+            mass: forms::inner_h(&mesh, &graph).repeated(),
             density: Weight::new(&mesh, &graph, &each(|m| &m.density)),
             capacity: Weight::new(&mesh, &graph, &each(|m| &m.heat_capacity)),
             a: form(|m| &m.elasticity),
@@ -168,9 +168,9 @@ impl Discretization {
             viscosity: others(|m| &m.viscosity),
             warm: Warm::new(materials),
             branches: Relaxation::of(problem, &graph),
-            d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)),
-            m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)),
-            e: forms::e(&mesh, &graph, &tensors(|m| &m.coupling)),
+            d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated(),
+            m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)).repeated(),
+            e: forms::e(&mesh, &graph, &tensors(|m| &m.coupling)).repeated(),
             springs: forms::springs(&mesh, &graph, &problem.boundary),
             dashpots: forms::dashpots(&mesh, &graph, &problem.boundary),
             convection: forms::convection(&mesh, &graph, &problem.boundary),

@@ -3,6 +3,7 @@
 //!
 //! Work is cut into pieces, between which it can be ended.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -11,6 +12,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky;
 use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
+use sha2::{Digest, Sha256};
 
 use super::error::SolveError;
 use super::factor::Columns;
@@ -29,6 +31,9 @@ pub(super) struct Supernodes<'a> {
     interior: usize,
     /// The supernode of each column.
     owner: Vec<u32>,
+    /// The first supernode that is made of the same numbers as each, once there is a factor: its columns are those of
+    /// both.
+    origin: Vec<u32>,
 }
 
 /// The columns of a supernode, dense.
@@ -62,7 +67,8 @@ impl<'a> Supernodes<'a> {
                 owner[column as usize] = s as u32;
             }
         }
-        Supernodes { symbolic, interior, owner }
+        let origin = (0..symbolic.n_supernodes() as u32).collect();
+        Supernodes { symbolic, interior, owner, origin }
     }
 
     fn columns(&self, s: usize) -> Range<usize> {
@@ -74,8 +80,9 @@ impl<'a> Supernodes<'a> {
         self.symbolic.supernode(s).pattern()
     }
 
-    fn offset(&self, s: usize) -> usize {
-        self.symbolic.col_ptr_for_val()[s] as usize
+    /// Where the values of a supernode begin.
+    pub fn offset(&self, s: usize) -> usize {
+        self.symbolic.col_ptr_for_val()[self.origin[s] as usize] as usize
     }
 
     /// Columns of a supernode that are eliminated.
@@ -88,9 +95,10 @@ impl<'a> Supernodes<'a> {
     ///
     /// # Errors
     /// When a pivot is not positive, or the work is to end.
-    pub fn factorize(&self, lower: &Columns, values: &mut [f64], stop: &Stop) -> Result<(), SolveError> {
+    pub fn factorize(&mut self, lower: &Columns, values: &mut [f64], stop: &Stop) -> Result<(), SolveError> {
         let (count, size) = (self.symbolic.n_supernodes(), self.owner.len());
         let mut work = Work { place: vec![0u32; size], product: Vec::new(), stop };
+        let mut origins = HashMap::new();
         let mut waiting = Waiting { head: vec![NONE; count], link: vec![NONE; count], next: vec![0; count] };
         for s in 0..count {
             stop.go_on()?;
@@ -98,6 +106,12 @@ impl<'a> Supernodes<'a> {
             let leading = columns.len() + pattern.len();
             for (k, row) in (columns.start as u32..columns.end as u32).chain(pattern.iter().copied()).enumerate() {
                 work.place[row as usize] = k as u32;
+            }
+            let origin = *origins.entry(self.made_of(s, lower, &waiting, &work)).or_insert(s as u32);
+            if origin != s as u32 {
+                self.origin[s] = origin;
+                self.pass_over(&mut waiting, s);
+                continue;
             }
             let (before, own) = values.split_at_mut(self.offset(s));
             let mut panel = Panel { columns: columns.clone(), leading, values: &mut own[..leading * columns.len()] };
@@ -122,6 +136,40 @@ impl<'a> Supernodes<'a> {
             }
         }
         Ok(())
+    }
+
+    /// What the columns of a supernode are made of: the entries of the matrix, and what the supernodes below it take from
+    /// them, as a digest. A mesh that repeats itself has many supernodes that are made of the same.
+    fn made_of(&self, s: usize, lower: &Columns, waiting: &Waiting, work: &Work) -> [u8; 32] {
+        let (columns, mut digest) = (self.columns(s), Sha256::new());
+        let mut add = |numbers: &[u64]| numbers.iter().for_each(|number| digest.update(number.to_le_bytes()));
+        add(&[columns.len(), self.pattern(s).len(), self.eliminated(s)].map(|n| n as u64));
+        for column in columns {
+            lower.column(column).for_each(|(row, value)| add(&[work.place[row as usize].into(), value.to_bits()]));
+            add(&[u64::MAX]);
+        }
+        let mut d = waiting.head[s];
+        while d != NONE {
+            let from = waiting.next[d as usize];
+            add(&[u64::MAX, self.origin[d as usize].into(), from as u64]);
+            self.pattern(d as usize)[from..].iter().for_each(|&row| add(&[work.place[row as usize].into()]));
+            d = waiting.link[d as usize];
+        }
+        digest.finalize().into()
+    }
+
+    /// Goes on as after the elimination of a supernode.
+    fn pass_over(&self, waiting: &mut Waiting, s: usize) {
+        let (end, mut d) = (self.columns(s).end, waiting.head[s]);
+        while d != NONE {
+            let (after, from) = (waiting.link[d as usize], waiting.next[d as usize]);
+            let rows = &self.pattern(d as usize)[from..];
+            self.wait(waiting, d as usize, from + rows.partition_point(|&row| (row as usize) < end));
+            d = after;
+        }
+        if self.eliminated(s) > 0 {
+            self.wait(waiting, s, 0);
+        }
     }
 
     /// Puts a supernode on the list of that which has its next row among its columns.

@@ -10,6 +10,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::graph::{Graph, leaders};
+use super::repeats::Repeats;
 use super::vectors::max_abs;
 use crate::mesh::Link;
 use crate::space::Frame;
@@ -22,9 +23,21 @@ pub struct BlockMatrix {
     rows: usize,
     cols: usize,
     values: Vec<f64>,
+    /// What products read in place of `values`, where rows repeat.
+    repeated: Option<Repeated>,
     /// Whether A x = 0 for every x that is the same at all nodes.
     of_differences: bool,
 }
+
+/// The values of the rows of the nodes, of which those that repeat are stored once, and where each row begins.
+#[derive(Clone, Debug)]
+struct Repeated {
+    start: Vec<u32>,
+    values: Vec<f64>,
+}
+
+/// Share of the rows that may be different where they are stored once.
+const DIFFERENT: f64 = 0.25;
 
 /// Nodes whose rows are worked on at once: large enough to pay for a task.
 const CHUNK: usize = 2048;
@@ -38,6 +51,7 @@ impl BlockMatrix {
             rows,
             cols,
             values: vec![0.0; graph.columns.len() * rows * cols],
+            repeated: None,
             of_differences: false,
         }
     }
@@ -47,6 +61,31 @@ impl BlockMatrix {
     #[must_use]
     pub fn of_differences(mut self) -> BlockMatrix {
         self.of_differences = true;
+        self
+    }
+
+    /// Prepares for many products: rows that repeat are read from one place, which is in the caches then. The matrix
+    /// must not change after it.
+    #[must_use]
+    pub fn repeated(mut self) -> BlockMatrix {
+        let (mut start, mut values) = (Vec::with_capacity(self.graph.len()), Vec::new());
+        let (mut repeats, mut different) = (Repeats::new(), 0.0);
+        for i in 0..self.graph.len() {
+            let end = values.len();
+            values.extend_from_slice(self.row_values(i));
+            let place = repeats.place(values.len() - end, &values, end, std::iter::once(values.len() - end));
+            if place < end {
+                values.truncate(end);
+            } else {
+                different += 1.0;
+            }
+            let Ok(place) = u32::try_from(place) else { return self };
+            if different > DIFFERENT * self.graph.len() as f64 {
+                return self;
+            }
+            start.push(place);
+        }
+        self.repeated = Some(Repeated { start, values });
         self
     }
 
@@ -64,6 +103,7 @@ impl BlockMatrix {
 
     /// Adds the matrix of a cell, row-major over (node, component), to the blocks of its nodes.
     pub fn add(&mut self, nodes: &[u32], cell: &[f64]) {
+        self.repeated = None;
         let width = nodes.len() * self.cols;
         for (a, &i) in nodes.iter().enumerate() {
             for (b, &j) in nodes.iter().enumerate() {
@@ -82,6 +122,7 @@ impl BlockMatrix {
     /// number i n + j. Every thread takes some rows: an entry is summed in the order of the cells, whatever the number
     /// of threads.
     pub fn add_cells(&mut self, nodes: &[u32], n: usize, cells: &[f64]) {
+        self.repeated = None;
         let (size, graph) = (self.rows * self.cols, &*self.graph);
         let add = |first: usize, last: usize, values: &mut [f64]| {
             let from = graph.start[first];
@@ -123,7 +164,7 @@ impl BlockMatrix {
         if factor == 0.0 {
             return;
         }
-        self.of_differences &= other.of_differences;
+        (self.repeated, self.of_differences) = (None, self.of_differences && other.of_differences);
         let size = self.rows * self.cols;
         if other.rows * other.cols == size {
             for (a, b) in self.values.iter_mut().zip(&other.values) {
@@ -144,7 +185,7 @@ impl BlockMatrix {
         if frames.is_empty() {
             return Arc::clone(self);
         }
-        let (mut turned, n) = (BlockMatrix { of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
+        let (mut turned, n) = (BlockMatrix { repeated: None, of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
         for Frame { node, axes } in frames {
             let own = self.graph.start[*node as usize];
             for (k, &j) in self.graph.row(*node as usize).iter().enumerate() {
@@ -198,9 +239,24 @@ impl BlockMatrix {
 
     /// The blocks of the row of node `i`: neighbour and row-major block.
     pub fn row(&self, i: usize) -> impl Iterator<Item = (usize, &[f64])> {
+        let blocks = self.row_values(i).chunks_exact((self.rows * self.cols).max(1));
+        self.graph.row(i).iter().map(|&j| j as usize).zip(blocks)
+    }
+
+    /// The blocks of the row of node `i`, one after the other.
+    fn row_values(&self, i: usize) -> &[f64] {
         let size = self.rows * self.cols;
-        let from = self.graph.start[i] * size;
-        self.graph.row(i).iter().enumerate().map(move |(k, &j)| (j as usize, &self.values[from + k * size..][..size]))
+        &self.values[self.graph.start[i] * size..self.graph.start[i + 1] * size]
+    }
+
+    /// The same as products read them.
+    #[inline(always)]
+    fn row_read(&self, i: usize) -> &[f64] {
+        let size = (self.graph.start[i + 1] - self.graph.start[i]) * self.rows * self.cols;
+        match &self.repeated {
+            Some(Repeated { start, values }) => &values[start[i] as usize..][..size],
+            None => &self.values[self.graph.start[i] * self.rows * self.cols..][..size],
+        }
     }
 
     /// y ← A x. Every row is summed in the order of its columns, whatever the number of threads.
@@ -242,12 +298,11 @@ impl BlockMatrix {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<R>();
         for (k, y) in y.iter_mut().enumerate() {
-            let range = self.graph.start[first + k]..self.graph.start[first + k + 1];
-            let blocks = self.values[range.start * R * C..range.end * R * C].chunks_exact(R * C);
+            let blocks = self.row_read(first + k).chunks_exact(R * C);
             let origin = if self.of_differences { x[first + k] } else { [0.0; C] };
             // A sum per entry of the block: they do not wait for each other.
             let mut sums = [[0.0; C]; R];
-            for (&j, block) in self.graph.columns[range].iter().zip(blocks) {
+            for (&j, block) in self.graph.row(first + k).iter().zip(blocks) {
                 let x = &x[j as usize];
                 for r in 0..R {
                     for c in 0..C {
@@ -264,9 +319,8 @@ impl BlockMatrix {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<C>();
         for (k, y) in y.iter_mut().enumerate() {
-            let range = self.graph.start[first + k]..self.graph.start[first + k + 1];
             let mut sum = [0.0; C];
-            for (&j, value) in self.graph.columns[range.clone()].iter().zip(&self.values[range]) {
+            for (&j, value) in self.graph.row(first + k).iter().zip(self.row_read(first + k)) {
                 for c in 0..C {
                     sum[c] += value * x[j as usize][c];
                 }
@@ -412,14 +466,13 @@ impl<const C: usize, const B: usize> NullaryFnOnce for Products<'_, C, B> {
     fn call(self) {
         let Products { mass, a, b, first, u, w, out } = self;
         let graph = &*a.graph;
-        let (a, b) = (a.values.as_chunks::<B>().0, b.values.as_chunks::<B>().0);
         let [mass_w, a_u, a_w, b_w] = out.map(|rows| rows.as_chunks_mut::<C>().0);
         for (k, mass_w) in mass_w.iter_mut().enumerate() {
             let (u0, w0) = (u[first + k], w[first + k]);
             let (mut m_w, mut sums) = ([0.0; C], [[0.0; B]; 3]);
-            let slots = graph.start[first + k]..graph.start[first + k + 1];
-            let of_row = graph.columns[slots.clone()].iter().zip(&mass.values[slots.clone()]);
-            for ((&j, m), (a, b)) in of_row.zip(a[slots.clone()].iter().zip(&b[slots])) {
+            let of_row = graph.row(first + k).iter().zip(mass.row_read(first + k));
+            let [a, b] = [a, b].map(|matrix| matrix.row_read(first + k).as_chunks::<B>().0);
+            for ((&j, m), (a, b)) in of_row.zip(a.iter().zip(b)) {
                 let (u, w) = (u[j as usize], w[j as usize]);
                 // Entry (r, c) of a block, r C + c, meets component c.
                 let du: [f64; B] = std::array::from_fn(|i| u[i % C] - u0[i % C]);
@@ -470,6 +523,34 @@ mod tests {
                     assert!((sum - y[i * rows + r]).abs() < 1e-12);
                 }
             }
+        }
+        Ok(())
+    }
+
+    /// On an even mesh the rows of interior nodes are one; a matrix that is changed is read as it is.
+    #[test]
+    fn rows_that_repeat_are_read_from_one_place() -> Result<(), MeshError> {
+        let even = |n: usize| Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Left);
+        let filled = |mesh: &Mesh, blocks: usize| {
+            let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(mesh)), blocks, blocks);
+            for cell in mesh.blocks.iter().flat_map(Block::cells) {
+                let values: Vec<f64> = (0..9 * blocks * blocks).map(|v| (v as f64 + 0.5).sin()).collect();
+                matrix.add(cell, &values);
+            }
+            matrix
+        };
+        for blocks in [1, 2, 4] {
+            let (mesh, small) = (even(16)?, even(3)?);
+            let matrix = filled(&mesh, blocks);
+            let mut repeated = matrix.clone().repeated();
+            let different = repeated.repeated.as_ref().map(|rows| rows.values.len() / (blocks * blocks));
+            // Three columns of each kind of node: corners, sides, interior.
+            assert!(different.is_some_and(|blocks| blocks <= 9 * 7), "{different:?}");
+            let x: Vec<f64> = (0..mesh.points.len() * blocks).map(|i| (i as f64).sin()).collect();
+            assert_eq!(repeated.apply(&x), matrix.apply(&x));
+            repeated.add_scaled(2.0, &matrix);
+            assert_eq!(repeated.apply(&x), matrix.apply(&x).iter().map(|y| 3.0 * y).collect::<Vec<_>>());
+            assert!(filled(&small, blocks).repeated().repeated.is_none());
         }
         Ok(())
     }

@@ -17,6 +17,7 @@ use super::condensed::Condensed;
 use super::error::SolveError;
 use super::factor::{Backend, Columns, Factor};
 use super::numeric::{Supernodes, has_factor};
+use super::repeats::Repeats;
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
 use super::stop::Stop;
@@ -99,13 +100,13 @@ impl SupernodalFactor {
         values.try_reserve_exact(symbolic.len_val()).map_err(|_| too_large())?;
         values.resize(symbolic.len_val(), 0.0);
         let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(too_large()) };
-        let supernodes = Supernodes::new(symbolic, interior);
+        let mut supernodes = Supernodes::new(symbolic, interior);
         supernodes.factorize(&lower, &mut values, stop)?;
         let s = supernodes.condensed(&values);
         let diagonal = (interior..size).filter_map(|j| lower.column(j).next());
         let shift = diagonal.map(|(_, value)| value).sum::<f64>() / (size - interior).max(1) as f64;
         has_factor(&s, shift, stop).map_err(|error| error.of(interior, size))?;
-        let mut root = Tree::new(symbolic, interior).root(size);
+        let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         values.truncate(stored);
         values.shrink_to_fit();
@@ -114,8 +115,8 @@ impl SupernodalFactor {
     }
 }
 
-/// Moves the panels together in the order of their places, without what is above the diagonal and without the columns
-/// of Γ_C: how many numbers are left. A sweep reads memory in order.
+/// Moves the panels together in the order of their places, without what is above the diagonal, without the columns of
+/// Γ_C and without panels that repeat: how many numbers are left. A sweep reads memory in order.
 fn compact(root: &mut Task, values: &mut [f64]) -> usize {
     fn panels<'a>(task: &'a mut Task, all: &mut Vec<&'a mut Panel>) {
         task.children.iter_mut().for_each(|child| panels(child, all));
@@ -124,15 +125,26 @@ fn compact(root: &mut Task, values: &mut [f64]) -> usize {
     let mut all = Vec::new();
     panels(root, &mut all);
     all.sort_unstable_by_key(|panel| panel.values);
-    let mut end = 0;
+    let (mut end, mut repeats, mut moved) = (0, Repeats::new(), None);
     for panel in all {
-        let (from, to, leading) = (panel.values, end, panel.leading);
+        let (from, mut to, leading) = (panel.values, end, panel.leading);
+        if let Some((before, now)) = moved
+            && before == from
+        {
+            panel.values = now;
+            continue;
+        }
         for j in 0..panel.columns {
             let diagonal = from + j * leading + j;
-            values.copy_within(diagonal..diagonal + leading - j, end);
-            end += leading - j;
+            values.copy_within(diagonal..diagonal + leading - j, to);
+            to += leading - j;
         }
-        panel.values = to;
+        let lengths = (0..panel.columns).map(|j| leading - j);
+        panel.values = repeats.place((panel.columns, leading), &values[..to], end, lengths);
+        if panel.values == end {
+            end = to;
+        }
+        moved = Some((from, panel.values));
     }
     end
 }
@@ -176,6 +188,7 @@ impl Factor for SupernodalFactor {
 
 /// The supernodes of a factor, for cutting them into tasks.
 struct Tree<'a> {
+    supernodes: &'a Supernodes<'a>,
     symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
     interior: usize,
     /// Supernodes that have interior columns.
@@ -191,6 +204,7 @@ struct Tree<'a> {
 impl<'a> Tree<'a> {
     fn new(
         symbolic: &'a faer::sparse::linalg::cholesky::supernodal::SymbolicSupernodalCholesky<u32>,
+        supernodes: &'a Supernodes<'a>,
         interior: usize,
     ) -> Tree<'a> {
         let begin = symbolic.supernode_begin();
@@ -202,6 +216,7 @@ impl<'a> Tree<'a> {
             }
         }
         let mut tree = Tree {
+            supernodes,
             symbolic,
             interior,
             count,
@@ -318,7 +333,7 @@ impl<'a> Tree<'a> {
                     first: first - own.start,
                     columns,
                     below,
-                    values: self.symbolic.col_ptr_for_val()[s] as usize,
+                    values: self.supernodes.offset(s),
                     leading: last - first + view.pattern().len(),
                 }
             })

@@ -284,7 +284,8 @@ fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
         s3 = add_product(s3, c3[i], quads[i]);
     }
     let mut sums = [0.0; 4];
-    for (a, lanes) in [s0, s1, s2, s3].iter().enumerate() {
+    // As one value: the compiler would work on the same lane of all four otherwise, which is slower.
+    for (a, lanes) in black_box([s0, s1, s2, s3]).iter().enumerate() {
         sums[a] = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
         for (c, x) in c[a][4 * m..].iter().zip(rest) {
             sums[a] += c * x;

@@ -1,0 +1,91 @@
+//! Numbers that repeat, stored once.
+//!
+//! On a mesh that repeats itself the rows of a matrix are those of a few nodes, and the panels of a factor those of a
+//! few subdomains. Sweeps and products are bound by memory traffic, and what is shared stays in the caches.
+
+use std::collections::HashMap;
+use std::hash::Hash;
+
+/// How far an entry may be from that of another column to be the same, as a share of the largest of its column:
+/// translates differ by the round-off of their coordinates, and an elimination leaves errors of this size anyhow.
+const SAME: f64 = 16.0 * f64::EPSILON;
+
+/// The places of numbers that have been stored, by their kind: what else must be equal.
+#[derive(Debug)]
+pub(super) struct Repeats<Kind>(HashMap<(Kind, u32), Vec<usize>>);
+
+impl<Kind: Eq + Hash> Repeats<Kind> {
+    pub fn new() -> Repeats<Kind> {
+        Repeats(HashMap::new())
+    }
+
+    /// Where the numbers from `place` on stand, which are columns of these lengths: at an earlier place if they are the
+    /// same as there.
+    pub fn place(
+        &mut self,
+        kind: Kind,
+        values: &[f64],
+        place: usize,
+        columns: impl Iterator<Item = usize> + Clone,
+    ) -> usize {
+        let (before, own) = values.split_at(place);
+        let alike = self.0.entry((kind, size(own))).or_default();
+        let same = alike.iter().copied().find(|&earlier| are_same(&before[earlier..], own, columns.clone()));
+        same.unwrap_or_else(|| {
+            alike.push(place);
+            place
+        })
+    }
+}
+
+/// The sum of the sizes of numbers, rounded so that round-off does not tell equal ones apart: where two sums are rounded
+/// to different sides, the numbers are stored twice, which is no fault.
+fn size(values: &[f64]) -> u32 {
+    (values.iter().map(|value| value.abs()).sum::<f64>() as f32).to_bits()
+}
+
+/// Whether two sets of columns have the same numbers.
+fn are_same(mut one: &[f64], mut other: &[f64], mut columns: impl Iterator<Item = usize>) -> bool {
+    columns.all(|length| {
+        let (a, b);
+        ((a, one), (b, other)) = (one.split_at(length), other.split_at(length));
+        let largest = a.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * largest)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_the_same_to_round_off_of_their_columns() {
+        let own = [3.0, -1.0, 1e-8, 5e-9];
+        let place = |change: [f64; 4], columns: [usize; 2], kind: u8| {
+            let mut repeats = Repeats::new();
+            let mut values = vec![7.0];
+            values.extend(own);
+            assert_eq!(repeats.place(0, &values, 1, [2, 2].into_iter()), 1);
+            values.extend(own.iter().zip(change).map(|(value, change)| value + change));
+            repeats.place(kind, &values, 5, columns.into_iter())
+        };
+        let fine = f64::EPSILON;
+        assert_eq!(place([0.0; 4], [2, 2], 0), 1);
+        assert_eq!(place([4.0 * fine, -4.0 * fine, 1e-8 * fine, 0.0], [2, 2], 0), 1);
+        // Another kind, another number, and one that only a larger column hides.
+        assert_eq!(place([0.0; 4], [2, 2], 1), 5);
+        assert_eq!(place([0.0, 1e-13, 0.0, 0.0], [2, 2], 0), 5);
+        assert_eq!(place([0.0, 0.0, 0.0, fine], [2, 2], 0), 5);
+        assert_eq!(place([0.0, 0.0, 0.0, fine], [4, 0], 0), 1);
+    }
+
+    #[test]
+    fn numbers_of_one_size_are_told_apart() {
+        let (mut repeats, values) = (Repeats::new(), [1.0, 2.0, 2.0, 1.0, 1.0, -2.0, 2.0, 1.0, f64::NAN, 0.0]);
+        let places: Vec<usize> = (0..values.len())
+            .step_by(2)
+            .map(|end| repeats.place((), &values[..end + 2], end, std::iter::once(2)))
+            .collect();
+        assert_eq!(places, [0, 2, 4, 2, 8]);
+    }
+}
