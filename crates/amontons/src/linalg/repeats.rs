@@ -38,8 +38,8 @@ impl<Kind: Eq + Hash> Repeats<Kind> {
     }
 }
 
-/// The sum of the sizes of numbers, rounded so that round-off does not tell equal ones apart: where two sums are rounded
-/// to different sides, the numbers are stored twice, which is no fault.
+/// The sum of the sizes of numbers, rounded so that round-off does not tell equal ones apart: where two sums are
+/// rounded to different sides, the numbers are stored twice, which is no fault.
 fn size(values: &[f64]) -> u32 {
     (values.iter().map(|value| value.abs()).sum::<f64>() as f32).to_bits()
 }

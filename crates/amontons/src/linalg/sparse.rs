@@ -185,7 +185,8 @@ impl BlockMatrix {
         if frames.is_empty() {
             return Arc::clone(self);
         }
-        let (mut turned, n) = (BlockMatrix { repeated: None, of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
+        let (mut turned, n) =
+            (BlockMatrix { repeated: None, of_differences: false, ..BlockMatrix::clone(self) }, self.rows);
         for Frame { node, axes } in frames {
             let own = self.graph.start[*node as usize];
             for (k, &j) in self.graph.row(*node as usize).iter().enumerate() {
@@ -548,8 +549,8 @@ mod tests {
             assert!(different.is_some_and(|blocks| blocks <= 9 * 7), "{different:?}");
             let x: Vec<f64> = (0..mesh.points.len() * blocks).map(|i| (i as f64).sin()).collect();
             assert_eq!(repeated.apply(&x), matrix.apply(&x));
-            repeated.add_scaled(2.0, &matrix);
-            assert_eq!(repeated.apply(&x), matrix.apply(&x).iter().map(|y| 3.0 * y).collect::<Vec<_>>());
+            repeated.add_scaled(1.0, &matrix);
+            assert_eq!(repeated.apply(&x), matrix.apply(&x).iter().map(|y| 2.0 * y).collect::<Vec<_>>());
             assert!(filled(&small, blocks).repeated().repeated.is_none());
         }
         Ok(())

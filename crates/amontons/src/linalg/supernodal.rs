@@ -342,3 +342,48 @@ impl<'a> Tree<'a> {
         Task { children, begin: start, own, panels, ancestors: Vec::new(), touched: ancestors.len() }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::{Graph, Layout, System};
+    use crate::mesh::{Block, Diagonal, Mesh, MeshError};
+
+    /// A diffusion with storage on an even mesh of 64 × 64 squares, the matrix of each cell times a factor: the error of
+    /// a solution, and the numbers of the factor.
+    fn solved(factor: impl Fn(usize) -> f64) -> Result<(f64, usize), MeshError> {
+        let mesh = Mesh::rectangle([1.0, 1.0], [64, 64], Diagonal::Left)?;
+        let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), 1, 1);
+        for (k, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
+            let value = |v: usize| factor(k) * if v % 4 == 0 { 2.0 } else { -0.7 };
+            matrix.add(cell, &(0..9).map(value).collect::<Vec<_>>());
+        }
+        let (free, contact) = (vec![true; mesh.points.len()], mesh.facets["bottom"].node_list());
+        let layout =
+            Layout { points: &mesh.points, components: 1, free: &free, frames: &[], links: &[], contact: &contact };
+        let backend: Arc<dyn Backend> = Arc::new(Supernodal);
+        let mut system = System::new(&backend, &Arc::new(matrix.clone()), &layout).expect("a factor");
+        let expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
+        let mut x = system.unknowns().gather(&matrix.apply(&expected));
+        system.solve(&mut x).expect("a solution");
+        let mut found = vec![0.0; free.len()];
+        system.unknowns().put(&x, &mut found);
+        let error = found.iter().zip(&expected).fold(0.0f64, |most, (x, y)| most.max((x - y).abs()));
+        Ok((error, system.stored()))
+    }
+
+    /// What repeats is stored once, and a cell that is another by more than round-off is told from the others.
+    #[test]
+    fn what_repeats_is_stored_once() -> Result<(), MeshError> {
+        let (error, all) = solved(|k| 1.0 + 0.1 * (k as f64).sin())?;
+        assert!(error < 2e-13, "{error:e}");
+        let mut before = 0;
+        for more in [0.0, 1e-12, 1e-10, 1e-3, 1.0] {
+            let (error, stored) = solved(|k| if k == 64 * 64 { 1.0 + more } else { 1.0 })?;
+            assert!(error < 2e-13, "one cell larger by {more:e}: {error:e}");
+            assert!((before..all * 2 / 3).contains(&stored), "{stored} of {all}, {before} before");
+            before = stored;
+        }
+        Ok(())
+    }
+}
