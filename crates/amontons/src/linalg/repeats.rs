@@ -10,9 +10,15 @@ use std::hash::Hash;
 /// translates differ by the round-off of their coordinates, and an elimination leaves errors of this size anyhow.
 const SAME: f64 = 16.0 * f64::EPSILON;
 
+/// Last bits of a sum that do not count.
+const BITS: u32 = 12;
+/// How many of the latest places with one sum are compared: where many numbers are nearly the same, a search for equal
+/// ones has to end.
+const LATEST: usize = 32;
+
 /// The places of numbers that have been stored, by their kind: what else must be equal.
 #[derive(Debug)]
-pub(super) struct Repeats<Kind>(HashMap<(Kind, u32), Vec<usize>>);
+pub(super) struct Repeats<Kind>(HashMap<(Kind, u64), Vec<usize>>);
 
 impl<Kind: Eq + Hash> Repeats<Kind> {
     pub fn new() -> Repeats<Kind> {
@@ -26,11 +32,16 @@ impl<Kind: Eq + Hash> Repeats<Kind> {
         kind: Kind,
         values: &[f64],
         place: usize,
-        columns: impl Iterator<Item = usize> + Clone,
+        columns: &(impl Iterator<Item = usize> + Clone),
     ) -> usize {
         let (before, own) = values.split_at(place);
         let alike = self.0.entry((kind, size(own))).or_default();
-        let same = alike.iter().copied().find(|&earlier| are_same(&before[earlier..], own, columns.clone()));
+        let same = alike
+            .iter()
+            .rev()
+            .take(LATEST)
+            .copied()
+            .find(|&earlier| are_same(&before[earlier..], own, columns.clone()));
         same.unwrap_or_else(|| {
             alike.push(place);
             place
@@ -40,8 +51,8 @@ impl<Kind: Eq + Hash> Repeats<Kind> {
 
 /// The sum of the sizes of numbers, rounded so that round-off does not tell equal ones apart: where two sums are
 /// rounded to different sides, the numbers are stored twice, which is no fault.
-fn size(values: &[f64]) -> u32 {
-    (values.iter().map(|value| value.abs()).sum::<f64>() as f32).to_bits()
+fn size(values: &[f64]) -> u64 {
+    values.iter().map(|value| value.abs()).sum::<f64>().to_bits() >> BITS
 }
 
 /// Whether two sets of columns have the same numbers.
@@ -65,9 +76,9 @@ mod tests {
             let mut repeats = Repeats::new();
             let mut values = vec![7.0];
             values.extend(own);
-            assert_eq!(repeats.place(0, &values, 1, [2, 2].into_iter()), 1);
+            assert_eq!(repeats.place(0, &values, 1, &[2, 2].into_iter()), 1);
             values.extend(own.iter().zip(change).map(|(value, change)| value + change));
-            repeats.place(kind, &values, 5, columns.into_iter())
+            repeats.place(kind, &values, 5, &columns.into_iter())
         };
         let fine = f64::EPSILON;
         assert_eq!(place([0.0; 4], [2, 2], 0), 1);
@@ -84,7 +95,7 @@ mod tests {
         let (mut repeats, values) = (Repeats::new(), [1.0, 2.0, 2.0, 1.0, 1.0, -2.0, 2.0, 1.0, f64::NAN, 0.0]);
         let places: Vec<usize> = (0..values.len())
             .step_by(2)
-            .map(|end| repeats.place((), &values[..end + 2], end, std::iter::once(2)))
+            .map(|end| repeats.place((), &values[..end + 2], end, &std::iter::once(2)))
             .collect();
         assert_eq!(places, [0, 2, 4, 2, 8]);
     }

@@ -73,7 +73,7 @@ impl BlockMatrix {
         for i in 0..self.graph.len() {
             let end = values.len();
             values.extend_from_slice(self.row_values(i));
-            let place = repeats.place(values.len() - end, &values, end, std::iter::once(values.len() - end));
+            let place = repeats.place(values.len() - end, &values, end, &std::iter::once(values.len() - end));
             if place < end {
                 values.truncate(end);
             } else {

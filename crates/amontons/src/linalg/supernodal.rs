@@ -140,7 +140,7 @@ fn compact(root: &mut Task, values: &mut [f64]) -> usize {
             to += leading - j;
         }
         let lengths = (0..panel.columns).map(|j| leading - j);
-        panel.values = repeats.place((panel.columns, leading), &values[..to], end, lengths);
+        panel.values = repeats.place((panel.columns, leading), &values[..to], end, &lengths);
         if panel.values == end {
             end = to;
         }
@@ -355,7 +355,7 @@ mod tests {
         let mesh = Mesh::rectangle([1.0, 1.0], [64, 64], Diagonal::Left)?;
         let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), 1, 1);
         for (k, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
-            let value = |v: usize| factor(k) * if v % 4 == 0 { 2.0 } else { -0.7 };
+            let value = |v: usize| factor(k) * if v.is_multiple_of(4) { 2.0 } else { -0.7 };
             matrix.add(cell, &(0..9).map(value).collect::<Vec<_>>());
         }
         let (free, contact) = (vec![true; mesh.points.len()], mesh.facets["bottom"].node_list());
