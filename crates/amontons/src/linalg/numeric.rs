@@ -138,8 +138,8 @@ impl<'a> Supernodes<'a> {
         Ok(())
     }
 
-    /// What the columns of a supernode are made of, as a digest: the entries of the matrix, and what the supernodes below
-    /// it take from them. A mesh that repeats itself has many supernodes that are made of the same.
+    /// What the columns of a supernode are made of, as a digest: the entries of the matrix, and what the supernodes
+    /// below it take from them. A mesh that repeats itself has many supernodes that are made of the same.
     fn made_of(&self, s: usize, lower: &Columns, waiting: &Waiting, work: &Work) -> [u8; 32] {
         let (columns, mut digest) = (self.columns(s), Sha256::new());
         let mut add = |numbers: &[u64]| numbers.iter().for_each(|number| digest.update(number.to_le_bytes()));

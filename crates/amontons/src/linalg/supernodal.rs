@@ -349,8 +349,8 @@ mod tests {
     use crate::linalg::{Graph, Layout, System};
     use crate::mesh::{Block, Diagonal, Mesh, MeshError};
 
-    /// A diffusion with storage on an even mesh of 64 × 64 squares, the matrix of each cell times a factor: the error of
-    /// a solution, and the numbers of the factor.
+    /// A diffusion with storage on an even mesh of 64 × 64 squares, the matrix of each cell times a factor: the error
+    /// of a solution, and the numbers of the factor.
     fn solved(factor: impl Fn(usize) -> f64) -> Result<(f64, usize), MeshError> {
         let mesh = Mesh::rectangle([1.0, 1.0], [64, 64], Diagonal::Left)?;
         let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), 1, 1);
