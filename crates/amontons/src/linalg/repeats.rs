@@ -6,9 +6,10 @@
 use std::collections::HashMap;
 use std::hash::Hash;
 
-/// How far an entry may be from that of another column to be the same, as a share of the largest of its column:
-/// translates differ by the round-off of their coordinates, and an elimination leaves errors of this size anyhow.
-const SAME: f64 = 16.0 * f64::EPSILON;
+/// How far an entry of a factor may be from that of another column to be the same, as a share of the largest of its
+/// column: translates differ by the round-off of their coordinates, and an elimination leaves errors of this size
+/// anyhow.
+pub(super) const ROUND_OFF: f64 = 16.0 * f64::EPSILON;
 
 /// Last bits of a sum that do not count.
 const BITS: u32 = 12;
@@ -18,11 +19,15 @@ const LATEST: usize = 32;
 
 /// The places of numbers that have been stored, by their kind: what else must be equal.
 #[derive(Debug)]
-pub(super) struct Repeats<Kind>(HashMap<(Kind, u64), Vec<usize>>);
+pub(super) struct Repeats<Kind> {
+    places: HashMap<(Kind, u64), Vec<usize>>,
+    /// How far entries may be from each other, as a share of the largest of a column.
+    same: f64,
+}
 
 impl<Kind: Eq + Hash> Repeats<Kind> {
-    pub fn new() -> Repeats<Kind> {
-        Repeats(HashMap::new())
+    pub fn new(same: f64) -> Repeats<Kind> {
+        Repeats { places: HashMap::new(), same }
     }
 
     /// Where the numbers from `place` on stand, which are columns of these lengths: at an earlier place if they are the
@@ -35,13 +40,13 @@ impl<Kind: Eq + Hash> Repeats<Kind> {
         columns: &(impl Iterator<Item = usize> + Clone),
     ) -> usize {
         let (before, own) = values.split_at(place);
-        let alike = self.0.entry((kind, size(own))).or_default();
+        let alike = self.places.entry((kind, size(own))).or_default();
         let same = alike
             .iter()
             .rev()
             .take(LATEST)
             .copied()
-            .find(|&earlier| are_same(&before[earlier..], own, columns.clone()));
+            .find(|&earlier| are_same(self.same, &before[earlier..], own, columns.clone()));
         same.unwrap_or_else(|| {
             alike.push(place);
             place
@@ -56,12 +61,12 @@ fn size(values: &[f64]) -> u64 {
 }
 
 /// Whether two sets of columns have the same numbers.
-fn are_same(mut one: &[f64], mut other: &[f64], mut columns: impl Iterator<Item = usize>) -> bool {
+fn are_same(same: f64, mut one: &[f64], mut other: &[f64], mut columns: impl Iterator<Item = usize>) -> bool {
     columns.all(|length| {
         let (a, b);
         ((a, one), (b, other)) = (one.split_at(length), other.split_at(length));
         let largest = a.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
-        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= SAME * largest)
+        a.iter().zip(b).all(|(a, b)| (a - b).abs() <= same * largest)
     })
 }
 
@@ -73,7 +78,7 @@ mod tests {
     fn numbers_are_the_same_to_round_off_of_their_columns() {
         let own = [3.0, -1.0, 1e-8, 5e-9];
         let place = |change: [f64; 4], columns: [usize; 2], kind: u8| {
-            let mut repeats = Repeats::new();
+            let mut repeats = Repeats::new(ROUND_OFF);
             let mut values = vec![7.0];
             values.extend(own);
             assert_eq!(repeats.place(0, &values, 1, &[2, 2].into_iter()), 1);
@@ -92,7 +97,7 @@ mod tests {
 
     #[test]
     fn numbers_of_one_size_are_told_apart() {
-        let (mut repeats, values) = (Repeats::new(), [1.0, 2.0, 2.0, 1.0, 1.0, -2.0, 2.0, 1.0, f64::NAN, 0.0]);
+        let (mut repeats, values) = (Repeats::new(0.0), [1.0, 2.0, 2.0, 1.0, 1.0, -2.0, 2.0, 1.0, f64::NAN, 0.0]);
         let places: Vec<usize> = (0..values.len())
             .step_by(2)
             .map(|end| repeats.place((), &values[..end + 2], end, &std::iter::once(2)))

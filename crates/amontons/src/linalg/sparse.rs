@@ -69,7 +69,8 @@ impl BlockMatrix {
     #[must_use]
     pub fn repeated(mut self) -> BlockMatrix {
         let (mut start, mut values) = (Vec::with_capacity(self.graph.len()), Vec::new());
-        let (mut repeats, mut different) = (Repeats::new(), 0.0);
+        // To the bit: the audit of energy takes the matrix for symmetric.
+        let (mut repeats, mut different) = (Repeats::new(0.0), 0.0);
         for i in 0..self.graph.len() {
             let end = values.len();
             values.extend_from_slice(self.row_values(i));
@@ -528,7 +529,7 @@ mod tests {
         Ok(())
     }
 
-    /// On an even mesh the rows of interior nodes are one; a matrix that is changed is read as it is.
+    /// On an even mesh the rows of all interior nodes are the same, and a changed matrix is read as it is.
     #[test]
     fn rows_that_repeat_are_read_from_one_place() -> Result<(), MeshError> {
         let even = |n: usize| Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Left);

@@ -17,7 +17,7 @@ use super::condensed::Condensed;
 use super::error::SolveError;
 use super::factor::{Backend, Columns, Factor};
 use super::numeric::{Supernodes, has_factor};
-use super::repeats::Repeats;
+use super::repeats::{ROUND_OFF, Repeats};
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
 use super::stop::Stop;
@@ -125,7 +125,7 @@ fn compact(root: &mut Task, values: &mut [f64]) -> usize {
     let mut all = Vec::new();
     panels(root, &mut all);
     all.sort_unstable_by_key(|panel| panel.values);
-    let (mut end, mut repeats, mut moved) = (0, Repeats::new(), None);
+    let (mut end, mut repeats, mut moved) = (0, Repeats::new(ROUND_OFF), None);
     for panel in all {
         let (from, mut to, leading) = (panel.values, end, panel.leading);
         if let Some((before, now)) = moved
