@@ -1,6 +1,6 @@
 //! Numbers that repeat, stored once.
 //!
-//! On a mesh that repeats itself the rows of a matrix are those of a few nodes, and the panels of a factor those of a
+//! On a uniform mesh the rows of a matrix are those of a few nodes, and the panels of a factor those of a
 //! few subdomains. Sweeps and products are bound by memory traffic, and what is shared stays in the caches.
 
 use std::collections::HashMap;
