@@ -44,7 +44,7 @@ pub use system::System;
 pub use tangent::{Entry, Share, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
-pub use vectors::{add_combination, dot, dots, is_finite, map, max_abs, orthogonalize, sum};
+pub use vectors::{add_combination, dot, dots, is_finite, map, map_with_largest, max_abs, orthogonalize, sum, sums};
 
 /// Every backend, for tests that loop over them.
 #[must_use]

@@ -43,7 +43,10 @@ impl<'a> Layout<'a> {
     #[must_use]
     pub fn unknowns(&self, dofs: Vec<u32>, interior: usize) -> Unknowns {
         let frames = (self.frames.into(), self.components);
-        Unknowns { dofs, interior, points: Arc::new([]), frames, links: self.links.into(), choice: None }
+        let mut position = vec![u32::MAX; self.free.len()];
+        dofs.iter().enumerate().for_each(|(k, &dof)| position[dof as usize] = k as u32);
+        let links = self.links.into();
+        Unknowns { dofs, position, interior, points: Arc::new([]), frames, links, choice: None }
     }
 
     /// The matrix of the unknowns: in their directions, and without the nodes that follow others.
@@ -77,6 +80,8 @@ impl<'a> Layout<'a> {
 pub struct Unknowns {
     /// Degree of freedom at each position.
     pub dofs: Vec<u32>,
+    /// Position of each degree of freedom; the largest number for those that are no unknowns.
+    pub position: Vec<u32>,
     /// How many positions are eliminated: the interior.
     pub interior: usize,
     /// Coordinates of all nodes, for a backend that asks for them; may be empty.
@@ -210,8 +215,12 @@ impl Unknowns {
 
     /// [`Unknowns::add`] to such a vector.
     pub fn put(&self, x: &[f64], full: &mut [f64]) {
-        for (&d, &value) in self.dofs.iter().zip(x) {
-            full[d as usize] += value;
-        }
+        full.par_chunks_mut(BLOCK).zip(self.position.par_chunks(BLOCK)).for_each(|(full, positions)| {
+            for (entry, &position) in full.iter_mut().zip(positions) {
+                if let Some(value) = x.get(position as usize) {
+                    *entry += value;
+                }
+            }
+        });
     }
 }

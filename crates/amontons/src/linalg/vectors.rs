@@ -21,26 +21,70 @@ pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) 
     out
 }
 
+/// The same with [`max_abs`] of each of the vectors.
+#[must_use]
+pub fn map_with_largest<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> (Vec<f64>, [f64; N]) {
+    let mut out = vec![0.0; of.first().map_or(0, |v| v.len())];
+    let of_block = |(block, out): (usize, &mut [f64])| {
+        let of = of.map(|v| &v[block * BLOCK..][..out.len()]);
+        let mut sizes = [[0; 4]; N];
+        let (fours, rest) = (of.map(|v| v.as_chunks::<4>().0), of.map(|v| v.as_chunks::<4>().1));
+        let (out, out_rest) = out.as_chunks_mut::<4>();
+        for (i, out) in out.iter_mut().enumerate() {
+            for l in 0..4 {
+                let entries = fours.map(|v| v[i][l]);
+                out[l] = f(entries);
+                for (sizes, entry) in sizes.iter_mut().zip(entries) {
+                    sizes[l] = sizes[l].max(size(entry));
+                }
+            }
+        }
+        for (i, out) in out_rest.iter_mut().enumerate() {
+            let entries = rest.map(|v| v[i]);
+            *out = f(entries);
+            for (sizes, entry) in sizes.iter_mut().zip(entries) {
+                sizes[0] = sizes[0].max(size(entry));
+            }
+        }
+        sizes.map(|lanes| lanes.into_iter().fold(0, i64::max))
+    };
+    let of_blocks: Vec<[i64; N]> = out.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
+    let mut largest = [0; N];
+    for sizes in of_blocks {
+        largest.iter_mut().zip(sizes).for_each(|(largest, size)| *largest = size.max(*largest));
+    }
+    (out, largest.map(of_size))
+}
+
 /// Σ f(a_i, b_i, …) of vectors of equal length.
 #[must_use]
 pub fn sum<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> f64 {
+    let [sum] = sums(of, |entries| [f(entries)]);
+    sum
+}
+
+/// The same of several sums at once.
+#[must_use]
+pub fn sums<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M] + Sync) -> [f64; M] {
     let length = of.first().map_or(0, |v| v.len());
-    let of_block = |block: usize| sum_of_block(of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]), &f);
-    let partial: Vec<f64> = (0..length.div_ceil(BLOCK)).into_par_iter().map(of_block).collect();
-    partial.iter().sum()
+    let of_block = |block: usize| sums_of_block(of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]), &f);
+    let partial: Vec<[f64; M]> = (0..length.div_ceil(BLOCK)).into_par_iter().map(of_block).collect();
+    std::array::from_fn(|k| partial.iter().map(|sums| sums[k]).sum())
 }
 
 /// The same of one block, in eight lanes.
-fn sum_of_block<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64) -> f64 {
+fn sums_of_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M]) -> [f64; M] {
     let (eights, rest) = (of.map(|v| v.as_chunks::<8>().0), of.map(|v| v.as_chunks::<8>().1));
-    let mut lanes = [0.0; 8];
+    let mut lanes = [[0.0; 8]; M];
     for i in 0..eights.first().map_or(0, |v| v.len()) {
         for l in 0..8 {
-            lanes[l] += f(eights.map(|v| v[i][l]));
+            for (lanes, value) in lanes.iter_mut().zip(f(eights.map(|v| v[i][l]))) {
+                lanes[l] += value;
+            }
         }
     }
-    let of_rest = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i])));
-    lanes.iter().sum::<f64>() + of_rest.sum::<f64>()
+    let of_rest: Vec<[f64; M]> = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i]))).collect();
+    std::array::from_fn(|k| lanes[k].iter().sum::<f64>() + of_rest.iter().map(|values| values[k]).sum::<f64>())
 }
 
 /// Sum of the products.
@@ -54,7 +98,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
     let of_block = |(block, x): (usize, &[f64])| -> Vec<f64> {
         let at = block * BLOCK;
-        vectors.iter().map(|v| sum_of_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| v * x)).collect()
+        vectors.iter().map(|v| sums_of_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
     };
     let partial: Vec<Vec<f64>> = x.par_chunks(BLOCK).enumerate().map(of_block).collect();
     (0..vectors.len()).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
@@ -88,26 +132,28 @@ pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: 
 /// Largest absolute value; NaN if there is one.
 #[must_use]
 pub fn max_abs(v: &[f64]) -> f64 {
-    let largest: Vec<f64> = v.par_chunks(BLOCK).map(largest).collect();
-    largest.into_iter().fold(0.0, |most: f64, size| if most.is_nan() || size <= most { most } else { size })
+    let largest: Vec<i64> = v.par_chunks(BLOCK).map(largest).collect();
+    of_size(largest.into_iter().fold(0, i64::max))
 }
 
-fn largest(v: &[f64]) -> f64 {
+fn largest(v: &[f64]) -> i64 {
     let (chunks, rest) = v.as_chunks::<8>();
-    let (mut lanes, mut sums) = ([0.0f64; 8], [0.0f64; 8]);
+    let mut lanes = [0; 8];
     for chunk in chunks {
         for l in 0..8 {
-            let size = chunk[l].abs();
-            lanes[l] = if size > lanes[l] { size } else { lanes[l] };
-            // Zero, unless a number is infinite or none.
-            sums[l] += 0.0 * size;
+            lanes[l] = lanes[l].max(size(chunk[l]));
         }
     }
-    let suspicious = sums.iter().any(|sum| *sum != 0.0);
-    if (suspicious && v.iter().any(|x| x.is_nan())) || rest.iter().any(|x| x.is_nan()) {
-        return f64::NAN;
-    }
-    rest.iter().map(|x| x.abs()).chain(lanes).fold(0.0, f64::max)
+    rest.iter().map(|x| size(*x)).chain(lanes).fold(0, i64::max)
+}
+
+/// The absolute value of a number by its bits, whose order is that of the values, NaN above all.
+fn size(x: f64) -> i64 {
+    x.abs().to_bits().cast_signed()
+}
+
+fn of_size(size: i64) -> f64 {
+    f64::from_bits(size.cast_unsigned())
 }
 
 /// Whether every entry is finite.
@@ -131,6 +177,10 @@ mod tests {
         assert!(mapped.len() == a.len() && (0..a.len()).all(|i| (mapped[i] - (a[i] - 2.0 * b[i])).abs() == 0.0));
         assert_eq!(dots(&[&a, &b], &a), [dot(&a, &a), dot(&b, &a)]);
         assert!(sum([&[], &[]], |[a, b]| a * b).abs() == 0.0 && map([&[]], |[a]| a).is_empty());
+        let both = sums([&a, &b], |[a, b]| [a * b, a - 2.0 * b]);
+        assert_eq!(both.map(f64::to_bits), [dot(&a, &b), sum([&a, &b], |[a, b]| a - 2.0 * b)].map(f64::to_bits));
+        let (of_both, largest) = map_with_largest([&a, &b], |[a, b]| a - 2.0 * b);
+        assert!(of_both == mapped && largest == [6.0, 4.0]);
     }
 
     /// Of a combination of orthonormal vectors nothing is left, and its components are those it was made of.
@@ -149,6 +199,13 @@ mod tests {
     #[test]
     fn what_is_no_number_is_seen() {
         assert!(max_abs(&[1.0, f64::NAN, 2.0]).is_nan());
+        assert!(max_abs(&[1.0, -f64::NAN, f64::INFINITY]).is_nan());
+        for at in 0..7 {
+            let mut one = [-3.0; 7];
+            one[at] = f64::NAN;
+            let (_, [first, second]) = map_with_largest([&one, &[-4.0; 7]], |[a, b]| a + b);
+            assert!(first.is_nan() && (second - 4.0).abs() == 0.0);
+        }
         let with = |i: usize, value: f64| (0..20).map(|k| if k == i { value } else { 2.0 }).collect::<Vec<_>>();
         assert!((0..20).all(|i| max_abs(&with(i, f64::NAN)).is_nan()));
         assert!((0..20).all(|i| (max_abs(&with(i, -3.0)) - 3.0).abs() == 0.0));

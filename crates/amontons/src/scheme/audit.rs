@@ -7,7 +7,7 @@ use super::system::{Step, difference};
 use crate::arrays::per_point;
 use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
-use crate::linalg::{dot, sum};
+use crate::linalg::{dot, sum, sums};
 use crate::tensor;
 
 /// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
@@ -85,21 +85,26 @@ impl Energy {
         let Step { discrete, old, products, k, .. } = *step;
         let rho = discrete.inertia().0;
         let stored = stored(step, m, theta);
-        let contact = contact(step, m);
-        let inertial = 0.5 * rho * of_changes([&m.w, &old.w], [&m.mass_w, &products.mass_w]);
+        // One pass over each vector.
+        let [kinetic, inertial, viscous, thermal_work, work] =
+            sums([&m.w, &old.w, &m.mass_w, &products.mass_w, &m.b_w, &m.thermal, &m.load], |entries| {
+                let [w, w_old, mass_w, mass_old, b_w, thermal, load] = entries;
+                [w * mass_w, (w - w_old) * (mass_w - mass_old), w * b_w, w * thermal, w * load]
+            });
+        let contact = contact(step, m, k * work + m.support_work);
         let compliance =
             contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
                 + contact.stiffening;
         Energy {
-            kinetic: 0.5 * rho * dot(&m.w, &m.mass_w),
+            kinetic: 0.5 * rho * kinetic,
             elastic: stored.elastic,
             contact: contact.energy,
-            viscous: k * dot(&m.w, &m.b_w) + stored.relaxed + contact.damping,
+            viscous: k * viscous + stored.relaxed + contact.damping,
             friction: contact.friction,
             worn: contact.worn,
-            scheme: inertial + stored.scheme + compliance,
+            scheme: 0.5 * rho * inertial + stored.scheme + compliance,
             load_work: contact.load_work,
-            thermal_work: k * dot(&m.w, &m.thermal),
+            thermal_work: k * thermal_work,
             modulus_work: stored.modulus + contact.stiffening,
         }
     }
@@ -135,10 +140,10 @@ struct OnContact {
     load_work: f64,
 }
 
-fn contact(step: &Step, m: &Mechanics) -> OnContact {
+/// With the work of loads and supports.
+fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
     let Step { contacts, discrete, boundary, old, k, .. } = *step;
     let changes = contacts.iter().any(|contact| contact.normal.at_time(step.t).is_some());
-    let load_work = k * dot(&m.w, &m.load) + m.support_work;
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // The energy of the layer at the start of the step by the laws at its end.
     let mut start = 0.0;
@@ -189,11 +194,6 @@ fn explained(error: f64, size: f64) -> f64 {
     if error.abs() <= 4.0 * f64::EPSILON * size { size } else { 0.0 }
 }
 
-/// Σ (a_i − b_i)(c_i − d_i).
-fn of_changes([a, b]: [&[f64]; 2], [c, d]: [&[f64]; 2]) -> f64 {
-    sum([a, b, c, d], |[a, b, c, d]| (a - b) * (c - d))
-}
-
 /// Σ |a_i| b_i.
 fn absolute(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a.abs() * b).sum()
@@ -216,12 +216,10 @@ fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let Step { discrete, old, products, k, .. } = *step;
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
-        Stored {
-            elastic: 0.5 * dot(&m.u, &m.a_u),
-            relaxed: 0.0,
-            scheme: 0.5 * of_changes([&m.u, &old.u], [&m.a_u, &products.a_u]),
-            modulus: 0.0,
-        }
+        let [elastic, scheme] = sums([&m.u, &old.u, &m.a_u, &products.a_u], |[u, u_old, a_u, a_old]| {
+            [u * a_u, (u - u_old) * (a_u - a_old)]
+        });
+        Stored { elastic: 0.5 * elastic, relaxed: 0.0, scheme: 0.5 * scheme, modulus: 0.0 }
     } else if let Some(sum) = softening(step, m, theta) {
         sum
     } else {

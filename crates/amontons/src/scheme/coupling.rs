@@ -91,21 +91,23 @@ impl<'a> Coupled<'a> {
     }
 
     /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass. Heat
-    /// needs the contact of (4.1) on Γ_C only: its forward sweep is made beside the mechanical half-step.
+    /// needs the contact of (4.1) on Γ_C only: its forward sweep is made beside that contact, which takes one thread.
     fn pass(&mut self, theta: &[f64], u: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let (step, mechanics, heat) = (&self.step, &mut *self.mechanics, &*self.heat);
-        let (solved, begun) = rayon::join(
-            || Mechanics::solve(step, mechanics, theta, from.map(|from| &from.mechanics)),
-            || heat::Begun::new(step, heat, u, from.map(|from| &from.heat)),
-        );
-        let solved = solved?;
-        let heat = begun?.solve(step, self.heat, &solved.states)?;
+        let begin = || heat::Begun::new(step, heat, u, from.map(|from| &from.heat));
+        let mut begun = None;
+        let mut beside = || {
+            begun.get_or_insert_with(begin);
+        };
+        let solved = Mechanics::solve(step, mechanics, theta, from.map(|from| &from.mechanics), &mut beside)?;
+        let heat = begun.unwrap_or_else(begin)?.solve(step, self.heat, &solved.states)?;
         Ok(self.count(Pass { mechanics: solved, heat }))
     }
 
     /// θ ↦ the temperature of (4.2) at the displacement that (4.1) has with θ.
     fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
-        let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics))?;
+        let mechanics =
+            Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut || {})?;
         let begun = heat::Begun::new(&self.step, self.heat, &mechanics.u, from.map(|from| &from.heat))?;
         let heat = begun.solve(&self.step, self.heat, &mechanics.states)?;
         Ok(self.count(Pass { mechanics, heat }))

@@ -5,7 +5,7 @@ use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, map, max_abs, sum};
+use crate::linalg::{SolveError, Tangent, map, map_with_largest, max_abs, sum};
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -191,17 +191,17 @@ impl Begun {
         let (through_contact, rubbed) = through(step, exchange);
         // At prescribed nodes it is the heat that has to be supplied there.
         let terms = [mass_theta, &products.mass_theta, d_theta, coupling, supply, &chi].map(|term| &**term);
-        let mut rest = map(terms, |[mass_theta, bar, d_theta, coupling, supply, chi]| {
+        let sum = |[mass_theta, bar, d_theta, coupling, supply, chi]: [f64; 6]| {
             c / delta * (mass_theta - bar) + d_theta - coupling - supply + chi
-        });
+        };
+        let (mut rest, [mass_theta, bar, d_theta, coupling, supply, _]) = map_with_largest(terms, sum);
         discrete.q.gather(&mut rest);
         let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);
-        let storage = c / delta * max_abs(mass_theta).max(max_abs(&products.mass_theta));
+        let storage = c / delta * mass_theta.max(bar);
         // A flux into a prescribed temperature may be of any size and is no term of an equation.
-        let driven =
-            max_abs(coupling).max(max_abs(supply)).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
-        let scale = driven.max(max_abs(d_theta));
+        let driven = coupling.max(supply).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
+        let scale = driven.max(d_theta);
         let residual = step.relative(max_abs(&rest), scale, "heat")?;
         Ok(Balance { residual, scale, driven, through_contact, reactions, rubbed })
     }

@@ -7,7 +7,7 @@ use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degre
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, map, max_abs};
+use crate::linalg::{SolveError, Tangent, map, map_with_largest, max_abs};
 use crate::tensor::Point;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
@@ -141,11 +141,14 @@ impl Mechanics {
     /// is linear, that is it, and what the round-off of the sweeps leaves is met by another pass. Where a law is not
     /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand. Where laws are
     /// linear and depend on the temperature, K_u is that of an earlier temperature as long as the passes converge fast.
+    ///
+    /// In every pass `beside` is called while the contact is solved, which takes one thread.
     pub fn solve(
         step: &Step,
         half: &mut HalfStep,
         theta: &[f64],
         from: Option<&Mechanics>,
+        beside: &mut (dyn FnMut() + Send),
     ) -> Result<Mechanics, StepError> {
         let discrete = step.discrete;
         let is_linear = discrete.is_linear();
@@ -165,7 +168,7 @@ impl Mechanics {
                 let at = if softens { theta } else { &[] };
                 half.replace(tangent, at).map_err(|source| step.singular(source))?;
             }
-            let (w, multipliers, iterations) = equation.pass(half, &now)?;
+            let (w, multipliers, iterations) = equation.pass(half, &now, beside)?;
             newton += iterations;
             passes += 1;
             let mut next = equation.balance(half, w, multipliers)?;
@@ -252,19 +255,31 @@ impl<'a> Equation<'a> {
         Ok(Equation { step, load, theta, warmed, thermal: step.discrete.thermal_force(theta), given })
     }
 
+    /// ρ/δ.
+    fn inertia(&self) -> f64 {
+        self.step.discrete.inertia().0 / self.step.rule.delta
+    }
+
+    /// The terms of (4.1) at an iterate besides those of contact and of the branches that relax, which [`right_hand_side`] sums.
+    fn terms<'t>(&'t self, at: &'t Iterate) -> [&'t [f64]; 6] {
+        [&self.load, &self.thermal, &at.mass_w, &self.step.products.mass_w, &at.b_w, &at.a_u]
+    }
+
     /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
     fn right(&self, at: &Iterate) -> Vec<f64> {
-        let step = self.step;
-        let inertia = step.discrete.inertia().0 / step.rule.delta;
-        let terms = [&self.load, &self.thermal, &*at.mass_w, &step.products.mass_w, &*at.b_w, &*at.a_u];
-        let right =
-            map(terms, |[load, thermal, mass_w, bar, b_w, a_u]| load + thermal - inertia * (mass_w - bar) - b_w - a_u);
+        let inertia = self.inertia();
+        let right = map(self.terms(at), |terms| right_hand_side(inertia, terms));
         if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
     }
 
     /// A pair of sweeps with the contact solved between them: the velocity with its multipliers, and the Newton
     /// iterations on Γ_C.
-    fn pass(&self, half: &mut HalfStep, now: &Iterate) -> Result<(Vec<f64>, Multipliers, usize), StepError> {
+    fn pass(
+        &self,
+        half: &mut HalfStep,
+        now: &Iterate,
+        beside: &mut (dyn FnMut() + Send),
+    ) -> Result<(Vec<f64>, Multipliers, usize), StepError> {
         let step = self.step;
         let right = self.right(now);
         step.finite(&right, "the data")?;
@@ -274,11 +289,14 @@ impl<'a> Equation<'a> {
         let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
         let iterations = system
             .expand(reduced, &mut w, |condensed, r| {
-                let Some(on_boundary) = self.given.on_boundary(step, on_contact) else {
-                    return without_contact(condensed, r, &guess);
+                let contact = || {
+                    let Some(on_boundary) = self.given.on_boundary(step, on_contact) else {
+                        return without_contact(condensed, r, &guess);
+                    };
+                    let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
+                    Ok((solved.x, solved.iterations))
                 };
-                let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
-                Ok((solved.x, solved.iterations))
+                rayon::join(contact, beside).0
             })
             .map_err(|why| step.failed("mechanics", why))?;
         step.finite(&w, "mechanics")?;
@@ -287,27 +305,26 @@ impl<'a> Equation<'a> {
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
     fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced<'a>, StepError> {
-        let Step { discrete, products, k, .. } = *self.step;
+        let Step { discrete, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
-        let iterate = Iterate::new(self.step, w, multipliers, &self.warmed);
+        let u = self.step.displacement(&w);
+        let iterate = Iterate::new(self.step, &u, w, multipliers, &self.warmed);
         let (force, contact_force) = contact_forces(self.step, &states);
-        let mut rest = map([&self.right(&iterate), &contact_force], |[right, force]| force - right);
+        let (inertia, [a, b, c, d, e, f]) = (self.inertia(), self.terms(&iterate));
+        let (mut rest, [_, load, thermal, mass_w, bar, b_w, a_u]) =
+            map_with_largest([&contact_force, a, b, c, d, e, f], |[force, a, b, c, d, e, f]| {
+                force - right_hand_side(inertia, [a, b, c, d, e, f])
+            });
+        rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
         let support_work = reactions.iter().zip(discrete.v.prescribed_of(&iterate.w)).map(|(r, w)| k * r * w).sum();
         discrete.v.mask(&mut rest);
-        let inertia =
-            discrete.inertia().0 / self.step.rule.delta * max_abs(&iterate.mass_w).max(max_abs(&products.mass_w));
-        let (driven, contact) = (
-            [&self.thermal, &self.load].map(|term| max_abs(term)).into_iter().fold(inertia, f64::max),
-            discrete.v.largest_at(&self.step.boundary.nodes, &contact_force),
-        );
-        let scale = [&*iterate.b_w, &*iterate.a_u, &*iterate.relaxing]
-            .map(max_abs)
-            .into_iter()
-            .fold(driven.max(contact), f64::max);
+        let driven = (inertia * mass_w.max(bar)).max(thermal).max(load);
+        let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
+        let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(driven.max(contact), f64::max);
         let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate, states, residual, scale, driven, contact, force, reactions, support_work })
+        Ok(Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work })
     }
 
     /// The iterate `next`, or where its residual is larger than the one before, the best of ever shorter parts of the
@@ -340,7 +357,7 @@ impl<'a> Equation<'a> {
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
         let Equation { step, load, theta, thermal, given, .. } = self;
-        let Balanced { iterate, states, residual, scale, driven, contact, force, reactions, support_work } = end;
+        let Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work } = end;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
         let residual = step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
             Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
@@ -356,7 +373,7 @@ impl<'a> Equation<'a> {
         let is_unique =
             given.is_unique(step, half, &w, &multipliers).map_err(|source| step.unsolved("mechanics", source))?;
         Ok(Mechanics {
-            u: step.displacement(&w),
+            u,
             is_unique,
             branches: step.branches(&w),
             w,
@@ -394,9 +411,16 @@ struct Iterate<'a> {
     relaxing: Vec<f64>,
 }
 
+/// The sum of the terms of (4.1) without contact.
+fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6]) -> f64 {
+    load + thermal - inertia * (mass_w - bar) - b_w - a_u
+}
+
 /// What is left of (4.1) at an iterate.
 struct Balanced<'a> {
     iterate: Iterate<'a>,
+    /// ū + γ w of it.
+    u: Vec<f64>,
     states: Vec<PointState>,
     residual: f64,
     scale: f64,
@@ -409,8 +433,9 @@ struct Balanced<'a> {
 }
 
 impl Iterate<'_> {
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Self {
-        let products = step.discrete.mechanical_products(&step.displacement(&w), &w, warmed);
+    /// At a velocity and the displacement that it makes.
+    fn new(step: &Step, u: &[f64], w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Self {
+        let products = step.discrete.mechanical_products(u, &w, warmed);
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
@@ -442,7 +467,7 @@ impl<'a> Begun<'a> {
             let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
-            Iterate::new(step, w, multipliers, warmed)
+            Iterate::new(step, &step.displacement(&w), w, multipliers, warmed)
         };
         Begun { now, load, given }
     }
@@ -452,7 +477,7 @@ impl<'a> Begun<'a> {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         let (w, multipliers) = (w.clone(), multipliers.clone());
         let now = if step.discrete.softens() {
-            Iterate::new(step, w, multipliers, warmed)
+            Iterate::new(step, &m.u, w, multipliers, warmed)
         } else {
             let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(|v| Cow::Borrowed(&**v));
             Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
