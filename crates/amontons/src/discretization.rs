@@ -129,6 +129,22 @@ impl Warm {
     }
 }
 
+/// Whether a law has a matrix that does not change.
+fn is_fixed(law: &Arc<dyn TensorLaw>) -> bool {
+    law.is_linear() && !depends_on_temperature(law.as_ref())
+}
+
+/// The laws by region that have no such matrix, zero in place of others; empty where all have one.
+fn others(materials: &[Material], law: fn(&Material) -> &Arc<dyn TensorLaw>) -> Vec<Arc<dyn TensorLaw>> {
+    if materials.iter().all(|m| is_fixed(law(m))) {
+        return Vec::new();
+    }
+    let of = |m: &Material| -> Arc<dyn TensorLaw> {
+        if is_fixed(law(m)) { Arc::new(ZERO.clone()) } else { Arc::clone(law(m)) }
+    };
+    materials.iter().map(of).collect()
+}
+
 impl Discretization {
     /// Assembles the forms of a problem.
     #[must_use]
@@ -139,43 +155,46 @@ impl Discretization {
         let materials = &problem.materials;
         let each = |f: fn(&Material) -> &Coefficient<f64>| materials.iter().map(f).cloned().collect::<Vec<_>>();
         let tensors = |f: fn(&Material) -> &Coefficient<Sym>| materials.iter().map(f).collect::<Vec<_>>();
-        let is_fixed = |law: &Arc<dyn TensorLaw>| law.is_linear() && !depends_on_temperature(law.as_ref());
         let form = |law: fn(&Material) -> &Arc<dyn TensorLaw>| {
             let linear: Vec<&dyn TensorLaw> =
                 materials.iter().map(|m| if is_fixed(law(m)) { law(m).as_ref() } else { &ZERO }).collect();
             forms::tensor_form(&mesh, &graph, &linear, &problem.dilatation()).repeated()
         };
-        let others =
-            |law: fn(&Material) -> &Arc<dyn TensorLaw>| -> Vec<Arc<dyn TensorLaw>> {
-                if materials.iter().all(|m| is_fixed(law(m))) {
-                    return Vec::new();
-                }
-                materials
-                    .iter()
-                    .map(|m| {
-                        if is_fixed(law(m)) { Arc::new(ZERO.clone()) as Arc<dyn TensorLaw> } else { Arc::clone(law(m)) }
-                    })
-                    .collect()
-            };
         let boundary = Arc::new(problem.contact_boundary());
+        // Loads take one thread each.
+        let loads = || {
+            rayon::join(
+                || forms::f(&mesh, &problem.body_force, &problem.boundary),
+                || forms::q(&mesh, &problem.heat_source, &problem.boundary),
+            )
+        };
+        let matrices = || {
+            let mass = forms::inner_h(&mesh, &graph).repeated();
+            let (a, b) = (form(|m| &m.elasticity), form(|m| &m.viscosity));
+            let d = forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated();
+            let m = forms::m(&mesh, &graph, &tensors(|m| &m.expansion)).repeated();
+            let e = forms::e(&mesh, &graph, &tensors(|m| &m.coupling)).repeated();
+            (mass, [a, b], d, [m, e])
+        };
+        let ((mass, [a, b], d, [m, e]), (f, q_h)) = rayon::join(matrices, loads);
         Discretization {
-            mass: forms::inner_h(&mesh, &graph).repeated(),
+            mass,
             density: Weight::new(&mesh, &graph, &each(|m| &m.density)),
             capacity: Weight::new(&mesh, &graph, &each(|m| &m.heat_capacity)),
-            a: form(|m| &m.elasticity),
-            b: form(|m| &m.viscosity),
-            elasticity: others(|m| &m.elasticity),
-            viscosity: others(|m| &m.viscosity),
+            a,
+            b,
+            elasticity: others(materials, |m| &m.elasticity),
+            viscosity: others(materials, |m| &m.viscosity),
             warm: Warm::new(materials),
             branches: Relaxation::of(problem, &graph),
-            d: forms::d(&mesh, &graph, &tensors(|m| &m.conductivity)).repeated(),
-            m: forms::m(&mesh, &graph, &tensors(|m| &m.expansion)).repeated(),
-            e: forms::e(&mesh, &graph, &tensors(|m| &m.coupling)).repeated(),
+            d,
+            m,
+            e,
             springs: forms::springs(&mesh, &graph, &problem.boundary),
             dashpots: forms::dashpots(&mesh, &graph, &problem.boundary),
             convection: forms::convection(&mesh, &graph, &problem.boundary),
-            f: forms::f(&mesh, &problem.body_force, &problem.boundary),
-            q_h: forms::q(&mesh, &problem.heat_source, &problem.boundary),
+            f,
+            q_h,
             dilatation: problem.dilatation(),
             boundary,
             v,

@@ -11,6 +11,9 @@ pub(crate) fn data_degree(element: &Element) -> usize {
     element.degree + 3
 }
 
+/// Points of a field that does not vary with time whose values are added at once: they fit into a cache.
+const POINTS: usize = 4096;
+
 /// A load linear in its data: fixed entries, and terms whose field varies with time.
 #[derive(Debug, Default)]
 pub struct Load {
@@ -83,6 +86,13 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
                 entries.extend(nodes.iter().zip(map.values()).map(|(&node, value)| {
                     (node * components as u32 + c as u32, table.weights[q] * map.measure * value)
                 }));
+            }
+            if points.len() >= POINTS && !field.depends_on_time() {
+                let term = Varying { field: field.clone(), points, entries, per_point: nodes.len() };
+                term.add(0.0, &mut load.constant);
+                (points, entries) = (term.points, term.entries);
+                points.clear();
+                entries.clear();
             }
         }
         load.add(field, block.element.nodes.len(), points, entries);
