@@ -13,6 +13,7 @@ mod lu;
 mod multigrid;
 mod numeric;
 mod ordering;
+mod pages;
 mod repeats;
 mod schur;
 mod sparse;

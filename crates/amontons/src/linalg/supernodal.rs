@@ -17,6 +17,7 @@ use super::condensed::Condensed;
 use super::error::SolveError;
 use super::factor::{Backend, Columns, Factor};
 use super::numeric::{Supernodes, has_factor};
+use super::pages::Numbers;
 use super::repeats::{ROUND_OFF, Repeats};
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
@@ -62,7 +63,7 @@ const NUMBER: f64 = 8.0;
 
 #[derive(Debug)]
 struct SupernodalFactor {
-    values: Vec<f64>,
+    values: Numbers,
     root: Task,
     size: usize,
     interior: usize,
@@ -79,7 +80,7 @@ impl SupernodalFactor {
         let (size, interior) = (unknowns.len(), unknowns.interior);
         if size == 0 {
             return Ok(SupernodalFactor {
-                values: Vec::new(),
+                values: Numbers::new(Vec::new()),
                 root: Task::default(),
                 size,
                 interior,
@@ -109,7 +110,7 @@ impl SupernodalFactor {
         let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         values.truncate(stored);
-        values.shrink_to_fit();
+        let values = Numbers::new(values);
         let nodes = unknowns.kept_nodes(matrix.block_shape().0);
         Ok(SupernodalFactor { values, root, size, interior, condensed: Arc::new(s), nodes, stop: stop.clone() })
     }
