@@ -1,0 +1,345 @@
+//! Studies, pictures and verification from the command line.
+#![allow(clippy::too_many_lines, reason = "a test is one list of cases")]
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn amontons(arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_amontons")).args(arguments).output().expect("the program starts")
+}
+
+fn paper() -> String {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases/paper.toml").display().to_string()
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+#[test]
+fn converge_writes_table_and_picture_and_reuses_finished_levels() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("study");
+    let out_text = out.display().to_string();
+    let case = paper();
+    let arguments = ["converge", &case, "--levels", "4,8", "--reference", "16", "--out", &out_text, "--quiet"];
+    let done = amontons(&arguments);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    let first = text(&out.join("convergence.csv"));
+    assert!(first.starts_with("level,h,k,error_w,error_u,error_theta,error,order\n4,"));
+    for name in ["convergence.json", "convergence.svg", "convergence.png"] {
+        assert!(out.join(name).exists(), "{name}");
+    }
+    // A finished study is not overwritten.
+    assert_eq!(amontons(&arguments).status.code(), Some(2));
+    // Without its table it is one that was interrupted: the levels are taken as they are, and the table is the same.
+    fs::remove_file(out.join("convergence.csv")).expect("the table");
+    let kept = fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level");
+    assert_eq!(amontons(&arguments).status.code(), Some(0));
+    assert_eq!(text(&out.join("convergence.csv")), first);
+    assert_eq!(
+        fs::metadata(out.join("levels/8.bin")).and_then(|m| m.modified()).expect("a finished level"),
+        kept,
+        "the level was solved again"
+    );
+    // A damaged level is solved anew.
+    fs::remove_file(out.join("convergence.csv")).expect("the table");
+    fs::write(out.join("levels/8.bin"), b"spoiled").expect("a file");
+    assert_eq!(amontons(&arguments).status.code(), Some(0));
+    assert_eq!(text(&out.join("convergence.csv")), first);
+}
+
+#[test]
+fn levels_that_do_not_fit_are_bad_usage() {
+    let case = paper();
+    for (arguments, message) in [
+        (vec!["--levels", "8,4"], "each finer than the one before"),
+        (vec!["--levels", "8"], "at least one level besides the reference"),
+        (vec!["--levels", "8,16", "--reference", "12"], "finer than the finest level"),
+        (vec!["--levels", "6", "--reference", "16"], "no common times"),
+        (vec!["--levels", "8,16", "--exact"], "closed form"),
+        (vec!["--levels", "0,16"], "positive levels"),
+        (vec!["--levels", "4", "--reference", "8", "--each", "contact.gap"], "KEY=VALUE"),
+        (vec!["--levels", "4", "--reference", "8", "--set", "material.density=-1"], "density"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().join("study").display().to_string();
+        let mut all = vec!["converge", &case, "--out", &out];
+        all.extend(&arguments);
+        let done = amontons(&all);
+        let said = String::from_utf8_lossy(&done.stderr).into_owned();
+        assert_eq!(done.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(message), "{arguments:?}: {said}");
+    }
+}
+
+#[test]
+fn meshes_that_are_not_nested_are_compared_on_their_intersections() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let case = paper();
+    let error = |name: &str, reference: &str, diagonal: &str| {
+        let out = folder.path().join(name).display().to_string();
+        let done = amontons(&[
+            "converge",
+            &case,
+            "--vary",
+            "space",
+            "--levels",
+            "4",
+            "--reference",
+            reference,
+            "--set",
+            &format!("mesh.diagonal={diagonal}"),
+            "--set",
+            "time.steps=4",
+            "--out",
+            &out,
+            "--quiet",
+        ]);
+        assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+        let table = text(&folder.path().join(name).join("convergence.csv"));
+        let row: Vec<f64> = table.lines().nth(1).expect("a row").split(',').filter_map(|v| v.parse().ok()).collect();
+        row[6]
+    };
+    // 12 = 3 · 4 is nested, 13 is not; the errors against nearly the same reference nearly agree.
+    let (nested, not) = (error("nested", "12", "right"), error("not", "13", "right"));
+    assert!((nested / not - 1.0).abs() < 0.05, "{nested} {not}");
+}
+
+#[test]
+fn verify_exits_with_1_where_a_value_does_not_hold() {
+    let done = amontons(&["verify", "manufactured-p", "--format", "json"]);
+    assert_eq!(done.status.code(), Some(0));
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).expect("JSON");
+    assert_eq!(said["holds"], true);
+    let refused = amontons(&["verify", "no-such-benchmark"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(
+        String::from_utf8_lossy(&refused.stderr)
+            .starts_with("Error: no-such-benchmark is no case file, no results folder and no benchmark")
+    );
+
+    // A results folder whose figures were changed.
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("run");
+    let out_text = out.display().to_string();
+    assert_eq!(
+        amontons(&[
+            "run",
+            &paper(),
+            "--set",
+            "mesh.n=8",
+            "--set",
+            "time.steps=4",
+            "--out",
+            &out_text,
+            "--quiet",
+            "--plot"
+        ])
+        .status
+        .code(),
+        Some(0)
+    );
+    assert!(out.join("plots/temperature.svg").exists());
+    assert_eq!(amontons(&["verify", &out_text, "--quiet"]).status.code(), Some(0));
+    let summary = text(&out.join("summary.json"));
+    let mut spoiled: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    spoiled["final"]["temperature_max"] = serde_json::json!(7.0);
+    fs::write(out.join("summary.json"), spoiled.to_string()).expect("a file");
+    assert_eq!(amontons(&["verify", &out_text, "--quiet"]).status.code(), Some(1));
+    assert_eq!(amontons(&["plot", &folder.path().join("nothing").display().to_string()]).status.code(), Some(4));
+}
+
+/// u_x = x²/2 of a rod of uniaxial strain with E = 1, ν = 0 under the body force −1, fixed at 0 and with the traction 1
+/// at its other end.
+const ROD: &str = r#"
+name = "rod"
+mesh = { kind = "interval", size = 1, n = 4, elements = "P2" }
+time = { end = 1, steps = 1 }
+load = { body_force = [-1] }
+boundary = [{ on = "left", displacement = [0], temperature = 0 }, { on = "right", traction = [1] }]
+
+[material]
+density = 0
+heat_capacity = 0
+expansion = 0
+coupling = 0
+conductivity = 1
+elasticity = { law = "isotropic", young = 1, poisson = 0 }
+viscosity = { law = "lame", first = 0, second = 0 }
+"#;
+
+const EXPECTED: &str = r#"
+[expected.values]
+"final.displacement_max" = [0.5]
+"final.temperature_max" = 0
+"#;
+
+const VERIFY: &str = r#"
+[verify]
+title = "a rod under its weight"
+source = "u = x²/2"
+[[verify.check]]
+kind = "probe"
+field = "displacement_x"
+at = [0.5]
+time = 1
+reference = 0.125
+tolerance = 1e-12
+[[verify.check]]
+kind = "history"
+column = "elastic"
+reference = 0.16666666666666666
+tolerance = 1e-12
+"#;
+
+#[test]
+fn verify_evaluates_the_blocks_of_a_case_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("rod.toml");
+    let path = file.display().to_string();
+    let verify = |text: &str, more: &[&str]| {
+        fs::write(&file, text).expect("a file");
+        amontons(&[&["verify", &path], more].concat())
+    };
+    for (blocks, values) in [(EXPECTED.to_owned(), 2), (VERIFY.to_owned(), 2), (format!("{EXPECTED}{VERIFY}"), 4)] {
+        let done = verify(&format!("{ROD}{blocks}"), &[]);
+        let (said, told) =
+            (String::from_utf8_lossy(&done.stdout).into_owned(), String::from_utf8_lossy(&done.stderr).into_owned());
+        assert_eq!(done.status.code(), Some(0), "{said}{told}");
+        assert!(said.ends_with(&format!("{values} of {values} values hold\n")), "{said}");
+    }
+    // With twice the stiffness half the displacement, and half the energy: three of four values do not hold.
+    let done =
+        verify(&format!("{ROD}{EXPECTED}{VERIFY}"), &["--set", "material.elasticity.young=2", "--format", "json"]);
+    assert_eq!(done.status.code(), Some(1));
+    let said: serde_json::Value = serde_json::from_slice(&done.stdout).expect("one document of JSON");
+    let computed: Vec<f64> =
+        said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["computed"].as_f64()).collect();
+    for (computed, expected) in computed.iter().zip([0.25, 0.0, 0.0625, 1.0 / 12.0]) {
+        assert!((computed - expected).abs() < 1e-12, "{computed}, expected {expected}");
+    }
+    let holds: Vec<bool> =
+        said["verdicts"].as_array().expect("verdicts").iter().filter_map(|v| v["holds"].as_bool()).collect();
+    assert_eq!(
+        (holds, &said["holds"], &said["error"]["exit_code"]),
+        (vec![false, true, false, false], &serde_json::json!(false), &serde_json::json!(1))
+    );
+}
+
+#[test]
+fn verify_refuses_what_it_cannot_compare() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("rod.toml");
+    let path = file.display().to_string();
+    let wrong = |from: &str, to: &str| format!("{ROD}{EXPECTED}{VERIFY}").replace(from, to);
+    let cases = [
+        (ROD.to_owned(), "has nothing to compare; add [expected] with values of summary.json, or [[verify.check]]"),
+        (
+            wrong("final.temperature_max", "final.temperature"),
+            "summary.json has no such value there, expected 1 number",
+        ),
+        (wrong("[0.5]\n\"", "[0.5, 0]\n\""), "summary.json has 1 number there, expected 2 numbers"),
+        (wrong("\"elastic\"", "\"elastik\""), "did you mean \"elastic\"?"),
+        (wrong("time = 1\n", "time = 1.5\n"), "a time from 0 to time.end = 1"),
+        (
+            wrong("kind = \"history\"\ncolumn = \"elastic\"", "kind = \"error\"\nerror = \"error_u\""),
+            "no [exact] to compare with",
+        ),
+    ];
+    for (text, part) in cases {
+        fs::write(&file, text).expect("a file");
+        let refused = amontons(&["verify", &path]);
+        let told = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert_eq!(refused.status.code(), Some(2), "{told}");
+        assert!(told.contains(part), "{told}");
+    }
+}
+
+#[test]
+fn reproduce_makes_the_figures_and_a_report() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("figures");
+    let out_text = out.display().to_string();
+    let done = amontons(&[
+        "reproduce",
+        "--levels",
+        "4,8",
+        "--reference",
+        "16",
+        "--set",
+        "mesh.n=16",
+        "--set",
+        "time.steps=16",
+        "--out",
+        &out_text,
+        "--quiet",
+    ]);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    for reading in ["default", "identity", "literal"] {
+        for figure in ["figure-2-deformed", "figure-3-temperature", "figure-4-von-mises", "figure-5-errors"] {
+            for format in ["svg", "png"] {
+                assert!(out.join(reading).join(format!("{figure}.{format}")).exists(), "{reading}: {figure}.{format}");
+            }
+        }
+    }
+    let report = text(&out.join("report.md"));
+    // With 𝓜 the identity the deformation is smaller on the warm foundation, against the paper's statement.
+    assert_eq!(report.matches("do **not** support statement 1").count(), 1);
+    for (reading, figure) in [("default", "figure-2-deformed"), ("literal", "figure-5-errors")] {
+        assert!(report.contains(&format!("]({reading}/{figure}.png)")), "{reading}: {figure} is not in the report");
+    }
+    // States that finished studies do not need are removed, and nothing is computed again.
+    assert!(!out.join("default/study-0/levels").exists());
+    let made = |name: &str| fs::metadata(out.join(name)).and_then(|meta| meta.modified()).expect("a file");
+    let names = ["default/run-0/summary.json", "literal/run-10/history.csv", "identity/study-10/convergence.json"];
+    let before = names.map(made);
+    fs::remove_file(out.join("report.md")).expect("the report");
+    fs::remove_file(out.join("identity/study-0/study.sha256")).expect("the mark of a finished study");
+    let again = [
+        "reproduce",
+        "--levels",
+        "4,8",
+        "--reference",
+        "16",
+        "--set",
+        "mesh.n=16",
+        "--set",
+        "time.steps=16",
+        "--out",
+        &out_text,
+        "--progress",
+        "json",
+        "--quiet",
+    ];
+    let done = amontons(&again);
+    assert_eq!(done.status.code(), Some(0), "{}", String::from_utf8_lossy(&done.stderr));
+    assert_eq!(names.map(made), before, "a finished part was computed again");
+    assert_eq!(text(&out.join("report.md")), report);
+    let said = String::from_utf8_lossy(&done.stderr).into_owned();
+    assert!(
+        said.contains("study 3 of 6 (identity, θ_F = 0)")
+            && !said.contains("study 1 of 6")
+            && !said.contains("run 1 of 6"),
+        "{said}"
+    );
+    // A study with other levels is another one.
+    fs::remove_file(out.join("report.md")).expect("the report");
+    let other = amontons(&[
+        "reproduce",
+        "--levels",
+        "2,4",
+        "--reference",
+        "8",
+        "--set",
+        "mesh.n=16",
+        "--set",
+        "time.steps=16",
+        "--out",
+        &out_text,
+        "--quiet",
+    ]);
+    assert_eq!(other.status.code(), Some(0));
+    assert!(names[..2].iter().zip(before).all(|(name, before)| made(name) == before) && made(names[2]) != before[2]);
+}

@@ -1,0 +1,15 @@
+//! Case files: what they may say, what it comes to, and the exact message about each fault.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bodies;
+mod boundary;
+mod faults;
+mod files;
+mod graded_faults;
+mod materials;
+mod quantities;
+mod thermal_faults;
+mod valid;

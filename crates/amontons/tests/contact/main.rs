@@ -1,0 +1,20 @@
+//! The contact of a body with a foundation: its laws, their limits, friction, heat, wear and impact.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[macro_use]
+#[path = "../common/body.rs"]
+mod body;
+#[path = "../common/column.rs"]
+mod column;
+#[path = "../common/mod.rs"]
+mod common;
+
+mod energy;
+mod foundations;
+mod hot_friction;
+mod impact;
+mod laws;
+mod limits;
+mod sliding_out;
+mod softening;
+mod stuck_indentation;

@@ -1,0 +1,19 @@
+//! The numerical method: elements, forms, orders of convergence, Newton's method, the coupling of a step, and backends.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "../common/bodies.rs"]
+mod bodies;
+#[path = "../common/mod.rs"]
+mod common;
+
+mod backends;
+mod condensed;
+mod convergence;
+mod coupling;
+mod elements;
+mod forms;
+mod manufactured;
+mod newton;
+mod pyramids;
+mod refinement;
+mod revolution;

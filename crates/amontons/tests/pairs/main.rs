@@ -1,0 +1,15 @@
+//! Pairs of deformable bodies: how they are found, their mortar rows, physics, orders, and what is said of faults.
+#![allow(clippy::expect_used, clippy::panic, clippy::unwrap_used, reason = "a test fails by panicking")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod automatic;
+mod faults;
+mod manufactured;
+mod mortar;
+mod orders;
+mod patch;
+mod physics;
+mod press_fit;
+mod two_bodies;

@@ -1,0 +1,211 @@
+//! The modules in the order of their dependence: each uses only those before it.
+#![allow(clippy::float_cmp, reason = "counts are exact")]
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Modules on one line may not use each other; a module may use those on the lines before.
+const LAYERS: &[&[&str]] = &[
+    &["tensor", "arrays", "expression", "units", "machine"],
+    &["quadrature", "field", "vtu"],
+    &["element", "vtkhdf"],
+    &["mesh"],
+    &["material", "contact", "space"],
+    &["linalg"],
+    &["problem"],
+    &["inclusion"],
+    &["forms"],
+    &["discretization"],
+    &["model"],
+    &["hypotheses"],
+    &["scheme"],
+    &["convergence"],
+    &["output"],
+    &["run", "case"],
+    &["plot"],
+    &["contract", "verify"],
+];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("a source folder").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|e| e == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+#[test]
+fn a_module_uses_only_those_before_it() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    let layer = |module: &str| LAYERS.iter().position(|layer| layer.contains(&module));
+    let mut broken = Vec::new();
+    for file in files {
+        let inside = file.strip_prefix(&root).expect("a file below src");
+        let module = inside
+            .components()
+            .next()
+            .expect("a name")
+            .as_os_str()
+            .to_string_lossy()
+            .trim_end_matches(".rs")
+            .to_owned();
+        if module == "lib" {
+            continue;
+        }
+        let Some(own) = layer(&module) else {
+            broken.push(format!("{module} has no place in the order"));
+            continue;
+        };
+        let text = fs::read_to_string(&file).expect("a source file");
+        // Tests may use anything.
+        let code = text.split("\nmod tests").next().unwrap_or_default();
+        for (number, line) in code.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")) {
+            for used in line.split("crate::").skip(1) {
+                let name: String = used.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+                if let Some(other) = layer(&name)
+                    && (other > own || (other == own && name != module))
+                {
+                    broken.push(format!("{}:{}: {module} uses {name}", inside.display(), number + 1));
+                }
+            }
+        }
+    }
+    assert!(broken.is_empty(), "{}", broken.join("\n"));
+}
+
+/// The names that follow a path in a line of code: of `super::{a, b::c}` after `super::` they are `a` and `b`.
+fn names_after(line: &str, path: &str) -> Vec<String> {
+    let word = |text: &str| text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
+    let mut names = Vec::new();
+    for (start, _) in line.match_indices(path) {
+        // Not the end of another path: `super::super::`, `amontons::case::`.
+        if line[..start].ends_with("::") {
+            continue;
+        }
+        let rest = &line[start + path.len()..];
+        match rest.strip_prefix('{') {
+            Some(list) => {
+                let mut depth = 0;
+                let outside = list.chars().map(|c| {
+                    depth += i32::from(c == '{') - i32::from(c == '}');
+                    if depth == 0 { c } else { ' ' }
+                });
+                names.extend(outside.collect::<String>().split(',').map(word));
+            }
+            None => names.push(word(rest)),
+        }
+    }
+    names
+}
+
+/// The modules of a folder and those that each uses of the same folder; a folder inside is one module.
+fn uses(folder: &Path, root: &str) -> BTreeMap<String, BTreeSet<String>> {
+    let name = |path: &Path| path.file_stem().expect("a name").to_string_lossy().into_owned();
+    let entries: Vec<PathBuf> =
+        fs::read_dir(folder).expect("a source folder").flatten().map(|entry| entry.path()).collect();
+    let modules: BTreeSet<String> =
+        entries.iter().map(|path| name(path)).filter(|name| name != "mod" && name != "main").collect();
+    let mut graph: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for entry in entries.iter().filter(|entry| modules.contains(&name(entry))) {
+        let mut files = Vec::new();
+        if entry.is_dir() {
+            sources(entry, &mut files);
+        } else {
+            files.push(entry.clone());
+        }
+        for file in files.iter().filter(|file| name(file) != "tests") {
+            let text = fs::read_to_string(file).expect("a source file");
+            let code = text.split("\nmod tests").next().unwrap_or_default();
+            let code: Vec<&str> = code.lines().filter(|line| !line.trim_start().starts_with("//")).collect();
+            // A list of names may take several lines.
+            let code = code.join(" ");
+            let outer = if entry.is_dir() { "super::super::" } else { "super::" };
+            let used = names_after(&code, outer).into_iter().chain(names_after(&code, root));
+            graph
+                .entry(name(entry))
+                .or_default()
+                .extend(used.filter(|used| modules.contains(used) && *used != name(entry)));
+        }
+    }
+    graph
+}
+
+/// A circle of modules, if there is one: what is left when modules that use none of the rest are taken away again and
+/// again.
+fn circle(mut graph: BTreeMap<String, BTreeSet<String>>) -> Option<String> {
+    loop {
+        let free: Vec<String> =
+            graph.iter().filter(|(_, uses)| uses.is_empty()).map(|(name, _)| name.clone()).collect();
+        if free.is_empty() {
+            break;
+        }
+        graph.retain(|name, _| !free.contains(name));
+        for uses in graph.values_mut() {
+            uses.retain(|used| !free.contains(used));
+        }
+    }
+    (!graph.is_empty())
+        .then(|| graph.iter().map(|(name, uses)| format!("{name} uses {uses:?}")).collect::<Vec<_>>().join("; "))
+}
+
+#[test]
+fn the_modules_of_a_folder_do_not_use_each_other_in_a_circle() {
+    let library = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("../amontons-cli/src");
+    for (folder, root) in
+        [(library.join("case"), "crate::case::"), (library.join("linalg"), "crate::linalg::"), (program, "crate::")]
+    {
+        let graph = uses(&folder, root);
+        assert!(graph.values().map(BTreeSet::len).sum::<usize>() > 5, "{}: the imports are not read", folder.display());
+        if let Some(circle) = circle(graph) {
+            panic!("{}: {circle}", folder.display());
+        }
+    }
+}
+
+#[test]
+fn a_circle_is_found() {
+    assert_eq!(names_after("use super::{a::{b, c}, d};", "super::"), ["a", "d"]);
+    assert_eq!(names_after("x = super::e::f(super::super::g);", "super::"), ["e", "super"]);
+    let graph = |edges: &[(&str, &[&str])]| {
+        edges.iter().map(|(from, to)| ((*from).to_owned(), to.iter().map(|to| (*to).to_owned()).collect())).collect()
+    };
+    assert!(circle(graph(&[("a", &["b"]), ("b", &["c"]), ("c", &[])])).is_none());
+    assert!(circle(graph(&[("a", &["b"]), ("b", &["c"]), ("c", &["b"])])).is_some());
+}
+
+/// Comments keep to the width of the code, but for tables, examples and words that have no place to break.
+#[test]
+fn comments_keep_to_120_columns() {
+    let width: usize = 120;
+    let mut wide = Vec::new();
+    let mut files = Vec::new();
+    for folder in [".", "../amontons-cli", "../../xtask"] {
+        for inside in ["src", "tests", "benches", "examples"]
+            .map(|inside| Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(inside))
+        {
+            if inside.is_dir() {
+                sources(&inside, &mut files);
+            }
+        }
+    }
+    for file in &files {
+        let text = fs::read_to_string(file).expect("a source file");
+        let mut example = false;
+        for (number, line) in text.lines().enumerate() {
+            let Some(comment) = line.trim_start().strip_prefix("//") else { continue };
+            let said = comment.trim_start_matches(['/', '!']).trim_start();
+            example ^= said.starts_with("```");
+            if !example && !said.starts_with('|') && said.contains(' ') && line.chars().count() > width {
+                wide.push(format!("{}:{}", file.display(), number + 1));
+            }
+        }
+    }
+    assert!(files.len() > 200 && wide.is_empty(), "{}", wide.join("\n"));
+}

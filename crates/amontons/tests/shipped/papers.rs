@@ -1,0 +1,299 @@
+//! What documents and messages name exists: paths, links, chapters and keys; every key is described; "per" is written
+//! for "each".
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::file;
+use amontons::case::{self, Source};
+use serde_json::Value;
+
+/// Files below a folder of the repository that end with one of these.
+fn files(folder: &str, endings: &[&str]) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut open = vec![file(folder)];
+    while let Some(folder) = open.pop() {
+        for entry in fs::read_dir(&folder).expect("a folder").flatten() {
+            let (path, name) = (entry.path(), entry.file_name().to_string_lossy().into_owned());
+            if path.is_symlink() || name.starts_with('.') && name != ".ci" || name == "target" || name == "results" {
+                continue;
+            }
+            if path.is_dir() {
+                open.push(path);
+            } else if endings.iter().any(|ending| name.ends_with(ending)) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    assert!(!found.is_empty());
+    found
+}
+
+fn text(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn documents() -> Vec<PathBuf> {
+    files(".", &[".md"])
+}
+
+/// The parts of a line between pairs of a mark: code in a document, strings in a program.
+fn between(line: &str, mark: char) -> Vec<&str> {
+    line.split(mark).skip(1).step_by(2).collect()
+}
+
+/// Files of a results folder, which are not in the repository, and files that the text tells to write.
+const RESULTS: [&str; 17] = [
+    "plots/",
+    "fields/",
+    "checkpoint/",
+    "levels/",
+    "inputs/",
+    "results/",
+    "case.toml",
+    "summary.json",
+    "manifest.json",
+    "certificate.json",
+    "history.csv",
+    "probes.csv",
+    "contact.csv",
+    "convergence.csv",
+    "report.md",
+    "fields.pvd",
+    "fields.vtkhdf",
+];
+/// Names in examples: files of the reader.
+const EXAMPLES: [&str; 8] =
+    ["my-case.toml", "block.toml", "seal.toml", "pad.toml", "pad.msh", "pad.geo", "brake.csv", "load.csv"];
+
+/// Whether a piece of code in a document is a path of a file or folder.
+fn is_path(code: &str) -> bool {
+    let named = [".rs", ".md", ".toml", ".geo", ".py", ".json", ".png"].iter().any(|ending| code.ends_with(ending));
+    let plain = code.chars().all(|c| c.is_ascii_alphanumeric() || "/._-".contains(c)) && !code.starts_with('.');
+    plain
+        && (named
+            || code.contains('/') && code.ends_with('/')
+            || code.starts_with("crates/")
+            || code.starts_with("cases/")
+            || code.starts_with("docs/"))
+}
+
+#[test]
+fn every_path_and_link_of_a_document_exists() {
+    let roots = ["", "crates/amontons", "crates/amontons/src", "crates/amontons-cli", "crates/amontons-cli/src"];
+    let (mut missing, mut seen) = (Vec::new(), 0);
+    for document in documents() {
+        let beside = document.parent().expect("a folder").to_owned();
+        for (number, line) in text(&document).lines().enumerate() {
+            let mut miss = |what: &str| missing.push(format!("{}:{}: {what}", document.display(), number + 1));
+            for link in line
+                .split("](")
+                .skip(1)
+                .filter_map(|rest| rest.split(')').next())
+                .filter(|link| !link.contains("://") && !link.starts_with('#'))
+            {
+                seen += 1;
+                let target = link.split('#').next().unwrap_or(link);
+                if !beside.join(target).exists() {
+                    miss(link);
+                }
+            }
+            for code in between(line, '`').into_iter().filter(|code| is_path(code)) {
+                if RESULTS.contains(&code) || EXAMPLES.contains(&code) || code.starts_with("results/") {
+                    continue;
+                }
+                seen += 1;
+                if !beside.join(code).exists() && !roots.iter().any(|root| file(root).join(code).exists()) {
+                    miss(code);
+                }
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+    assert!(seen > 80, "{seen} paths seen");
+}
+
+/// Whether a dotted path names a key of the case file; a tag selects none, so that all laws of a table count.
+fn is_key(schema: &Value, path: &[&str]) -> bool {
+    fn search(root: &Value, node: &Value, path: &[&str]) -> bool {
+        let node = node
+            .get("$ref")
+            .and_then(Value::as_str)
+            .map_or(node, |target| root.pointer(target.trim_start_matches('#')).expect("a definition"));
+        let inner = ["oneOf", "anyOf"].iter().filter_map(|key| node.get(key)?.as_array()).flatten();
+        if inner.chain(node.get("items")).any(|inner| search(root, inner, path)) {
+            return true;
+        }
+        let Some((first, rest)) = path.split_first() else { return true };
+        node.get("properties").and_then(|properties| properties.get(first)).is_some_and(|next| search(root, next, rest))
+    }
+    search(schema, schema, path)
+}
+
+/// Dotted paths in a text that begin with a table of the case file.
+fn keys<'t>(schema: &Value, text: &'t str) -> Vec<&'t str> {
+    // `name` is no table.
+    let tables: Vec<&str> = schema["properties"]
+        .as_object()
+        .expect("tables")
+        .keys()
+        .map(String::as_str)
+        // `solver` is a table of results, too.
+        .filter(|key| !["name", "solver"].contains(key))
+        .collect();
+    let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "._".contains(c)));
+    let is_path = |word: &&str| {
+        let parts: Vec<&str> = word.split('.').collect();
+        let is_file = ["csv", "toml", "json", "pvd", "vtu", "msh", "md", "rs", "png", "svg", "bin", "sha256"]
+            .contains(parts.last().unwrap_or(&""));
+        parts.len() > 1
+            && tables.contains(&parts[0])
+            && !is_file
+            && parts.iter().all(|part| part.starts_with(|c: char| c.is_ascii_lowercase()))
+    };
+    words.map(|word| word.trim_matches('.')).filter(is_path).collect()
+}
+
+#[test]
+fn every_key_that_a_document_or_a_message_names_exists() {
+    let schema = case::schema();
+    let (mut missing, mut seen) = (Vec::new(), 0);
+    let mut look = |path: &Path, number: usize, text: &str| {
+        for key in keys(&schema, text) {
+            seen += 1;
+            if !is_key(&schema, &key.split('.').collect::<Vec<_>>()) {
+                missing.push(format!("{}:{}: {key}", path.display(), number + 1));
+            }
+        }
+    };
+    for path in documents() {
+        let text = text(&path);
+        for (number, line) in text.lines().enumerate() {
+            for code in between(line, '`') {
+                look(&path, number, code);
+            }
+        }
+    }
+    for path in files("crates/amontons/src", &[".rs"]).into_iter().chain(files("crates/amontons-cli/src", &[".rs"])) {
+        let text = text(&path);
+        // Tests name keys that do not exist on purpose.
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        for (number, line) in code.lines().enumerate().filter(|(_, line)| !line.trim_start().starts_with("//")) {
+            for string in between(line, '"') {
+                look(&path, number, string);
+            }
+        }
+    }
+    assert!(missing.is_empty(), "{}", missing.join("\n"));
+    assert!(seen > 60, "{seen} keys seen");
+}
+
+/// Chapters have no numbers: a name of a page does not change when one is added. Decisions are found in `docs/adr`.
+#[test]
+fn no_reference_goes_by_a_number_that_changes() {
+    for path in
+        files("crates", &[".rs"]).into_iter().chain(documents()).filter(|path| !path.ends_with("shipped/papers.rs"))
+    {
+        for (number, line) in text(&path).lines().enumerate() {
+            for wrong in ["book, chapter", "design, D", "design decision D"] {
+                assert!(!line.contains(wrong), "{}:{}: {wrong}", path.display(), number + 1);
+            }
+        }
+    }
+}
+
+/// "one row a step" is "one row per step".
+fn a_for_per(text: &str) -> Option<String> {
+    let heads = ["one", "a", "an", "two", "three"];
+    let things = "entry entries field datum row rows value values number numbers iteration iterations function law shape point points integer line kB MB column checkpoint factorization pass";
+    let units = "component coordinate region side probe step row node cell minute segment direction time letter file contact facet line level edge matrix quantity unit";
+    let words: Vec<&str> = text.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
+    let is = |list: &str, word: &str| list.split(' ').any(|known| known == word);
+    let counted = |word: &str| heads.contains(&word) || word.chars().all(|c| c.is_ascii_digit());
+    let four = words
+        .windows(4)
+        .find(|w| counted(w[0]) && is(things, w[1]) && w[2] == "a" && is(units, w[3]))
+        .map(|w| w.join(" "));
+    // Without the thing: "one a column", "half a micrometre a stop".
+    let alone = "one once twice row numbers entries metre millimetre micrometre newton kelvin m³ mm³";
+    let more = "column element mesh newton second stop turn";
+    let three = words
+        .windows(3)
+        .find(|w| is(alone, &w[0].to_lowercase()) && w[1] == "a" && (is(units, w[2]) || is(more, w[2])));
+    four.or_else(|| three.map(|w| w.join(" ")))
+}
+
+#[test]
+fn per_is_written_for_each() {
+    assert_eq!(a_for_per("contact.csv has a row a contact point").as_deref(), Some("a row a contact"));
+    assert_eq!(a_for_per("One entry a component; empty for zero").as_deref(), None);
+    assert_eq!(a_for_per("Displacement, one entry a component.").as_deref(), Some("one entry a component"));
+    assert_eq!(a_for_per("one row per step"), None);
+    assert_eq!(a_for_per("The values at a time, one a column.").as_deref(), Some("one a column"));
+    assert_eq!(
+        a_for_per("half a micrometre a stop, 10⁻⁵ mm³ a newton and metre").as_deref(),
+        Some("micrometre a stop")
+    );
+    let schema = case::schema().to_string();
+    assert_eq!(a_for_per(&schema), None);
+    for path in files("crates", &[".rs", ".toml"])
+        .into_iter()
+        .chain(documents())
+        .filter(|path| !path.ends_with("shipped/papers.rs"))
+    {
+        for (number, line) in text(&path).lines().enumerate() {
+            if let Some(found) = a_for_per(line) {
+                panic!("{}:{}: {found}", path.display(), number + 1);
+            }
+        }
+    }
+}
+
+/// Phrases that readers stumbled over, which CONTRIBUTING shows as examples.
+#[test]
+fn descriptions_and_messages_avoid_the_worst_phrases() {
+    let phrases = [
+        "is that of",
+        "none where it does not",
+        "of which the tangential part counts",
+        "where left out",
+        "one that there is not",
+        "that is not told",
+        "is told by",
+    ];
+    let schema = case::schema().to_string();
+    for phrase in phrases {
+        assert!(!schema.contains(phrase), "the schema says \"{phrase}\"");
+    }
+}
+
+#[test]
+fn every_key_of_the_schema_is_described() {
+    fn walk(node: &Value, keys: &mut usize) {
+        for (key, property) in node.get("properties").and_then(Value::as_object).into_iter().flatten() {
+            *keys += 1;
+            assert!(
+                property["description"].as_str().is_some_and(|text| text.len() > 5),
+                "{key} has no description: {property}"
+            );
+        }
+        match node {
+            Value::Object(entries) => entries.values().for_each(|value| walk(value, keys)),
+            Value::Array(entries) => entries.iter().for_each(|value| walk(value, keys)),
+            _ => {}
+        }
+    }
+    let mut keys = 0;
+    walk(&case::schema(), &mut keys);
+    assert!(keys > 300, "{keys} keys");
+}
+
+/// The first case of the README is a case; its commands are run by the tests of the program.
+#[test]
+fn the_first_case_of_the_readme_is_valid() {
+    let readme = text(&file("README.md"));
+    let block = readme.split("```toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("a case");
+    let case = case::parse(&Source::new("block.toml", block), &[]).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(case.problem.physics, amontons::problem::Physics::Mechanics);
+}
