@@ -180,7 +180,7 @@ mod tests {
         let both = sums([&a, &b], |[a, b]| [a * b, a - 2.0 * b]);
         assert_eq!(both.map(f64::to_bits), [dot(&a, &b), sum([&a, &b], |[a, b]| a - 2.0 * b)].map(f64::to_bits));
         let (of_both, largest) = map_with_largest([&a, &b], |[a, b]| a - 2.0 * b);
-        assert!(of_both == mapped && largest == [6.0, 4.0]);
+        assert!(of_both == mapped && largest.map(f64::to_bits) == [6.0, 4.0].map(f64::to_bits));
     }
 
     /// Of a combination of orthonormal vectors nothing is left, and its components are those it was made of.
