@@ -260,8 +260,7 @@ impl<'a> Equation<'a> {
         self.step.discrete.inertia().0 / self.step.rule.delta
     }
 
-    /// The terms of (4.1) at an iterate that [`right_hand_side`] sums: those of contact and of the branches that relax are
-    /// not among them.
+    /// The terms of (4.1) at an iterate that [`right_hand_side`] sums: all but those of contact and of the branches.
     fn terms<'t>(&'t self, at: &'t Iterate) -> [&'t [f64]; 6] {
         [&self.load, &self.thermal, &at.mass_w, &self.step.products.mass_w, &at.b_w, &at.a_u]
     }

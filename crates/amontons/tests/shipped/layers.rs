@@ -209,3 +209,43 @@ fn comments_keep_to_120_columns() {
     }
     assert!(files.len() > 200 && wide.is_empty(), "{}", wide.join("\n"));
 }
+
+/// The files that a source file declares as modules.
+fn declared(file: &Path) -> Vec<PathBuf> {
+    let text = fs::read_to_string(file).expect("a source file");
+    let folder = file.parent().expect("a folder");
+    let mut path = None;
+    let mut found = Vec::new();
+    for line in text.lines().map(str::trim) {
+        if let Some(given) = line.strip_prefix("#[path = \"") {
+            path = given.split('"').next();
+        } else if let Some(name) =
+            line.trim_start_matches("pub ").strip_prefix("mod ").and_then(|m| m.strip_suffix(';'))
+        {
+            match path.take() {
+                Some(given) => found.push(folder.join(given)),
+                None => found.extend([folder.join(name).with_extension("rs"), folder.join(name).join("mod.rs")]),
+            }
+        }
+    }
+    found.iter().filter_map(|file| file.canonicalize().ok()).collect()
+}
+
+/// A file of tests that no program declares is not built, and its tests are never run.
+#[test]
+fn every_test_file_is_part_of_a_program() {
+    let mut lost = Vec::new();
+    for folder in [".", "../amontons-cli"] {
+        let tests = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join("tests").canonicalize().expect("tests");
+        let mut files = Vec::new();
+        sources(&tests, &mut files);
+        let declared: BTreeSet<PathBuf> = files.iter().flat_map(|file| declared(file)).collect();
+        let is_program = |file: &Path| {
+            let folder = file.parent().expect("a folder");
+            folder == tests || (file.ends_with("main.rs") && folder.parent() == Some(&tests))
+        };
+        assert!(files.iter().any(|file| is_program(file)));
+        lost.extend(files.into_iter().filter(|file| !is_program(file) && !declared.contains(file)));
+    }
+    assert!(lost.is_empty(), "{lost:?}");
+}
