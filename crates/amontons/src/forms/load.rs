@@ -88,11 +88,7 @@ fn cell_terms(mesh: &Mesh, load: &mut Load, field: &Field, components: usize, c:
                 }));
             }
             if points.len() >= POINTS && !field.depends_on_time() {
-                let term = Varying { field: field.clone(), points, entries, per_point: nodes.len() };
-                term.add(0.0, &mut load.constant);
-                (points, entries) = (term.points, term.entries);
-                points.clear();
-                entries.clear();
+                load.add(field, nodes.len(), std::mem::take(&mut points), std::mem::take(&mut entries));
             }
         }
         load.add(field, block.element.nodes.len(), points, entries);

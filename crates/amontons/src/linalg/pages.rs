@@ -14,13 +14,13 @@ pub(super) enum Numbers {
 }
 
 impl Numbers {
-    /// A copy, or these where the system gives no large pages.
+    /// These numbers, moved to large pages where the system gives them.
     pub fn new(mut numbers: Vec<f64>) -> Numbers {
-        #[cfg(target_os = "linux")]
-        if let Some(mapped) = mapped(&numbers) {
-            return Numbers::Mapped(mapped);
-        }
         numbers.shrink_to_fit();
+        #[cfg(target_os = "linux")]
+        if let Some(map) = mapped(numbers.len()) {
+            return Numbers::Mapped(moved(numbers, map));
+        }
         Numbers::Plain(numbers.into_boxed_slice())
     }
 }
@@ -29,18 +29,27 @@ impl Numbers {
 #[cfg(target_os = "linux")]
 const LARGE: usize = 2 << 20;
 
-/// A copy in large pages; none of what fits into a few of them.
+/// Large pages for so many numbers, which take no memory until they are written to; none for what fits into a few.
 #[cfg(target_os = "linux")]
-fn mapped(numbers: &[f64]) -> Option<memmap2::MmapMut> {
-    let bytes: &[u8] = bytemuck::cast_slice(numbers);
-    if bytes.len() < 4 * LARGE {
-        return None;
-    }
-    let mut map = memmap2::MmapMut::map_anon(bytes.len()).ok()?;
-    // Before it is written to: pages are made then.
+fn mapped(count: usize) -> Option<memmap2::MmapMut> {
+    let bytes = count.checked_mul(size_of::<f64>()).filter(|bytes| *bytes >= 4 * LARGE)?;
+    let map = memmap2::MmapMut::map_anon(bytes).ok()?;
     map.advise(memmap2::Advice::HugePage).ok()?;
-    map.copy_from_slice(bytes);
     Some(map)
+}
+
+/// The numbers in the pages. They are moved from the end, and the memory that they leave is given back as they go: a
+/// factor may take most of what there is.
+#[cfg(target_os = "linux")]
+fn moved(mut numbers: Vec<f64>, mut map: memmap2::MmapMut) -> memmap2::MmapMut {
+    let pages: &mut [f64] = bytemuck::cast_slice_mut(&mut map);
+    while !numbers.is_empty() {
+        let from = numbers.len().saturating_sub(8 * LARGE / size_of::<f64>());
+        pages[from..numbers.len()].copy_from_slice(&numbers[from..]);
+        numbers.truncate(from);
+        numbers.shrink_to_fit();
+    }
+    map
 }
 
 impl Deref for Numbers {

@@ -310,10 +310,12 @@ impl<'a> Equation<'a> {
         let u = self.step.displacement(&w);
         let iterate = Iterate::new(self.step, &u, w, multipliers, &self.warmed);
         let (force, contact_force) = contact_forces(self.step, &states);
-        let (inertia, [a, b, c, d, e, f]) = (self.inertia(), self.terms(&iterate));
+        let inertia = self.inertia();
+        let [load, thermal, mass_w, bar, b_w, a_u] = self.terms(&iterate);
+        // From here on these are the largest entries.
         let (mut rest, [_, load, thermal, mass_w, bar, b_w, a_u]) =
-            map_with_largest([&contact_force, a, b, c, d, e, f], |[force, a, b, c, d, e, f]| {
-                force - right_hand_side(inertia, [a, b, c, d, e, f])
+            map_with_largest([&contact_force, load, thermal, mass_w, bar, b_w, a_u], |[force, terms @ ..]| {
+                force - right_hand_side(inertia, terms)
             });
         rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);

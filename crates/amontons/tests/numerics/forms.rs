@@ -4,6 +4,8 @@
 use std::sync::Arc;
 
 use amontons::element::P1_TRIANGLE;
+use amontons::expression::Expression;
+use amontons::field::Field;
 use amontons::forms::{self, Dilatation};
 use amontons::linalg::{BlockMatrix, Graph};
 use amontons::material::{Carreau, Hencky, Isotropic, StressState, TensorLaw};
@@ -261,4 +263,24 @@ fn regions_have_their_own_laws() {
     let [one, seven] = [1.0, 7.0].map(|k| Sym::from_fn(2, |i, j| if i == j { k } else { 0.0 }));
     let heat: f64 = theta.iter().zip(forms::d(&mesh, &graph, &[&one, &seven]).apply(&theta)).map(|(t, q)| t * q).sum();
     assert!((heat - 8.0).abs() < 1e-13);
+}
+
+/// A load that does not vary with time is added piece by piece, one that does is kept whole: they are the same to the
+/// bit, and their sum is ∫ (1 + x y) over the unit square.
+#[test]
+fn a_load_of_many_cells_is_the_sum_of_its_pieces() {
+    let n = 40;
+    let mut mesh = Mesh::rectangle([1.0, 1.0], [n, n], Diagonal::Left).expect("a mesh");
+    for (i, x) in mesh.points.iter_mut().enumerate().filter(|(_, x)| (0..2).all(|d| x[d] > 0.0 && x[d] < 1.0)) {
+        x[0] += 0.2 / n as f64 * (i as f64 * 1.7).sin();
+        x[1] += 0.2 / n as f64 * (i as f64 * 2.3).cos();
+    }
+    let load = |source: &str| {
+        let source = Field::Expression(Expression::parse(source).expect("an expression"));
+        forms::q(&mesh, &source, &[]).at(0.0)
+    };
+    let (fixed, varying) = (load("1 + x*y"), load("1 + x*y + 0*t"));
+    assert_eq!(fixed, varying);
+    let sum: f64 = fixed.iter().sum();
+    assert!((sum - 1.25).abs() < 1e-13, "{sum}");
 }
