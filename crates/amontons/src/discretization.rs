@@ -401,6 +401,13 @@ impl Discretization {
         with(conducted, self.convection.as_ref(), theta)
     }
 
+    /// The stored heat and d(θ, ·).
+    #[must_use]
+    pub fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
+        let (stored, conducted) = rayon::join(|| self.stored_heat(theta), || self.apply_d(theta));
+        [stored, conducted]
+    }
+
     /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
     /// is empty where K_u may change.
     #[must_use]

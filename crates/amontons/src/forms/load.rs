@@ -2,6 +2,7 @@
 
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
+use crate::linalg::copy;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{BoundaryCondition, Convection};
 use crate::tensor::Point;
@@ -38,7 +39,7 @@ impl Load {
     /// The load vector at time t.
     #[must_use]
     pub fn at(&self, t: f64) -> Vec<f64> {
-        let mut load = self.constant.clone();
+        let mut load = copy(&self.constant);
         for term in &self.varying {
             term.add(t, &mut load);
         }

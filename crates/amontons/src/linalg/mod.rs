@@ -45,7 +45,9 @@ pub use system::System;
 pub use tangent::{Entry, Share, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
-pub use vectors::{add_combination, dot, dots, is_finite, map, map_with_largest, max_abs, orthogonalize, sum, sums};
+pub use vectors::{
+    add_combination, copy, dot, dots, is_finite, map, map_with_largest, max_abs, orthogonalize, sum, sums, zeros,
+};
 
 /// Every backend, for tests that loop over them.
 #[must_use]

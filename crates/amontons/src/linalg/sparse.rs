@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::graph::{Graph, leaders};
 use super::repeats::Repeats;
-use super::vectors::max_abs;
+use super::vectors::{max_abs, zeros};
 use crate::mesh::Link;
 use crate::space::Frame;
 
@@ -267,7 +267,7 @@ impl BlockMatrix {
     #[must_use]
     pub fn apply(&self, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
-        let mut y = vec![0.0; self.graph.len() * self.rows * components];
+        let mut y = zeros(self.graph.len() * self.rows * components);
         let width = self.rows * components;
         y.par_chunks_mut((CHUNK * width).max(1)).enumerate().for_each(|(chunk, y)| {
             Arch::new().dispatch(Rows { matrix: self, first: chunk * CHUNK, components, x, y });
@@ -405,7 +405,7 @@ fn products_of<const C: usize, const B: usize>(
     u: &[f64],
     w: &[f64],
 ) -> [Vec<f64>; 4] {
-    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| vec![0.0; a.graph.len() * C]);
+    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| zeros(a.graph.len() * C));
     let (u, w) = (u.as_chunks::<C>().0, w.as_chunks::<C>().0);
     let [mass_w, a_u, a_w, b_w] = &mut out;
     let chunk = CHUNK * C;

@@ -8,23 +8,54 @@ use rayon::prelude::*;
 /// Entries that are worked on at once: large enough to pay for a task.
 pub(super) const BLOCK: usize = 1 << 14;
 
+/// Entries that are written at once.
+const WRITTEN: usize = 16;
+
+/// A vector of so many entries, made of pieces: each thread writes its own, once.
+fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> Vec<f64> {
+    let pieces = (0..length.div_ceil(WRITTEN)).into_par_iter().with_min_len(BLOCK / WRITTEN).map(&piece);
+    let mut entries = pieces.collect::<Vec<_>>().into_flattened();
+    entries.truncate(length);
+    entries
+}
+
+/// A vector of zeros.
+#[must_use]
+pub fn zeros(length: usize) -> Vec<f64> {
+    written(length, |_| [0.0; WRITTEN])
+}
+
+/// A vector with these entries.
+#[must_use]
+pub fn copy(of: &[f64]) -> Vec<f64> {
+    map([of], |[entry]| entry)
+}
+
 /// The vector with the entries f(a_i, b_i, …) of vectors of equal length.
 #[must_use]
 pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> Vec<f64> {
-    let mut out = vec![0.0; of.first().map_or(0, |v| v.len())];
-    out.par_chunks_mut(BLOCK).enumerate().for_each(|(block, out)| {
-        let of = of.map(|v| &v[block * BLOCK..][..out.len()]);
-        for (i, out) in out.iter_mut().enumerate() {
-            *out = f(of.map(|v| v[i]));
+    let length = of.first().map_or(0, |v| v.len());
+    let of = of.map(|v| v[..length].as_chunks::<WRITTEN>());
+    written(length, |i| {
+        let mut out = [0.0; WRITTEN];
+        if i < length / WRITTEN {
+            let of = of.map(|(pieces, _)| &pieces[i]);
+            for (k, out) in out.iter_mut().enumerate() {
+                *out = f(of.map(|v| v[k]));
+            }
+        } else {
+            for (k, out) in out.iter_mut().enumerate().take(length % WRITTEN) {
+                *out = f(of.map(|(_, rest)| rest[k]));
+            }
         }
-    });
-    out
+        out
+    })
 }
 
 /// The same with [`max_abs`] of each of the vectors.
 #[must_use]
 pub fn map_with_largest<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> (Vec<f64>, [f64; N]) {
-    let mut out = vec![0.0; of.first().map_or(0, |v| v.len())];
+    let mut out = zeros(of.first().map_or(0, |v| v.len()));
     let of_block = |(block, out): (usize, &mut [f64])| {
         let of = of.map(|v| &v[block * BLOCK..][..out.len()]);
         let mut sizes = [[0; 4]; N];

@@ -77,5 +77,6 @@ fn no_mechanics(step: &Step) -> Mechanics {
         force: [0.0; 3],
         reactions: Vec::new(),
         support_work: 0.0,
+        powers: None,
     }
 }

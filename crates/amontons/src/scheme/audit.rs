@@ -63,6 +63,40 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     }
 }
 
+/// Products of the vectors of the mechanical half-step, summed.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Powers {
+    /// w·M w, and that of the change of w in the step.
+    kinetic: f64,
+    inertial: f64,
+    /// b(w, w).
+    viscous: f64,
+    /// Of m(θ, ·) and of the load.
+    thermal: f64,
+    load: f64,
+    /// a(u, u), and that of the change of u in the step; zero where a is not linear.
+    elastic: f64,
+    strained: f64,
+}
+
+impl Powers {
+    /// In one pass over the vectors of each sum.
+    pub fn of(step: &Step, m: &Mechanics) -> Powers {
+        let Step { discrete, old, products, .. } = *step;
+        let [kinetic, inertial, viscous, thermal, load] =
+            sums([&m.w, &old.w, &m.mass_w, &products.mass_w, &m.b_w, &m.thermal, &m.load], |entries| {
+                let [w, w_old, mass_w, mass_old, b_w, thermal, load] = entries;
+                [w * mass_w, (w - w_old) * (mass_w - mass_old), w * b_w, w * thermal, w * load]
+            });
+        let [elastic, strained] = if discrete.is_linear() {
+            sums([&m.u, &old.u, &m.a_u, &products.a_u], |[u, u_old, a_u, a_old]| [u * a_u, (u - u_old) * (a_u - a_old)])
+        } else {
+            [0.0; 2]
+        };
+        Powers { kinetic, inertial, viscous, thermal, load, elastic, strained }
+    }
+}
+
 /// The terms of the identity of energy over a step, J.
 struct Energy {
     /// Stored at its end: ½ρ‖w‖², elasticity, and the compliance of the contact.
@@ -82,15 +116,11 @@ struct Energy {
 
 impl Energy {
     fn of(step: &Step, m: &Mechanics, theta: &[f64]) -> Energy {
-        let Step { discrete, old, products, k, .. } = *step;
+        let Step { discrete, old, k, .. } = *step;
         let rho = discrete.inertia().0;
-        let stored = stored(step, m, theta);
-        // One pass over each vector.
-        let [kinetic, inertial, viscous, thermal_work, work] =
-            sums([&m.w, &old.w, &m.mass_w, &products.mass_w, &m.b_w, &m.thermal, &m.load], |entries| {
-                let [w, w_old, mass_w, mass_old, b_w, thermal, load] = entries;
-                [w * mass_w, (w - w_old) * (mass_w - mass_old), w * b_w, w * thermal, w * load]
-            });
+        let powers = m.powers.unwrap_or_else(|| Powers::of(step, m));
+        let stored = stored(step, m, theta, &powers);
+        let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = powers;
         let contact = contact(step, m, k * work + m.support_work);
         let compliance =
             contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
@@ -212,14 +242,11 @@ struct Stored {
 }
 
 /// With the temperature `theta` at the end of the step.
-fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
-    let Step { discrete, old, products, k, .. } = *step;
+fn stored(step: &Step, m: &Mechanics, theta: &[f64], powers: &Powers) -> Stored {
+    let Step { discrete, old, k, .. } = *step;
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
-        let [elastic, scheme] = sums([&m.u, &old.u, &m.a_u, &products.a_u], |[u, u_old, a_u, a_old]| {
-            [u * a_u, (u - u_old) * (a_u - a_old)]
-        });
-        Stored { elastic: 0.5 * elastic, relaxed: 0.0, scheme: 0.5 * scheme, modulus: 0.0 }
+        Stored { elastic: 0.5 * powers.elastic, relaxed: 0.0, scheme: 0.5 * powers.strained, modulus: 0.0 }
     } else if let Some(sum) = softening(step, m, theta) {
         sum
     } else {

@@ -5,7 +5,7 @@ use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, map, map_with_largest, max_abs, sum};
+use crate::linalg::{SolveError, Tangent, copy, map, map_with_largest, max_abs, sum, zeros};
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -66,12 +66,12 @@ impl Begun {
                 [&h.supply, &h.theta, &h.mass_theta, &h.d_theta].map(Clone::clone);
             Begun { supply, coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         } else {
-            let mut theta = old.theta.clone();
+            let mut theta = copy(&old.theta);
             discrete.q.prescribe(t, &mut theta);
             let [mass_theta, d_theta] = if theta == bar.theta {
-                [products.mass_theta.clone(), products.d_theta.clone()]
+                [copy(&products.mass_theta), copy(&products.d_theta)]
             } else {
-                [discrete.stored_heat(&theta), discrete.apply_d(&theta)]
+                discrete.thermal_products(&theta)
             };
             Begun { supply: discrete.q_h.at(t), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         };
@@ -142,8 +142,7 @@ impl Begun {
     }
 
     fn set_products(&mut self, step: &Step) {
-        let [stored, conducted] = [step.discrete.stored_heat(&self.theta), step.discrete.apply_d(&self.theta)];
-        (self.mass_theta, self.d_theta) = (stored, conducted);
+        [self.mass_theta, self.d_theta] = step.discrete.thermal_products(&self.theta);
     }
 
     /// Solves (4.2) where 𝓚 or the heat capacity depend on the temperature: passes with the symmetric part of the
@@ -186,7 +185,7 @@ impl Begun {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, products, rule: Rule { delta, .. }, .. } = *step;
         let c = discrete.storage().0;
-        let mut chi = vec![0.0; theta.len()];
+        let mut chi = zeros(theta.len());
         step.boundary.scatter_heat(exchange.sides(), &mut chi);
         let (through_contact, rubbed) = through(step, exchange);
         // At prescribed nodes it is the heat that has to be supplied there.

@@ -2,12 +2,13 @@
 
 use std::borrow::Cow;
 
+use super::audit::Powers;
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, map, map_with_largest, max_abs};
+use crate::linalg::{SolveError, Tangent, copy, map, map_with_largest, max_abs};
 use crate::tensor::Point;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
@@ -45,6 +46,8 @@ pub(super) struct Mechanics {
     /// What the supports exert, one number per prescribed degree of freedom, N; their work in the step, J.
     pub reactions: Vec<f64>,
     pub support_work: f64,
+    /// The sums that the audit needs, where they are at hand.
+    pub powers: Option<Powers>,
 }
 
 /// What is known on Γ_C before the half-step is solved.
@@ -285,7 +288,7 @@ impl<'a> Equation<'a> {
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&now.w);
-        let (mut w, mut multipliers) = (now.w.clone(), now.multipliers.clone());
+        let (mut w, mut multipliers) = (copy(&now.w), now.multipliers.clone());
         let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
         let iterations = system
             .expand(reduced, &mut w, |condensed, r| {
@@ -386,7 +389,7 @@ impl<'a> Equation<'a> {
             residual,
             scale,
             load,
-            theta: theta.to_vec(),
+            theta: copy(theta),
             thermal,
             mass_w: mass_w.into_owned(),
             a_u: a_u.into_owned(),
@@ -397,6 +400,7 @@ impl<'a> Equation<'a> {
             force,
             reactions,
             support_work,
+            powers: None,
         })
     }
 }
@@ -455,7 +459,7 @@ impl<'a> Begun<'a> {
     fn new(step: &Step<'a>, warmed: &Warmed) -> Begun<'a> {
         let Step { discrete, old, bar, products, t, rule: Rule { gamma, .. }, .. } = *step;
         let load = discrete.f.at(t);
-        let mut w = old.w.clone();
+        let mut w = copy(&old.w);
         let changes = discrete.v.prescribe_rates(t, gamma, bar.u, &mut w);
         let given = Given::new(step, &w);
         let mut multipliers = old.multipliers.clone();

@@ -6,7 +6,9 @@ use std::sync::Arc;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
-use crate::linalg::{Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, map};
+use crate::linalg::{
+    Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, map, zeros,
+};
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
 use crate::problem::Problem;
@@ -253,7 +255,7 @@ impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
         let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &discrete.warmed(&state.theta));
-        let (mass_theta, d_theta) = (discrete.stored_heat(&state.theta), discrete.apply_d(&state.theta));
+        let [mass_theta, d_theta] = discrete.thermal_products(&state.theta);
         Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }
 }
@@ -308,7 +310,7 @@ pub(super) fn without_contact(
 
 /// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
 pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
-    let mut sum = vec![0.0; space.free.len()];
+    let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
     sum
 }
