@@ -1,6 +1,7 @@
 //! Algebra: sparse matrices, the factor with its condensed operator, and the largest eigenvalue of a pencil.
 
 mod automatic;
+mod batches;
 mod condensed;
 mod dense;
 mod eigen;
@@ -14,6 +15,7 @@ mod multigrid;
 mod numeric;
 mod ordering;
 mod pages;
+mod panel;
 mod repeats;
 mod schur;
 mod sparse;

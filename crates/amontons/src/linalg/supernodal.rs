@@ -18,11 +18,12 @@ use super::error::SolveError;
 use super::factor::{Backend, Columns, Factor};
 use super::numeric::{Supernodes, has_factor};
 use super::pages::Numbers;
+use super::panel::Panel;
 use super::repeats::{ROUND_OFF, Repeats};
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
 use super::stop::Stop;
-use super::sweeps::{Panel, Task};
+use super::sweeps::Task;
 use super::unknowns::Unknowns;
 use crate::machine;
 
@@ -109,6 +110,7 @@ impl SupernodalFactor {
         has_factor(&s, shift, stop).map_err(|error| error.of(interior, size))?;
         let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
+        root.batch();
         values.truncate(stored);
         let values = Numbers::new(values);
         let nodes = unknowns.kept_nodes(matrix.block_shape().0);
@@ -340,13 +342,14 @@ impl<'a> Tree<'a> {
             })
             .collect();
         let start = children.iter().map(|c| c.begin).min().unwrap_or(own.start);
-        Task { children, begin: start, own, panels, ancestors: Vec::new(), touched: ancestors.len() }
+        Task { children, begin: start, own, panels, touched: ancestors.len(), ..Task::default() }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::batches::Batch;
     use crate::linalg::{Graph, Layout, System};
     use crate::mesh::{Block, Diagonal, Mesh, MeshError};
 
@@ -371,6 +374,54 @@ mod tests {
         system.unknowns().put(&x, &mut found);
         let error = found.iter().zip(&expected).fold(0.0f64, |most, (x, y)| most.max((x - y).abs()));
         Ok((error, system.stored()))
+    }
+
+    /// The columns of which a sweep takes several at once.
+    fn at_once(task: &Task) -> usize {
+        task.batches.iter().map(Batch::all_columns).sum::<usize>() + task.children.iter().map(at_once).sum::<usize>()
+    }
+
+    /// On an even mesh many columns are in subtrees that repeat, one or two unknowns to a node; where no cell is like
+    /// another, none are. With them and without, the sweeps solve the system.
+    #[test]
+    fn subtrees_that_repeat_are_taken_at_once() -> Result<(), MeshError> {
+        let mesh = Mesh::rectangle([1.0, 1.0], [128, 128], Diagonal::Left)?;
+        let uneven = |k: usize| 1.0 + 0.1 * (k as f64).sin();
+        let one_other = |k: usize| if k == 2000 { 1.5 } else { 1.0 };
+        let cases: [(usize, &dyn Fn(usize) -> f64, [f64; 2]); 4] = [
+            (1, &|_| 1.0, [0.4, 1.0]),
+            (2, &|_| 1.0, [0.4, 1.0]),
+            (2, &one_other, [0.4, 1.0]),
+            (2, &uneven, [0.0, 0.0]),
+        ];
+        for (components, scale, [least, most]) in cases {
+            let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), components, components);
+            for (k, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
+                let size = 3 * components;
+                // Symmetric, not that of a diagonal matrix, and positive definite by its diagonal.
+                let entry = |i: usize, j: usize| if i == j { 6.0 } else { -((1 + (i + 1) * (j + 1) % 5) as f64) / 5.0 };
+                let values: Vec<f64> = (0..size * size).map(|v| scale(k) * entry(v / size, v % size)).collect();
+                matrix.add(cell, &values);
+            }
+            let contact = mesh.facets["bottom"].node_list();
+            let free: Vec<bool> = (0..mesh.points.len() * components).map(|dof| dof >= 40).collect();
+            let layout =
+                Layout { points: &mesh.points, components, free: &free, frames: &[], links: &[], contact: &contact };
+            let unknowns = Unknowns::new(&matrix, &layout);
+            let factor = SupernodalFactor::new(&matrix, &unknowns, &Stop::default()).expect("a factor");
+            let share = at_once(&factor.root) as f64 / factor.interior as f64;
+            let mut expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
+            expected.iter_mut().zip(&free).filter(|(_, free)| !**free).for_each(|(value, _)| *value = 0.0);
+            let mut x = unknowns.gather(&matrix.apply(&expected));
+            factor.forward(&mut x).expect("a sweep");
+            let known = unknowns.gather(&expected);
+            x[factor.interior..].copy_from_slice(&known[factor.interior..]);
+            factor.backward(&mut x).expect("a sweep");
+            let error = x.iter().zip(&known).fold(0.0f64, |most, (x, known)| most.max((x - known).abs()));
+            assert!(error < 1e-13, "{components} to a node: {error:e}");
+            assert!((least..=most).contains(&share), "{components} to a node: {share} of the columns");
+        }
+        Ok(())
     }
 
     /// What repeats is stored once, and a cell that is another by more than round-off is told from the others.

@@ -1,0 +1,250 @@
+//! Subtrees of the elimination tree that repeat, side by side.
+//!
+//! On a uniform mesh most small subtrees have the same numbers at the same places. A sweep takes several of them at
+//! once, an entry of each in the lanes of a vector: a number of the factor is read once for all, and columns that are
+//! too short to be worked on as vectors need not be.
+#![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::panel::{LANES, Lanes, Panel, Runs, Value};
+
+/// Columns of the largest subtree that is looked at: its entries in all lanes fit into the second cache.
+const MOST: usize = 512;
+/// Lanes that are filled at least.
+const LEAST: usize = LANES / 2;
+
+/// Subtrees that are the same.
+#[derive(Debug)]
+pub(super) struct Batch {
+    /// Their panels, on a vector of the columns of a subtree and the rows below it.
+    panels: Vec<Panel>,
+    columns: usize,
+    places: Vec<Place>,
+}
+
+/// Where a subtree stands in the vector of its task: its first column, and the rows below.
+#[derive(Debug)]
+struct Place {
+    first: usize,
+    below: Runs,
+}
+
+/// Vectors that a sweep over batches works with.
+#[derive(Default)]
+pub(super) struct Workspace {
+    local: Vec<Lanes>,
+    dense: Vec<Lanes>,
+}
+
+impl Batch {
+    /// Columns of all the subtrees.
+    #[cfg(test)]
+    pub fn all_columns(&self) -> usize {
+        self.columns * self.places.len()
+    }
+
+    /// Solves L y = r on the columns of the subtrees, and adds what they take from the rows below.
+    #[inline(always)]
+    pub fn forward(&self, values: &[f64], vector: &mut [f64], Workspace { local, dense }: &mut Workspace) {
+        for places in self.places.chunks(LANES) {
+            self.enter(places, vector, local);
+            for panel in &self.panels {
+                panel.forward(panel.values(values), local, dense);
+            }
+            self.leave(places, local, vector);
+            for (l, place) in places.iter().enumerate() {
+                let mut below = local[self.columns..].iter();
+                for range in place.below.ranges() {
+                    for (entry, local) in vector[range].iter_mut().zip(&mut below) {
+                        *entry += local.0[l];
+                    }
+                }
+            }
+        }
+    }
+
+    /// Solves Lᵀ x = y on the columns of the subtrees with the rows below known.
+    #[inline(always)]
+    pub fn backward(&self, values: &[f64], vector: &mut [f64], Workspace { local, dense }: &mut Workspace) {
+        for places in self.places.chunks(LANES) {
+            self.enter(places, vector, local);
+            for (l, place) in places.iter().enumerate() {
+                let mut below = local[self.columns..].iter_mut();
+                for range in place.below.ranges() {
+                    for (entry, local) in vector[range].iter().zip(&mut below) {
+                        local.0[l] = *entry;
+                    }
+                }
+            }
+            for panel in self.panels.iter().rev() {
+                panel.backward(panel.values(values), local, dense);
+            }
+            self.leave(places, local, vector);
+        }
+    }
+
+    /// Takes the entries at the columns, and zero below and in lanes without a place.
+    #[inline(always)]
+    fn enter(&self, places: &[Place], vector: &[f64], local: &mut Vec<Lanes>) {
+        let below = places.first().map_or(0, |place| place.below.ranges().map(|range| range.len()).sum());
+        local.clear();
+        local.resize(self.columns + below, Lanes::ZERO);
+        for (l, place) in places.iter().enumerate() {
+            for (local, entry) in local.iter_mut().zip(&vector[place.first..][..self.columns]) {
+                local.0[l] = *entry;
+            }
+        }
+    }
+
+    /// Puts the entries at the columns back.
+    #[inline(always)]
+    fn leave(&self, places: &[Place], local: &[Lanes], vector: &mut [f64]) {
+        for (l, place) in places.iter().enumerate() {
+            for (entry, local) in vector[place.first..][..self.columns].iter_mut().zip(local) {
+                *entry = local.0[l];
+            }
+        }
+    }
+}
+
+/// What makes two subtrees the same: the columns, rows and numbers of the last panel, and of each subtree below it what
+/// it is, where it begins, and the rows below it in the vector of the whole.
+#[derive(PartialEq, Eq, Hash)]
+struct Kind {
+    panel: [usize; 3],
+    children: Vec<(usize, usize, Runs)>,
+}
+
+/// The subtrees that the panels of a task end.
+struct Subtrees<'a> {
+    panels: &'a [Panel],
+    parent: Vec<Option<usize>>,
+    children: Vec<Vec<usize>>,
+    /// First panel and first column of each.
+    first: Vec<usize>,
+    begin: Vec<usize>,
+    /// What each is; none for those that are too large.
+    kind: Vec<Option<usize>>,
+}
+
+impl<'a> Subtrees<'a> {
+    /// On a vector whose first `own` entries are columns of the panels.
+    fn new(panels: &'a [Panel], own: usize) -> Subtrees<'a> {
+        let mut owner = vec![0; own];
+        for (p, panel) in panels.iter().enumerate() {
+            owner[panel.first..panel.first + panel.columns].fill(p);
+        }
+        let parent = |panel: &Panel| {
+            let row = panel.below.positions().next()?;
+            owner.get(row as usize).copied()
+        };
+        let count = panels.len();
+        let mut trees = Subtrees {
+            panels,
+            parent: panels.iter().map(parent).collect(),
+            children: vec![Vec::new(); count],
+            first: (0..count).collect(),
+            begin: panels.iter().map(|panel| panel.first).collect(),
+            kind: Vec::with_capacity(count),
+        };
+        let mut kinds = HashMap::new();
+        for p in 0..count {
+            let kind = trees.kind_of(p).map(|kind| {
+                let next = kinds.len();
+                *kinds.entry(kind).or_insert(next)
+            });
+            trees.kind.push(kind);
+            if let Some(parent) = trees.parent[p] {
+                trees.children[parent].push(p);
+                trees.first[parent] = trees.first[parent].min(trees.first[p]);
+                trees.begin[parent] = trees.begin[parent].min(trees.begin[p]);
+            }
+        }
+        trees
+    }
+
+    /// Where the columns of a subtree end.
+    fn end(&self, p: usize) -> usize {
+        self.panels[p].first + self.panels[p].columns
+    }
+
+    fn columns(&self, p: usize) -> usize {
+        self.end(p) - self.begin[p]
+    }
+
+    /// What a subtree is, those below it known.
+    fn kind_of(&self, p: usize) -> Option<Kind> {
+        let panel = &self.panels[p];
+        // The columns of a subtree follow each other.
+        let all = panel.columns + self.children[p].iter().map(|&child| self.columns(child)).sum::<usize>();
+        if all > MOST || all != self.columns(p) {
+            return None;
+        }
+        let rows: Vec<u32> = panel.below.positions().collect();
+        let child = |&child: &usize| {
+            Some((self.kind[child]?, self.begin[child] - self.begin[p], self.rows_in(child, p, &rows)?))
+        };
+        let children = self.children[p].iter().map(child).collect::<Option<_>>()?;
+        Some(Kind { panel: [panel.columns, panel.leading, panel.values], children })
+    }
+
+    /// The rows below a panel in the vector of the subtree of `p`, below which are `rows`.
+    fn rows_in(&self, panel: usize, p: usize, rows: &[u32]) -> Option<Runs> {
+        let (begin, end) = (self.begin[p] as u32, self.end(p) as u32);
+        let place = |row: u32| {
+            if row < end {
+                row.checked_sub(begin)
+            } else {
+                rows.binary_search(&row).ok().map(|k| end - begin + k as u32)
+            }
+        };
+        self.panels[panel].below.positions().map(place).collect()
+    }
+
+    /// The panels of the subtree of `p` on its own vector.
+    fn panels_of(&self, p: usize) -> Option<Vec<Panel>> {
+        let rows: Vec<u32> = self.panels[p].below.positions().collect();
+        let of = |q: usize| {
+            let Panel { first, columns, values, leading, .. } = self.panels[q];
+            Some(Panel { first: first - self.begin[p], columns, below: self.rows_in(q, p, &rows)?, values, leading })
+        };
+        (self.first[p]..=p).map(of).collect()
+    }
+}
+
+/// Takes subtrees that repeat out of the panels of a task, whose vector begins with `own` columns: the largest of which
+/// there are enough, then those below the others.
+pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
+    let trees = Subtrees::new(panels, own);
+    let mut is_taken = vec![false; panels.len()];
+    let is_largest = |p: &usize| trees.kind[*p].is_some() && trees.parent[*p].is_none_or(|p| trees.kind[p].is_none());
+    let (mut batches, mut open): (Vec<Batch>, Vec<usize>) =
+        (Vec::new(), (0..panels.len()).filter(is_largest).collect());
+    while !open.is_empty() {
+        let mut alike: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        for p in open.drain(..) {
+            alike.entry(trees.kind[p].unwrap_or(usize::MAX)).or_default().push(p);
+        }
+        for mut members in alike.into_values() {
+            let rest = members.len() % LANES;
+            let rest = members.split_off(if rest < LEAST { members.len() - rest } else { members.len() });
+            let panels_of_one = members.first().and_then(|&p| trees.panels_of(p));
+            if let Some((panels_of_one, &p)) = panels_of_one.zip(members.first()) {
+                let place = |&p: &usize| Place { first: trees.begin[p], below: panels[p].below.clone() };
+                batches.push(Batch {
+                    panels: panels_of_one,
+                    columns: trees.columns(p),
+                    places: members.iter().map(place).collect(),
+                });
+                for p in members {
+                    is_taken[trees.first[p]..=p].fill(true);
+                }
+            }
+            open.extend(rest.iter().flat_map(|&p| &trees.children[p]));
+        }
+    }
+    let mut is_taken = is_taken.into_iter();
+    panels.retain(|_| is_taken.next() == Some(false));
+    batches
+}

@@ -1,0 +1,321 @@
+//! A panel of dense columns of a factor, and what a sweep does with it: for one vector, or for several at once.
+#![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
+
+use std::hint::black_box;
+use std::ops::{Add, Div, Mul, Sub};
+
+/// Numbers of a panel up to which its lines of memory are asked for one after the other before it is worked with: its
+/// columns by themselves are too short for a processor to read ahead. They fit into the second cache.
+const AHEAD: usize = 1 << 15;
+/// Numbers of a line of memory.
+const LINE: usize = 8;
+
+/// A dense panel of the factor: columns `first..first + columns` of a vector, with the positions of the rows below them
+/// in that vector.
+#[derive(Debug)]
+pub(super) struct Panel {
+    pub first: usize,
+    pub columns: usize,
+    pub below: Runs,
+    /// Where its values begin: columns from the diagonal down, one after the other.
+    pub values: usize,
+    /// Rows of the first column.
+    pub leading: usize,
+}
+
+/// Positions in a vector as runs: first position and length of each.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub(super) struct Runs(Vec<[u32; 2]>);
+
+impl FromIterator<u32> for Runs {
+    fn from_iter<I: IntoIterator<Item = u32>>(positions: I) -> Runs {
+        let mut runs: Vec<[u32; 2]> = Vec::new();
+        for position in positions {
+            match runs.last_mut() {
+                Some([first, length]) if *first + *length == position => *length += 1,
+                _ => runs.push([position, 1]),
+            }
+        }
+        Runs(runs)
+    }
+}
+
+impl Runs {
+    /// The positions one by one.
+    pub fn positions(&self) -> impl Iterator<Item = u32> {
+        self.0.iter().flat_map(|&[first, length]| first..first + length)
+    }
+
+    /// The runs as ranges.
+    #[inline(always)]
+    pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
+        self.0.iter().map(|&[first, length]| first as usize..(first + length) as usize)
+    }
+
+    /// Appends the entries of a vector at the positions.
+    #[inline(always)]
+    fn gather<E: Value>(&self, vector: &[E], out: &mut Vec<E>) {
+        for range in self.ranges() {
+            out.extend_from_slice(&vector[range]);
+        }
+    }
+
+    /// Adds values to the entries of a vector at the positions.
+    #[inline(always)]
+    fn add<E: Value>(&self, values: &[E], vector: &mut [E]) {
+        let mut values = values;
+        for range in self.ranges() {
+            let (now, rest) = values.split_at(range.len());
+            for (entry, value) in vector[range].iter_mut().zip(now) {
+                *entry = *entry + *value;
+            }
+            values = rest;
+        }
+    }
+}
+
+/// What a vector has at a position: a number, or one of each of several vectors.
+pub(super) trait Value:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
+{
+    const ZERO: Self;
+
+    /// Σ c_i x_i.
+    fn dot(c: &[f64], x: &[Self]) -> Self;
+
+    /// The same with each of four columns.
+    fn dot4(c: [&[f64]; 4], x: &[Self]) -> [Self; 4];
+}
+
+impl Value for f64 {
+    const ZERO: f64 = 0.0;
+
+    /// In four lanes.
+    #[inline(always)]
+    fn dot(c: &[f64], x: &[f64]) -> f64 {
+        let ((quads, rest), (x, x_rest)) = (c.as_chunks::<4>(), x.as_chunks::<4>());
+        let mut lanes = [0.0; 4];
+        for (c, x) in quads.iter().zip(x) {
+            lanes = add_product(lanes, *c, *x);
+        }
+        let tail: f64 = rest.iter().zip(x_rest).map(|(c, x)| c * x).sum();
+        (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]) + tail
+    }
+
+    /// In four lanes each: sixteen sums that stay in registers.
+    #[inline(always)]
+    fn dot4(c: [&[f64]; 4], x: &[f64]) -> [f64; 4] {
+        let (quads, rest) = x.as_chunks::<4>();
+        let m = quads.len();
+        let (c0, c1) = (&c[0].as_chunks::<4>().0[..m], &c[1].as_chunks::<4>().0[..m]);
+        let (c2, c3) = (&c[2].as_chunks::<4>().0[..m], &c[3].as_chunks::<4>().0[..m]);
+        let (mut s0, mut s1, mut s2, mut s3) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
+        for i in 0..m {
+            s0 = add_product(s0, c0[i], quads[i]);
+            s1 = add_product(s1, c1[i], quads[i]);
+            s2 = add_product(s2, c2[i], quads[i]);
+            s3 = add_product(s3, c3[i], quads[i]);
+        }
+        let mut sums = [0.0; 4];
+        // As one value: the compiler would work on the same lane of all four otherwise, which is slower.
+        for (a, lanes) in black_box([s0, s1, s2, s3]).iter().enumerate() {
+            sums[a] = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+            for (c, x) in c[a][4 * m..].iter().zip(rest) {
+                sums[a] += c * x;
+            }
+        }
+        sums
+    }
+}
+
+#[inline(always)]
+fn add_product(sum: [f64; 4], a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
+    [sum[0] + a[0] * b[0], sum[1] + a[1] * b[1], sum[2] + a[2] * b[2], sum[3] + a[3] * b[3]]
+}
+
+/// Vectors that are worked on at once: two registers of AVX2.
+pub(super) const LANES: usize = 8;
+
+/// An entry of each of several vectors.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(super) struct Lanes(pub [f64; LANES]);
+
+impl Lanes {
+    #[inline(always)]
+    fn each(self, of: impl Fn(usize, f64) -> f64) -> Lanes {
+        let mut lanes = self.0;
+        for (l, lane) in lanes.iter_mut().enumerate() {
+            *lane = of(l, *lane);
+        }
+        Lanes(lanes)
+    }
+}
+
+impl Add for Lanes {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn add(self, other: Lanes) -> Lanes {
+        self.each(|l, lane| lane + other.0[l])
+    }
+}
+
+impl Sub for Lanes {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn sub(self, other: Lanes) -> Lanes {
+        self.each(|l, lane| lane - other.0[l])
+    }
+}
+
+impl Mul<f64> for Lanes {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn mul(self, by: f64) -> Lanes {
+        self.each(|_, lane| lane * by)
+    }
+}
+
+impl Div<f64> for Lanes {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn div(self, by: f64) -> Lanes {
+        self.each(|_, lane| lane / by)
+    }
+}
+
+impl Value for Lanes {
+    const ZERO: Lanes = Lanes([0.0; LANES]);
+
+    #[inline(always)]
+    fn dot(c: &[f64], x: &[Lanes]) -> Lanes {
+        c.iter().zip(x).fold(Lanes::ZERO, |sum, (c, x)| sum + *x * *c)
+    }
+
+    #[inline(always)]
+    fn dot4(c: [&[f64]; 4], x: &[Lanes]) -> [Lanes; 4] {
+        let m = x.len();
+        let [c0, c1, c2, c3] = c.map(|c| &c[..m]);
+        let [mut s0, mut s1, mut s2, mut s3] = [Lanes::ZERO; 4];
+        for i in 0..m {
+            let x = x[i];
+            s0 = s0 + x * c0[i];
+            s1 = s1 + x * c1[i];
+            s2 = s2 + x * c2[i];
+            s3 = s3 + x * c3[i];
+        }
+        [s0, s1, s2, s3]
+    }
+}
+
+impl Panel {
+    /// Where column j begins among the values of the panel.
+    #[inline(always)]
+    fn start(&self, j: usize) -> usize {
+        j * self.leading - j * j.saturating_sub(1) / 2
+    }
+
+    /// The values of the panel.
+    #[inline(always)]
+    pub fn values<'a>(&self, values: &'a [f64]) -> &'a [f64] {
+        &values[self.values..self.values + self.start(self.columns)]
+    }
+
+    /// The same, read ahead in the order in which the sweep goes through memory.
+    #[inline(always)]
+    pub fn values_ahead<'a>(&self, values: &'a [f64], is_forward: bool) -> &'a [f64] {
+        let values = self.values(values);
+        if values.len() <= AHEAD {
+            let lines = values.chunks(LINE);
+            let read = |seen: u64, line: &[f64]| seen | line[0].to_bits();
+            black_box(if is_forward { lines.fold(0, read) } else { lines.rev().fold(0, read) });
+        }
+        values
+    }
+
+    /// Column j from its diagonal down.
+    #[inline(always)]
+    fn column<'a>(&self, values: &'a [f64], j: usize) -> &'a [f64] {
+        let from = self.start(j);
+        &values[from..from + self.leading - j]
+    }
+
+    /// Four columns from column j on.
+    #[inline(always)]
+    fn columns<'a>(&self, values: &'a [f64], j: usize) -> [&'a [f64]; 4] {
+        [self.column(values, j), self.column(values, j + 1), self.column(values, j + 2), self.column(values, j + 3)]
+    }
+
+    /// Solves L y = r on the columns, and adds what they take from the rows below.
+    #[inline(always)]
+    pub fn forward<E: Value>(&self, values: &[f64], vector: &mut [E], dense: &mut Vec<E>) {
+        let n = self.columns;
+        dense.clear();
+        dense.extend_from_slice(&vector[self.first..self.first + n]);
+        dense.resize(self.leading, E::ZERO);
+        let mut j = 0;
+        while j + 4 <= n {
+            let c = self.columns(values, j);
+            let mut z = [E::ZERO; 4];
+            for a in 0..4 {
+                let mut s = dense[j + a];
+                for b in 0..a {
+                    s = s - z[b] * c[b][a - b];
+                }
+                z[a] = s / c[a][0];
+            }
+            dense[j..j + 4].copy_from_slice(&z);
+            let tail = &mut dense[j + 4..];
+            let m = tail.len();
+            let (c0, c1, c2, c3) = (&c[0][4..][..m], &c[1][3..][..m], &c[2][2..][..m], &c[3][1..][..m]);
+            for i in 0..m {
+                tail[i] = tail[i] - ((z[0] * c0[i] + z[1] * c1[i]) + (z[2] * c2[i] + z[3] * c3[i]));
+            }
+            j += 4;
+        }
+        while j < n {
+            let c = self.column(values, j);
+            let z = dense[j] / c[0];
+            dense[j] = z;
+            for (d, c) in dense[j + 1..].iter_mut().zip(&c[1..]) {
+                *d = *d - z * *c;
+            }
+            j += 1;
+        }
+        vector[self.first..self.first + n].copy_from_slice(&dense[..n]);
+        self.below.add(&dense[n..], vector);
+    }
+
+    /// Solves Lᵀ x = y on the columns with the rows below known.
+    #[inline(always)]
+    pub fn backward<E: Value>(&self, values: &[f64], vector: &mut [E], dense: &mut Vec<E>) {
+        let n = self.columns;
+        dense.clear();
+        dense.extend_from_slice(&vector[self.first..self.first + n]);
+        self.below.gather(vector, dense);
+        let mut j = n;
+        // The odd columns come last here as they did in the forward sweep.
+        while !j.is_multiple_of(4) {
+            j -= 1;
+            let c = self.column(values, j);
+            dense[j] = (dense[j] - E::dot(&c[1..], &dense[j + 1..])) / c[0];
+        }
+        while j >= 4 {
+            j -= 4;
+            let c = self.columns(values, j);
+            let sums = E::dot4([&c[0][4..], &c[1][3..], &c[2][2..], &c[3][1..]], &dense[j + 4..]);
+            for a in (0..4).rev() {
+                let mut s = dense[j + a] - sums[a];
+                for b in a + 1..4 {
+                    s = s - dense[j + b] * c[a][b - a];
+                }
+                dense[j + a] = s / c[a][0];
+            }
+        }
+        vector[self.first..self.first + n].copy_from_slice(&dense[..n]);
+    }
+}
