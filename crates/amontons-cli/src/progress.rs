@@ -112,12 +112,13 @@ impl Place {
     /// What happens after a first signal.
     fn after_interrupt(&self, signal: &str) -> String {
         let first = match self.phase {
-            "steps" if self.step < self.steps => format!("step {} of {} is finished", self.step + 1, self.steps),
+            "steps" if self.step < self.steps => format!("step {} of {}", self.step + 1, self.steps),
             _ if self.has_nothing() => return format!("{signal}: the run ends before its first step"),
-            phase => format!("the present phase ({phase}) is finished"),
+            phase => format!("the present phase ({phase})"),
         };
         let kept = if self.part.is_empty() { "a checkpoint is written" } else { "what is finished is kept" };
-        format!("{signal}: {first} and {kept}; a second Ctrl-C stops at once")
+        // A long step is not finished: linear algebra and contact iterations end where they are.
+        format!("{signal}: the run ends in or after {first}, and {kept}; a second Ctrl-C stops at once")
     }
 }
 
@@ -359,7 +360,9 @@ mod tests {
         progress.shared.phase("factor");
         let told = progress.shared.place().after_interrupt("SIGTERM");
         assert!(
-            told.starts_with("SIGTERM: the present phase (factor) is finished and what is finished is kept"),
+            told.starts_with(
+                "SIGTERM: the run ends in or after the present phase (factor), and what is finished is kept"
+            ),
             "{told}"
         );
         progress.shared.phase("steps");
@@ -380,11 +383,11 @@ mod tests {
         );
         assert_eq!(
             place.after_interrupt("Ctrl-C"),
-            "Ctrl-C: step 3 of 8 is finished and what is finished is kept; a second Ctrl-C stops at once"
+            "Ctrl-C: the run ends in or after step 3 of 8, and what is finished is kept; a second Ctrl-C stops at once"
         );
         place.step = 8;
         assert!(
-            place.after_interrupt("Ctrl-C").starts_with("Ctrl-C: the present phase (steps) is finished"),
+            place.after_interrupt("Ctrl-C").starts_with("Ctrl-C: the run ends in or after the present phase (steps)"),
             "there is no step 9 of 8"
         );
     }

@@ -9,9 +9,9 @@ use std::collections::{BTreeMap, HashMap};
 
 use super::panel::{LANES, Lanes, Panel, Runs, Value};
 
-/// Columns of the largest subtree that is looked at: its entries in all lanes fit into the second cache.
+/// Most columns of a subtree: its entries in all lanes fit into the second-level cache.
 const MOST: usize = 512;
-/// Lanes that are filled at least.
+/// Fewest lanes to fill: with fewer subtrees, one after the other is faster.
 const LEAST: usize = LANES / 2;
 
 /// Subtrees that are the same.
@@ -108,23 +108,23 @@ impl Batch {
     }
 }
 
-/// What makes two subtrees the same: the columns, rows and numbers of the last panel, and of each subtree below it what
-/// it is, where it begins, and the rows below it in the vector of the whole.
+/// What makes two subtrees the same: columns, rows and place of the numbers of the last panel; and for each subtree below
+/// it the kind, the first column, and the rows below, counted in the vector of the whole subtree.
 #[derive(PartialEq, Eq, Hash)]
 struct Kind {
     panel: [usize; 3],
     children: Vec<(usize, usize, Runs)>,
 }
 
-/// The subtrees that the panels of a task end.
+/// The subtrees of a task: number p consists of panel p and all panels below it in the elimination tree.
 struct Subtrees<'a> {
     panels: &'a [Panel],
     parent: Vec<Option<usize>>,
     children: Vec<Vec<usize>>,
-    /// First panel and first column of each.
+    /// First panel and first column of each subtree.
     first: Vec<usize>,
     begin: Vec<usize>,
-    /// What each is; none for those that are too large.
+    /// Equal numbers for subtrees that are the same; none for a subtree with more than [`MOST`] columns.
     kind: Vec<Option<usize>>,
 }
 
@@ -173,7 +173,7 @@ impl<'a> Subtrees<'a> {
         self.end(p) - self.begin[p]
     }
 
-    /// What a subtree is, those below it known.
+    /// The description of a subtree by which others are compared with it. The subtrees below it have their kinds.
     fn kind_of(&self, p: usize) -> Option<Kind> {
         let panel = &self.panels[p];
         // The columns of a subtree follow each other.
@@ -213,8 +213,8 @@ impl<'a> Subtrees<'a> {
     }
 }
 
-/// Takes subtrees that repeat out of the panels of a task, whose vector begins with `own` columns: the largest of which
-/// there are enough, then those below the others.
+/// Moves the subtrees that repeat from the panels of a task to batches. The vector of the task begins with its `own`
+/// columns. The largest subtrees come first; where too few are the same, the subtrees below them are compared.
 pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
     let trees = Subtrees::new(panels, own);
     let mut is_taken = vec![false; panels.len()];
@@ -222,13 +222,13 @@ pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
     let (mut batches, mut open): (Vec<Batch>, Vec<usize>) =
         (Vec::new(), (0..panels.len()).filter(is_largest).collect());
     while !open.is_empty() {
-        let mut alike: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut alike: BTreeMap<Option<usize>, Vec<usize>> = BTreeMap::new();
         for p in open.drain(..) {
-            alike.entry(trees.kind[p].unwrap_or(usize::MAX)).or_default().push(p);
+            alike.entry(trees.kind[p]).or_default().push(p);
         }
         for mut members in alike.into_values() {
-            let rest = members.len() % LANES;
-            let rest = members.split_off(if rest < LEAST { members.len() - rest } else { members.len() });
+            let over = members.len() % LANES;
+            let rest = if over < LEAST { members.split_off(members.len() - over) } else { Vec::new() };
             let panels_of_one = members.first().and_then(|&p| trees.panels_of(p));
             if let Some((panels_of_one, &p)) = panels_of_one.zip(members.first()) {
                 let place = |&p: &usize| Place { first: trees.begin[p], below: panels[p].below.clone() };

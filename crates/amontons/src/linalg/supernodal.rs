@@ -351,7 +351,7 @@ mod tests {
     use super::*;
     use crate::linalg::batches::Batch;
     use crate::linalg::{Graph, Layout, System};
-    use crate::mesh::{Block, Diagonal, Mesh, MeshError};
+    use crate::mesh::{Block, Diagonal, Elements, Mesh, MeshError};
 
     /// A diffusion with storage on an even mesh of 64 × 64 squares, the matrix of each cell times a factor: the error
     /// of a solution, and the numbers of the factor.
@@ -381,46 +381,76 @@ mod tests {
         task.batches.iter().map(Batch::all_columns).sum::<usize>() + task.children.iter().map(at_once).sum::<usize>()
     }
 
-    /// On an even mesh many columns are in subtrees that repeat, one or two unknowns to a node; where no cell is like
-    /// another, none are. With them and without, the sweeps solve the system.
+    /// The mesh with other numbers of its nodes, in no order, and the nodes of a side.
+    fn renumbered(mesh: &Mesh, side: &[u32]) -> (Mesh, Vec<u32>) {
+        let n = mesh.points.len();
+        // A step that shares no factor with n goes through all nodes.
+        let step = (n / 3..n).find(|&step| (2..=step).all(|d| step % d != 0 || n % d != 0)).unwrap_or(1);
+        let number = |node: u32| ((node as usize * step + 7) % n) as u32;
+        let mut other = mesh.clone();
+        for (node, point) in mesh.points.iter().enumerate() {
+            other.points[number(node as u32) as usize] = *point;
+        }
+        other.blocks.iter_mut().flat_map(|block| &mut block.nodes).for_each(|node| *node = number(*node));
+        (other, side.iter().map(|&node| number(node)).collect())
+    }
+
+    /// Solves with a known solution, `components` unknowns to a node and the matrix of cell k times `scale(k)`: the
+    /// share of the columns that a sweep takes several at once of.
+    fn share_at_once(mesh: &Mesh, contact: &[u32], components: usize, scale: &dyn Fn(usize) -> f64) -> f64 {
+        let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(mesh)), components, components);
+        for (k, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
+            let size = cell.len() * components;
+            // Symmetric, and positive definite by its diagonal.
+            let entry =
+                |i: usize, j: usize| if i == j { size as f64 } else { -((1 + (i + 1) * (j + 1) % 5) as f64) / 5.0 };
+            let values: Vec<f64> = (0..size * size).map(|v| scale(k) * entry(v / size, v % size)).collect();
+            matrix.add(cell, &values);
+        }
+        let free: Vec<bool> = mesh.points.iter().flat_map(|[_, y, _]| vec![*y < 0.999; components]).collect();
+        let layout = Layout { points: &mesh.points, components, free: &free, frames: &[], links: &[], contact };
+        let unknowns = Unknowns::new(&matrix, &layout);
+        let factor = SupernodalFactor::new(&matrix, &unknowns, &Stop::default()).expect("a factor");
+        let mut expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
+        expected.iter_mut().zip(&free).filter(|(_, free)| !**free).for_each(|(value, _)| *value = 0.0);
+        let mut x = unknowns.gather(&matrix.apply(&expected));
+        factor.forward(&mut x).expect("a sweep");
+        let known = unknowns.gather(&expected);
+        x[factor.interior..].copy_from_slice(&known[factor.interior..]);
+        factor.backward(&mut x).expect("a sweep");
+        let error = x.iter().zip(&known).fold(0.0f64, |most, (x, known)| most.max((x - known).abs()));
+        assert!(error < 1e-13, "{components} to a node: {error:e}");
+        at_once(&factor.root) as f64 / factor.interior as f64
+    }
+
+    /// The sweeps find a known solution, and take many columns in subtrees that repeat where cells are alike: with both
+    /// diagonals, nodes in no order, one to three unknowns to a node, in the plane and in space, with one cell unlike
+    /// the others and with two materials in no order. Where no cell is like another, they take none.
     #[test]
     fn subtrees_that_repeat_are_taken_at_once() -> Result<(), MeshError> {
-        let mesh = Mesh::rectangle([1.0, 1.0], [128, 128], Diagonal::Left)?;
-        let uneven = |k: usize| 1.0 + 0.1 * (k as f64).sin();
+        let alike = |_: usize| 1.0;
         let one_other = |k: usize| if k == 2000 { 1.5 } else { 1.0 };
-        let cases: [(usize, &dyn Fn(usize) -> f64, [f64; 2]); 4] = [
-            (1, &|_| 1.0, [0.4, 1.0]),
-            (2, &|_| 1.0, [0.4, 1.0]),
-            (2, &one_other, [0.4, 1.0]),
-            (2, &uneven, [0.0, 0.0]),
-        ];
-        for (components, scale, [least, most]) in cases {
-            let mut matrix = BlockMatrix::zero(&Arc::new(Graph::of_mesh(&mesh)), components, components);
-            for (k, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
-                let size = 3 * components;
-                // Symmetric, not that of a diagonal matrix, and positive definite by its diagonal.
-                let entry = |i: usize, j: usize| if i == j { 6.0 } else { -((1 + (i + 1) * (j + 1) % 5) as f64) / 5.0 };
-                let values: Vec<f64> = (0..size * size).map(|v| scale(k) * entry(v / size, v % size)).collect();
-                matrix.add(cell, &values);
+        let mixed = |k: usize| if (k as f64 * 0.7).sin() > 0.3 { 1e4 } else { 1.0 };
+        let uneven = |k: usize| 1.0 + 0.1 * (k as f64).sin();
+        for diagonal in [Diagonal::Left, Diagonal::Right] {
+            let mesh = Mesh::rectangle([1.0, 1.0], [128, 128], diagonal)?;
+            let side = mesh.facets["bottom"].node_list();
+            let (other, other_side) = renumbered(&mesh, &side);
+            for (components, scale) in [(1, &alike as &dyn Fn(usize) -> f64), (2, &alike), (2, &one_other)] {
+                let share = share_at_once(&mesh, &side, components, scale);
+                assert!(share > 0.4, "{components} to a node: {share} of the columns");
+                share_at_once(&other, &other_side, components, scale);
             }
-            let contact = mesh.facets["bottom"].node_list();
-            let free: Vec<bool> = (0..mesh.points.len() * components).map(|dof| dof >= 40).collect();
-            let layout =
-                Layout { points: &mesh.points, components, free: &free, frames: &[], links: &[], contact: &contact };
-            let unknowns = Unknowns::new(&matrix, &layout);
-            let factor = SupernodalFactor::new(&matrix, &unknowns, &Stop::default()).expect("a factor");
-            let share = at_once(&factor.root) as f64 / factor.interior as f64;
-            let mut expected: Vec<f64> = (0..free.len()).map(|i| (i as f64).sin()).collect();
-            expected.iter_mut().zip(&free).filter(|(_, free)| !**free).for_each(|(value, _)| *value = 0.0);
-            let mut x = unknowns.gather(&matrix.apply(&expected));
-            factor.forward(&mut x).expect("a sweep");
-            let known = unknowns.gather(&expected);
-            x[factor.interior..].copy_from_slice(&known[factor.interior..]);
-            factor.backward(&mut x).expect("a sweep");
-            let error = x.iter().zip(&known).fold(0.0f64, |most, (x, known)| most.max((x - known).abs()));
-            assert!(error < 1e-13, "{components} to a node: {error:e}");
-            assert!((least..=most).contains(&share), "{components} to a node: {share} of the columns");
+            for (mesh, side) in [(&mesh, &side), (&other, &other_side)] {
+                share_at_once(mesh, side, 2, &mixed);
+                assert!(share_at_once(mesh, side, 2, &uneven) == 0.0);
+            }
         }
+        let mesh = Mesh::box_([1.0; 3], [16; 3], Elements::P1)?;
+        let side = mesh.facets.values().next().expect("a side").node_list();
+        // In space the subtrees of a task are few at this size.
+        share_at_once(&mesh, &side, 3, &alike);
+        share_at_once(&mesh, &side, 3, &mixed);
         Ok(())
     }
 
