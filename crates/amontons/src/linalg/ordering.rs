@@ -29,10 +29,11 @@ pub fn nested_dissection(graph: &Graph, points: &[Point], keep: &[bool], last: &
     for &node in last {
         is_last[node as usize] = true;
     }
-    let mut nodes: Vec<u32> = (0..n as u32).filter(|&i| keep[i as usize] && !is_last[i as usize]).collect();
-    let mut half = vec![0u8; n];
-    let mut order = Vec::with_capacity(nodes.len() + last.len());
-    dissect(graph, points, &mut nodes, &mut half, &mut order);
+    let mut nodes = Nodes::new(graph, points);
+    let mut inner: Vec<u32> = (0..n as u32).filter(|&i| keep[i as usize] && !is_last[i as usize]).collect();
+    inner.sort_unstable_by_key(|&i| nodes.rank[i as usize]);
+    let mut order = Vec::with_capacity(inner.len() + last.len());
+    nodes.dissect(&mut inner, &mut order);
     let interior = order.len();
     order.extend(last.iter().copied().filter(|&i| keep[i as usize]));
     let parent = elimination_tree(graph, &order);
@@ -192,63 +193,86 @@ fn postorder(parent: &[u32]) -> Vec<u32> {
     post
 }
 
-/// Cuts the set across its widest direction at the median, and orders both halves before the
-/// separator: the nodes of the lower half that touch the upper one.
-fn dissect(graph: &Graph, points: &[Point], nodes: &mut [u32], half: &mut [u8], order: &mut Vec<u32>) {
-    if nodes.len() <= LEAF {
-        order.extend_from_slice(nodes);
-        return;
-    }
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &i in nodes.iter() {
-        for d in 0..3 {
-            low[d] = low[d].min(points[i as usize][d]);
-            high[d] = high[d].max(points[i as usize][d]);
-        }
-    }
-    let axis = (0..3).fold(0, |best, d| if high[d] - low[d] > high[best] - low[best] { d } else { best });
-    // Ties are broken by the node number: the order is total, hence the same on every machine.
-    let key = |i: &u32| (points[*i as usize][axis], *i);
-    let middle = nodes.len() / 2;
-    let (_, median, _) =
-        nodes.select_nth_unstable_by(middle, |a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
-    let cut = points[*median as usize][axis];
-    // All nodes on the cutting plane belong to the lower half, so the separator of a grid is one line.
-    let lower = |i: u32| points[i as usize][axis] <= cut;
-    if nodes.iter().all(|&i| lower(i)) {
-        nodes.sort_unstable_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(std::cmp::Ordering::Equal));
-        let (a, b) = nodes.split_at_mut(middle);
-        split(graph, points, a, b, half, order);
-        return;
-    }
-    nodes.sort_unstable_by_key(|&i| (!lower(i), i));
-    let count = nodes.iter().take_while(|&&i| lower(i)).count();
-    let (a, b) = nodes.split_at_mut(count);
-    split(graph, points, a, b, half, order);
+/// The nodes that are ordered, and where they are.
+struct Nodes<'a> {
+    graph: &'a Graph,
+    points: &'a [Point],
+    /// The number of each node in the order of places, which breaks ties: nodes that are numbered in another way are
+    /// eliminated in the same order, and subdomains that are translates of each other alike.
+    rank: Vec<u32>,
+    /// The half that each node is in while a set is cut.
+    half: Vec<u8>,
 }
 
-fn split(graph: &Graph, points: &[Point], a: &mut [u32], b: &mut [u32], half: &mut [u8], order: &mut Vec<u32>) {
-    for &i in a.iter() {
-        half[i as usize] = 1;
+impl<'a> Nodes<'a> {
+    fn new(graph: &'a Graph, points: &'a [Point]) -> Nodes<'a> {
+        let mut by_place: Vec<u32> = (0..points.len() as u32).collect();
+        // Rows along x, as generated meshes are numbered. Nodes at one place keep the order of their numbers.
+        let compared = |a: &Point, b: &Point| {
+            let along = |d: usize| (a[d] + 0.0).total_cmp(&(b[d] + 0.0));
+            along(2).then_with(|| along(1)).then_with(|| along(0))
+        };
+        by_place.sort_by(|&a, &b| compared(&points[a as usize], &points[b as usize]));
+        let mut rank = vec![0; points.len()];
+        by_place.iter().enumerate().for_each(|(k, &node)| rank[node as usize] = k as u32);
+        Nodes { graph, points, rank, half: vec![0; points.len()] }
     }
-    for &i in b.iter() {
-        half[i as usize] = 2;
-    }
-    let mut rest: Vec<u32> = Vec::with_capacity(a.len());
-    let mut separator = Vec::new();
-    for &i in a.iter() {
-        if graph.row(i as usize).iter().any(|&j| half[j as usize] == 2) {
-            separator.push(i);
-        } else {
-            rest.push(i);
+
+    /// Sorts nodes along an axis, or selects the one at a position.
+    fn key(&self, axis: usize) -> impl Fn(&u32, &u32) -> std::cmp::Ordering + '_ {
+        move |&a, &b| {
+            let [x, y] = [a, b].map(|node| self.points[node as usize][axis]);
+            x.total_cmp(&y).then_with(|| self.rank[a as usize].cmp(&self.rank[b as usize]))
         }
     }
-    for &i in a.iter().chain(b.iter()) {
-        half[i as usize] = 0;
+
+    /// Cuts the set across its widest direction at the median, and orders both halves before the
+    /// separator: the nodes of the lower half that touch the upper one.
+    fn dissect(&mut self, nodes: &mut [u32], order: &mut Vec<u32>) {
+        if nodes.len() <= LEAF {
+            order.extend_from_slice(nodes);
+            return;
+        }
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for &i in nodes.iter() {
+            for d in 0..3 {
+                low[d] = low[d].min(self.points[i as usize][d]);
+                high[d] = high[d].max(self.points[i as usize][d]);
+            }
+        }
+        let axis = (0..3).fold(0, |best, d| if high[d] - low[d] > high[best] - low[best] { d } else { best });
+        let middle = nodes.len() / 2;
+        let (_, median, _) = nodes.select_nth_unstable_by(middle, self.key(axis));
+        let cut = self.points[*median as usize][axis];
+        // All nodes on the cutting plane belong to the lower half, so the separator of a grid is one line.
+        let is_lower = |i: u32| self.points[i as usize][axis] <= cut;
+        let count = if nodes.iter().all(|&i| is_lower(i)) {
+            nodes.sort_unstable_by(self.key(axis));
+            middle
+        } else {
+            nodes.sort_unstable_by_key(|&i| (!is_lower(i), self.rank[i as usize]));
+            nodes.iter().take_while(|&&i| is_lower(i)).count()
+        };
+        let (a, b) = nodes.split_at_mut(count);
+        self.split(a, b, order);
     }
-    dissect(graph, points, &mut rest, half, order);
-    dissect(graph, points, b, half, order);
-    order.extend_from_slice(&separator);
+
+    fn split(&mut self, a: &mut [u32], b: &mut [u32], order: &mut Vec<u32>) {
+        for &i in a.iter() {
+            self.half[i as usize] = 1;
+        }
+        for &i in b.iter() {
+            self.half[i as usize] = 2;
+        }
+        let touches = |i: u32| self.graph.row(i as usize).iter().any(|&j| self.half[j as usize] == 2);
+        let (separator, mut rest): (Vec<u32>, Vec<u32>) = a.iter().partition(|&&i| touches(i));
+        for &i in a.iter().chain(b.iter()) {
+            self.half[i as usize] = 0;
+        }
+        self.dissect(&mut rest, order);
+        self.dissect(b, order);
+        order.extend_from_slice(&separator);
+    }
 }
 
 #[cfg(test)]
