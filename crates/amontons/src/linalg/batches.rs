@@ -248,3 +248,38 @@ pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
     panels.retain(|_| is_taken.next() == Some(false));
     batches
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Subtrees of a column and two columns above it, with the same numbers, in which the first column has its row in
+    /// one or the other of the two: L y = r and Lᵀ x = y hold by the entries of L.
+    #[test]
+    fn subtrees_whose_rows_differ_are_different() {
+        let (count, values) = (2 * LANES, [2.0, 0.5, 4.0, 0.25, 8.0]);
+        let row = |s: usize| 3 * s + 1 + s % 2;
+        let mut panels = Vec::new();
+        for first in (0..count).map(|s| 3 * s) {
+            let below = std::iter::once(row(first / 3) as u32).collect();
+            panels.push(Panel { first, columns: 1, below, values: 0, leading: 2 });
+            panels.push(Panel { first: first + 1, columns: 2, below: Runs::default(), values: 2, leading: 2 });
+        }
+        let found = batches(&mut panels, 3 * count);
+        assert!(panels.is_empty() && found.iter().map(|batch| batch.places.len()).eq([LANES, LANES]));
+        let r: Vec<f64> = (0..3 * count).map(|i| (i as f64).sin()).collect();
+        let (mut x, mut workspace) = (r.clone(), Workspace::default());
+        found.iter().for_each(|batch| batch.forward(&values, &mut x, &mut workspace));
+        let y = x.clone();
+        found.iter().for_each(|batch| batch.backward(&values, &mut x, &mut workspace));
+        let is_near = |a: f64, b: f64| (a - b).abs() < 1e-15;
+        for s in 0..count {
+            let [i, j, k] = [3 * s, 3 * s + 1, 3 * s + 2];
+            let under = |at: usize| if at == row(s) { 0.5 } else { 0.0 };
+            assert!(is_near(2.0 * y[i], r[i]) && is_near(under(j) * y[i] + 4.0 * y[j], r[j]), "forward, subtree {s}");
+            assert!(is_near(under(k) * y[i] + 0.25 * y[j] + 8.0 * y[k], r[k]), "forward, subtree {s}");
+            assert!(is_near(8.0 * x[k], y[k]) && is_near(4.0 * x[j] + 0.25 * x[k], y[j]), "backward, subtree {s}");
+            assert!(is_near(2.0 * x[i] + 0.5 * x[row(s)], y[i]), "backward, subtree {s}");
+        }
+    }
+}
