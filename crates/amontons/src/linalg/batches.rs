@@ -108,8 +108,8 @@ impl Batch {
     }
 }
 
-/// What makes two subtrees the same: columns, rows and place of the numbers of the last panel; and for each subtree below
-/// it the kind, the first column, and the rows below, counted in the vector of the whole subtree.
+/// What makes two subtrees the same: columns, rows and place of the numbers of the last panel; and for each subtree
+/// below it the kind, the first column, and the rows below, counted in the vector of the whole subtree.
 #[derive(PartialEq, Eq, Hash)]
 struct Kind {
     panel: [usize; 3],
@@ -269,9 +269,13 @@ mod tests {
         assert!(panels.is_empty() && found.iter().map(|batch| batch.places.len()).eq([LANES, LANES]));
         let r: Vec<f64> = (0..3 * count).map(|i| (i as f64).sin()).collect();
         let (mut x, mut workspace) = (r.clone(), Workspace::default());
-        found.iter().for_each(|batch| batch.forward(&values, &mut x, &mut workspace));
+        for batch in &found {
+            batch.forward(&values, &mut x, &mut workspace);
+        }
         let y = x.clone();
-        found.iter().for_each(|batch| batch.backward(&values, &mut x, &mut workspace));
+        for batch in &found {
+            batch.backward(&values, &mut x, &mut workspace);
+        }
         let is_near = |a: f64, b: f64| (a - b).abs() < 1e-15;
         for s in 0..count {
             let [i, j, k] = [3 * s, 3 * s + 1, 3 * s + 2];

@@ -385,7 +385,8 @@ mod tests {
     fn renumbered(mesh: &Mesh, side: &[u32]) -> (Mesh, Vec<u32>) {
         let n = mesh.points.len();
         // A step that shares no factor with n goes through all nodes.
-        let step = (n / 3..n).find(|&step| (2..=step).all(|d| step % d != 0 || n % d != 0)).unwrap_or(1);
+        let step =
+            (n / 3..n).find(|&step| (2..=step).all(|d| !(step.is_multiple_of(d) && n.is_multiple_of(d)))).unwrap_or(1);
         let number = |node: u32| ((node as usize * step + 7) % n) as u32;
         let mut other = mesh.clone();
         for (node, point) in mesh.points.iter().enumerate() {
