@@ -29,7 +29,7 @@ fn main() {
     timed("constants of the domain", || hypotheses::domain_constants(&problem).expect("constants"));
     let certificate =
         timed("the certificate, the two above included", || hypotheses::certificate(&problem).expect("a certificate"));
-    let advice = timed("advice: search for a number of steps", || hypotheses::advice(&problem, &certificate.constants));
+    let advice = timed("advice: search for a number of steps", || hypotheses::advice(&problem, &certificate));
     for finding in certificate.findings.iter().chain(&advice) {
         println!("  ({}) {}", finding.id, finding.status);
     }

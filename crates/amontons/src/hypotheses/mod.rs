@@ -180,9 +180,9 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
     findings
 }
 
-/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, two or three of
-/// the mechanical system and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two
-/// of a. Constants are those of V^h and Q^h.
+/// All verdicts on a problem but those of [`advice`]: one factorization for each of ‖ε(·)‖ and ‖∇·‖, one of the
+/// mechanical system and one of the thermal system, and where the gap is open at t = 0 and loads do not vary, two of a.
+/// Constants are those of V^h and Q^h.
 ///
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
@@ -205,10 +205,11 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
     Ok(Certificate { findings, constants })
 }
 
-/// Verdicts that need more than a fixed number of factorizations: `time-step` searches by doubling the steps, and
-/// `contact-possible` under loads that vary in time solves a static problem for every step.
+/// Verdicts beyond those of the certificate that need more than a fixed number of factorizations: `time-step` searches
+/// by doubling the steps where `step-unique` does not hold, and `contact-possible` under loads that vary in time solves
+/// a static problem for every step.
 #[must_use]
-pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
+pub fn advice(problem: &Problem, certificate: &Certificate) -> Vec<Finding> {
     if !problem.physics.has_mechanics() {
         return Vec::new();
     }
@@ -216,9 +217,10 @@ pub fn advice(problem: &Problem, constants: &Constants) -> Vec<Finding> {
         let message = "the number of steps that ensures one solution is proved for one body on a rigid foundation";
         return vec![pairs::not_covered(problem, FindingId::TimeStep, message)];
     }
-    let mut findings = vec![step::time_step(problem)];
+    let unique = certificate.findings.iter().find(|finding| finding.id == FindingId::StepUnique);
+    let mut findings = vec![step::time_step(problem, unique)];
     if reach::loads_vary(problem) {
-        findings.push(reach::possible(problem, constants));
+        findings.push(reach::possible(problem, &certificate.constants));
     }
     findings
 }
@@ -239,7 +241,8 @@ pub fn certificate_or_findings(problem: &Problem) -> Certificate {
 #[must_use]
 pub fn full(problem: &Problem) -> Certificate {
     let mut certificate = certificate_or_findings(problem);
-    certificate.findings.extend(advice(problem, &certificate.constants));
+    let advice = advice(problem, &certificate);
+    certificate.findings.extend(advice);
     certificate
 }
 

@@ -15,10 +15,10 @@
 //! λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds for k holds
 //! for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
-//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal, which round-off cannot feign; by
-//! elimination of the interior it is positive definite if and only if K_II and S − c* k W are. Of a body that is too
-//! large for a factor it rests on conjugate gradients that see no other energy. `fails` rests on a quotient x·Sx / x·Wx
-//! ≤ c* k.
+//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal of K_u, which round-off cannot feign: by
+//! elimination of the interior it is positive definite if and only if K_II and S − c* k W are, so that one factor of
+//! K_u less that share serves for every c*, and for the eigenvalue. Of a body that is too large for a factor it rests
+//! on conjugate gradients that see no other energy. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
 
 use std::sync::Arc;
 
@@ -196,19 +196,20 @@ impl At<'_> {
         let step = self.step;
         let Step { problem, discrete, weights, .. } = step;
         let lost = loss * self.k;
-        if problem.backend.proves(&self.matrix, &Layout::of(&problem.mesh, &discrete.v, &[])) {
-            let mut less = BlockMatrix::clone(&self.matrix);
-            less.add_scaled(-lost, weights);
-            return is_positive_definite(problem, &discrete.v, &self.matrix, less);
-        }
-        // No factor tells: the levels of K_u serve for what is left of it, too.
         let system = match self.system() {
             Ok(system) => system,
             Err(SolveError::NotPositive { .. }) => return Ok(false),
             Err(error) => return Err(error),
         };
-        let tangent = step.tangent(system.unknowns(), -lost);
-        system.condensed_mut().is_positive_definite(&tangent)
+        // The levels of an iteration prove less than a factor that is not too large.
+        if system.is_direct() || !problem.backend.proves(&self.matrix, &Layout::of(&problem.mesh, &discrete.v, &[])) {
+            let system = self.system()?;
+            let tangent = step.tangent(system.unknowns(), -lost);
+            return system.condensed_mut().is_positive_definite(&tangent);
+        }
+        let mut less = BlockMatrix::clone(&self.matrix);
+        less.add_scaled(-lost, weights);
+        is_positive_definite(problem, &discrete.v, &self.matrix, less)
     }
 
     /// λ_min(S, W); infinite without unknowns on Γ_C.
@@ -216,7 +217,7 @@ impl At<'_> {
         let (step, matrix) = (self.step, Arc::clone(&self.matrix));
         let system = self.system()?;
         let mut pencil = TraceQuotient { entries: step.entries(system.unknowns()), system: &mut *system };
-        // The largest eigenvalue of (W, S) is 1/λ_min(S, W).
+        // The largest eigenvalue of (W, S) is 1/λ_min(S, W), here of an S that is less.
         let pair = largest(&mut pencil)?;
         if pair.value <= 0.0 {
             return Ok(Least { above: f64::INFINITY, below: f64::INFINITY });
@@ -228,16 +229,31 @@ impl At<'_> {
         Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
     }
 
+    /// The system of K_u less [`MARGIN`] of its diagonal.
     fn system(&mut self) -> Result<&mut System, SolveError> {
         let made = if let Some(system) = self.system.take() {
             system
         } else {
             let Step { problem, discrete, .. } = self.step;
             let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
-            System::new(&problem.backend, &self.matrix, &layout)?
+            let less = less_margin(&self.matrix, BlockMatrix::clone(&self.matrix));
+            System::new(&problem.backend, &Arc::new(less), &layout)?
         };
         Ok(self.system.insert(made))
     }
+}
+
+/// `matrix` less [`MARGIN`] of the diagonal of `size`.
+fn less_margin(size: &BlockMatrix, mut matrix: BlockMatrix) -> BlockMatrix {
+    let (components, _) = size.block_shape();
+    for node in 0..size.graph().len() {
+        let mut block = vec![0.0; components * components];
+        for c in 0..components {
+            block[c * components + c] = -MARGIN * size.get(node, c, node, c);
+        }
+        matrix.add(&[node as u32], &block);
+    }
+    matrix
 }
 
 /// Whether `matrix` less [`MARGIN`] of the diagonal of `size` has a Cholesky factor on the free degrees of freedom of a
@@ -246,17 +262,10 @@ fn is_positive_definite(
     problem: &Problem,
     space: &Space,
     size: &BlockMatrix,
-    mut matrix: BlockMatrix,
+    matrix: BlockMatrix,
 ) -> Result<bool, SolveError> {
-    let (mesh, components) = (&problem.mesh, space.components);
-    for node in 0..mesh.points.len() {
-        let mut block = vec![0.0; components * components];
-        for c in 0..components {
-            block[c * components + c] = -MARGIN * size.get(node, c, node, c);
-        }
-        matrix.add(&[node as u32], &block);
-    }
-    problem.backend.is_positive_definite(&Arc::new(matrix), &Layout::of(mesh, space, &[]))
+    let matrix = Arc::new(less_margin(size, matrix));
+    problem.backend.is_positive_definite(&matrix, &Layout::of(&problem.mesh, space, &[]))
 }
 
 /// Whether a linear form is positive definite beyond round-off on the displacements that are free.
@@ -436,14 +445,37 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
 }
 
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
-pub(super) fn time_step(problem: &Problem) -> Finding {
+/// What the finding `unique` says is not computed again.
+pub(super) fn time_step(problem: &Problem, unique: Option<&Finding>) -> Finding {
     let id = FindingId::TimeStep;
-    prepare(problem, id)
-        .map_or_else(|finding| *finding, |step| search(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
+    match unique {
+        Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => enough(problem, problem.steps as f64),
+        // Without numbers it is what `prepare` says, of this as of that.
+        Some(told @ Finding { status: FindingStatus::Holds, .. }) => Finding { id, ..told.clone() },
+        _ => prepare(problem, id)
+            .map_or_else(|finding| *finding, |step| search(&step).unwrap_or_else(|error| not_factorized(id, &error))),
+    }
 }
 
-fn search(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
-    let problem = step.problem;
+/// So many steps ensure that each has one solution.
+fn enough(problem: &Problem, steps: f64) -> Finding {
+    let is_enough = steps <= problem.steps as f64;
+    let (k, unit) = (problem.end / steps, suffix(problem.units(), Measure::Time));
+    let message = if is_enough {
+        format!("with {steps} steps, k = {k:.6e}{unit}, each step has one solution")
+    } else {
+        format!(
+            "with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}",
+            problem.steps
+        )
+    };
+    Finding::new(FindingId::TimeStep, FindingStatus::of(is_enough), message, "time.steps")
+        .numbers(Some(problem.steps as f64), Some(steps))
+        .repair(format!("time.steps = {steps}"))
+}
+
+fn search(step: &Step) -> Result<Finding, SolveError> {
+    let (id, problem) = (FindingId::TimeStep, step.problem);
     let steps = |doubling: u32| problem.steps as f64 * f64::from(1u32 << doubling);
     let k = |doubling: u32| problem.end / steps(doubling);
     let mut doubling = 0;
@@ -467,25 +499,10 @@ fn search(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
             .repair("inertia, viscosity, a smaller coefficient of friction, or a law that softens less"));
     }
     let (steps, k) = (steps(doubling), k(doubling));
-    let numbers = |finding: Finding| finding.numbers(Some(problem.steps as f64), Some(steps));
-    if step.with_speed > 0.0 {
-        return Ok(numbers(up_to_a_pressure(
-            id,
-            [at.least()?.below, step.loss * k],
-            step.with_speed,
-            steps,
-            problem.units(),
-        )));
+    if step.with_speed == 0.0 {
+        return Ok(enough(problem, steps));
     }
-    let unit = suffix(problem.units(), Measure::Time);
-    let message = if doubling == 0 {
-        format!("with {steps} steps, k = {k:.6e}{unit}, each step has one solution")
-    } else {
-        format!(
-            "with {steps} steps, k = {k:.6e}{unit}, or more, each step has one solution; the case has {}",
-            problem.steps
-        )
-    };
-    Ok(numbers(Finding::new(id, FindingStatus::of(doubling == 0), message, "time.steps"))
-        .repair(format!("time.steps = {steps}")))
+    let numbers = [at.least()?.below, step.loss * k];
+    Ok(up_to_a_pressure(id, numbers, step.with_speed, steps, problem.units())
+        .numbers(Some(problem.steps as f64), Some(steps)))
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::error::SolveError;
 use super::estimate::{Choice, Decided, Estimate, Workload};
-use super::factor::{Backend, Factor};
+use super::factor::{Backend, Factor, has_factor};
 use super::graph::Graph;
 use super::multigrid::Multigrid;
 use super::sparse::BlockMatrix;
@@ -70,20 +70,28 @@ impl Backend for Automatic {
     }
 
     fn proves(&self, matrix: &BlockMatrix, layout: &Layout) -> bool {
-        let graph = layout.graph(matrix.graph());
-        let ordering = Layout { contact: &[], ..*layout }.ordering(&graph);
-        // A factor answers without a system being solved.
-        let work = Workload { steps: 1.0, ..Workload::default() };
-        let estimate = Estimate::of(&graph, layout.free, layout.components, &ordering);
-        Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes)).is_direct()
+        self.proof(matrix.graph(), layout).is_some()
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        let layout = Layout { contact: &[], ..*layout };
-        if self.proves(matrix, &layout) {
-            self.direct.is_positive_definite(matrix, &layout)
-        } else {
-            self.multigrid.is_positive_definite(matrix, &layout)
+        match self.proof(matrix.graph(), layout) {
+            Some(unknowns) => has_factor(self.direct.factorize(&layout.matrix(matrix), &unknowns)),
+            None => self.multigrid.is_positive_definite(matrix, &Layout { contact: &[], ..*layout }),
         }
+    }
+}
+
+impl Automatic {
+    /// The order of the unknowns for a factor without contact, where it is predicted to take less time than an
+    /// iteration.
+    fn proof(&self, graph: &Graph, layout: &Layout) -> Option<Unknowns> {
+        let layout = Layout { contact: &[], ..*layout };
+        let graph = layout.graph(graph);
+        let ordering = layout.ordering(&graph);
+        // A factor answers without a system being solved.
+        let work = Workload { steps: 1.0, ..Workload::default() };
+        let estimate = Estimate::of(&graph, layout.free, layout.components, &ordering);
+        let choice = Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes));
+        choice.is_direct().then(|| Unknowns::ordered(&ordering, &layout))
     }
 }

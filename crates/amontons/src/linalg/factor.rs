@@ -57,11 +57,16 @@ pub trait Backend: Debug + Send + Sync {
         // No unknowns last: the factor is the plain one, which a matrix that is not positive definite does not have.
         let matrix = layout.matrix(matrix);
         let unknowns = self.order(&matrix, &Layout { contact: &[], ..*layout });
-        match self.factorize(&matrix, &unknowns) {
-            Ok(_) => Ok(true),
-            Err(SolveError::NotPositive { .. }) => Ok(false),
-            Err(error) => Err(error),
-        }
+        has_factor(self.factorize(&matrix, &unknowns))
+    }
+}
+
+/// Whether a factorization found every pivot positive.
+pub(super) fn has_factor(made: Result<Box<dyn Factor>, SolveError>) -> Result<bool, SolveError> {
+    match made {
+        Ok(_) => Ok(true),
+        Err(SolveError::NotPositive { .. }) => Ok(false),
+        Err(error) => Err(error),
     }
 }
 

@@ -11,7 +11,8 @@ use sha2::{Digest, Sha256};
 use super::condensed::{Condensed, TangentKey};
 use super::error::SolveError;
 use super::krylov::gmres;
-use super::lu::{Lu, SparseLu, is_positive_definite};
+use super::lu::{Lu, SparseLu};
+use super::numeric::{Ended, has_factor};
 use super::stop::Stop;
 use super::tangent::Tangent;
 use super::turn::{Turn, turned};
@@ -249,7 +250,11 @@ impl Condensed for Schur {
     }
 
     fn is_positive_definite(&mut self, tangent: &Tangent) -> Result<bool, SolveError> {
-        Ok(is_positive_definite(self.with(tangent)))
+        match has_factor(&self.with(tangent), 0.0, &self.stop) {
+            Ok(()) => Ok(true),
+            Err(Ended::NotPositive(_)) => Ok(false),
+            Err(Ended::Stopped(error)) => Err(error),
+        }
     }
 
     fn turn(&mut self, turns: &[Turn]) {

@@ -4,7 +4,7 @@
 
 use crate::common::paper;
 use amontons::case::{self, Source};
-use amontons::hypotheses::{Finding, findings, full};
+use amontons::hypotheses::{Certificate, Finding, advice, findings, full};
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme};
 
@@ -47,6 +47,22 @@ fn effect(problem: &Problem) -> [f64; 3] {
         state = next;
     }
     largest
+}
+
+/// `time-step` is the same whether `step-unique` is at hand or not: where that holds, fails, and where there is no
+/// contact.
+#[test]
+fn the_number_of_steps_does_not_depend_on_what_is_known() {
+    let cases: [(&[&str], &str); 3] =
+        [(&["time.steps=64"], "holds"), (&["time.steps=4"], "fails"), (&["contact=[]"], "holds")];
+    for (overrides, status) in cases {
+        let problem = paper(&[&["mesh.n=8"], overrides].concat()).problem;
+        let known = full(&problem);
+        let told = |id: &str| known.findings.iter().find(|f| f.id.as_str() == id).expect("a finding");
+        assert_eq!(told("step-unique").status.as_str(), status, "{overrides:?}");
+        let unknown = Certificate { findings: Vec::new(), ..known.clone() };
+        assert_eq!(advice(&problem, &unknown).first(), Some(told("time-step")), "{overrides:?}");
+    }
 }
 
 /// Seven kinds of data with which contact, or heat through an open gap, does occur where a bound of u_ν stays below the
