@@ -3,25 +3,47 @@
 //! A sweep goes through tens of megabytes. In pages of 4 kB these are more than the tables of a processor hold, and
 //! looking pages up takes a tenth of the time.
 
-use std::ops::Deref;
+use std::ops::{Deref, DerefMut};
 
-/// Numbers that are only read.
+/// Numbers, zero at first. In large pages they take no memory where they have not been written to.
 #[derive(Debug)]
-pub(super) enum Numbers {
-    Plain(Box<[f64]>),
+pub(super) struct Numbers {
+    memory: Memory,
+    count: usize,
+}
+
+#[derive(Debug)]
+enum Memory {
+    Plain(Vec<f64>),
     #[cfg(target_os = "linux")]
     Mapped(memmap2::MmapMut),
 }
 
 impl Numbers {
-    /// These numbers, moved to large pages where the system gives them.
-    pub fn new(mut numbers: Vec<f64>) -> Numbers {
-        numbers.shrink_to_fit();
+    /// So many zeros; none where the memory cannot be had.
+    pub fn zeros(count: usize) -> Option<Numbers> {
         #[cfg(target_os = "linux")]
-        if let Some(map) = mapped(numbers.len()) {
-            return Numbers::Mapped(moved(numbers, map));
+        if let Some(map) = mapped(count) {
+            return Some(Numbers { memory: Memory::Mapped(map), count });
         }
-        Numbers::Plain(numbers.into_boxed_slice())
+        let mut numbers = Vec::new();
+        numbers.try_reserve_exact(count).ok()?;
+        numbers.resize(count, 0.0);
+        Some(Numbers { memory: Memory::Plain(numbers), count })
+    }
+
+    /// The first of the numbers. What the others take is given back where it is more than that.
+    pub fn first(self, count: usize) -> Numbers {
+        if 2 * count >= self.count {
+            return Numbers { count, ..self };
+        }
+        match Numbers::zeros(count) {
+            Some(mut first) => {
+                first.copy_from_slice(&self[..count]);
+                first
+            }
+            None => Numbers { count, ..self },
+        }
     }
 }
 
@@ -29,7 +51,7 @@ impl Numbers {
 #[cfg(target_os = "linux")]
 const LARGE: usize = 2 << 20;
 
-/// Large pages for so many numbers, which take no memory until they are written to; none for what fits into a few.
+/// Large pages for so many numbers; none for what fits into a few.
 #[cfg(target_os = "linux")]
 fn mapped(count: usize) -> Option<memmap2::MmapMut> {
     let bytes = count.checked_mul(size_of::<f64>()).filter(|bytes| *bytes >= 4 * LARGE)?;
@@ -38,28 +60,24 @@ fn mapped(count: usize) -> Option<memmap2::MmapMut> {
     Some(map)
 }
 
-/// The numbers in the pages. They are moved from the end, and the memory that they leave is given back as they go: a
-/// factor may take most of what there is.
-#[cfg(target_os = "linux")]
-fn moved(mut numbers: Vec<f64>, mut map: memmap2::MmapMut) -> memmap2::MmapMut {
-    let pages: &mut [f64] = bytemuck::cast_slice_mut(&mut map);
-    while !numbers.is_empty() {
-        let from = numbers.len().saturating_sub(8 * LARGE / size_of::<f64>());
-        pages[from..numbers.len()].copy_from_slice(&numbers[from..]);
-        numbers.truncate(from);
-        numbers.shrink_to_fit();
-    }
-    map
-}
-
 impl Deref for Numbers {
     type Target = [f64];
 
     fn deref(&self) -> &[f64] {
-        match self {
-            Numbers::Plain(numbers) => numbers,
+        match &self.memory {
+            Memory::Plain(numbers) => &numbers[..self.count],
             #[cfg(target_os = "linux")]
-            Numbers::Mapped(map) => bytemuck::cast_slice(map),
+            Memory::Mapped(map) => &bytemuck::cast_slice(map)[..self.count],
+        }
+    }
+}
+
+impl DerefMut for Numbers {
+    fn deref_mut(&mut self) -> &mut [f64] {
+        match &mut self.memory {
+            Memory::Plain(numbers) => &mut numbers[..self.count],
+            #[cfg(target_os = "linux")]
+            Memory::Mapped(map) => &mut bytemuck::cast_slice_mut(map)[..self.count],
         }
     }
 }
@@ -71,9 +89,13 @@ mod tests {
     #[test]
     fn numbers_stay() {
         for count in [0, 1, 1000, 3_000_001] {
-            let all: Vec<f64> = (0..count).map(f64::from).collect();
-            let numbers = Numbers::new(all.clone());
-            assert!(*numbers == all[..], "{count}");
+            let mut numbers = Numbers::zeros(count).expect("memory");
+            assert!(numbers.len() == count && numbers.iter().all(|number| number.to_bits() == 0));
+            numbers.iter_mut().enumerate().for_each(|(i, number)| *number = i as f64);
+            for kept in [count, count - count / 5, count / 7] {
+                numbers = numbers.first(kept);
+                assert!(numbers.iter().copied().eq((0..kept).map(|i| i as f64)), "{kept} of {count}");
+            }
         }
     }
 }

@@ -81,7 +81,7 @@ impl SupernodalFactor {
         let (size, interior) = (unknowns.len(), unknowns.interior);
         if size == 0 {
             return Ok(SupernodalFactor {
-                values: Numbers::new(Vec::new()),
+                values: Numbers::zeros(0).ok_or(SolveError::Memory { size })?,
                 root: Task::default(),
                 size,
                 interior,
@@ -98,9 +98,7 @@ impl SupernodalFactor {
         if machine::physical_memory().is_some_and(|memory| bytes > memory.bytes) {
             return Err(too_large());
         }
-        let mut values = Vec::new();
-        values.try_reserve_exact(symbolic.len_val()).map_err(|_| too_large())?;
-        values.resize(symbolic.len_val(), 0.0);
+        let mut values = Numbers::zeros(symbolic.len_val()).ok_or_else(too_large)?;
         let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(too_large()) };
         let mut supernodes = Supernodes::new(symbolic, interior);
         supernodes.factorize(&lower, &mut values, stop)?;
@@ -111,8 +109,7 @@ impl SupernodalFactor {
         let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         root.batch();
-        values.truncate(stored);
-        let values = Numbers::new(values);
+        let values = values.first(stored);
         let nodes = unknowns.kept_nodes(matrix.block_shape().0);
         Ok(SupernodalFactor { values, root, size, interior, condensed: Arc::new(s), nodes, stop: stop.clone() })
     }
