@@ -70,28 +70,25 @@ impl Backend for Automatic {
     }
 
     fn proves(&self, matrix: &BlockMatrix, layout: &Layout) -> bool {
-        self.proof(matrix.graph(), layout).is_some()
+        proof(matrix.graph(), layout).is_some()
     }
 
     fn is_positive_definite(&self, matrix: &Arc<BlockMatrix>, layout: &Layout) -> Result<bool, SolveError> {
-        match self.proof(matrix.graph(), layout) {
+        match proof(matrix.graph(), layout) {
             Some(unknowns) => has_factor(self.direct.factorize(&layout.matrix(matrix), &unknowns)),
             None => self.multigrid.is_positive_definite(matrix, &Layout { contact: &[], ..*layout }),
         }
     }
 }
 
-impl Automatic {
-    /// The order of the unknowns for a factor without contact, where it is predicted to take less time than an
-    /// iteration.
-    fn proof(&self, graph: &Graph, layout: &Layout) -> Option<Unknowns> {
-        let layout = Layout { contact: &[], ..*layout };
-        let graph = layout.graph(graph);
-        let ordering = layout.ordering(&graph);
-        // A factor answers without a system being solved.
-        let work = Workload { steps: 1.0, ..Workload::default() };
-        let estimate = Estimate::of(&graph, layout.free, layout.components, &ordering);
-        let choice = Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes));
-        choice.is_direct().then(|| Unknowns::ordered(&ordering, &layout))
-    }
+/// The order of the unknowns for a factor without contact, where it is predicted to take less time than an iteration.
+fn proof(graph: &Graph, layout: &Layout) -> Option<Unknowns> {
+    let layout = Layout { contact: &[], ..*layout };
+    let graph = layout.graph(graph);
+    let ordering = layout.ordering(&graph);
+    // A factor answers without a system being solved.
+    let work = Workload { steps: 1.0, ..Workload::default() };
+    let estimate = Estimate::of(&graph, layout.free, layout.components, &ordering);
+    let choice = Choice::new(&estimate, &work, machine::memory().map(|memory| memory.bytes));
+    choice.is_direct().then(|| Unknowns::ordered(&ordering, &layout))
 }
