@@ -8,7 +8,7 @@ use crate::contact::ContactBoundary;
 use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
-use crate::linalg::{BlockMatrix, Graph, dot, max_abs, mechanical_products};
+use crate::linalg::{BlockMatrix, Graph, by_blocks, dot, max_abs, mechanical_products, thermal_products};
 use crate::material::{self, Material, TensorLaw, depends_on_temperature};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
@@ -404,26 +404,60 @@ impl Discretization {
     /// The stored heat and d(θ, ·).
     #[must_use]
     pub fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
+        self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
+    }
+
+    /// The same, and what `then` makes of blocks of them: see [`thermal_products`].
+    #[must_use]
+    pub fn thermal_products_then<T: Send>(
+        &self,
+        theta: &[f64],
+        rest: &mut [f64],
+        then: impl Fn(usize, [&[f64]; 2], &mut [f64]) -> T + Sync,
+    ) -> ([Vec<f64>; 2], Vec<T>) {
+        if self.conducts_linearly() && self.convection.is_none() {
+            return thermal_products([self.storage().1, &self.d], theta, rest, then);
+        }
         let (stored, conducted) = rayon::join(|| self.stored_heat(theta), || self.apply_d(theta));
-        [stored, conducted]
+        let made = by_blocks([&stored, &conducted], rest, then);
+        ([stored, conducted], made)
     }
 
     /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
     /// is empty where K_u may change.
     #[must_use]
     pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [Vec<f64>; 4] {
+        self.mechanical_products_then([u, w], warmed, &mut [], |_, _, _| ()).0
+    }
+
+    /// The same, and what `then` makes of blocks of the first, second and last: see [`mechanical_products`].
+    #[must_use]
+    pub fn mechanical_products_then<T: Send>(
+        &self,
+        [u, w]: [&[f64]; 2],
+        warmed: &Warmed,
+        rest: &mut [f64],
+        then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
+    ) -> ([Vec<f64>; 4], Vec<T>) {
         let (_, inertia) = self.inertia();
-        let [mass_w, a_u, a_w, b_w] = mechanical_products(inertia, &self.a, &self.b, u, w);
-        let springs = self.springs.as_ref();
-        let (a_u, b_w) = (with(a_u, springs, u), with(b_w, self.dashpots.as_ref(), w));
-        if self.is_linear() {
-            return [mass_w, a_u, with(a_w, springs, w), b_w];
+        let forms = [inertia, &self.a, &self.b];
+        let (springs, dashpots) = (self.springs.as_ref(), self.dashpots.as_ref());
+        if self.is_linear() && springs.is_none() && dashpots.is_none() {
+            return mechanical_products(forms, [u, w], rest, then);
         }
-        if let Some([a, b]) = &warmed.forms {
-            return [mass_w, with(a_u, Some(a), u), Vec::new(), with(b_w, Some(b), w)];
-        }
-        let a_u = self.with_laws(a_u, &self.elasticity, u, warmed.theta);
-        [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
+        let ([mass_w, a_u, a_w, b_w], _) = mechanical_products(forms, [u, w], &mut [], |_, _, _| ());
+        let (a_u, b_w) = (with(a_u, springs, u), with(b_w, dashpots, w));
+        let products = if self.is_linear() {
+            [mass_w, a_u, with(a_w, springs, w), b_w]
+        } else if let Some([a, b]) = &warmed.forms {
+            [mass_w, with(a_u, Some(a), u), Vec::new(), with(b_w, Some(b), w)]
+        } else {
+            let a_u = self.with_laws(a_u, &self.elasticity, u, warmed.theta);
+            [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
+        };
+        let [mass_w, a_u, _, b_w] = &products;
+        let made = by_blocks([mass_w, a_u, b_w], rest, then);
+        (products, made)
     }
 
     /// What the last bits of u and w make of a(u, ·) and b(w, ·).

@@ -1,8 +1,9 @@
 //! The load vectors (f(t), v)_V of (2.16) and (q_h(t), η)_Q of (2.17).
 
+use std::sync::Arc;
+
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
-use crate::linalg::copy;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{BoundaryCondition, Convection};
 use crate::tensor::Point;
@@ -18,7 +19,7 @@ const POINTS: usize = 4096;
 /// A load linear in its data: fixed entries, and terms whose field varies with time.
 #[derive(Debug, Default)]
 pub struct Load {
-    constant: Vec<f64>,
+    constant: Arc<Vec<f64>>,
     varying: Vec<Varying>,
 }
 
@@ -33,15 +34,16 @@ struct Varying {
 
 impl Load {
     fn new(size: usize) -> Load {
-        Load { constant: vec![0.0; size], varying: Vec::new() }
+        Load { constant: Arc::new(vec![0.0; size]), varying: Vec::new() }
     }
 
     /// The load vector at time t.
     #[must_use]
-    pub fn at(&self, t: f64) -> Vec<f64> {
-        let mut load = copy(&self.constant);
+    pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
+        let mut load = Arc::clone(&self.constant);
         for term in &self.varying {
-            term.add(t, &mut load);
+            let entries: &mut Vec<f64> = Arc::make_mut(&mut load);
+            term.add(t, entries);
         }
         load
     }
@@ -55,7 +57,8 @@ impl Load {
         if field.depends_on_time() {
             self.varying.push(term);
         } else {
-            term.add(0.0, &mut self.constant);
+            let entries: &mut Vec<f64> = Arc::make_mut(&mut self.constant);
+            term.add(0.0, entries);
         }
     }
 }

@@ -16,6 +16,7 @@ mod numeric;
 mod ordering;
 mod pages;
 mod panel;
+mod products;
 mod repeats;
 mod schur;
 mod sparse;
@@ -41,14 +42,16 @@ pub use graph::Graph;
 pub use krylov::{Definite, Gradients, Krylov, conjugate_gradients, gmres};
 pub use multigrid::Multigrid;
 pub use ordering::{Ordering, column_lengths, nested_dissection};
-pub use sparse::{BlockMatrix, mechanical_products};
+pub use products::{mechanical_products, thermal_products};
+pub use sparse::BlockMatrix;
 pub use supernodal::Supernodal;
 pub use system::System;
 pub use tangent::{Entry, Share, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
 pub use vectors::{
-    add_combination, copy, dot, dots, is_finite, map, map_with_largest, max_abs, orthogonalize, sum, sums, zeros,
+    add_combination, by_blocks, copy, dot, dots, is_finite, larger, map, map_block, max_abs, orthogonalize, sum,
+    sum_block, sums, zeros,
 };
 
 /// Every backend, for tests that loop over them.

@@ -40,7 +40,7 @@ struct Repeated {
 const DIFFERENT: f64 = 0.25;
 
 /// Nodes whose rows are worked on at once: large enough to pay for a task.
-const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 2048;
 
 impl BlockMatrix {
     /// The zero matrix of `rows` × `cols` blocks.
@@ -88,6 +88,11 @@ impl BlockMatrix {
         }
         self.repeated = Some(Repeated { start, values });
         self
+    }
+
+    /// Whether products are summed over differences.
+    pub(super) fn is_of_differences(&self) -> bool {
+        self.of_differences
     }
 
     /// Rows and columns of a block.
@@ -141,14 +146,17 @@ impl BlockMatrix {
                 }
             }
         };
-        let (mut rest, mut first, parts) = (&mut *self.values, 0, rayon::current_num_threads());
+        let (Some(&least), Some(&most)) = (nodes.iter().min(), nodes.iter().max()) else { return };
+        let (mut first, end, parts) = (least as usize, most as usize + 1, rayon::current_num_threads());
+        let (from, to) = (graph.start[first], graph.start[end]);
+        let mut rest = &mut self.values[from * size..to * size];
         rayon::scope(|scope| {
             for part in 1..=parts {
                 // Rows such that every part has about as many entries.
                 let last = if part == parts {
-                    graph.len()
+                    end
                 } else {
-                    graph.start.partition_point(|&s| s < graph.columns.len() / parts * part).clamp(first, graph.len())
+                    graph.start.partition_point(|&s| s < from + (to - from) / parts * part).clamp(first, end)
                 };
                 let (own, others) =
                     std::mem::take(&mut rest).split_at_mut((graph.start[last] - graph.start[first]) * size);
@@ -253,7 +261,7 @@ impl BlockMatrix {
 
     /// The same as products read them.
     #[inline(always)]
-    fn row_read(&self, i: usize) -> &[f64] {
+    pub(super) fn row_read(&self, i: usize) -> &[f64] {
         let size = (self.graph.start[i + 1] - self.graph.start[i]) * self.rows * self.cols;
         match &self.repeated {
             Some(Repeated { start, values }) => &values[start[i] as usize..][..size],
@@ -379,47 +387,6 @@ impl BlockMatrix {
     }
 }
 
-/// M w, A u, A w and B w in one pass over the matrices: M of 1 × 1 blocks, A and B of d × d blocks that act on
-/// differences, all on one graph. A is read once for both of its products.
-///
-/// The bits are those of [`BlockMatrix::apply`].
-#[must_use]
-pub fn mechanical_products(
-    mass: &BlockMatrix,
-    a: &BlockMatrix,
-    b: &BlockMatrix,
-    u: &[f64],
-    w: &[f64],
-) -> [Vec<f64>; 4] {
-    match a.block_shape() {
-        (2, 2) if a.of_differences && b.of_differences => products_of::<2, 4>(mass, a, b, u, w),
-        (3, 3) if a.of_differences && b.of_differences => products_of::<3, 9>(mass, a, b, u, w),
-        _ => [mass.apply(w), a.apply(u), a.apply(w), b.apply(w)],
-    }
-}
-
-fn products_of<const C: usize, const B: usize>(
-    mass: &BlockMatrix,
-    a: &BlockMatrix,
-    b: &BlockMatrix,
-    u: &[f64],
-    w: &[f64],
-) -> [Vec<f64>; 4] {
-    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| zeros(a.graph.len() * C));
-    let (u, w) = (u.as_chunks::<C>().0, w.as_chunks::<C>().0);
-    let [mass_w, a_u, a_w, b_w] = &mut out;
-    let chunk = CHUNK * C;
-    let rows = mass_w
-        .par_chunks_mut(chunk)
-        .zip(a_u.par_chunks_mut(chunk))
-        .zip(a_w.par_chunks_mut(chunk).zip(b_w.par_chunks_mut(chunk)));
-    rows.enumerate().for_each(|(chunk, ((mass_w, a_u), (a_w, b_w)))| {
-        let out = [mass_w, a_u, a_w, b_w];
-        Arch::new().dispatch(Products::<C, B> { mass, a, b, first: chunk * CHUNK, u, w, out });
-    });
-    out
-}
-
 /// Rows of a product, from the row of a node on.
 struct Rows<'a> {
     matrix: &'a BlockMatrix,
@@ -446,52 +413,6 @@ impl NullaryFnOnce for Rows<'_> {
             (3, 1, _) => matrix.rows_of::<3, 1>(first, x, y),
             (1, 3, _) => matrix.rows_of::<1, 3>(first, x, y),
             _ => matrix.rows_of_any(first, components, x, y),
-        }
-    }
-}
-
-/// Rows of M w, A u, A w and B w, from the row of a node on.
-struct Products<'a, const C: usize, const B: usize> {
-    mass: &'a BlockMatrix,
-    a: &'a BlockMatrix,
-    b: &'a BlockMatrix,
-    first: usize,
-    u: &'a [[f64; C]],
-    w: &'a [[f64; C]],
-    out: [&'a mut [f64]; 4],
-}
-
-impl<const C: usize, const B: usize> NullaryFnOnce for Products<'_, C, B> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Products { mass, a, b, first, u, w, out } = self;
-        let graph = &*a.graph;
-        let [mass_w, a_u, a_w, b_w] = out.map(|rows| rows.as_chunks_mut::<C>().0);
-        for (k, mass_w) in mass_w.iter_mut().enumerate() {
-            let (u0, w0) = (u[first + k], w[first + k]);
-            let (mut m_w, mut sums) = ([0.0; C], [[0.0; B]; 3]);
-            let of_row = graph.row(first + k).iter().zip(mass.row_read(first + k));
-            let [a, b] = [a, b].map(|matrix| matrix.row_read(first + k).as_chunks::<B>().0);
-            for ((&j, m), (a, b)) in of_row.zip(a.iter().zip(b)) {
-                let (u, w) = (u[j as usize], w[j as usize]);
-                // Entry (r, c) of a block, r C + c, meets component c.
-                let du: [f64; B] = std::array::from_fn(|i| u[i % C] - u0[i % C]);
-                let dw: [f64; B] = std::array::from_fn(|i| w[i % C] - w0[i % C]);
-                for r in 0..C {
-                    m_w[r] += m * w[r];
-                }
-                for i in 0..B {
-                    sums[0][i] += a[i] * du[i];
-                    sums[1][i] += a[i] * dw[i];
-                    sums[2][i] += b[i] * dw[i];
-                }
-            }
-            *mass_w = m_w;
-            for (out, sums) in [&mut a_u[k], &mut a_w[k], &mut b_w[k]].into_iter().zip(&sums) {
-                *out = std::array::from_fn(|r| sums[r * C..(r + 1) * C].iter().sum());
-            }
         }
     }
 }
@@ -554,24 +475,6 @@ mod tests {
             assert_eq!(repeated.apply(&x), matrix.apply(&x).iter().map(|y| 2.0 * y).collect::<Vec<_>>());
             assert!(filled(&small, blocks).repeated().repeated.is_none());
         }
-        Ok(())
-    }
-
-    #[test]
-    fn products_in_one_pass_have_the_same_bits() -> Result<(), MeshError> {
-        let mesh = Mesh::rectangle([1.0, 1.0], [5, 4], Diagonal::Crossed)?;
-        let graph = Arc::new(Graph::of_mesh(&mesh));
-        let filled = |rows: usize, seed: usize| {
-            let mut matrix = BlockMatrix::zero(&graph, rows, rows);
-            for (k, cell) in mesh.blocks.iter().flat_map(Block::cells).enumerate() {
-                let values: Vec<f64> = (0..9 * rows * rows).map(|v| ((v * 7 + k * 3 + seed) as f64).sin()).collect();
-                matrix.add(cell, &values);
-            }
-            matrix
-        };
-        let (mass, a, b) = (filled(1, 1), filled(2, 2).of_differences(), filled(2, 3).of_differences());
-        let [u, w]: [Vec<f64>; 2] = [1.0, 2.0].map(|f| (0..graph.len() * 2).map(|i| (f * i as f64).cos()).collect());
-        assert_eq!(mechanical_products(&mass, &a, &b, &u, &w), [mass.apply(&w), a.apply(&u), a.apply(&w), b.apply(&w)]);
         Ok(())
     }
 }

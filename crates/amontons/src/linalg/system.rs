@@ -108,24 +108,23 @@ impl System {
     }
 
     /// The problem on the unknowns that are kept, which `solve` finds from the reduced right-hand side, and the
-    /// backward sweep: adds the increment that the right-hand side causes to the values.
+    /// backward sweep: the values with the increment that the right-hand side causes.
     ///
     /// # Errors
     /// Those of `solve`, and when the sweep fails.
     pub fn expand<T, E: From<SolveError>>(
         &mut self,
         mut x: Vec<f64>,
-        values: &mut [f64],
+        values: &[f64],
         solve: impl FnOnce(&mut dyn Condensed, &[f64]) -> Result<(Vec<f64>, T), E>,
-    ) -> Result<T, E> {
+    ) -> Result<(Vec<f64>, T), E> {
         let (_, kept) = x.split_at_mut(self.unknowns.interior);
         let (solved, result) = solve(self.condensed.as_mut(), kept)?;
         for (x, (solved, value)) in kept.iter_mut().zip(solved.iter().zip(self.kept_of(values))) {
             *x = solved - value;
         }
         self.factor.backward(&mut x)?;
-        self.unknowns.add(&x, values);
-        Ok(result)
+        Ok((self.unknowns.sum(&x, values), result))
     }
 
     /// Solves the system with the tangent of a contact term added, for all degrees of freedom.

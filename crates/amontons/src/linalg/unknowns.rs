@@ -9,7 +9,7 @@ use super::estimate::Choice;
 use super::graph::Graph;
 use super::ordering::{Ordering, nested_dissection};
 use super::sparse::BlockMatrix;
-use super::vectors::BLOCK;
+use super::vectors::{BLOCK, copy};
 use crate::mesh::{Link, Mesh, leader};
 use crate::space::{Frame, Space, frame, links};
 use crate::tensor::Point;
@@ -197,6 +197,18 @@ impl Unknowns {
             full.iter_mut().zip(change).for_each(|(value, change)| *value += change);
         }
         links::follow(&self.links, frames, components, full);
+    }
+
+    /// The sum of [`Unknowns::add`].
+    #[must_use]
+    pub fn sum(&self, x: &[f64], full: &[f64]) -> Vec<f64> {
+        if !self.frames.0.is_empty() || !self.links.is_empty() {
+            let mut sum = copy(full);
+            self.add(x, &mut sum);
+            return sum;
+        }
+        let entry = |(value, &at): (&f64, &u32)| x.get(at as usize).map_or(*value, |change| value + change);
+        full.par_iter().zip(&self.position).with_min_len(BLOCK).map(entry).collect()
     }
 
     /// The unknowns that are kept of a vector over all degrees of freedom.

@@ -52,39 +52,58 @@ pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) 
     })
 }
 
-/// The same with [`max_abs`] of each of the vectors.
-#[must_use]
-pub fn map_with_largest<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> (Vec<f64>, [f64; N]) {
-    let mut out = zeros(of.first().map_or(0, |v| v.len()));
-    let of_block = |(block, out): (usize, &mut [f64])| {
-        let of = of.map(|v| &v[block * BLOCK..][..out.len()]);
-        let mut sizes = [[0; 4]; N];
-        let (fours, rest) = (of.map(|v| v.as_chunks::<4>().0), of.map(|v| v.as_chunks::<4>().1));
-        let (out, out_rest) = out.as_chunks_mut::<4>();
-        for (i, out) in out.iter_mut().enumerate() {
-            for l in 0..4 {
-                let entries = fours.map(|v| v[i][l]);
-                out[l] = f(entries);
-                for (sizes, entry) in sizes.iter_mut().zip(entries) {
-                    sizes[l] = sizes[l].max(size(entry));
-                }
-            }
-        }
-        for (i, out) in out_rest.iter_mut().enumerate() {
-            let entries = rest.map(|v| v[i]);
-            *out = f(entries);
+/// Writes the entries f(a_i, b_i, …) of blocks of equal length; the largest absolute value of each of the blocks, NaN
+/// if there is one.
+pub fn map_block<const N: usize>(of: [&[f64]; N], out: &mut [f64], f: impl Fn([f64; N]) -> f64) -> [f64; N] {
+    let mut sizes = [[0; 4]; N];
+    let (fours, rest) = (of.map(|v| v.as_chunks::<4>().0), of.map(|v| v.as_chunks::<4>().1));
+    let (out, out_rest) = out.as_chunks_mut::<4>();
+    for (i, out) in out.iter_mut().enumerate() {
+        for l in 0..4 {
+            let entries = fours.map(|v| v[i][l]);
+            out[l] = f(entries);
             for (sizes, entry) in sizes.iter_mut().zip(entries) {
-                sizes[0] = sizes[0].max(size(entry));
+                sizes[l] = sizes[l].max(size(entry));
             }
         }
-        sizes.map(|lanes| lanes.into_iter().fold(0, i64::max))
-    };
-    let of_blocks: Vec<[i64; N]> = out.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
-    let mut largest = [0; N];
-    for sizes in of_blocks {
-        largest.iter_mut().zip(sizes).for_each(|(largest, size)| *largest = size.max(*largest));
     }
-    (out, largest.map(of_size))
+    for (i, out) in out_rest.iter_mut().enumerate() {
+        let entries = rest.map(|v| v[i]);
+        *out = f(entries);
+        for (sizes, entry) in sizes.iter_mut().zip(entries) {
+            sizes[0] = sizes[0].max(size(entry));
+        }
+    }
+    sizes.map(|lanes| of_size(lanes.into_iter().fold(0, i64::max)))
+}
+
+/// The larger of two absolute values; NaN if one is.
+#[must_use]
+pub fn larger(a: f64, b: f64) -> f64 {
+    of_size(size(a).max(size(b)))
+}
+
+/// What `then` makes of each block of entries of vectors of equal length: it gets the first entry, the blocks, and that
+/// of another vector, to write to, which may be empty. In the order of the blocks.
+#[must_use]
+pub fn by_blocks<const N: usize, T: Send>(
+    of: [&[f64]; N],
+    out: &mut [f64],
+    then: impl Fn(usize, [&[f64]; N], &mut [f64]) -> T + Sync,
+) -> Vec<T> {
+    let size = of.first().map_or(0, |v| v.len());
+    let of_block = |(block, out): (usize, &mut [f64])| {
+        let (first, last) = (block * BLOCK, size.min((block + 1) * BLOCK));
+        then(first, of.map(|v| &v[first..last]), out)
+    };
+    blocks_of(out, BLOCK, size.div_ceil(BLOCK)).into_par_iter().enumerate().map(of_block).collect()
+}
+
+/// The blocks of a vector; so many empty ones of one that is empty.
+pub(super) fn blocks_of(out: &mut [f64], length: usize, count: usize) -> Vec<&mut [f64]> {
+    let mut blocks: Vec<&mut [f64]> = out.chunks_mut(length).collect();
+    blocks.resize_with(count, Default::default);
+    blocks
 }
 
 /// Σ f(a_i, b_i, …) of vectors of equal length.
@@ -98,13 +117,13 @@ pub fn sum<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) 
 #[must_use]
 pub fn sums<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M] + Sync) -> [f64; M] {
     let length = of.first().map_or(0, |v| v.len());
-    let of_block = |block: usize| sums_of_block(of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]), &f);
+    let of_block = |block: usize| sum_block(of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]), &f);
     let partial: Vec<[f64; M]> = (0..length.div_ceil(BLOCK)).into_par_iter().map(of_block).collect();
     std::array::from_fn(|k| partial.iter().map(|sums| sums[k]).sum())
 }
 
 /// The same of one block, in eight lanes.
-fn sums_of_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M]) -> [f64; M] {
+pub fn sum_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M]) -> [f64; M] {
     let (eights, rest) = (of.map(|v| v.as_chunks::<8>().0), of.map(|v| v.as_chunks::<8>().1));
     let mut lanes = [[0.0; 8]; M];
     for i in 0..eights.first().map_or(0, |v| v.len()) {
@@ -129,7 +148,7 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
     let of_block = |(block, x): (usize, &[f64])| -> Vec<f64> {
         let at = block * BLOCK;
-        vectors.iter().map(|v| sums_of_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
+        vectors.iter().map(|v| sum_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
     };
     let partial: Vec<Vec<f64>> = x.par_chunks(BLOCK).enumerate().map(of_block).collect();
     (0..vectors.len()).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
@@ -190,7 +209,7 @@ fn of_size(size: i64) -> f64 {
 /// Whether every entry is finite.
 #[must_use]
 pub fn is_finite(v: &[f64]) -> bool {
-    v.chunks(64).all(|v| v.iter().fold(true, |all, x| all & x.is_finite()))
+    v.par_chunks(BLOCK).all(|v| v.chunks(64).all(|v| v.iter().fold(true, |all, x| all & x.is_finite())))
 }
 
 #[cfg(test)]
@@ -210,8 +229,19 @@ mod tests {
         assert!(sum([&[], &[]], |[a, b]| a * b).abs() == 0.0 && map([&[]], |[a]| a).is_empty());
         let both = sums([&a, &b], |[a, b]| [a * b, a - 2.0 * b]);
         assert_eq!(both.map(f64::to_bits), [dot(&a, &b), sum([&a, &b], |[a, b]| a - 2.0 * b)].map(f64::to_bits));
-        let (of_both, largest) = map_with_largest([&a, &b], |[a, b]| a - 2.0 * b);
+        let mut of_both = vec![0.0; a.len()];
+        let largest = map_block([&a, &b], &mut of_both, |[a, b]| a - 2.0 * b);
         assert!(of_both == mapped && largest.map(f64::to_bits) == [6.0, 4.0].map(f64::to_bits));
+        // What a block begins with tells where it is.
+        for out in [&mut of_both[..], &mut []] {
+            let told = by_blocks([&a, &b], out, |first, [a, b], out| {
+                out.iter_mut().zip(a).for_each(|(out, a)| *out = 2.0 * a);
+                (first, a.len(), b.first().copied())
+            });
+            let expected = (0..3).map(|k| (BLOCK * k, BLOCK.min(40_001 - BLOCK * k), Some(b[BLOCK * k])));
+            assert!(told.into_iter().eq(expected));
+        }
+        assert!(of_both.iter().zip(&a).all(|(out, a)| (out - 2.0 * a).abs() == 0.0));
     }
 
     /// Of a combination of orthonormal vectors nothing is left, and its components are those it was made of.
@@ -234,8 +264,9 @@ mod tests {
         for at in 0..7 {
             let mut one = [-3.0; 7];
             one[at] = f64::NAN;
-            let (_, [first, second]) = map_with_largest([&one, &[-4.0; 7]], |[a, b]| a + b);
-            assert!(first.is_nan() && (second - 4.0).abs() == 0.0);
+            let [first, second] = map_block([&one, &[-4.0; 7]], &mut [0.0; 7], |[a, b]| a + b);
+            assert!(first.is_nan() && (second - 4.0).abs() == 0.0 && larger(first, second).is_nan());
+            assert!(larger(second, first).is_nan() && (larger(second, -5.0) - 5.0).abs() == 0.0);
         }
         let with = |i: usize, value: f64| (0..20).map(|k| if k == i { value } else { 2.0 }).collect::<Vec<_>>();
         assert!((0..20).all(|i| max_abs(&with(i, f64::NAN)).is_nan()));

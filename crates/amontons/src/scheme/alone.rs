@@ -1,5 +1,8 @@
 //! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero.
 
+use std::sync::Arc;
+
+use super::audit::Powers;
 use super::coupling::Made;
 use super::heat::{Amounts, Begun, Heat};
 use super::mechanics::{Given, Mechanics};
@@ -31,7 +34,7 @@ fn no_heat(step: &Step) -> Heat {
         theta: zero.clone(),
         mass_theta: zero.clone(),
         d_theta: zero.clone(),
-        supply: zero.clone(),
+        supply: Arc::new(zero.clone()),
         coupling: zero,
         exchange: Exchange {
             temperature: vec![0.0; points],
@@ -47,7 +50,7 @@ fn no_heat(step: &Step) -> Heat {
         sweeps: 0,
         residual: 0.0,
         scale: 0.0,
-        amounts: Amounts { supplied: 0.0, coupling: 0.0, contact: 0.0, rubbed: 0.0, prescribed: 0.0 },
+        amounts: Amounts::default(),
     }
 }
 
@@ -66,7 +69,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         sweeps: 0,
         residual: 0.0,
         scale: 0.0,
-        load: zero(),
+        load: Arc::new(zero()),
         theta: step.old.theta.clone(),
         thermal: zero(),
         mass_w: zero(),
@@ -77,6 +80,6 @@ fn no_mechanics(step: &Step) -> Mechanics {
         force: [0.0; 3],
         reactions: Vec::new(),
         support_work: 0.0,
-        powers: None,
+        powers: Powers::default(),
     }
 }

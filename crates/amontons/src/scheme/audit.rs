@@ -7,7 +7,7 @@ use super::system::{Step, difference};
 use crate::arrays::per_point;
 use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
-use crate::linalg::{dot, sum, sums};
+use crate::linalg::{dot, sum_block};
 use crate::tensor;
 
 /// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
@@ -26,8 +26,8 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
         turned_over += explained(error, step.k * sizes);
     }
 
-    let heat_content = step.discrete.storage().0 * sum([&heat.mass_theta], |[heat]| heat);
-    let Amounts { supplied, coupling, contact, rubbed, prescribed } = heat.amounts;
+    let heat_content = step.discrete.storage().0 * heat.amounts.stored;
+    let Amounts { supplied, coupling, contact, rubbed, prescribed, .. } = heat.amounts;
     let foundations = foundations(step, m, heat);
     let body = (heat_content - before.heat_content) + contact + prescribed - supplied - coupling - rubbed;
     let heat_error = body + foundations.error;
@@ -64,7 +64,7 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
 }
 
 /// Products of the vectors of the mechanical half-step, summed.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Powers {
     /// w·M w, and that of the change of w in the step.
     kinetic: f64,
@@ -79,21 +79,50 @@ pub(super) struct Powers {
     strained: f64,
 }
 
+/// Blocks of the vectors that [`Powers`] are sums of, from an entry on.
+pub(super) struct PowerTerms<'a> {
+    pub first: usize,
+    pub u: &'a [f64],
+    pub w: &'a [f64],
+    pub mass_w: &'a [f64],
+    pub a_u: &'a [f64],
+    pub b_w: &'a [f64],
+    pub thermal: &'a [f64],
+    pub load: &'a [f64],
+}
+
 impl Powers {
-    /// In one pass over the vectors of each sum.
-    pub fn of(step: &Step, m: &Mechanics) -> Powers {
+    /// The part of a block.
+    pub fn of(step: &Step, of: &PowerTerms) -> Powers {
         let Step { discrete, old, products, .. } = *step;
+        let PowerTerms { first, u, w, mass_w, a_u, b_w, thermal, load } = *of;
+        let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
         let [kinetic, inertial, viscous, thermal, load] =
-            sums([&m.w, &old.w, &m.mass_w, &products.mass_w, &m.b_w, &m.thermal, &m.load], |entries| {
+            sum_block([w, w_old, mass_w, mass_old, b_w, thermal, load], |entries| {
                 let [w, w_old, mass_w, mass_old, b_w, thermal, load] = entries;
                 [w * mass_w, (w - w_old) * (mass_w - mass_old), w * b_w, w * thermal, w * load]
             });
         let [elastic, strained] = if discrete.is_linear() {
-            sums([&m.u, &old.u, &m.a_u, &products.a_u], |[u, u_old, a_u, a_old]| [u * a_u, (u - u_old) * (a_u - a_old)])
+            let [u_old, a_old] = [&old.u, &products.a_u].map(|v| &v[first..first + u.len()]);
+            sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| [u * a_u, (u - u_old) * (a_u - a_old)])
         } else {
             [0.0; 2]
         };
         Powers { kinetic, inertial, viscous, thermal, load, elastic, strained }
+    }
+}
+
+impl std::iter::Sum for Powers {
+    fn sum<I: Iterator<Item = Powers>>(parts: I) -> Powers {
+        parts.fold(Powers::default(), |sum, part| Powers {
+            kinetic: sum.kinetic + part.kinetic,
+            inertial: sum.inertial + part.inertial,
+            viscous: sum.viscous + part.viscous,
+            thermal: sum.thermal + part.thermal,
+            load: sum.load + part.load,
+            elastic: sum.elastic + part.elastic,
+            strained: sum.strained + part.strained,
+        })
     }
 }
 
@@ -118,9 +147,8 @@ impl Energy {
     fn of(step: &Step, m: &Mechanics, theta: &[f64]) -> Energy {
         let Step { discrete, old, k, .. } = *step;
         let rho = discrete.inertia().0;
-        let powers = m.powers.unwrap_or_else(|| Powers::of(step, m));
-        let stored = stored(step, m, theta, &powers);
-        let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = powers;
+        let stored = stored(step, m, theta);
+        let Powers { kinetic, inertial, viscous, thermal: thermal_work, load: work, .. } = m.powers;
         let contact = contact(step, m, k * work + m.support_work);
         let compliance =
             contact.pressing - contact.damping - contact.worn - (contact.energy - old.ledger.contact_energy)
@@ -242,11 +270,11 @@ struct Stored {
 }
 
 /// With the temperature `theta` at the end of the step.
-fn stored(step: &Step, m: &Mechanics, theta: &[f64], powers: &Powers) -> Stored {
+fn stored(step: &Step, m: &Mechanics, theta: &[f64]) -> Stored {
     let Step { discrete, old, k, .. } = *step;
     let mut branches = 0.0;
     let mut sum = if discrete.is_linear() {
-        Stored { elastic: 0.5 * powers.elastic, relaxed: 0.0, scheme: 0.5 * powers.strained, modulus: 0.0 }
+        Stored { elastic: 0.5 * m.powers.elastic, relaxed: 0.0, scheme: 0.5 * m.powers.strained, modulus: 0.0 }
     } else if let Some(sum) = softening(step, m, theta) {
         sum
     } else {

@@ -6,7 +6,6 @@
 //! with the mechanical half-step eliminated exactly, is the monolithic one. Both end where (4.1) and (4.2) hold with
 //! θ_n in m and u_n in e.
 
-use super::audit::Powers;
 use super::heat::{self, Heat};
 use super::mechanics::Mechanics;
 use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
@@ -100,12 +99,9 @@ impl<'a> Coupled<'a> {
         let mut beside = || {
             begun.get_or_insert_with(begin);
         };
-        let mut solved = Mechanics::solve(step, mechanics, theta, from.map(|from| &from.mechanics), &mut beside)?;
-        // The contact of heat takes one thread.
-        let begun = begun.unwrap_or_else(begin)?;
-        let (heat, powers) = rayon::join(|| begun.solve(step, self.heat, &solved.states), || Powers::of(step, &solved));
-        solved.powers = Some(powers);
-        Ok(self.count(Pass { mechanics: solved, heat: heat? }))
+        let mechanics = Mechanics::solve(step, mechanics, theta, from.map(|from| &from.mechanics), &mut beside)?;
+        let heat = begun.unwrap_or_else(begin)?.solve(step, self.heat, &mechanics.states)?;
+        Ok(self.count(Pass { mechanics, heat }))
     }
 
     /// θ ↦ the temperature of (4.2) at the displacement that (4.1) has with θ.

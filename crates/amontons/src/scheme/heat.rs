@@ -1,11 +1,13 @@
 //! The heat half-step (4.2).
 
+use std::sync::Arc;
+
 use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
 use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, copy, map, map_with_largest, max_abs, sum, zeros};
+use crate::linalg::{SolveError, Tangent, copy, larger, map, map_block, max_abs, sum_block, zeros};
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -16,7 +18,7 @@ pub(super) struct Heat {
     pub mass_theta: Vec<f64>,
     pub d_theta: Vec<f64>,
     /// Heat supplied in the load and e(u, ·) of the displacement that the half-step was made with.
-    pub supply: Vec<f64>,
+    pub supply: Arc<Vec<f64>>,
     pub coupling: Vec<f64>,
     /// The contact points, and the foundations that warm up.
     pub exchange: Exchange,
@@ -34,7 +36,10 @@ pub(super) struct Heat {
 }
 
 /// Heat moved in one step, J.
+#[derive(Default)]
 pub(super) struct Amounts {
+    /// Stored at its end, less the factor of the form of storage.
+    pub stored: f64,
     pub supplied: f64,
     pub coupling: f64,
     /// Through foundations, and made by friction between bodies, which all of it enters.
@@ -45,7 +50,7 @@ pub(super) struct Amounts {
 
 /// A heat half-step before the contact is known.
 pub(super) struct Begun {
-    supply: Vec<f64>,
+    supply: Arc<Vec<f64>>,
     coupling: Vec<f64>,
     /// Where the half-step starts, with the prescribed values of t_n, and its products with the forms.
     theta: Vec<f64>,
@@ -62,9 +67,8 @@ impl Begun {
         let Step { discrete, old, bar, products, t, .. } = *step;
         let coupling = discrete.e.apply(u);
         let mut begun = if let Some(h) = from {
-            let [supply, theta, mass_theta, d_theta] =
-                [&h.supply, &h.theta, &h.mass_theta, &h.d_theta].map(Clone::clone);
-            Begun { supply, coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
+            let [theta, mass_theta, d_theta] = [&h.theta, &h.mass_theta, &h.d_theta].map(|v| copy(v));
+            Begun { supply: Arc::clone(&h.supply), coupling, theta, mass_theta, d_theta, reduced: Vec::new() }
         } else {
             let mut theta = copy(&old.theta);
             discrete.q.prescribe(t, &mut theta);
@@ -87,7 +91,7 @@ impl Begun {
     /// The right-hand side for the increment over θ at hand.
     fn right(&self, step: &Step) -> Result<Vec<f64>, StepError> {
         let storage = step.discrete.storage().0 / step.rule.delta;
-        let terms = [&self.supply, &self.coupling, &self.mass_theta, &step.products.mass_theta, &self.d_theta];
+        let terms = [&*self.supply, &self.coupling, &self.mass_theta, &step.products.mass_theta, &self.d_theta];
         let right = map(terms.map(|term| &**term), |[supply, coupling, mass_theta, bar, d_theta]| {
             supply + coupling - storage * (mass_theta - bar) - d_theta
         });
@@ -116,7 +120,7 @@ impl Begun {
         }
     }
 
-    /// The backward sweep with the contact solved before it: θ and its products are those of the solution then.
+    /// The backward sweep with the contact solved before it: θ is that of the solution then.
     fn pass(
         &mut self,
         step: &Step,
@@ -126,8 +130,8 @@ impl Begun {
     ) -> Result<(Exchange, usize), StepError> {
         let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&self.theta);
-        let solved = system
-            .expand(std::mem::take(&mut self.reduced), &mut self.theta, |condensed, r| {
+        let (theta, solved) = system
+            .expand(std::mem::take(&mut self.reduced), &self.theta, |condensed, r| {
                 let Some(on_boundary) = given.on_boundary(step, on_contact, states) else {
                     let (x, iterations) = without_contact(condensed, r, &guess)?;
                     return Ok((x, (Exchange::default(), iterations)));
@@ -136,13 +140,9 @@ impl Begun {
                 Ok((solved.x, (exchange, solved.iterations)))
             })
             .map_err(|why| step.failed("heat", why))?;
+        self.theta = theta;
         step.finite(&self.theta, "heat")?;
-        self.set_products(step);
         Ok(solved)
-    }
-
-    fn set_products(&mut self, step: &Step) {
-        [self.mass_theta, self.d_theta] = step.discrete.thermal_products(&self.theta);
     }
 
     /// Solves (4.2) where 𝓚 or the heat capacity depend on the temperature: passes with the symmetric part of the
@@ -172,7 +172,7 @@ impl Begun {
                 mixing = Mixing::default();
             } else {
                 self.theta = mixing.next(&start, &self.theta);
-                self.set_products(step);
+                [self.mass_theta, self.d_theta] = step.discrete.thermal_products(&self.theta);
             }
             previous = balance.residual;
             self.reduced = self.reduce(step, half)?;
@@ -180,20 +180,30 @@ impl Begun {
         Err(StepError::NotFinite { step: step.n, t: step.t, part: "heat" })
     }
 
-    /// The residual of (4.2) at θ at hand.
-    fn balance(&self, step: &Step, exchange: &Exchange) -> Result<Balance, StepError> {
-        let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
+    /// The residual of (4.2) at θ at hand, and the products of θ.
+    fn balance(&mut self, step: &Step, exchange: &Exchange) -> Result<Balance, StepError> {
+        let Begun { supply, coupling, theta, .. } = &*self;
         let Step { discrete, products, rule: Rule { delta, .. }, .. } = *step;
         let c = discrete.storage().0;
         let mut chi = zeros(theta.len());
         step.boundary.scatter_heat(exchange.sides(), &mut chi);
         let (through_contact, rubbed) = through(step, exchange);
-        // At prescribed nodes it is the heat that has to be supplied there.
-        let terms = [mass_theta, &products.mass_theta, d_theta, coupling, supply, &chi].map(|term| &**term);
-        let sum = |[mass_theta, bar, d_theta, coupling, supply, chi]: [f64; 6]| {
-            c / delta * (mass_theta - bar) + d_theta - coupling - supply + chi
+        let mut rest = zeros(theta.len());
+        // Of each block of the terms what is left of (4.2), at prescribed nodes the heat that has to be supplied there;
+        // the largest entries, and the sums of the audit.
+        let of_block = |first: usize, [mass_theta, d_theta]: [&[f64]; 2], rest: &mut [f64]| {
+            let [bar, coupling, supply, chi] =
+                [&products.mass_theta, coupling, &**supply, &chi].map(|v| &v[first..first + d_theta.len()]);
+            let terms = [mass_theta, bar, d_theta, coupling, supply, chi];
+            let largest = map_block(terms, rest, |[mass_theta, bar, d_theta, coupling, supply, chi]| {
+                c / delta * (mass_theta - bar) + d_theta - coupling - supply + chi
+            });
+            (largest, sum_block([mass_theta, coupling, supply], |entries| entries))
         };
-        let (mut rest, [mass_theta, bar, d_theta, coupling, supply, _]) = map_with_largest(terms, sum);
+        let (made, blocks) = discrete.thermal_products_then(theta, &mut rest, of_block);
+        let [mass_theta, bar, d_theta, coupling, supply, _] =
+            blocks.iter().fold([0.0; 6], |all, (largest, _)| std::array::from_fn(|i| larger(all[i], largest[i])));
+        let sums = std::array::from_fn(|i| blocks.iter().map(|(_, sums)| sums[i]).sum());
         discrete.q.gather(&mut rest);
         let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);
@@ -202,7 +212,8 @@ impl Begun {
         let driven = coupling.max(supply).max(storage).max(discrete.q.largest_at(&step.boundary.nodes, &chi));
         let scale = driven.max(d_theta);
         let residual = step.relative(max_abs(&rest), scale, "heat")?;
-        Ok(Balance { residual, scale, driven, through_contact, reactions, rubbed })
+        [self.mass_theta, self.d_theta] = made;
+        Ok(Balance { residual, scale, driven, through_contact, reactions, rubbed, sums })
     }
 
     /// The solution, if its residual is accepted.
@@ -215,7 +226,7 @@ impl Begun {
     ) -> Result<Heat, StepError> {
         let Begun { supply, coupling, theta, mass_theta, d_theta, .. } = self;
         let Step { discrete, k, .. } = *step;
-        let Balance { residual, scale, driven, through_contact, reactions, rubbed } = balance;
+        let Balance { residual, scale, driven, through_contact, reactions, rubbed, sums } = balance;
         let residual = step.accept([residual, scale, driven, 0.0], "heat", |of| match of {
             Rounded::Here => discrete.thermal_round_off(&theta),
             Rounded::Before => discrete.thermal_round_off(step.bar.theta),
@@ -225,13 +236,14 @@ impl Begun {
                 discrete.thermal_round_off(&prescribed)
             }
         })?;
-        let sum = |v: &[f64]| sum([v], |[entry]| entry);
+        let [stored, by_motion, sent] = sums;
         let amounts = Amounts {
-            supplied: k * (sum(&supply) - discrete.convected(&theta)),
-            coupling: k * sum(&coupling),
+            stored,
+            supplied: k * (sent - discrete.convected(&theta)),
+            coupling: k * by_motion,
             contact: k * through_contact,
             rubbed: k * rubbed,
-            prescribed: -k * sum(&reactions),
+            prescribed: -k * reactions.iter().sum::<f64>(),
         };
         Ok(Heat {
             theta,
@@ -263,6 +275,8 @@ struct Balance {
     reactions: Vec<f64>,
     /// Power of friction that enters both bodies of pairs, W.
     rubbed: f64,
+    /// Of stored heat, coupling and supply.
+    sums: [f64; 3],
 }
 
 /// Heat that leaves through foundations, and what friction makes at pairs, W.

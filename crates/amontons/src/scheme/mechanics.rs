@@ -1,14 +1,15 @@
 //! The mechanical half-step (4.1).
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
-use super::audit::Powers;
+use super::audit::{PowerTerms, Powers};
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, copy, map, map_with_largest, max_abs};
+use crate::linalg::{SolveError, Tangent, copy, larger, map, map_block, max_abs, zeros};
 use crate::tensor::Point;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
@@ -31,7 +32,7 @@ pub(super) struct Mechanics {
     /// Residual relative to `scale`, the largest term of the equation.
     pub residual: f64,
     pub scale: f64,
-    pub load: Vec<f64>,
+    pub load: Arc<Vec<f64>>,
     /// The temperature that the half-step was made with, and m(θ, ·) of it.
     pub theta: Vec<f64>,
     pub thermal: Vec<f64>,
@@ -46,8 +47,8 @@ pub(super) struct Mechanics {
     /// What the supports exert, one number per prescribed degree of freedom, N; their work in the step, J.
     pub reactions: Vec<f64>,
     pub support_work: f64,
-    /// The sums that the audit needs, where they are at hand.
-    pub powers: Option<Powers>,
+    /// The sums that the audit needs.
+    pub powers: Powers,
 }
 
 /// What is known on Γ_C before the half-step is solved.
@@ -232,7 +233,7 @@ impl Mechanics {
 /// (4.1) in a step: what is known of it before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
-    load: Vec<f64>,
+    load: Arc<Vec<f64>>,
     /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
     warmed: Warmed<'a>,
@@ -244,7 +245,7 @@ impl<'a> Equation<'a> {
     /// With the temperature `theta` in m and in the laws of the body and of contact.
     fn new(
         step: &'a Step,
-        load: Vec<f64>,
+        load: Arc<Vec<f64>>,
         mut given: Given,
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
@@ -288,10 +289,10 @@ impl<'a> Equation<'a> {
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&now.w);
-        let (mut w, mut multipliers) = (copy(&now.w), now.multipliers.clone());
+        let mut multipliers = now.multipliers.clone();
         let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-        let iterations = system
-            .expand(reduced, &mut w, |condensed, r| {
+        let (w, iterations) = system
+            .expand(reduced, &now.w, |condensed, r| {
                 let contact = || {
                     let Some(on_boundary) = self.given.on_boundary(step, on_contact) else {
                         return without_contact(condensed, r, &guess);
@@ -311,15 +312,24 @@ impl<'a> Equation<'a> {
         let Step { discrete, k, .. } = *self.step;
         let states = self.given.states(self.step, half, &w, &multipliers);
         let u = self.step.displacement(&w);
-        let iterate = Iterate::new(self.step, &u, w, multipliers, &self.warmed);
         let (force, contact_force) = contact_forces(self.step, &states);
-        let inertia = self.inertia();
-        let [load, thermal, mass_w, bar, b_w, a_u] = self.terms(&iterate);
-        // From here on these are the largest entries.
-        let (mut rest, [_, load, thermal, mass_w, bar, b_w, a_u]) =
-            map_with_largest([&contact_force, load, thermal, mass_w, bar, b_w, a_u], |[force, terms @ ..]| {
+        let (inertia, mut rest) = (self.inertia(), zeros(w.len()));
+        // Of each block of the terms what is left of (4.1), the largest entries, and the sums of the audit.
+        let of_block = |first: usize, [mass_w, a_u, b_w]: [&[f64]; 3], rest: &mut [f64]| {
+            let [load, thermal, bar, force, u, w] =
+                [&*self.load, &self.thermal, &self.step.products.mass_w, &contact_force, &u, &w]
+                    .map(|v| &v[first..first + mass_w.len()]);
+            let largest = map_block([force, load, thermal, mass_w, bar, b_w, a_u], rest, |[force, terms @ ..]| {
                 force - right_hand_side(inertia, terms)
             });
+            let terms = PowerTerms { first, u, w, mass_w, a_u, b_w, thermal, load };
+            (largest, Powers::of(self.step, &terms))
+        };
+        let (products, blocks) = discrete.mechanical_products_then([&u, &w], &self.warmed, &mut rest, of_block);
+        let iterate = Iterate::new(self.step, w, multipliers, products);
+        let [_, load, thermal, mass_w, bar, b_w, a_u] =
+            blocks.iter().fold([0.0; 7], |all, (largest, _)| std::array::from_fn(|i| larger(all[i], largest[i])));
+        let powers = blocks.into_iter().map(|(_, powers)| powers).sum();
         rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
@@ -329,7 +339,7 @@ impl<'a> Equation<'a> {
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
         let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(driven.max(contact), f64::max);
         let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work })
+        Ok(Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work, powers })
     }
 
     /// The iterate `next`, or where its residual is larger than the one before, the best of ever shorter parts of the
@@ -362,7 +372,8 @@ impl<'a> Equation<'a> {
         [iterations, sweeps]: [usize; 2],
     ) -> Result<Mechanics, StepError> {
         let Equation { step, load, theta, thermal, given, .. } = self;
-        let Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work } = end;
+        let Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work, powers } =
+            end;
         let round_off = |w: &[f64], sizes: &[f64]| step.discrete.mechanical_round_off(sizes, w, theta);
         let residual = step.accept([residual, scale, driven, contact], "mechanics", |of| match of {
             Rounded::Here => round_off(&iterate.w, &step.sizes(&iterate.w)),
@@ -400,7 +411,7 @@ impl<'a> Equation<'a> {
             force,
             reactions,
             support_work,
-            powers: None,
+            powers,
         })
     }
 }
@@ -436,12 +447,12 @@ struct Balanced<'a> {
     force: Point,
     reactions: Vec<f64>,
     support_work: f64,
+    powers: Powers,
 }
 
 impl Iterate<'_> {
-    /// At a velocity and the displacement that it makes.
-    fn new(step: &Step, u: &[f64], w: Vec<f64>, multipliers: Multipliers, warmed: &Warmed) -> Self {
-        let products = step.discrete.mechanical_products(u, &w, warmed);
+    /// At a velocity, with M w, a(u, ·), a(w, ·) and b(w, ·) of it.
+    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, products: [Vec<f64>; 4]) -> Self {
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
@@ -450,7 +461,7 @@ impl Iterate<'_> {
 /// Where a half-step starts.
 struct Begun<'a> {
     now: Iterate<'a>,
-    load: Vec<f64>,
+    load: Arc<Vec<f64>>,
     given: Given,
 }
 
@@ -473,7 +484,8 @@ impl<'a> Begun<'a> {
             let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
-            Iterate::new(step, &step.displacement(&w), w, multipliers, warmed)
+            let products = discrete.mechanical_products(&step.displacement(&w), &w, warmed);
+            Iterate::new(step, w, multipliers, products)
         };
         Begun { now, load, given }
     }
@@ -483,12 +495,13 @@ impl<'a> Begun<'a> {
         let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
         let (w, multipliers) = (w.clone(), multipliers.clone());
         let now = if step.discrete.softens() {
-            Iterate::new(step, &m.u, w, multipliers, warmed)
+            let products = step.discrete.mechanical_products(&m.u, &w, warmed);
+            Iterate::new(step, w, multipliers, products)
         } else {
             let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(|v| Cow::Borrowed(&**v));
             Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
         };
-        Begun { now, load: load.clone(), given: given.clone() }
+        Begun { now, load: Arc::clone(load), given: given.clone() }
     }
 }
 

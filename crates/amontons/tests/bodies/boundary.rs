@@ -154,7 +154,7 @@ fn convection_is_its_formula() {
     // With θ = θ_a nothing flows.
     let two = vec![2.0; y.len()];
     assert_near(&[load.iter().sum()], &[15.0], 1e-14);
-    assert!(matrix.apply(&two).iter().zip(&load).all(|(a, b)| (a - b).abs() < 1e-13));
+    assert!(matrix.apply(&two).iter().zip(load.iter()).all(|(a, b)| (a - b).abs() < 1e-13));
 }
 
 // Runs. E = 50, ν = 0.25, K = 3; the rectangle (0, 2) × (0, 1).

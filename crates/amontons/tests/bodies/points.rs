@@ -70,7 +70,7 @@ fn a_force_on_a_side_is_a_traction() {
         let load = |condition: BoundaryCondition| forms::f(&mesh, &[], &[condition]).at(0.0);
         let by_force = load(BoundaryCondition::on("right").force(force.into_iter().take(mesh.dim)));
         let by_traction = load(BoundaryCondition::on("right").traction([6.0, -2.0, 5.0].into_iter().take(mesh.dim)));
-        let difference: Vec<f64> = by_force.iter().zip(&by_traction).map(|(a, b)| a - b).collect();
+        let difference: Vec<f64> = by_force.iter().zip(by_traction.iter()).map(|(a, b)| a - b).collect();
         assert!(largest(&difference) < 1e-14 * largest(&by_traction), "{difference:?}");
     }
 }
@@ -187,7 +187,7 @@ fn a_force_along_an_edge_is_spread_by_length() {
 fn points_of_a_file_share_a_force() {
     let mesh = mesh::parse("inp", bent(3).as_bytes()).unwrap().mesh;
     let load = forms::f(&mesh, &[], &[BoundaryCondition::on("Tips").force([0.0, 8.0, 0.0])]).at(0.0);
-    let loaded: Vec<f64> = load.into_iter().filter(|f| *f != 0.0).collect();
+    let loaded: Vec<f64> = load.iter().copied().filter(|f| *f != 0.0).collect();
     assert_eq!(loaded, [4.0, 4.0]);
 }
 

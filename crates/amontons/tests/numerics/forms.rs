@@ -280,7 +280,7 @@ fn a_load_of_many_cells_is_the_sum_of_its_pieces() {
         forms::q(&mesh, &source, &[]).at(0.0)
     };
     let (fixed, varying) = (load("1 + x*y"), load("1 + x*y + 0*t"));
-    let others = fixed.iter().zip(&varying).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+    let others = fixed.iter().zip(varying.iter()).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
     assert_eq!((fixed.len(), others), (41 * 41, 0));
     let sum: f64 = fixed.iter().sum();
     assert!((sum - 1.25).abs() < 1e-13, "{sum}");
