@@ -15,8 +15,8 @@
 //! λ_min/k = λ_min of the condensed ρM/k² + B/k + A does not decrease as k decreases, so that what holds for k holds
 //! for all shorter steps. K_u is the matrix of the scheme. Proofs: `book/src/theory.md`.
 //!
-//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal of K_u, which round-off cannot feign: by
-//! elimination of the interior it is positive definite if and only if K_II and S − c* k W are, so that one factor of
+//! `holds` rests on a Cholesky factor of K_u − c* k W less 2⁻⁴⁰ of the diagonal of K_u, which round-off cannot feign:
+//! by elimination of the interior it is positive definite if and only if K_II and S − c* k W are, so that one factor of
 //! K_u less that share serves for every c*, and for the eigenvalue. Of a body that is too large for a factor it rests
 //! on conjugate gradients that see no other energy. `fails` rests on a quotient x·Sx / x·Wx ≤ c* k.
 
