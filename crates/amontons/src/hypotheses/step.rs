@@ -97,11 +97,11 @@ struct Step<'a> {
     shares: Vec<f64>,
 }
 
-/// The system of a step of one length: K_u, and what solves with it once that is needed.
+/// K_u of a step of one length, less [`MARGIN`] of its diagonal, and what solves with it once that is needed.
 struct At<'a> {
     step: &'a Step<'a>,
     k: f64,
-    matrix: Arc<BlockMatrix>,
+    less: Arc<BlockMatrix>,
     system: Option<System>,
 }
 
@@ -135,10 +135,10 @@ impl<'a> Step<'a> {
         Step { problem, discrete, loss, with_speed, weights, shares }
     }
 
-    /// K_u = ρM/k + B + kA.
+    /// With K_u = ρM/k + B + kA.
     fn at(&self, k: f64) -> At<'_> {
-        let matrix = Arc::new(self.discrete.mechanical_matrix(Rule::backward_euler(k)));
-        At { step: self, k, matrix, system: None }
+        let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
+        At { step: self, k, less: Arc::new(less_margin(matrix)), system: None }
     }
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
@@ -146,8 +146,7 @@ impl<'a> Step<'a> {
         if !self.problem.physics.has_heat() {
             return Ok(true);
         }
-        let matrix = self.discrete.thermal_matrix(Rule::backward_euler(k));
-        is_positive_definite(self.problem, &self.discrete.q, &matrix, matrix.clone())
+        is_positive_definite(self.problem, &self.discrete.q, self.discrete.thermal_matrix(Rule::backward_euler(k)))
     }
 
     /// W times a factor, as a tangent on the contact unknowns.
@@ -202,19 +201,20 @@ impl At<'_> {
             Err(error) => return Err(error),
         };
         // The levels of an iteration prove less than a factor that is not too large.
-        if system.is_direct() || !problem.backend.proves(&self.matrix, &Layout::of(&problem.mesh, &discrete.v, &[])) {
+        let layout = Layout::of(&problem.mesh, &discrete.v, &[]);
+        if system.is_direct() || !problem.backend.proves(&self.less, &layout) {
             let system = self.system()?;
             let tangent = step.tangent(system.unknowns(), -lost);
             return system.condensed_mut().is_positive_definite(&tangent);
         }
-        let mut less = BlockMatrix::clone(&self.matrix);
+        let mut less = BlockMatrix::clone(&self.less);
         less.add_scaled(-lost, weights);
-        is_positive_definite(problem, &discrete.v, &self.matrix, less)
+        problem.backend.is_positive_definite(&Arc::new(less), &layout)
     }
 
     /// λ_min(S, W); infinite without unknowns on Γ_C.
     fn least(&mut self) -> Result<Least, SolveError> {
-        let (step, matrix) = (self.step, Arc::clone(&self.matrix));
+        let (step, less) = (self.step, Arc::clone(&self.less));
         let system = self.system()?;
         let mut pencil = TraceQuotient { entries: step.entries(system.unknowns()), system: &mut *system };
         // The largest eigenvalue of (W, S) is 1/λ_min(S, W), here of an S that is less.
@@ -225,47 +225,47 @@ impl At<'_> {
         // The energy of the body instead of x·Sx: S carries the round-off of the elimination.
         let mut body = vec![0.0; step.discrete.v.free.len()];
         system.unknowns().add(&system.extend(&pair.vector)?, &mut body);
-        let above = dot(&body, &matrix.apply(&body)) / dot(&body, &step.weights.apply(&body));
+        let above = energy(&less, &body) / dot(&body, &step.weights.apply(&body));
         Ok(Least { above, below: above.min(1.0 / (pair.value + pair.error)) })
     }
 
-    /// The system of K_u less [`MARGIN`] of its diagonal.
     fn system(&mut self) -> Result<&mut System, SolveError> {
         let made = if let Some(system) = self.system.take() {
             system
         } else {
             let Step { problem, discrete, .. } = self.step;
             let layout = Layout::of(&problem.mesh, &discrete.v, &discrete.boundary.nodes);
-            let less = less_margin(&self.matrix, BlockMatrix::clone(&self.matrix));
-            System::new(&problem.backend, &Arc::new(less), &layout)?
+            System::new(&problem.backend, &self.less, &layout)?
         };
         Ok(self.system.insert(made))
     }
 }
 
-/// `matrix` less [`MARGIN`] of the diagonal of `size`.
-fn less_margin(size: &BlockMatrix, mut matrix: BlockMatrix) -> BlockMatrix {
-    let (components, _) = size.block_shape();
-    for node in 0..size.graph().len() {
+/// A matrix less [`MARGIN`] of its diagonal.
+fn less_margin(mut matrix: BlockMatrix) -> BlockMatrix {
+    let (components, _) = matrix.block_shape();
+    for node in 0..matrix.graph().len() {
         let mut block = vec![0.0; components * components];
         for c in 0..components {
-            block[c * components + c] = -MARGIN * size.get(node, c, node, c);
+            block[c * components + c] = -MARGIN * matrix.get(node, c, node, c);
         }
         matrix.add(&[node as u32], &block);
     }
     matrix
 }
 
-/// Whether `matrix` less [`MARGIN`] of the diagonal of `size` has a Cholesky factor on the free degrees of freedom of a
-/// space.
-fn is_positive_definite(
-    problem: &Problem,
-    space: &Space,
-    size: &BlockMatrix,
-    matrix: BlockMatrix,
-) -> Result<bool, SolveError> {
-    let matrix = Arc::new(less_margin(size, matrix));
-    problem.backend.is_positive_definite(&matrix, &Layout::of(&problem.mesh, space, &[]))
+/// x·Kx of the matrix that is `less` with its margin.
+fn energy(less: &BlockMatrix, x: &[f64]) -> f64 {
+    let (components, _) = less.block_shape();
+    let diagonal = |i: usize| less.get(i / components, i % components, i / components, i % components);
+    let margin: f64 = x.iter().enumerate().map(|(i, x)| diagonal(i) * x * x).sum();
+    dot(x, &less.apply(x)) + MARGIN / (1.0 - MARGIN) * margin
+}
+
+/// Whether a matrix less [`MARGIN`] of its diagonal has a Cholesky factor on the free degrees of freedom of a space.
+fn is_positive_definite(problem: &Problem, space: &Space, matrix: BlockMatrix) -> Result<bool, SolveError> {
+    let less = Arc::new(less_margin(matrix));
+    problem.backend.is_positive_definite(&less, &Layout::of(&problem.mesh, space, &[]))
 }
 
 /// Whether a linear form is positive definite beyond round-off on the displacements that are free.
@@ -274,7 +274,7 @@ pub(super) fn holds_the_body(
     discrete: &Discretization,
     form: &BlockMatrix,
 ) -> Result<bool, SolveError> {
-    is_positive_definite(problem, &discrete.v, form, form.clone())
+    is_positive_definite(problem, &discrete.v, form.clone())
 }
 
 /// Whether θ_n acts on w_n in the same step by expansion or by moduli, as in couplings other than the paper's.
