@@ -241,7 +241,8 @@ impl At<'_> {
     }
 }
 
-/// A matrix less [`MARGIN`] of its diagonal.
+/// A matrix less [`MARGIN`] of its diagonal. A factor sees it; products with a form of differences, which do not use
+/// the diagonal, are still those of the matrix itself.
 fn less_margin(mut matrix: BlockMatrix) -> BlockMatrix {
     let (components, _) = matrix.block_shape();
     for node in 0..matrix.graph().len() {
@@ -256,10 +257,14 @@ fn less_margin(mut matrix: BlockMatrix) -> BlockMatrix {
 
 /// x·Kx of the matrix that is `less` with its margin.
 fn energy(less: &BlockMatrix, x: &[f64]) -> f64 {
+    let product = dot(x, &less.apply(x));
+    if less.is_of_differences() {
+        return product;
+    }
     let (components, _) = less.block_shape();
     let diagonal = |i: usize| less.get(i / components, i % components, i / components, i % components);
     let margin: f64 = x.iter().enumerate().map(|(i, x)| diagonal(i) * x * x).sum();
-    dot(x, &less.apply(x)) + MARGIN / (1.0 - MARGIN) * margin
+    product + MARGIN / (1.0 - MARGIN) * margin
 }
 
 /// Whether a matrix less [`MARGIN`] of its diagonal has a Cholesky factor on the free degrees of freedom of a space.

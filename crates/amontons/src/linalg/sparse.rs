@@ -91,7 +91,8 @@ impl BlockMatrix {
     }
 
     /// Whether products are summed over differences.
-    pub(super) fn is_of_differences(&self) -> bool {
+    #[must_use]
+    pub fn is_of_differences(&self) -> bool {
         self.of_differences
     }
 
