@@ -37,7 +37,7 @@ impl Load {
         Load { constant: Arc::new(vec![0.0; size]), varying: Vec::new() }
     }
 
-    /// The load vector at time t.
+    /// The load vector at time t, an entry for each degree of freedom in N or W; one and the same where no term varies.
     #[must_use]
     pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
         let mut load = Arc::clone(&self.constant);

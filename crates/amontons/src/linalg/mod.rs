@@ -50,8 +50,8 @@ pub use tangent::{Entry, Share, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
 pub use vectors::{
-    add_combination, by_blocks, copy, dot, dots, is_finite, larger, map, map_block, max_abs, orthogonalize, sum,
-    sum_block, sums, zeros,
+    add_combination, by_blocks, copy, dot, dots, is_finite, larger, map, map_block, max_abs, orthogonalize, sum_block,
+    zeros,
 };
 
 /// Every backend, for tests that loop over them.

@@ -106,23 +106,8 @@ pub(super) fn blocks_of(out: &mut [f64], length: usize, count: usize) -> Vec<&mu
     blocks
 }
 
-/// Σ f(a_i, b_i, …) of vectors of equal length.
+/// Σ f(a_i, b_i, …) of blocks of equal length, several sums at once, each in eight lanes.
 #[must_use]
-pub fn sum<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> f64 {
-    let [sum] = sums(of, |entries| [f(entries)]);
-    sum
-}
-
-/// The same of several sums at once.
-#[must_use]
-pub fn sums<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M] + Sync) -> [f64; M] {
-    let length = of.first().map_or(0, |v| v.len());
-    let of_block = |block: usize| sum_block(of.map(|v| &v[block * BLOCK..length.min((block + 1) * BLOCK)]), &f);
-    let partial: Vec<[f64; M]> = (0..length.div_ceil(BLOCK)).into_par_iter().map(of_block).collect();
-    std::array::from_fn(|k| partial.iter().map(|sums| sums[k]).sum())
-}
-
-/// The same of one block, in eight lanes.
 pub fn sum_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M]) -> [f64; M] {
     let (eights, rest) = (of.map(|v| v.as_chunks::<8>().0), of.map(|v| v.as_chunks::<8>().1));
     let mut lanes = [[0.0; 8]; M];
@@ -140,7 +125,9 @@ pub fn sum_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f6
 /// Sum of the products.
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
-    sum([a, b], |[a, b]| a * b)
+    let of_block = |(a, b): (&[f64], &[f64])| sum_block([a, b], |[a, b]| [a * b])[0];
+    let partial: Vec<f64> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of_block).collect();
+    partial.iter().sum()
 }
 
 /// The products of a vector with each of several.
@@ -222,13 +209,12 @@ mod tests {
         let plain: f64 = a.iter().map(|x| x * x).sum();
         assert!((dot(&a, &a) - plain).abs() < 1e-9);
         let of_both: f64 = a.iter().zip(&b).map(|(a, b)| a - 2.0 * b).sum();
-        assert!((sum([&a, &b], |[a, b]| a - 2.0 * b) - of_both).abs() < 1e-9);
+        let [product, difference] = sum_block([&a, &b], |[a, b]| [a * a, a - 2.0 * b]);
+        assert!((product - plain).abs() < 1e-9 && (difference - of_both).abs() < 1e-9);
         let mapped = map([&a, &b], |[a, b]| a - 2.0 * b);
         assert!(mapped.len() == a.len() && (0..a.len()).all(|i| (mapped[i] - (a[i] - 2.0 * b[i])).abs() == 0.0));
         assert_eq!(dots(&[&a, &b], &a), [dot(&a, &a), dot(&b, &a)]);
-        assert!(sum([&[], &[]], |[a, b]| a * b).abs() == 0.0 && map([&[]], |[a]| a).is_empty());
-        let both = sums([&a, &b], |[a, b]| [a * b, a - 2.0 * b]);
-        assert_eq!(both.map(f64::to_bits), [dot(&a, &b), sum([&a, &b], |[a, b]| a - 2.0 * b)].map(f64::to_bits));
+        assert!(dot(&[], &[]).abs() == 0.0 && map([&[]], |[a]| a).is_empty());
         let mut of_both = vec![0.0; a.len()];
         let largest = map_block([&a, &b], &mut of_both, |[a, b]| a - 2.0 * b);
         assert!(of_both == mapped && largest.map(f64::to_bits) == [6.0, 4.0].map(f64::to_bits));

@@ -92,8 +92,8 @@ pub(super) struct PowerTerms<'a> {
 }
 
 impl Powers {
-    /// The part of a block.
-    pub fn of(step: &Step, of: &PowerTerms) -> Powers {
+    /// The sums over a block, those of all blocks to be given to [`Powers::new`].
+    pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
         let Step { discrete, old, products, .. } = *step;
         let PowerTerms { first, u, w, mass_w, a_u, b_w, thermal, load } = *of;
         let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
@@ -108,21 +108,11 @@ impl Powers {
         } else {
             [0.0; 2]
         };
-        Powers { kinetic, inertial, viscous, thermal, load, elastic, strained }
+        [kinetic, inertial, viscous, thermal, load, elastic, strained]
     }
-}
 
-impl std::iter::Sum for Powers {
-    fn sum<I: Iterator<Item = Powers>>(parts: I) -> Powers {
-        parts.fold(Powers::default(), |sum, part| Powers {
-            kinetic: sum.kinetic + part.kinetic,
-            inertial: sum.inertial + part.inertial,
-            viscous: sum.viscous + part.viscous,
-            thermal: sum.thermal + part.thermal,
-            load: sum.load + part.load,
-            elastic: sum.elastic + part.elastic,
-            strained: sum.strained + part.strained,
-        })
+    pub fn new([kinetic, inertial, viscous, thermal, load, elastic, strained]: [f64; 7]) -> Powers {
+        Powers { kinetic, inertial, viscous, thermal, load, elastic, strained }
     }
 }
 

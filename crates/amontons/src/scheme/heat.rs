@@ -5,9 +5,9 @@ use std::sync::Arc;
 use super::StepError;
 use super::foundation::temperatures;
 use super::mixing::Mixing;
-use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, without_contact};
+use super::system::{HalfStep, REFINE, Renewal, Rounded, Step, over_blocks, without_contact};
 use crate::inclusion::{Exchange, HeatStep, Lumped, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, copy, larger, map, map_block, max_abs, sum_block, zeros};
+use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, sum_block, zeros};
 
 /// Most passes of a heat half-step that is not linear.
 const PASSES: usize = 100;
@@ -201,9 +201,7 @@ impl Begun {
             (largest, sum_block([mass_theta, coupling, supply], |entries| entries))
         };
         let (made, blocks) = discrete.thermal_products_then(theta, &mut rest, of_block);
-        let [mass_theta, bar, d_theta, coupling, supply, _] =
-            blocks.iter().fold([0.0; 6], |all, (largest, _)| std::array::from_fn(|i| larger(all[i], largest[i])));
-        let sums = std::array::from_fn(|i| blocks.iter().map(|(_, sums)| sums[i]).sum());
+        let ([mass_theta, bar, d_theta, coupling, supply, _], sums) = over_blocks(&blocks);
         discrete.q.gather(&mut rest);
         let reactions = discrete.q.prescribed_of(&rest);
         discrete.q.mask(&mut rest);

@@ -5,11 +5,11 @@ use std::sync::Arc;
 
 use super::audit::{PowerTerms, Powers};
 use super::foundation::frames;
-use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, without_contact};
+use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, over_blocks, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, copy, larger, map, map_block, max_abs, zeros};
+use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, zeros};
 use crate::tensor::Point;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
@@ -323,13 +323,11 @@ impl<'a> Equation<'a> {
                 force - right_hand_side(inertia, terms)
             });
             let terms = PowerTerms { first, u, w, mass_w, a_u, b_w, thermal, load };
-            (largest, Powers::of(self.step, &terms))
+            (largest, Powers::of_block(self.step, &terms))
         };
         let (products, blocks) = discrete.mechanical_products_then([&u, &w], &self.warmed, &mut rest, of_block);
         let iterate = Iterate::new(self.step, w, multipliers, products);
-        let [_, load, thermal, mass_w, bar, b_w, a_u] =
-            blocks.iter().fold([0.0; 7], |all, (largest, _)| std::array::from_fn(|i| larger(all[i], largest[i])));
-        let powers = blocks.into_iter().map(|(_, powers)| powers).sum();
+        let ([_, load, thermal, mass_w, bar, b_w, a_u], powers) = over_blocks(&blocks);
         rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
@@ -339,7 +337,19 @@ impl<'a> Equation<'a> {
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
         let scale = [b_w, a_u, max_abs(&iterate.relaxing)].into_iter().fold(driven.max(contact), f64::max);
         let residual = self.step.relative(max_abs(&rest), scale, "mechanics")?;
-        Ok(Balanced { iterate, u, states, residual, scale, driven, contact, force, reactions, support_work, powers })
+        Ok(Balanced {
+            iterate,
+            u,
+            states,
+            residual,
+            scale,
+            driven,
+            contact,
+            force,
+            reactions,
+            support_work,
+            powers: Powers::new(powers),
+        })
     }
 
     /// The iterate `next`, or where its residual is larger than the one before, the best of ever shorter parts of the

@@ -7,7 +7,7 @@ use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
 use crate::linalg::{
-    Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, map, zeros,
+    Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
@@ -313,6 +313,12 @@ pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: imp
     let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
     sum
+}
+
+/// Of numbers for each block of the vectors, the largest of the first and the sums of the others.
+pub(super) fn over_blocks<const N: usize, const M: usize>(blocks: &[([f64; N], [f64; M])]) -> ([f64; N], [f64; M]) {
+    let most = |i: usize| blocks.iter().fold(0.0, |most, (largest, _)| larger(most, largest[i]));
+    (std::array::from_fn(most), std::array::from_fn(|i| blocks.iter().map(|(_, sums)| sums[i]).sum()))
 }
 
 /// a − b.
