@@ -27,12 +27,13 @@ impl Substeps {
     ///
     /// # Errors
     /// Those of [`BackwardEuler::new`].
-    pub fn make(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError> {
-        let finer = problem.with(|data| {
-            data.steps *= PARTS;
-            data.backend = Arc::clone(backend);
-        })?;
-        Ok(Box::new(Substeps(BackwardEuler::new(&finer)?)))
+    pub fn make(
+        problem: &Problem,
+        discrete: &Arc<Discretization>,
+        backend: &Arc<dyn Backend>,
+    ) -> Result<Box<dyn Scheme>, SetupError> {
+        let finer = problem.with(|data| data.steps *= PARTS)?;
+        Ok(Box::new(Substeps(BackwardEuler::on(&finer, discrete, backend)?)))
     }
 }
 

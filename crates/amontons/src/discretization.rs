@@ -129,8 +129,8 @@ impl Warm {
     }
 }
 
-/// Whether a law has a matrix that does not change.
-fn is_fixed(law: &Arc<dyn TensorLaw>) -> bool {
+/// Whether a law has a matrix that does not change: one that is linear and does not depend on the temperature.
+pub(crate) fn is_fixed(law: &Arc<dyn TensorLaw>) -> bool {
     law.is_linear() && !depends_on_temperature(law.as_ref())
 }
 

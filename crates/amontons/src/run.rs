@@ -9,6 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::ThreadPool;
 
+use crate::discretization::Discretization;
 use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
 use crate::machine::Instant;
@@ -39,10 +40,10 @@ pub struct Settings {
 /// What a run is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
+    /// Assembles the matrices, before the hypotheses are evaluated and after.
+    Assembly,
     /// Evaluates the hypotheses.
     Certificate,
-    /// Assembles the matrices.
-    Assembly,
     /// Factorizes them.
     Factor,
     /// Makes the steps and passes each to the sinks.
@@ -190,18 +191,22 @@ fn drive(
     let solvers = from.as_ref().map_or(&[][..], |checkpoint| &checkpoint.kept.solvers);
     let problem = &problem.interruptible(settings.interrupt.as_ref()).decided(solvers);
     let pool = pool(settings.threads)?;
-    // Before the factors of the run, so that they are not in memory at once.
     let begins = |phase: Phase| settings.watch.iter().for_each(|watch| (watch.0)(phase));
-    begins(Phase::Certificate);
     let resumed = from.is_some();
     unless_interrupted(settings, resumed, Ok(()))?;
-    let findings = within(pool.as_ref(), || judged(problem, settings));
+    begins(Phase::Assembly);
+    let discrete = Arc::new(within(pool.as_ref(), || Discretization::new(problem)));
     unless_interrupted(settings, resumed, Ok(()))?;
-    let certificate = begin.elapsed().as_secs_f64();
+    // Before the factors of the run, so that they are not in memory at once.
+    begins(Phase::Certificate);
+    let judging = Instant::now();
+    let findings = within(pool.as_ref(), || judged(problem, &discrete, settings));
+    unless_interrupted(settings, resumed, Ok(()))?;
+    let certificate = judging.elapsed().as_secs_f64();
     begins(Phase::Assembly);
     let backend = Arc::new(Timed::new(&problem.backend, settings.watch.clone()));
     let solver: Arc<dyn Backend> = Arc::<Timed>::clone(&backend);
-    let made = within(pool.as_ref(), || (settings.scheme)(problem, &solver));
+    let made = within(pool.as_ref(), || (settings.scheme)(problem, &discrete, &solver));
     let mut scheme = unless_interrupted(settings, resumed, made)?;
     let unknowns = counted(&*scheme);
     let Checkpoint { mut state, mut report, work: before, kept, .. } = beginning(from, problem, &*scheme)?;
@@ -266,10 +271,10 @@ fn counted(scheme: &dyn Scheme) -> UnknownCounts {
 }
 
 /// The findings on the data that the settings ask for.
-fn judged(problem: &Problem, settings: &Settings) -> Vec<Finding> {
+fn judged(problem: &Problem, discrete: &Arc<Discretization>, settings: &Settings) -> Vec<Finding> {
     match &settings.known {
         Some(known) if settings.certificate => known.clone(),
-        _ if settings.certificate => hypotheses::certificate_or_findings(problem).findings,
+        _ if settings.certificate => hypotheses::certificate_or_findings_on(problem, discrete).findings,
         _ => hypotheses::findings(problem),
     }
 }

@@ -274,7 +274,7 @@ fn progress_as_json_names_the_phases() {
         stderr(&printed).lines().map(|line| serde_json::from_str(line).expect("JSON")).collect();
     let phases: Vec<&str> =
         lines.iter().filter_map(|line| line["phase"].as_str()).filter(|phase| *phase != "steps").collect();
-    assert_eq!(phases, ["mesh", "certificate", "assembly", "factor", "results"]);
+    assert_eq!(phases, ["mesh", "assembly", "certificate", "assembly", "factor", "results"]);
     let last = lines.iter().rfind(|line| line["phase"] == "steps").expect("steps");
     assert_eq!((&last["step"], &last["steps"], &last["t"]), (&4.into(), &4.into(), &1.0.into()));
     let count = |status: &str| last["contact"][status].as_u64().expect("a count");

@@ -1,5 +1,6 @@
 //! A study: its levels, its reference, and the table that comes out.
 
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
@@ -8,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::norms::{Errors, Exact, against_exact};
 use super::transfer::{Transfer, TransferError};
+use crate::discretization::Discretization;
 use crate::forms;
 use crate::machine::Instant;
 use crate::material::{Isotropic, StressState};
@@ -223,15 +225,13 @@ impl Study {
         let trajectories = self.levels.par_iter().map(|level| trajectory(level, settings));
         let trajectories = trajectories.collect::<Result<Vec<_>, StudyError>>()?;
 
-        let mut scheme = scheme_of(reference, settings)?;
+        let discrete = Arc::new(Discretization::new(&reference.problem));
+        let mut scheme = scheme_of(reference, &discrete, settings)?;
         let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: reference.level, source })?;
         let unit = Isotropic::lame(reference.problem.mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress);
-        let strain = forms::a(&reference.problem.mesh, scheme.discretization().mass.graph(), &[&unit]);
+        let strain = forms::a(&reference.problem.mesh, discrete.mass.graph(), &[&unit]);
         let mut worst = vec![Worst::default(); self.levels.len()];
         let mut transfers = Vec::new();
-        // The comparison borrows the matrices of the reference, the steps change its scheme: one set of
-        // matrices is kept for each.
-        let discrete = crate::scheme::Discretization::new(&reference.problem);
         for level in &self.levels {
             transfers.push(
                 Transfer::new(&discrete, &strain, &level.problem.mesh)
@@ -381,8 +381,12 @@ fn check(settings: &StudySettings) -> Result<(), StudyError> {
     }
 }
 
-fn scheme_of(level: &Level, settings: &StudySettings) -> Result<Box<dyn Scheme>, StudyError> {
-    (settings.scheme)(&level.problem, &level.problem.backend)
+fn scheme_of(
+    level: &Level,
+    discrete: &Arc<Discretization>,
+    settings: &StudySettings,
+) -> Result<Box<dyn Scheme>, StudyError> {
+    (settings.scheme)(&level.problem, discrete, &level.problem.backend)
         .map_err(|source| StudyError::Setup { level: level.level, source })
 }
 
@@ -392,7 +396,7 @@ fn walk(
     settings: &StudySettings,
     mut visit: impl FnMut(&State) -> Result<(), StudyError>,
 ) -> Result<(), StudyError> {
-    let mut scheme = scheme_of(level, settings)?;
+    let mut scheme = scheme_of(level, &Arc::new(Discretization::new(&level.problem)), settings)?;
     let mut state = scheme.initial().map_err(|source| StudyError::Setup { level: level.level, source })?;
     for n in 1..=level.problem.steps {
         check(settings)?;

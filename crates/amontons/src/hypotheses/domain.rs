@@ -92,21 +92,25 @@ impl DomainConstants {
 /// # Errors
 /// When a matrix does not fit into memory, or the prescribed displacements leave a motion without strain.
 pub fn domain_constants(problem: &Problem) -> Result<DomainConstants, SolveError> {
-    let mesh = &*problem.mesh;
-    let graph = Arc::new(Graph::of_mesh(mesh));
-    let mass = forms::inner_h(mesh, &graph);
+    let graph = Arc::new(Graph::of_mesh(&problem.mesh));
+    constants_on(problem, &forms::inner_h(&problem.mesh, &graph).repeated())
+}
+
+/// [`domain_constants`] of a problem with this form (·, ·)_{L²}.
+pub(super) fn constants_on(problem: &Problem, mass: &BlockMatrix) -> Result<DomainConstants, SolveError> {
+    let (mesh, graph) = (&*problem.mesh, mass.graph());
     let contact = problem.contact_facets();
-    let on = Domain { mesh, mass: &mass, contact: contact.as_ref(), backend: &problem.backend };
+    let on = Domain { mesh, mass, contact: contact.as_ref(), backend: &problem.backend };
     let mechanics = || {
         let v = problem.displacement_space();
         // (ε(u), ε(v)) is the form a of the identity.
         let strain =
-            || forms::a(mesh, &graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
+            || forms::a(mesh, graph, &[&Isotropic::lame(mesh.tensor_dim(), 0.0, 1.0, StressState::PlaneStress)]);
         constants_of(&on, &v, strain, [TracePart::Whole, TracePart::Normal, TracePart::Tangential])
     };
     let heat = || {
         let q = problem.temperature_space();
-        let gradient = || forms::d(mesh, &graph, &[&Sym::identity(mesh.dim)]);
+        let gradient = || forms::d(mesh, graph, &[&Sym::identity(mesh.dim)]);
         constants_of(&on, &q, gradient, [TracePart::Whole])
     };
     let (mechanics, heat) = rayon::join(mechanics, heat);
@@ -140,7 +144,7 @@ fn constants_of<const N: usize>(
     if !is_held(on.mass.graph(), space) {
         return Ok((None, [None; N]));
     }
-    let energy = Arc::new(energy());
+    let energy = Arc::new(energy().repeated());
     let nodes = on.contact.map(FacetSet::node_list).unwrap_or_default();
     let mut system = System::new(on.backend, &energy, &Layout::of(on.mesh, space, &nodes))?;
     let mut whole = Quotient { numerator: on.mass, denominator: &energy, system: &mut system };

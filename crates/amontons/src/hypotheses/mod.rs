@@ -33,8 +33,11 @@ mod tensors;
 mod theorem;
 pub mod warnings;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
+use crate::discretization::Discretization;
 use crate::linalg::SolveError;
 use crate::problem::{Physics, Problem};
 
@@ -187,10 +190,16 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
 pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
+    certificate_on(problem, &Arc::new(Discretization::new(problem)))
+}
+
+/// [`certificate`] of a problem with these forms.
+fn certificate_on(problem: &Problem, discrete: &Arc<Discretization>) -> Result<Certificate, SolveError> {
     if pairs::first(problem).is_some() {
         return Ok(pairs::certificate(problem));
     }
-    let (domain, unique) = rayon::join(|| domain_constants(problem), || step::unique(problem));
+    let (domain, unique) =
+        rayon::join(|| domain::constants_on(problem, &discrete.mass), || step::unique(problem, discrete));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
     let mut findings = judged(problem, &constants);
     if !problem.physics.has_mechanics() {
@@ -200,7 +209,7 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
     findings.insert(at, theorem::printed(problem, &constants));
     findings.push(unique);
     if !reach::loads_vary(problem) {
-        findings.push(reach::possible(problem, &constants));
+        findings.push(reach::possible(problem, discrete, &constants));
     }
     Ok(Certificate { findings, constants })
 }
@@ -210,6 +219,11 @@ pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
 /// a static problem for every step.
 #[must_use]
 pub fn advice(problem: &Problem, certificate: &Certificate) -> Vec<Finding> {
+    advice_on(problem, &Arc::new(Discretization::new(problem)), certificate)
+}
+
+/// [`advice`] on a problem with these forms.
+fn advice_on(problem: &Problem, discrete: &Arc<Discretization>, certificate: &Certificate) -> Vec<Finding> {
     if !problem.physics.has_mechanics() {
         return Vec::new();
     }
@@ -218,9 +232,9 @@ pub fn advice(problem: &Problem, certificate: &Certificate) -> Vec<Finding> {
         return vec![pairs::not_covered(problem, FindingId::TimeStep, message)];
     }
     let unique = certificate.findings.iter().find(|finding| finding.id == FindingId::StepUnique);
-    let mut findings = vec![step::time_step(problem, unique)];
+    let mut findings = vec![step::time_step(problem, discrete, unique)];
     if reach::loads_vary(problem) {
-        findings.push(reach::possible(problem, &certificate.constants));
+        findings.push(reach::possible(problem, discrete, &certificate.constants));
     }
     findings
 }
@@ -228,7 +242,12 @@ pub fn advice(problem: &Problem, certificate: &Certificate) -> Vec<Finding> {
 /// The certificate. If it cannot be computed: the findings that do not need it, and the reason.
 #[must_use]
 pub fn certificate_or_findings(problem: &Problem) -> Certificate {
-    certificate(problem).unwrap_or_else(|error| {
+    certificate_or_findings_on(problem, &Arc::new(Discretization::new(problem)))
+}
+
+/// [`certificate_or_findings`] of a problem with these forms, which a run goes on with.
+pub(crate) fn certificate_or_findings_on(problem: &Problem, discrete: &Arc<Discretization>) -> Certificate {
+    certificate_on(problem, discrete).unwrap_or_else(|error| {
         let constants = Constants::of_laws(problem);
         let mut findings = judged(problem, &constants);
         let message = format!("the constants of the domain cannot be computed: {error}");
@@ -240,8 +259,9 @@ pub fn certificate_or_findings(problem: &Problem) -> Certificate {
 /// All verdicts: [`certificate_or_findings`] with [`advice`].
 #[must_use]
 pub fn full(problem: &Problem) -> Certificate {
-    let mut certificate = certificate_or_findings(problem);
-    let advice = advice(problem, &certificate);
+    let discrete = Arc::new(Discretization::new(problem));
+    let mut certificate = certificate_or_findings_on(problem, &discrete);
+    let advice = advice_on(problem, &discrete, &certificate);
     certificate.findings.extend(advice);
     certificate
 }

@@ -42,10 +42,10 @@ pub(super) fn loads_vary(problem: &Problem) -> bool {
 }
 
 /// `contact-possible`: fails where contact is proved impossible.
-pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
+pub(super) fn possible(problem: &Problem, discrete: &Discretization, constants: &Constants) -> Finding {
     // Of several contacts one that can occur stands for all.
     let each = tests(problem).enumerate().map(|(side, test)| {
-        let mut finding = judge(problem, constants, &test);
+        let mut finding = judge(problem, discrete, constants, &test);
         finding.place = finding.place.replacen("contact", &problem.contact_path(side), 1);
         finding
     });
@@ -53,7 +53,7 @@ pub(super) fn possible(problem: &Problem, constants: &Constants) -> Finding {
         .unwrap_or_else(|| Finding::new(ID, FindingStatus::Holds, "there is no contact", "contact"))
 }
 
-fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
+fn judge(problem: &Problem, discrete: &Discretization, constants: &Constants, test: &Test) -> Finding {
     let contact = test.contact;
     if test.does_nothing() {
         let message =
@@ -68,7 +68,8 @@ fn judge(problem: &Problem, constants: &Constants, test: &Test) -> Finding {
     let (Some(material), Some(facets)) = (problem.materials.first(), problem.mesh.facets.get(&contact.on)) else {
         return not_judged("the body has no material, or does not have this side", "material");
     };
-    let body = Body::new(problem, material, ContactBoundary::new(&problem.mesh, facets, contact.quadrature));
+    let boundary = ContactBoundary::new(&problem.mesh, facets, contact.quadrature);
+    let body = Body::new(problem, discrete, material, boundary);
     if let Some((x, penetration)) = body.touching(contact) {
         let message = format!("the body touches the foundation at t = 0, at {}", at(&x));
         return Finding::new(ID, FindingStatus::Holds, message, "contact.gap").numbers(Some(penetration), Some(0.0));
@@ -130,6 +131,7 @@ impl Bound {
 /// The body without contact.
 struct Body<'a> {
     problem: &'a Problem,
+    discrete: &'a Discretization,
     /// The one material of the body.
     material: &'a Material,
     boundary: ContactBoundary,
@@ -140,12 +142,18 @@ struct Body<'a> {
 }
 
 impl<'a> Body<'a> {
-    fn new(problem: &'a Problem, material: &'a Material, boundary: ContactBoundary) -> Body<'a> {
+    fn new(
+        problem: &'a Problem,
+        discrete: &'a Discretization,
+        material: &'a Material,
+        boundary: ContactBoundary,
+    ) -> Body<'a> {
         let mesh = &problem.mesh;
         let space = problem.displacement_space();
         let scalar = Space::new(mesh, 1, std::iter::empty());
         Body {
             problem,
+            discrete,
             material,
             boundary,
             u: space.interpolate(mesh, &problem.initial.displacement, 0.0),
@@ -226,14 +234,13 @@ impl<'a> Body<'a> {
         contact: &Contact,
         c_f: Option<f64>,
     ) -> Result<Result<Bound, (&'static str, &'static str)>, SolveError> {
-        let (problem, m) = (self.problem, self.material);
+        let (problem, discrete, m) = (self.problem, self.discrete, self.material);
         let mesh = &problem.mesh;
-        let discrete = Discretization::new(problem);
         let (mut a, mass) = (discrete.a.clone(), &discrete.mass);
         if let Some(springs) = &discrete.springs {
             a.add_scaled(1.0, springs);
         }
-        if !holds_the_body(problem, &discrete, &a)? {
+        if !holds_the_body(problem, discrete, &a)? {
             return Ok(Err(("no displacement and no spring holds the body", "boundary")));
         }
         let a = Arc::new(a);

@@ -27,10 +27,10 @@ use super::laws::{largest_norm, tests};
 use super::softening::falls;
 use super::{Finding, FindingId, FindingStatus};
 use crate::contact::Contact;
-use crate::discretization::Discretization;
+use crate::discretization::{Discretization, is_fixed};
 use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Entry, Layout, Share, SolveError, System, Tangent, Unknowns, dot, largest};
-use crate::material::{Isotropic, Material, StressState, TensorLaw, depends_on_temperature};
+use crate::material::{Isotropic, Material, StressState, TensorLaw};
 use crate::problem::{Coupling, Problem};
 use crate::space::Space;
 use crate::tensor;
@@ -67,27 +67,30 @@ fn loss(contact: &Contact, fall: f64) -> Option<f64> {
 /// A linear operator below the law: the law itself, or m times the identity, since (A(ξ₁) − A(ξ₂))·(ξ₁ − ξ₂) ≥ m
 /// ‖ξ₁ − ξ₂‖²; with the least m over its temperatures.
 fn minorant(law: &Arc<dyn TensorLaw>, dim: usize) -> Arc<dyn TensorLaw> {
-    if law.is_linear() && !depends_on_temperature(law.as_ref()) {
+    if is_fixed(law) {
         return Arc::clone(law);
     }
     Arc::new(Isotropic::lame(dim, 0.0, law.constants().monotonicity.max(0.0), StressState::PlaneStress))
 }
 
-/// The same problem with laws of the body that are linear and lie below its own.
-fn minorized(problem: &Problem) -> Problem {
+/// The forms of a problem with laws of the body that are linear and lie below its own: its own forms where its laws do.
+fn minorized(problem: &Problem, discrete: &Arc<Discretization>) -> Arc<Discretization> {
+    if problem.materials.iter().all(|m| is_fixed(&m.elasticity) && is_fixed(&m.viscosity)) {
+        return Arc::clone(discrete);
+    }
     let dim = problem.mesh.tensor_dim();
     let below = |m: &Material| Material {
         elasticity: minorant(&m.elasticity, dim),
         viscosity: minorant(&m.viscosity, dim),
         ..m.clone()
     };
-    problem.with_materials(below)
+    Arc::new(Discretization::new(&problem.with_materials(below)))
 }
 
 /// The mechanical system of a step for any k.
 struct Step<'a> {
     problem: &'a Problem,
-    discrete: Discretization,
+    discrete: Arc<Discretization>,
     /// c*, the largest of the contacts, Pa/m.
     loss: f64,
     /// f, the largest of the contacts, s/m.
@@ -113,8 +116,8 @@ struct Least {
 }
 
 impl<'a> Step<'a> {
-    fn new(problem: &'a Problem, losses: &[[f64; 2]]) -> Step<'a> {
-        let discrete = Discretization::new(&minorized(problem));
+    fn new(problem: &'a Problem, discrete: &Arc<Discretization>, losses: &[[f64; 2]]) -> Step<'a> {
+        let discrete = minorized(problem, discrete);
         let [loss, with_speed] = [0, 1].map(|i| losses.iter().map(|l| l[i]).fold(0.0, f64::max));
         let share = |[own, own_with_speed]: [f64; 2]| {
             let of = |own: f64, largest: f64| if largest > 0.0 { own / largest } else { 0.0 };
@@ -138,7 +141,7 @@ impl<'a> Step<'a> {
     /// With K_u = ρM/k + B + kA.
     fn at(&self, k: f64) -> At<'_> {
         let matrix = self.discrete.mechanical_matrix(Rule::backward_euler(k));
-        At { step: self, k, less: Arc::new(less_margin(matrix)), system: None }
+        At { step: self, k, less: Arc::new(less_margin(matrix).repeated()), system: None }
     }
 
     /// Whether the heat equation of a step has one solution: C/k + D is positive definite.
@@ -319,7 +322,7 @@ fn not_judged(problem: &Problem, at_start: bool, drops: bool) -> Option<(&'stati
 }
 
 /// The system to judge, or the finding that says why there is none.
-fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
+fn prepare<'a>(problem: &'a Problem, discrete: &Arc<Discretization>, id: FindingId) -> Result<Step<'a>, Box<Finding>> {
     if problem.contacts.is_empty() {
         return Err(Box::new(Finding::new(
             id,
@@ -356,7 +359,7 @@ fn prepare(problem: &Problem, id: FindingId) -> Result<Step<'_>, Box<Finding>> {
         let message = "conductivity or heat capacity depend on the temperature: the heat equation of a step is not linear, and how many solutions it has is not checked";
         return Err(Box::new(Finding::new(id, FindingStatus::NotCovered, message, "material")));
     }
-    let step = Step::new(problem, &losses);
+    let step = Step::new(problem, discrete, &losses);
     match step.heat_is_definite(problem.k()) {
         Ok(true) => Ok(step),
         Ok(false) => {
@@ -403,9 +406,9 @@ fn not_held(id: FindingId) -> Finding {
 }
 
 /// `step-unique`: λ_min(S, W) > c* k.
-pub(super) fn unique(problem: &Problem) -> Finding {
+pub(super) fn unique(problem: &Problem, discrete: &Arc<Discretization>) -> Finding {
     let id = FindingId::StepUnique;
-    prepare(problem, id)
+    prepare(problem, discrete, id)
         .map_or_else(|finding| *finding, |step| judge(&step, id).unwrap_or_else(|error| not_factorized(id, &error)))
 }
 
@@ -451,13 +454,13 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
 
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
 /// What the finding `unique` says is not computed again.
-pub(super) fn time_step(problem: &Problem, unique: Option<&Finding>) -> Finding {
+pub(super) fn time_step(problem: &Problem, discrete: &Arc<Discretization>, unique: Option<&Finding>) -> Finding {
     let id = FindingId::TimeStep;
     match unique {
         Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => enough(problem, problem.steps as f64),
         // Without numbers it is what `prepare` says, of this as of that.
         Some(told @ Finding { status: FindingStatus::Holds, .. }) => Finding { id, ..told.clone() },
-        _ => prepare(problem, id)
+        _ => prepare(problem, discrete, id)
             .map_or_else(|finding| *finding, |step| search(&step).unwrap_or_else(|error| not_factorized(id, &error))),
     }
 }

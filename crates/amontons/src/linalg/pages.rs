@@ -1,39 +1,49 @@
-//! The numbers of a factor in large pages of memory, where the system has them.
+//! The numbers of a factor, or of a level of an iteration, in large pages of memory, where the system has them.
 //!
 //! A sweep goes through tens of megabytes. In pages of 4 kB these are more than the tables of a processor hold, and
-//! looking pages up takes a tenth of the time.
+//! looking pages up takes a tenth of the time. The system also takes less time to give them.
 
 use std::ops::{Deref, DerefMut};
 
+use bytemuck::Pod;
+
 /// Numbers, zero at first. In large pages they take no memory where they have not been written to.
 #[derive(Debug)]
-pub(super) struct Numbers {
-    memory: Memory,
+pub(super) struct Numbers<T = f64> {
+    memory: Memory<T>,
     count: usize,
 }
 
 #[derive(Debug)]
-enum Memory {
-    Plain(Vec<f64>),
+enum Memory<T> {
+    Plain(Vec<T>),
     #[cfg(target_os = "linux")]
     Mapped(memmap2::MmapMut),
 }
 
-impl Numbers {
+impl<T: Pod> Numbers<T> {
     /// So many zeros; none where the memory cannot be had.
-    pub fn zeros(count: usize) -> Option<Numbers> {
+    pub fn zeros(count: usize) -> Option<Numbers<T>> {
         #[cfg(target_os = "linux")]
-        if let Some(map) = mapped(count) {
+        if let Some(map) = mapped(count.checked_mul(size_of::<T>())?) {
             return Some(Numbers { memory: Memory::Mapped(map), count });
         }
         let mut numbers = Vec::new();
         numbers.try_reserve_exact(count).ok()?;
-        numbers.resize(count, 0.0);
+        numbers.resize(count, T::zeroed());
         Some(Numbers { memory: Memory::Plain(numbers), count })
     }
 
+    /// So many numbers as they are filled in; without the memory the program ends, as where a vector does not find any.
+    pub fn of(count: usize, fill: impl FnOnce(&mut [T])) -> Numbers<T> {
+        let plain = || Numbers { memory: Memory::Plain(vec![T::zeroed(); count]), count };
+        let mut numbers = Numbers::zeros(count).unwrap_or_else(plain);
+        fill(&mut numbers);
+        numbers
+    }
+
     /// The first of the numbers. What the others take is given back where it is more than that.
-    pub fn first(self, count: usize) -> Numbers {
+    pub fn first(self, count: usize) -> Numbers<T> {
         if 2 * count >= self.count {
             return Numbers { count, ..self };
         }
@@ -51,19 +61,33 @@ impl Numbers {
 #[cfg(target_os = "linux")]
 const LARGE: usize = 2 << 20;
 
-/// Large pages for so many numbers; none for what fits into a few.
+/// Large pages for so many bytes; none for what fits into a few.
 #[cfg(target_os = "linux")]
-fn mapped(count: usize) -> Option<memmap2::MmapMut> {
-    let bytes = count.checked_mul(size_of::<f64>()).filter(|bytes| *bytes >= 4 * LARGE)?;
+fn mapped(bytes: usize) -> Option<memmap2::MmapMut> {
+    if bytes < 4 * LARGE {
+        return None;
+    }
     let map = memmap2::MmapMut::map_anon(bytes).ok()?;
     map.advise(memmap2::Advice::HugePage).ok()?;
     Some(map)
 }
 
-impl Deref for Numbers {
-    type Target = [f64];
+impl<T> Default for Numbers<T> {
+    fn default() -> Numbers<T> {
+        Numbers { memory: Memory::Plain(Vec::new()), count: 0 }
+    }
+}
 
-    fn deref(&self) -> &[f64] {
+impl<T: Pod> Clone for Numbers<T> {
+    fn clone(&self) -> Numbers<T> {
+        Numbers::of(self.count, |same| same.copy_from_slice(self))
+    }
+}
+
+impl<T: Pod> Deref for Numbers<T> {
+    type Target = [T];
+
+    fn deref(&self) -> &[T] {
         match &self.memory {
             Memory::Plain(numbers) => &numbers[..self.count],
             #[cfg(target_os = "linux")]
@@ -72,8 +96,8 @@ impl Deref for Numbers {
     }
 }
 
-impl DerefMut for Numbers {
-    fn deref_mut(&mut self) -> &mut [f64] {
+impl<T: Pod> DerefMut for Numbers<T> {
+    fn deref_mut(&mut self) -> &mut [T] {
         match &mut self.memory {
             Memory::Plain(numbers) => &mut numbers[..self.count],
             #[cfg(target_os = "linux")]
@@ -89,13 +113,25 @@ mod tests {
     #[test]
     fn numbers_stay() {
         for count in [0, 1, 1000, 3_000_001] {
-            let mut numbers = Numbers::zeros(count).expect("memory");
+            let mut numbers = Numbers::<f64>::zeros(count).expect("memory");
             assert!(numbers.len() == count && numbers.iter().all(|number| number.to_bits() == 0));
             numbers.iter_mut().enumerate().for_each(|(i, number)| *number = i as f64);
             for kept in [count, count - count / 5, count / 7] {
                 numbers = numbers.first(kept);
                 assert!(numbers.iter().copied().eq((0..kept).map(|i| i as f64)), "{kept} of {count}");
             }
+        }
+    }
+    #[test]
+    fn copies_are_apart() {
+        for count in [0, 7, 5_000_003] {
+            let numbers = Numbers::of(count, |all| all.iter_mut().enumerate().for_each(|(i, x)| *x = i as f32));
+            let mut copy = numbers.clone();
+            assert_eq!(copy[..], numbers[..]);
+            copy.iter_mut().for_each(|x| *x = -1.0);
+            assert!(
+                numbers.len() == count && numbers.iter().enumerate().all(|(i, x)| x.to_bits() == (i as f32).to_bits())
+            );
         }
     }
 }

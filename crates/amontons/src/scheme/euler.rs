@@ -31,7 +31,7 @@ const HALVINGS: usize = 5;
 #[derive(Debug)]
 pub struct BackwardEuler {
     problem: Problem,
-    discrete: Discretization,
+    discrete: Arc<Discretization>,
     backend: Arc<dyn Backend>,
     /// The temperature at which matrices are factorized at first.
     start: Vec<f64>,
@@ -137,27 +137,38 @@ impl BackwardEuler {
     /// # Errors
     /// When a system is singular or does not fit into memory.
     pub fn new(problem: &Problem) -> Result<BackwardEuler, SetupError> {
-        BackwardEuler::with_backend(problem, &problem.backend)
+        BackwardEuler::on(problem, &Arc::new(Discretization::new(problem)), &problem.backend)
     }
 
     /// The scheme as the setting of a run or a study.
     ///
     /// # Errors
     /// Those of [`BackwardEuler::new`].
-    pub fn make(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError> {
-        Ok(Box::new(BackwardEuler::with_backend(problem, backend)?))
+    pub fn make(
+        problem: &Problem,
+        discrete: &Arc<Discretization>,
+        backend: &Arc<dyn Backend>,
+    ) -> Result<Box<dyn Scheme>, SetupError> {
+        Ok(Box::new(BackwardEuler::on(problem, discrete, backend)?))
     }
 
-    /// The same with another backend than that of the problem.
-    fn with_backend(problem: &Problem, backend: &Arc<dyn Backend>) -> Result<BackwardEuler, SetupError> {
-        let discrete = Discretization::new(problem);
+    /// The scheme with the forms of the problem, which do not depend on its steps, and with a backend, which may be
+    /// another than that of the problem.
+    ///
+    /// # Errors
+    /// Those of [`BackwardEuler::new`].
+    pub fn on(
+        problem: &Problem,
+        discrete: &Arc<Discretization>,
+        backend: &Arc<dyn Backend>,
+    ) -> Result<BackwardEuler, SetupError> {
         let (k, initial) = (problem.k(), std::slice::from_ref(&problem.initial.temperature));
         let start = discrete.q.interpolate(&discrete.mesh, initial, 0.0);
-        let systems = Systems::factorize(problem, &discrete, (k, &start), backend)
+        let systems = Systems::factorize(problem, discrete, (k, &start), backend)
             .map_err(|(part, source)| SetupError::Factor { part, source })?;
         Ok(BackwardEuler {
             problem: problem.clone(),
-            discrete,
+            discrete: Arc::clone(discrete),
             backend: Arc::clone(backend),
             start,
             systems,

@@ -358,9 +358,9 @@ pub struct Kept {
     pub solvers: Vec<Decided>,
 }
 
-/// Makes the scheme that steps a problem through time, with the backend that solves its linear systems: the setting
-/// of runs and studies, [`BackwardEuler::make`] by default.
-pub type MakeScheme = fn(&Problem, &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError>;
+/// Makes the scheme that steps a problem with these forms through time, with the backend that solves its linear
+/// systems: the setting of runs and studies, [`BackwardEuler::make`] by default.
+pub type MakeScheme = fn(&Problem, &Arc<Discretization>, &Arc<dyn Backend>) -> Result<Box<dyn Scheme>, SetupError>;
 
 /// A time-stepping scheme for a problem.
 pub trait Scheme: fmt::Debug + Send + Sync {

@@ -2,12 +2,14 @@
 
 use rayon::prelude::*;
 
+use crate::linalg::pages::Numbers;
+
 /// Block rows that are worked on at once: large enough to pay for a task, the same whatever the number of threads.
 const CHUNK: usize = 1024;
 
 /// A number that matrices are made of.
 pub(super) trait Real:
-    Copy
+    bytemuck::Pod
     + Default
     + Send
     + Sync
@@ -22,8 +24,8 @@ impl Real for f32 {}
 impl Real for f64 {}
 
 /// A matrix of R × C blocks by compressed block rows.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Blocks<T> {
+#[derive(Clone, Debug)]
+pub(super) struct Blocks<T: Real> {
     /// Rows and columns of a block.
     pub shape: [usize; 2],
     /// Number of block columns.
@@ -31,7 +33,7 @@ pub(super) struct Blocks<T> {
     pub start: Vec<u32>,
     pub columns: Vec<u32>,
     /// Blocks by rows.
-    pub values: Vec<T>,
+    pub values: Numbers<T>,
 }
 
 impl<T: Real> Blocks<T> {
@@ -55,16 +57,21 @@ impl<T: Real> Blocks<T> {
     {
         let chunks: Vec<Rows<T>> =
             (0..rows.div_ceil(CHUNK)).into_par_iter().map(|c| make(c * CHUNK..((c + 1) * CHUNK).min(rows))).collect();
-        let (mut start, mut columns, mut values) = (Vec::with_capacity(rows + 1), Vec::new(), Vec::new());
+        let (mut start, mut columns) = (Vec::with_capacity(rows + 1), Vec::new());
         start.push(0u32);
         columns.reserve_exact(chunks.iter().map(|c| c.columns.len()).sum());
-        values.reserve_exact(chunks.iter().map(|c| c.values.len()).sum());
-        for chunk in chunks {
-            let before = columns.len() as u32;
-            start.extend(chunk.ends.iter().map(|end| before + end));
-            columns.extend(chunk.columns);
-            values.extend(chunk.values);
-        }
+        let count = chunks.iter().map(|c| c.values.len()).sum();
+        let values = Numbers::of(count, |values| {
+            let mut rest = values;
+            for chunk in chunks {
+                let before = columns.len() as u32;
+                start.extend(chunk.ends.iter().map(|end| before + end));
+                columns.extend(chunk.columns);
+                let (own, others) = rest.split_at_mut(chunk.values.len());
+                own.copy_from_slice(&chunk.values);
+                rest = others;
+            }
+        });
         Blocks { shape, width, start, columns, values }
     }
 
@@ -80,42 +87,90 @@ impl<T: Real> Blocks<T> {
         }
         let mut filled = start.clone();
         let mut columns = vec![0u32; self.columns.len()];
-        let mut values = vec![T::default(); self.values.len()];
-        for i in 0..self.len() {
-            for (j, block) in self.row(i) {
-                let slot = filled[j] as usize;
-                filled[j] += 1;
-                columns[slot] = i as u32;
-                let out = &mut values[slot * r * c..][..r * c];
-                for a in 0..r {
-                    for b in 0..c {
-                        out[b * r + a] = block[a * c + b];
+        let values = Numbers::of(self.values.len(), |values| {
+            for i in 0..self.len() {
+                for (j, block) in self.row(i) {
+                    let slot = filled[j] as usize;
+                    filled[j] += 1;
+                    columns[slot] = i as u32;
+                    let out = &mut values[slot * r * c..][..r * c];
+                    for a in 0..r {
+                        for b in 0..c {
+                            out[b * r + a] = block[a * c + b];
+                        }
                     }
                 }
             }
-        }
+        });
         Blocks { shape: [c, r], width: self.len(), start, columns, values }
     }
 
-    /// The product with another matrix.
+    /// The product with another matrix. Its blocks are made where they stay: what is made of large matrices is never in
+    /// memory twice.
     pub fn times(&self, other: &Blocks<T>) -> Blocks<T> {
         let shape = [self.shape[0], other.shape[1]];
-        Blocks::from_rows(self.len(), other.width, shape, |range| {
-            let mut rows = Rows::default();
-            let mut slot_of = Slots::new(other.width);
+        let size = shape[0] * shape[1];
+        let (start, columns) = self.pattern(other);
+        let fill = |range: std::ops::Range<usize>, values: &mut [T]| {
+            let (first, mut slot_of) = (start[range.start], vec![0u32; other.width]);
             for i in range {
-                let first = rows.columns.len();
+                for slot in start[i]..start[i + 1] {
+                    slot_of[columns[slot as usize] as usize] = slot - first;
+                }
                 for (k, a) in self.row(i) {
                     for (j, b) in other.row(k) {
-                        let slot = slot_of.at(j, first, &mut rows, shape[0] * shape[1]);
-                        let out = &mut rows.values[slot * shape[0] * shape[1]..][..shape[0] * shape[1]];
+                        let out = &mut values[slot_of[j] as usize * size..][..size];
                         add_product(a, b, out, [shape[0], self.shape[1], shape[1]]);
                     }
                 }
-                rows.ends.push(rows.columns.len() as u32);
             }
-            rows
-        })
+        };
+        let values = Numbers::of(columns.len() * size, |values| {
+            rayon::scope(|scope| {
+                let mut rest = values;
+                for first in (0..self.len()).step_by(CHUNK) {
+                    let range = first..(first + CHUNK).min(self.len());
+                    let (own, others) = rest.split_at_mut((start[range.end] - start[range.start]) as usize * size);
+                    rest = others;
+                    let fill = &fill;
+                    scope.spawn(move |_| fill(range, own));
+                }
+            });
+        });
+        Blocks { shape, width: other.width, start, columns, values }
+    }
+
+    /// Where the rows of the product with another matrix begin, and the columns of their blocks.
+    fn pattern(&self, other: &Blocks<T>) -> (Vec<u32>, Vec<u32>) {
+        let of_chunk = |chunk: usize| {
+            // The last row that a column was seen in, counted from one.
+            let mut seen = vec![0u32; other.width];
+            let (mut lengths, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
+            for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.len()) {
+                let before = columns.len();
+                for (k, _) in self.row(i) {
+                    for (j, _) in other.row(k) {
+                        if std::mem::replace(&mut seen[j], i as u32 + 1) != i as u32 + 1 {
+                            columns.push(j as u32);
+                        }
+                    }
+                }
+                lengths.push((columns.len() - before) as u32);
+            }
+            (lengths, columns)
+        };
+        let chunks: Vec<(Vec<u32>, Vec<u32>)> = (0..self.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect();
+        let (mut start, mut columns, mut end) = (Vec::with_capacity(self.len() + 1), Vec::new(), 0);
+        start.push(0);
+        columns.reserve_exact(chunks.iter().map(|(_, columns)| columns.len()).sum());
+        for (lengths, own) in chunks {
+            columns.extend(own);
+            start.extend(lengths.iter().map(|length| {
+                end += length;
+                end
+            }));
+        }
+        (start, columns)
     }
 
     /// y = A x, or y += A x.
@@ -146,12 +201,13 @@ impl<T: Real> Blocks<T> {
     fn product<const R: usize, const C: usize>(&self, x: &[T], y: &mut [T], adds: bool) {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<R>();
+        let values = &self.values[..];
         y.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, y)| {
             for (k, y) in y.iter_mut().enumerate() {
                 let i = chunk * CHUNK + k;
                 let (from, to) = (self.start[i] as usize, self.start[i + 1] as usize);
                 let mut sum = if adds { *y } else { [T::default(); R] };
-                let blocks = self.values[from * R * C..to * R * C].chunks_exact(R * C);
+                let blocks = values[from * R * C..to * R * C].chunks_exact(R * C);
                 for (&j, block) in self.columns[from..to].iter().zip(blocks) {
                     let x = &x[j as usize];
                     for a in 0..R {
@@ -174,7 +230,12 @@ impl Blocks<f64> {
             width: self.width,
             start: self.start.clone(),
             columns: self.columns.clone(),
-            values: self.values.iter().map(|value| (value / scale) as f32).collect(),
+            values: Numbers::of(self.values.len(), |single| {
+                single
+                    .par_iter_mut()
+                    .zip(&self.values[..])
+                    .for_each(|(single, value)| *single = (value / scale) as f32);
+            }),
         }
     }
 }
@@ -194,30 +255,30 @@ impl<T> Default for Rows<T> {
     }
 }
 
-/// Where the block of a column stands in the row that is being made.
-struct Slots(Vec<u32>);
-
-impl Slots {
-    fn new(width: usize) -> Slots {
-        Slots(vec![u32::MAX; width])
-    }
-
-    /// The position of the block in column j, made if the row, which begins at `first`, does not have it.
-    fn at<T: Real>(&mut self, j: usize, first: usize, rows: &mut Rows<T>, size: usize) -> usize {
-        let slot = self.0[j] as usize;
-        if slot >= first && slot < rows.columns.len() && rows.columns[slot] as usize == j {
-            return slot;
-        }
-        let slot = rows.columns.len();
-        self.0[j] = slot as u32;
-        rows.columns.push(j as u32);
-        rows.values.resize((slot + 1) * size, T::default());
-        slot
+/// out += A B of blocks r × m and m × c. Those of bodies in the plane and in space have sizes that the loops know.
+pub(super) fn add_product<T: Real>(a: &[T], b: &[T], out: &mut [T], sizes: [usize; 3]) {
+    match sizes {
+        [_, 2, 3] => add_sized::<T, 2, 3>(a, b, out),
+        [_, 3, 3] => add_sized::<T, 3, 3>(a, b, out),
+        [_, 3, 6] => add_sized::<T, 3, 6>(a, b, out),
+        [_, 6, 6] => add_sized::<T, 6, 6>(a, b, out),
+        [r, m, c] => add_loops(a, b, out, [r, m, c]),
     }
 }
 
-/// out += A B of blocks r × m and m × c.
-pub(super) fn add_product<T: Real>(a: &[T], b: &[T], out: &mut [T], [r, m, c]: [usize; 3]) {
+fn add_sized<T: Real, const M: usize, const C: usize>(a: &[T], b: &[T], out: &mut [T]) {
+    let ((a, _), (b, _), (out, _)) = (a.as_chunks::<M>(), b.as_chunks::<C>(), out.as_chunks_mut::<C>());
+    let b: &[[T; C]] = &b[..M];
+    for (a, out) in a.iter().zip(out) {
+        for k in 0..M {
+            for j in 0..C {
+                out[j] += a[k] * b[k][j];
+            }
+        }
+    }
+}
+
+fn add_loops<T: Real>(a: &[T], b: &[T], out: &mut [T], [r, m, c]: [usize; 3]) {
     for i in 0..r {
         for k in 0..m {
             let factor = a[i * m + k];
@@ -246,19 +307,21 @@ mod tests {
         })
     }
 
-    /// Products of whole numbers are exact: (A B) x = A (B x), and x·(A y) = (Aᵀ x)·y, for every shape of block.
+    /// Products of whole numbers are exact: (A B) x = A (B x), and x·(A y) = (Aᵀ x)·y, for every shape of block, with few
+    /// rows and with those of several tasks.
     #[test]
     fn products_and_transposes() {
-        for [r, m, c] in [[1, 1, 1], [2, 2, 3], [3, 3, 6], [6, 3, 6], [6, 6, 6], [3, 2, 2], [2, 3, 3], [4, 5, 2]] {
-            let (a, b) = (sample(9, 7, [r, m]), sample(7, 8, [m, c]));
+        let shapes = [[1, 1, 1], [2, 2, 3], [3, 3, 6], [6, 3, 6], [6, 6, 6], [3, 2, 2], [2, 3, 3], [4, 5, 2]];
+        for ([r, m, c], rows) in shapes.into_iter().flat_map(|shape| [(shape, 9), (shape, 2 * CHUNK + 5)]) {
+            let (a, b) = (sample(rows, 7, [r, m]), sample(7, 8, [m, c]));
             let x: Vec<f64> = (0..8 * c).map(|i| ((i * 5) % 7) as f64).collect();
-            let (mut bx, mut abx, mut both) = (vec![0.0; 7 * m], vec![1.0; 9 * r], vec![1.0; 9 * r]);
+            let (mut bx, mut abx, mut both) = (vec![0.0; 7 * m], vec![1.0; rows * r], vec![1.0; rows * r]);
             b.apply(&x, &mut bx, false);
             a.apply(&bx, &mut abx, true);
             a.times(&b).apply(&x, &mut both, true);
             assert_eq!(abx, both, "{r} {m} {c}");
-            let y: Vec<f64> = (0..9 * r).map(|i| ((i * 3) % 5) as f64).collect();
-            let (mut ay, mut aty) = (vec![0.0; 9 * r], vec![0.0; 7 * m]);
+            let y: Vec<f64> = (0..rows * r).map(|i| ((i * 3) % 5) as f64).collect();
+            let (mut ay, mut aty) = (vec![0.0; rows * r], vec![0.0; 7 * m]);
             a.apply(&bx, &mut ay, false);
             a.transposed().apply(&y, &mut aty, false);
             let dot = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
