@@ -307,8 +307,8 @@ mod tests {
         })
     }
 
-    /// Products of whole numbers are exact: (A B) x = A (B x), and x·(A y) = (Aᵀ x)·y, for every shape of block, with few
-    /// rows and with those of several tasks.
+    /// Products of whole numbers are exact: (A B) x = A (B x), and x·(A y) = (Aᵀ x)·y, for every shape of block, with
+    /// few rows and with those of several tasks.
     #[test]
     fn products_and_transposes() {
         let shapes = [[1, 1, 1], [2, 2, 3], [3, 3, 6], [6, 3, 6], [6, 6, 6], [3, 2, 2], [2, 3, 3], [4, 5, 2]];
