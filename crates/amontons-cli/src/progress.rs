@@ -42,7 +42,7 @@ enum Mode {
 struct Place {
     /// The part of the command, such as `study 3 of 6`; empty if there is one part.
     part: String,
-    /// `mesh`, `certificate`, `assembly`, `factor`, `steps`, `results`.
+    /// `mesh`, `assembly`, `certificate`, `factor`, `steps`, `results`.
     phase: &'static str,
     begin: Instant,
     phase_begin: Instant,
