@@ -53,9 +53,11 @@ pub use earlier::{finished_run, has_certificate, known_certificate};
 pub(crate) use files::LONGEST;
 #[cfg(feature = "plot")]
 pub(crate) use files::write_file;
-pub use folder::{CheckpointInterval, Folder, FolderOptions};
 #[cfg(feature = "case")]
-pub(crate) use folder::{contact_file, fields_file};
+pub(crate) use folder::contact_file;
+#[cfg(feature = "plot")]
+pub(crate) use folder::fields_file;
+pub use folder::{CheckpointInterval, Folder, FolderOptions};
 pub use identity::Identity;
 pub use inputs::{INPUTS, Input, fingerprint};
 pub use inspect::{Inspection, inspect};
