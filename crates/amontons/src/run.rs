@@ -274,7 +274,7 @@ fn counted(scheme: &dyn Scheme) -> UnknownCounts {
 fn judged(problem: &Problem, discrete: &Arc<Discretization>, settings: &Settings) -> Vec<Finding> {
     match &settings.known {
         Some(known) if settings.certificate => known.clone(),
-        _ if settings.certificate => hypotheses::certificate_or_findings_on(problem, discrete).findings,
+        _ if settings.certificate => hypotheses::certificate_or_findings_on(problem, &|| Arc::clone(discrete)).findings,
         _ => hypotheses::findings(problem),
     }
 }

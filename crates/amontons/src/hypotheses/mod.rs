@@ -33,6 +33,7 @@ mod tensors;
 mod theorem;
 pub mod warnings;
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -190,14 +191,15 @@ fn judged(problem: &Problem, constants: &Constants) -> Vec<Finding> {
 /// # Errors
 /// When a matrix of the constants of the domain cannot be factorized: see [`domain_constants`].
 pub fn certificate(problem: &Problem) -> Result<Certificate, SolveError> {
-    certificate_on(problem, &Arc::new(Discretization::new(problem)))
+    certificate_on(problem, &|| Arc::new(Discretization::new(problem)))
 }
 
-/// [`certificate`] of a problem with these forms.
-fn certificate_on(problem: &Problem, discrete: &Arc<Discretization>) -> Result<Certificate, SolveError> {
+/// [`certificate`] of a problem with these forms, which are made only where a verdict needs them.
+fn certificate_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) -> Result<Certificate, SolveError> {
     if pairs::first(problem).is_some() {
         return Ok(pairs::certificate(problem));
     }
+    let discrete = &forms();
     let (domain, unique) =
         rayon::join(|| domain::constants_on(problem, &discrete.mass), || step::unique(problem, discrete));
     let constants = Constants::of_laws(problem).on(problem, &domain?);
@@ -219,11 +221,11 @@ fn certificate_on(problem: &Problem, discrete: &Arc<Discretization>) -> Result<C
 /// a static problem for every step.
 #[must_use]
 pub fn advice(problem: &Problem, certificate: &Certificate) -> Vec<Finding> {
-    advice_on(problem, &Arc::new(Discretization::new(problem)), certificate)
+    advice_on(problem, &|| Arc::new(Discretization::new(problem)), certificate)
 }
 
-/// [`advice`] on a problem with these forms.
-fn advice_on(problem: &Problem, discrete: &Arc<Discretization>, certificate: &Certificate) -> Vec<Finding> {
+/// [`advice`] on a problem with these forms, which are made only where a verdict needs them.
+fn advice_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>, certificate: &Certificate) -> Vec<Finding> {
     if !problem.physics.has_mechanics() {
         return Vec::new();
     }
@@ -232,9 +234,9 @@ fn advice_on(problem: &Problem, discrete: &Arc<Discretization>, certificate: &Ce
         return vec![pairs::not_covered(problem, FindingId::TimeStep, message)];
     }
     let unique = certificate.findings.iter().find(|finding| finding.id == FindingId::StepUnique);
-    let mut findings = vec![step::time_step(problem, discrete, unique)];
+    let mut findings = vec![step::time_step(problem, forms, unique)];
     if reach::loads_vary(problem) {
-        findings.push(reach::possible(problem, discrete, &certificate.constants));
+        findings.push(reach::possible(problem, &forms(), &certificate.constants));
     }
     findings
 }
@@ -242,12 +244,12 @@ fn advice_on(problem: &Problem, discrete: &Arc<Discretization>, certificate: &Ce
 /// The certificate. If it cannot be computed: the findings that do not need it, and the reason.
 #[must_use]
 pub fn certificate_or_findings(problem: &Problem) -> Certificate {
-    certificate_or_findings_on(problem, &Arc::new(Discretization::new(problem)))
+    certificate_or_findings_on(problem, &|| Arc::new(Discretization::new(problem)))
 }
 
-/// [`certificate_or_findings`] of a problem with these forms, which a run goes on with.
-pub(crate) fn certificate_or_findings_on(problem: &Problem, discrete: &Arc<Discretization>) -> Certificate {
-    certificate_on(problem, discrete).unwrap_or_else(|error| {
+/// [`certificate_or_findings`] of a problem with these forms, such as those that a run goes on with.
+pub(crate) fn certificate_or_findings_on(problem: &Problem, forms: &dyn Fn() -> Arc<Discretization>) -> Certificate {
+    certificate_on(problem, forms).unwrap_or_else(|error| {
         let constants = Constants::of_laws(problem);
         let mut findings = judged(problem, &constants);
         let message = format!("the constants of the domain cannot be computed: {error}");
@@ -259,9 +261,10 @@ pub(crate) fn certificate_or_findings_on(problem: &Problem, discrete: &Arc<Discr
 /// All verdicts: [`certificate_or_findings`] with [`advice`].
 #[must_use]
 pub fn full(problem: &Problem) -> Certificate {
-    let discrete = Arc::new(Discretization::new(problem));
-    let mut certificate = certificate_or_findings_on(problem, &discrete);
-    let advice = advice_on(problem, &discrete, &certificate);
+    let made = OnceCell::new();
+    let forms = || Arc::clone(made.get_or_init(|| Arc::new(Discretization::new(problem))));
+    let mut certificate = certificate_or_findings_on(problem, &forms);
+    let advice = advice_on(problem, &forms, &certificate);
     certificate.findings.extend(advice);
     certificate
 }

@@ -454,13 +454,17 @@ fn judge(step: &Step, id: FindingId) -> Result<Finding, SolveError> {
 
 /// `time-step`: the least number of steps, the case's own or that times a power of two, for which `step-unique` holds.
 /// What the finding `unique` says is not computed again.
-pub(super) fn time_step(problem: &Problem, discrete: &Arc<Discretization>, unique: Option<&Finding>) -> Finding {
+pub(super) fn time_step(
+    problem: &Problem,
+    forms: &dyn Fn() -> Arc<Discretization>,
+    unique: Option<&Finding>,
+) -> Finding {
     let id = FindingId::TimeStep;
     match unique {
         Some(Finding { status: FindingStatus::Holds, value: Some(_), .. }) => enough(problem, problem.steps as f64),
         // Without numbers it is what `prepare` says, of this as of that.
         Some(told @ Finding { status: FindingStatus::Holds, .. }) => Finding { id, ..told.clone() },
-        _ => prepare(problem, discrete, id)
+        _ => prepare(problem, &forms(), id)
             .map_or_else(|finding| *finding, |step| search(&step).unwrap_or_else(|error| not_factorized(id, &error))),
     }
 }

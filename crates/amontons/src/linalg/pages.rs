@@ -72,12 +72,6 @@ fn mapped(bytes: usize) -> Option<memmap2::MmapMut> {
     Some(map)
 }
 
-impl<T> Default for Numbers<T> {
-    fn default() -> Numbers<T> {
-        Numbers { memory: Memory::Plain(Vec::new()), count: 0 }
-    }
-}
-
 impl<T: Pod> Clone for Numbers<T> {
     fn clone(&self) -> Numbers<T> {
         Numbers::of(self.count, |same| same.copy_from_slice(self))
@@ -122,6 +116,7 @@ mod tests {
             }
         }
     }
+
     #[test]
     fn copies_are_apart() {
         for count in [0, 7, 5_000_003] {
