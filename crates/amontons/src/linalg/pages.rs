@@ -1,7 +1,7 @@
 //! The numbers of a factor, or of a level of an iteration, in large pages of memory, where the system has them.
 //!
 //! A sweep goes through tens of megabytes. In pages of 4 kB these are more than the tables of a processor hold, and
-//! looking pages up takes a tenth of the time. The system also takes less time to give them.
+//! looking pages up takes a tenth of the time. The system also hands out large pages in less time.
 
 use std::ops::{Deref, DerefMut};
 
@@ -34,7 +34,8 @@ impl<T: Pod> Numbers<T> {
         Some(Numbers { memory: Memory::Plain(numbers), count })
     }
 
-    /// So many numbers as they are filled in; without the memory the program ends, as where a vector does not find any.
+    /// So many numbers, zero at first and then filled in. Where there is no memory for them the program ends, as it does
+    /// for a vector.
     pub fn of(count: usize, fill: impl FnOnce(&mut [T])) -> Numbers<T> {
         let plain = || Numbers { memory: Memory::Plain(vec![T::zeroed(); count]), count };
         let mut numbers = Numbers::zeros(count).unwrap_or_else(plain);

@@ -6,5 +6,6 @@ mod common;
 
 mod certificate;
 mod constants;
+mod step_eigenvalue;
 mod step_solutions;
 mod verdicts;

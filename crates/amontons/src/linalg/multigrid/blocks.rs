@@ -105,7 +105,7 @@ impl<T: Real> Blocks<T> {
         Blocks { shape: [c, r], width: self.len(), start, columns, values }
     }
 
-    /// The product with another matrix. Its blocks are made where they stay: what is made of large matrices is never in
+    /// The product with another matrix. Its blocks are written where they stay, so that a large product is never in
     /// memory twice.
     pub fn times(&self, other: &Blocks<T>) -> Blocks<T> {
         let shape = [self.shape[0], other.shape[1]];
@@ -318,8 +318,14 @@ mod tests {
             let (mut bx, mut abx, mut both) = (vec![0.0; 7 * m], vec![1.0; rows * r], vec![1.0; rows * r]);
             b.apply(&x, &mut bx, false);
             a.apply(&bx, &mut abx, true);
-            a.times(&b).apply(&x, &mut both, true);
-            assert_eq!(abx, both, "{r} {m} {c}");
+            let product = a.times(&b);
+            product.apply(&x, &mut both, true);
+            let wrong = abx.iter().zip(&both).position(|(one, other)| (one - other).abs() > 0.0);
+            assert_eq!(wrong, None, "{r} {m} {c}, {rows} rows");
+            for i in 0..rows {
+                let columns: std::collections::HashSet<usize> = product.row(i).map(|(j, _)| j).collect();
+                assert_eq!(columns.len(), product.row(i).count(), "a column stands twice in row {i}");
+            }
             let y: Vec<f64> = (0..rows * r).map(|i| ((i * 3) % 5) as f64).collect();
             let (mut ay, mut aty) = (vec![0.0; rows * r], vec![0.0; 7 * m]);
             a.apply(&bx, &mut ay, false);
