@@ -34,8 +34,8 @@ impl<T: Pod> Numbers<T> {
         Some(Numbers { memory: Memory::Plain(numbers), count })
     }
 
-    /// So many numbers, zero at first and then filled in. Where there is no memory for them the program ends, as it does
-    /// for a vector.
+    /// So many numbers, zero at first and then filled in. Where there is no memory for them the program ends, as it
+    /// does for a vector.
     pub fn of(count: usize, fill: impl FnOnce(&mut [T])) -> Numbers<T> {
         let plain = || Numbers { memory: Memory::Plain(vec![T::zeroed(); count]), count };
         let mut numbers = Numbers::zeros(count).unwrap_or_else(plain);
