@@ -3,6 +3,9 @@
 //! Every thread works on blocks of fixed size, so that no result depends on the number of threads. A pass reads each of
 //! its vectors once; for vectors that do not fit into a cache that is what it costs.
 
+#![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
+
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Entries that are worked on at once: large enough to pay for a task.
@@ -55,26 +58,43 @@ pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) 
 /// Writes the entries f(a_i, b_i, …) of blocks of equal length; the largest absolute value of each of the blocks, NaN
 /// if there is one.
 pub fn map_block<const N: usize>(of: [&[f64]; N], out: &mut [f64], f: impl Fn([f64; N]) -> f64) -> [f64; N] {
-    let mut sizes = [[0; 4]; N];
-    let (fours, rest) = (of.map(|v| v.as_chunks::<4>().0), of.map(|v| v.as_chunks::<4>().1));
-    let (out, out_rest) = out.as_chunks_mut::<4>();
-    for (i, out) in out.iter_mut().enumerate() {
-        for l in 0..4 {
-            let entries = fours.map(|v| v[i][l]);
-            out[l] = f(entries);
-            for (sizes, entry) in sizes.iter_mut().zip(entries) {
-                sizes[l] = sizes[l].max(size(entry));
+    Arch::new().dispatch(MapBlock { of, out, f })
+}
+
+/// What [`map_block`] does.
+struct MapBlock<'a, const N: usize, F> {
+    of: [&'a [f64]; N],
+    out: &'a mut [f64],
+    f: F,
+}
+
+impl<const N: usize, F: Fn([f64; N]) -> f64> NullaryFnOnce for MapBlock<'_, N, F> {
+    type Output = [f64; N];
+
+    #[inline(always)]
+    fn call(self) -> [f64; N] {
+        let MapBlock { of, out, f } = self;
+        let mut sizes = [[0; 4]; N];
+        let (fours, rest) = (of.map(|v| v.as_chunks::<4>().0), of.map(|v| v.as_chunks::<4>().1));
+        let (out, out_rest) = out.as_chunks_mut::<4>();
+        for (i, out) in out.iter_mut().enumerate() {
+            for l in 0..4 {
+                let entries = fours.map(|v| v[i][l]);
+                out[l] = f(entries);
+                for (sizes, entry) in sizes.iter_mut().zip(entries) {
+                    sizes[l] = sizes[l].max(size(entry));
+                }
             }
         }
-    }
-    for (i, out) in out_rest.iter_mut().enumerate() {
-        let entries = rest.map(|v| v[i]);
-        *out = f(entries);
-        for (sizes, entry) in sizes.iter_mut().zip(entries) {
-            sizes[0] = sizes[0].max(size(entry));
+        for (i, out) in out_rest.iter_mut().enumerate() {
+            let entries = rest.map(|v| v[i]);
+            *out = f(entries);
+            for (sizes, entry) in sizes.iter_mut().zip(entries) {
+                sizes[0] = sizes[0].max(size(entry));
+            }
         }
+        sizes.map(|lanes| of_size(lanes.into_iter().fold(0, i64::max)))
     }
-    sizes.map(|lanes| of_size(lanes.into_iter().fold(0, i64::max)))
 }
 
 /// The larger of two absolute values; NaN if one is.
@@ -109,17 +129,33 @@ pub(super) fn blocks_of(out: &mut [f64], length: usize, count: usize) -> Vec<&mu
 /// Σ f(a_i, b_i, …) of blocks of equal length, several sums at once, each in eight lanes.
 #[must_use]
 pub fn sum_block<const N: usize, const M: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> [f64; M]) -> [f64; M] {
-    let (eights, rest) = (of.map(|v| v.as_chunks::<8>().0), of.map(|v| v.as_chunks::<8>().1));
-    let mut lanes = [[0.0; 8]; M];
-    for i in 0..eights.first().map_or(0, |v| v.len()) {
-        for l in 0..8 {
-            for (lanes, value) in lanes.iter_mut().zip(f(eights.map(|v| v[i][l]))) {
-                lanes[l] += value;
+    Arch::new().dispatch(SumBlock { of, f })
+}
+
+/// What [`sum_block`] does.
+struct SumBlock<'a, const N: usize, F> {
+    of: [&'a [f64]; N],
+    f: F,
+}
+
+impl<const N: usize, const M: usize, F: Fn([f64; N]) -> [f64; M]> NullaryFnOnce for SumBlock<'_, N, F> {
+    type Output = [f64; M];
+
+    #[inline(always)]
+    fn call(self) -> [f64; M] {
+        let SumBlock { of, f } = self;
+        let (eights, rest) = (of.map(|v| v.as_chunks::<8>().0), of.map(|v| v.as_chunks::<8>().1));
+        let mut lanes = [[0.0; 8]; M];
+        for i in 0..eights.first().map_or(0, |v| v.len()) {
+            for l in 0..8 {
+                for (lanes, value) in lanes.iter_mut().zip(f(eights.map(|v| v[i][l]))) {
+                    lanes[l] += value;
+                }
             }
         }
+        let of_rest: Vec<[f64; M]> = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i]))).collect();
+        std::array::from_fn(|k| lanes[k].iter().sum::<f64>() + of_rest.iter().map(|values| values[k]).sum::<f64>())
     }
-    let of_rest: Vec<[f64; M]> = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i]))).collect();
-    std::array::from_fn(|k| lanes[k].iter().sum::<f64>() + of_rest.iter().map(|values| values[k]).sum::<f64>())
 }
 
 /// Sum of the products.
