@@ -6,8 +6,9 @@
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 
-use super::panel::{LANES, Lanes, Panel, Runs, Value};
+use super::panel::{LANES, Lanes, Panel, Rows, Run, Value};
 
 /// Most columns of a subtree: its entries in all lanes fit into the second-level cache.
 const MOST: usize = 512;
@@ -19,15 +20,19 @@ const LEAST: usize = LANES / 2;
 pub(super) struct Batch {
     /// Their panels, on a vector of the columns of a subtree and the rows below it.
     panels: Vec<Panel>,
+    /// The rows below the panels one by one: an entry of each of several vectors fills a line of memory by itself.
+    rows: Vec<u32>,
     columns: usize,
     places: Vec<Place>,
+    /// The rows below the subtrees.
+    below: Vec<Run>,
 }
 
-/// Where a subtree stands in the vector of its task: its first column, and the rows below.
+/// Where a subtree stands in the vector of its task: its first column, and the rows below in the list of its batch.
 #[derive(Debug)]
 struct Place {
     first: usize,
-    below: Runs,
+    below: Range<usize>,
 }
 
 /// Vectors that a sweep over batches works with.
@@ -50,13 +55,13 @@ impl Batch {
         for places in self.places.chunks(LANES) {
             self.enter(places, vector, local);
             for panel in &self.panels {
-                panel.forward(panel.values(values), local, dense);
+                panel.forward(panel.values(values), &self.rows, local, dense);
             }
             self.leave(places, local, vector);
             for (l, place) in places.iter().enumerate() {
                 let mut below = local[self.columns..].iter();
-                for range in place.below.ranges() {
-                    for (entry, local) in vector[range].iter_mut().zip(&mut below) {
+                for rows in &self.below[place.below.clone()] {
+                    for (entry, local) in vector[rows.range()].iter_mut().zip(&mut below) {
                         *entry += local.0[l];
                     }
                 }
@@ -71,14 +76,14 @@ impl Batch {
             self.enter(places, vector, local);
             for (l, place) in places.iter().enumerate() {
                 let mut below = local[self.columns..].iter_mut();
-                for range in place.below.ranges() {
-                    for (entry, local) in vector[range].iter().zip(&mut below) {
+                for rows in &self.below[place.below.clone()] {
+                    for (entry, local) in vector[rows.range()].iter().zip(&mut below) {
                         local.0[l] = *entry;
                     }
                 }
             }
             for panel in self.panels.iter().rev() {
-                panel.backward(panel.values(values), local, dense);
+                panel.backward(panel.values(values), &self.rows, local, dense);
             }
             self.leave(places, local, vector);
         }
@@ -87,7 +92,7 @@ impl Batch {
     /// Takes the entries at the columns, and zero below and in lanes without a place.
     #[inline(always)]
     fn enter(&self, places: &[Place], vector: &[f64], local: &mut Vec<Lanes>) {
-        let below = places.first().map_or(0, |place| place.below.ranges().map(|range| range.len()).sum());
+        let below = self.panels.last().map_or(0, |panel| panel.below.len());
         local.clear();
         local.resize(self.columns + below, Lanes::ZERO);
         for (l, place) in places.iter().enumerate() {
@@ -113,12 +118,13 @@ impl Batch {
 #[derive(PartialEq, Eq, Hash)]
 struct Kind {
     panel: [usize; 3],
-    children: Vec<(usize, usize, Runs)>,
+    children: Vec<(usize, usize, Vec<u32>)>,
 }
 
 /// The subtrees of a task: number p consists of panel p and all panels below it in the elimination tree.
 struct Subtrees<'a> {
     panels: &'a [Panel],
+    rows: &'a [Run],
     parent: Vec<Option<usize>>,
     children: Vec<Vec<usize>>,
     /// First panel and first column of each subtree.
@@ -130,18 +136,19 @@ struct Subtrees<'a> {
 
 impl<'a> Subtrees<'a> {
     /// On a vector whose first `own` entries are columns of the panels.
-    fn new(panels: &'a [Panel], own: usize) -> Subtrees<'a> {
+    fn new(panels: &'a [Panel], rows: &'a [Run], own: usize) -> Subtrees<'a> {
         let mut owner = vec![0; own];
         for (p, panel) in panels.iter().enumerate() {
             owner[panel.first..panel.first + panel.columns].fill(p);
         }
         let parent = |panel: &Panel| {
-            let row = panel.below.positions().next()?;
+            let row = Run::positions(&rows[panel.below.clone()]).next()?;
             owner.get(row as usize).copied()
         };
         let count = panels.len();
         let mut trees = Subtrees {
             panels,
+            rows,
             parent: panels.iter().map(parent).collect(),
             children: vec![Vec::new(); count],
             first: (0..count).collect(),
@@ -164,6 +171,11 @@ impl<'a> Subtrees<'a> {
         trees
     }
 
+    /// The rows below a subtree.
+    fn below(&self, p: usize) -> impl Iterator<Item = u32> {
+        Run::positions(&self.rows[self.panels[p].below.clone()])
+    }
+
     /// Where the columns of a subtree end.
     fn end(&self, p: usize) -> usize {
         self.panels[p].first + self.panels[p].columns
@@ -181,7 +193,7 @@ impl<'a> Subtrees<'a> {
         if all > MOST || all != self.columns(p) {
             return None;
         }
-        let rows: Vec<u32> = panel.below.positions().collect();
+        let rows: Vec<u32> = self.below(p).collect();
         let child = |&child: &usize| {
             Some((self.kind[child]?, self.begin[child] - self.begin[p], self.rows_in(child, p, &rows)?))
         };
@@ -190,7 +202,7 @@ impl<'a> Subtrees<'a> {
     }
 
     /// The rows below a panel in the vector of the subtree of `p`, below which are `rows`.
-    fn rows_in(&self, panel: usize, p: usize, rows: &[u32]) -> Option<Runs> {
+    fn rows_in(&self, panel: usize, p: usize, rows: &[u32]) -> Option<Vec<u32>> {
         let (begin, end) = (self.begin[p] as u32, self.end(p) as u32);
         let place = |row: u32| {
             if row < end {
@@ -199,24 +211,36 @@ impl<'a> Subtrees<'a> {
                 rows.binary_search(&row).ok().map(|k| end - begin + k as u32)
             }
         };
-        self.panels[panel].below.positions().map(place).collect()
+        self.below(panel).map(place).collect()
     }
 
-    /// The panels of the subtree of `p` on its own vector.
-    fn panels_of(&self, p: usize) -> Option<Vec<Panel>> {
-        let rows: Vec<u32> = self.panels[p].below.positions().collect();
+    /// The panels of the subtree of `p` on its own vector, and the rows below them.
+    fn panels_of(&self, p: usize) -> Option<(Vec<Panel>, Vec<u32>)> {
+        let (below, mut rows): (Vec<u32>, _) = (self.below(p).collect(), Vec::new());
         let of = |q: usize| {
-            let Panel { first, columns, values, leading, .. } = self.panels[q];
-            Some(Panel { first: first - self.begin[p], columns, below: self.rows_in(q, p, &rows)?, values, leading })
+            let (panel, begin) = (&self.panels[q], rows.len());
+            rows.extend(self.rows_in(q, p, &below)?);
+            Some(Panel { first: panel.first - self.begin[p], below: begin..rows.len(), ..panel.clone() })
         };
-        (self.first[p]..=p).map(of).collect()
+        let panels = (self.first[p]..=p).map(of).collect::<Option<_>>()?;
+        Some((panels, rows))
+    }
+
+    /// Subtrees that are the same side by side; none of no subtree.
+    fn batch(&self, members: &[usize]) -> Option<Batch> {
+        let &first = members.first()?;
+        let (panels, rows) = self.panels_of(first)?;
+        let mut below = Vec::new();
+        let place = |&p: &usize| Place { first: self.begin[p], below: Run::append(self.below(p), &mut below) };
+        let places = members.iter().map(place).collect();
+        Some(Batch { panels, rows, columns: self.columns(first), places, below })
     }
 }
 
 /// Moves the subtrees that repeat from the panels of a task to batches. The vector of the task begins with its `own`
 /// columns. The largest subtrees come first; where too few are the same, the subtrees below them are compared.
-pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
-    let trees = Subtrees::new(panels, own);
+pub(super) fn batches(panels: &mut Vec<Panel>, rows: &mut Vec<Run>, own: usize) -> Vec<Batch> {
+    let trees = Subtrees::new(panels, rows, own);
     let mut is_taken = vec![false; panels.len()];
     let is_largest = |p: &usize| trees.kind[*p].is_some() && trees.parent[*p].is_none_or(|p| trees.kind[p].is_none());
     let (mut batches, mut open): (Vec<Batch>, Vec<usize>) =
@@ -229,14 +253,8 @@ pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
         for mut members in alike.into_values() {
             let over = members.len() % LANES;
             let rest = if over < LEAST { members.split_off(members.len() - over) } else { Vec::new() };
-            let panels_of_one = members.first().and_then(|&p| trees.panels_of(p));
-            if let Some((panels_of_one, &p)) = panels_of_one.zip(members.first()) {
-                let place = |&p: &usize| Place { first: trees.begin[p], below: panels[p].below.clone() };
-                batches.push(Batch {
-                    panels: panels_of_one,
-                    columns: trees.columns(p),
-                    places: members.iter().map(place).collect(),
-                });
+            if let Some(batch) = trees.batch(&members) {
+                batches.push(batch);
                 for p in members {
                     is_taken[trees.first[p]..=p].fill(true);
                 }
@@ -244,8 +262,13 @@ pub(super) fn batches(panels: &mut Vec<Panel>, own: usize) -> Vec<Batch> {
             open.extend(rest.iter().flat_map(|&p| &trees.children[p]));
         }
     }
-    let mut is_taken = is_taken.into_iter();
-    panels.retain(|_| is_taken.next() == Some(false));
+    let mut left = Vec::new();
+    let stays = |(panel, is_taken): (&Panel, bool)| {
+        let below = Run::positions(&rows[panel.below.clone()]);
+        (!is_taken).then(|| Panel { below: Run::append(below, &mut left), ..panel.clone() })
+    };
+    *panels = panels.iter().zip(is_taken).filter_map(stays).collect();
+    *rows = left;
     batches
 }
 
@@ -259,13 +282,13 @@ mod tests {
     fn subtrees_whose_rows_differ_are_different() {
         let (count, values) = (2 * LANES, [2.0, 0.5, 4.0, 0.25, 8.0]);
         let row = |s: usize| 3 * s + 1 + s % 2;
-        let mut panels = Vec::new();
+        let (mut panels, mut rows) = (Vec::new(), Vec::new());
         for first in (0..count).map(|s| 3 * s) {
-            let below = std::iter::once(row(first / 3) as u32).collect();
+            let below = Run::append([row(first / 3) as u32], &mut rows);
             panels.push(Panel { first, columns: 1, below, values: 0, leading: 2 });
-            panels.push(Panel { first: first + 1, columns: 2, below: Runs::default(), values: 2, leading: 2 });
+            panels.push(Panel { first: first + 1, columns: 2, below: 0..0, values: 2, leading: 2 });
         }
-        let found = batches(&mut panels, 3 * count);
+        let found = batches(&mut panels, &mut rows, 3 * count);
         assert!(panels.is_empty() && found.iter().map(|batch| batch.places.len()).eq([LANES, LANES]));
         let r: Vec<f64> = (0..3 * count).map(|i| (i as f64).sin()).collect();
         let (mut x, mut workspace) = (r.clone(), Workspace::default());

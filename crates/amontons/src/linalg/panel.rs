@@ -2,7 +2,7 @@
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
 use std::hint::black_box;
-use std::ops::{Add, Div, Mul, Sub};
+use std::ops::{Add, Div, Mul, Range, Sub};
 
 /// Numbers of a panel up to which its lines of memory are asked for one after the other before it is worked with: its
 /// columns by themselves are too short for a processor to read ahead. They fit into the second cache.
@@ -12,65 +12,61 @@ const LINE: usize = 8;
 
 /// A dense panel of the factor: columns `first..first + columns` of a vector, with the positions of the rows below them
 /// in that vector.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Panel {
     pub first: usize,
     pub columns: usize,
-    pub below: Runs,
+    /// Where the rows below stand in the list of rows of all panels on that vector.
+    pub below: Range<usize>,
     /// Where its values begin: columns from the diagonal down, one after the other.
     pub values: usize,
     /// Rows of the first column.
     pub leading: usize,
 }
 
-/// Positions in a vector as runs: first position and length of each.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
-pub(super) struct Runs(Vec<[u32; 2]>);
+/// Positions in a vector, in the list of which a sweep reads them in order.
+pub(super) trait Rows: Copy {
+    fn range(self) -> Range<usize>;
+}
 
-impl FromIterator<u32> for Runs {
-    fn from_iter<I: IntoIterator<Item = u32>>(positions: I) -> Runs {
-        let mut runs: Vec<[u32; 2]> = Vec::new();
-        for position in positions {
-            match runs.last_mut() {
-                Some([first, length]) if *first + *length == position => *length += 1,
-                _ => runs.push([position, 1]),
-            }
-        }
-        Runs(runs)
+/// One position.
+impl Rows for u32 {
+    #[inline(always)]
+    fn range(self) -> Range<usize> {
+        self as usize..self as usize + 1
     }
 }
 
-impl Runs {
-    /// The positions one by one.
-    pub fn positions(&self) -> impl Iterator<Item = u32> {
-        self.0.iter().flat_map(|&[first, length]| first..first + length)
-    }
+/// Positions that follow each other.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Run {
+    first: u32,
+    length: u32,
+}
 
-    /// The runs as ranges.
+impl Rows for Run {
     #[inline(always)]
-    pub fn ranges(&self) -> impl Iterator<Item = std::ops::Range<usize>> {
-        self.0.iter().map(|&[first, length]| first as usize..(first + length) as usize)
+    fn range(self) -> Range<usize> {
+        self.first as usize..(self.first + self.length) as usize
     }
+}
 
-    /// Appends the entries of a vector at the positions.
-    #[inline(always)]
-    fn gather<E: Value>(&self, vector: &[E], out: &mut Vec<E>) {
-        for range in self.ranges() {
-            out.extend_from_slice(&vector[range]);
-        }
-    }
-
-    /// Adds values to the entries of a vector at the positions.
-    #[inline(always)]
-    fn add<E: Value>(&self, values: &[E], vector: &mut [E]) {
-        let mut values = values;
-        for range in self.ranges() {
-            let (now, rest) = values.split_at(range.len());
-            for (entry, value) in vector[range].iter_mut().zip(now) {
-                *entry = *entry + *value;
+impl Run {
+    /// Appends positions to a list: where they stand in it.
+    pub fn append(positions: impl IntoIterator<Item = u32>, list: &mut Vec<Run>) -> Range<usize> {
+        let begin = list.len();
+        for position in positions {
+            match list[begin..].last_mut() {
+                Some(run) if run.first + run.length == position => run.length += 1,
+                _ => list.push(Run { first: position, length: 1 }),
             }
-            values = rest;
         }
+        begin..list.len()
+    }
+
+    /// The positions one by one.
+    pub fn positions(list: &[Run]) -> impl Iterator<Item = u32> {
+        list.iter().flat_map(|run| run.first..run.first + run.length)
     }
 }
 
@@ -252,7 +248,7 @@ impl Panel {
 
     /// Solves L y = r on the columns, and adds what they take from the rows below.
     #[inline(always)]
-    pub fn forward<E: Value>(&self, values: &[f64], vector: &mut [E], dense: &mut Vec<E>) {
+    pub fn forward<E: Value>(&self, values: &[f64], rows: &[impl Rows], vector: &mut [E], dense: &mut Vec<E>) {
         let n = self.columns;
         dense.clear();
         dense.extend_from_slice(&vector[self.first..self.first + n]);
@@ -287,16 +283,25 @@ impl Panel {
             j += 1;
         }
         vector[self.first..self.first + n].copy_from_slice(&dense[..n]);
-        self.below.add(&dense[n..], vector);
+        let mut changes = &dense[n..];
+        for rows in &rows[self.below.clone()] {
+            let (now, rest) = changes.split_at(rows.range().len());
+            for (entry, change) in vector[rows.range()].iter_mut().zip(now) {
+                *entry = *entry + *change;
+            }
+            changes = rest;
+        }
     }
 
     /// Solves Lᵀ x = y on the columns with the rows below known.
     #[inline(always)]
-    pub fn backward<E: Value>(&self, values: &[f64], vector: &mut [E], dense: &mut Vec<E>) {
+    pub fn backward<E: Value>(&self, values: &[f64], rows: &[impl Rows], vector: &mut [E], dense: &mut Vec<E>) {
         let n = self.columns;
         dense.clear();
         dense.extend_from_slice(&vector[self.first..self.first + n]);
-        self.below.gather(vector, dense);
+        for rows in &rows[self.below.clone()] {
+            dense.extend_from_slice(&vector[rows.range()]);
+        }
         let mut j = n;
         // The odd columns come last here as they did in the forward sweep.
         while !j.is_multiple_of(4) {

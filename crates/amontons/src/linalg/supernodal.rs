@@ -18,7 +18,7 @@ use super::error::SolveError;
 use super::factor::{Backend, Columns, Factor};
 use super::numeric::{Supernodes, has_factor};
 use super::pages::Numbers;
-use super::panel::Panel;
+use super::panel::{Panel, Run};
 use super::repeats::{ROUND_OFF, Repeats};
 use super::schur::Schur;
 use super::sparse::BlockMatrix;
@@ -321,25 +321,25 @@ impl<'a> Tree<'a> {
                 task
             })
             .collect();
+        let mut rows = Vec::new();
         let panels = panels
             .filter(|&s| s < self.count)
             .map(|s| {
                 let view = self.symbolic.supernode(s);
                 let (first, last) = (view.start(), end[s] as usize);
                 let columns = last.min(self.interior) - first;
-                let below =
-                    ((first + columns) as u32..last as u32).chain(view.pattern().iter().copied()).map(&local).collect();
+                let below = ((first + columns) as u32..last as u32).chain(view.pattern().iter().copied());
                 Panel {
                     first: first - own.start,
                     columns,
-                    below,
+                    below: Run::append(below.map(&local), &mut rows),
                     values: self.supernodes.offset(s),
                     leading: last - first + view.pattern().len(),
                 }
             })
             .collect();
         let start = children.iter().map(|c| c.begin).min().unwrap_or(own.start);
-        Task { children, begin: start, own, panels, touched: ancestors.len(), ..Task::default() }
+        Task { children, begin: start, own, panels, rows, touched: ancestors.len(), ..Task::default() }
     }
 }
 

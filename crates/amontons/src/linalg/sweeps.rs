@@ -8,7 +8,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::batches::{Batch, Workspace, batches};
-use super::panel::Panel;
+use super::panel::{Panel, Run};
 
 /// A subtree of the elimination tree. Its vector is (own columns, ancestors that it touches).
 #[derive(Debug, Default)]
@@ -18,6 +18,8 @@ pub(super) struct Task {
     pub begin: usize,
     pub own: std::ops::Range<usize>,
     pub panels: Vec<Panel>,
+    /// The rows below the panels.
+    pub rows: Vec<Run>,
     /// Subtrees below the panels.
     pub batches: Vec<Batch>,
     /// Positions in the parent's vector of the ancestors touched.
@@ -31,7 +33,7 @@ impl Task {
     pub fn batch(&mut self) {
         self.children.par_iter_mut().for_each(Task::batch);
         if self.children.is_empty() {
-            self.batches = batches(&mut self.panels, self.own.len());
+            self.batches = batches(&mut self.panels, &mut self.rows, self.own.len());
         }
     }
 
@@ -95,18 +97,18 @@ impl NullaryFnOnce for Sweep<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Sweep { task: Task { panels, batches, .. }, values, vector, is_forward } = self;
+        let Sweep { task: Task { panels, rows, batches, .. }, values, vector, is_forward } = self;
         let (mut workspace, mut dense) = (Workspace::default(), Vec::new());
         if is_forward {
             for batch in batches {
                 batch.forward(values, vector, &mut workspace);
             }
             for panel in panels {
-                panel.forward(panel.values_ahead(values, true), vector, &mut dense);
+                panel.forward(panel.values_ahead(values, true), rows, vector, &mut dense);
             }
         } else {
             for panel in panels.iter().rev() {
-                panel.backward(panel.values_ahead(values, false), vector, &mut dense);
+                panel.backward(panel.values_ahead(values, false), rows, vector, &mut dense);
             }
             for batch in batches {
                 batch.backward(values, vector, &mut workspace);
