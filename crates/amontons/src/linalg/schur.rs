@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use super::condensed::{Condensed, TangentKey};
 use super::error::SolveError;
 use super::krylov::gmres;
-use super::lu::{Lu, SparseLu};
+use super::lu::{Cholesky, Lu, SparseLu};
 use super::numeric::{Ended, has_factor};
 use super::stop::Stop;
 use super::tangent::Tangent;
@@ -71,9 +71,26 @@ pub(super) struct Schur {
 #[derive(Debug)]
 enum Kept {
     /// With the factor of S + J.
-    Factor(Tangent, Lu),
+    Factor(Tangent, Dense),
     /// By its key alone: the run that this one goes on from had the factor.
     Known(TangentKey),
+}
+
+/// A factor of S + J.
+#[derive(Debug)]
+enum Dense {
+    /// Of a symmetric J, as that of heat and of points that stick.
+    Cholesky(Cholesky),
+    Lu(Lu),
+}
+
+impl Dense {
+    fn solve(&self, b: &mut [f64]) {
+        match self {
+            Dense::Cholesky(factor) => factor.solve(b),
+            Dense::Lu(factor) => factor.solve(b),
+        }
+    }
 }
 
 impl Kept {
@@ -125,6 +142,11 @@ impl Schur {
         matrix
     }
 
+    fn factor(&self, tangent: &Tangent) -> Dense {
+        let of_symmetric = tangent.is_symmetric().then(|| Cholesky::new(self.with(tangent))).flatten();
+        of_symmetric.map_or_else(|| Dense::Lu(Lu::new(self.with(tangent))), Dense::Cholesky)
+    }
+
     /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
     fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
         let mut y = vec![0.0; x.len()];
@@ -153,11 +175,11 @@ impl Schur {
             Some(factor @ Kept::Factor(..)) => factor,
             known => {
                 self.factorizations += usize::from(known.is_none());
-                Kept::Factor(tangent.clone(), Lu::new(self.with(tangent)))
+                Kept::Factor(tangent.clone(), self.factor(tangent))
             }
         };
-        if let Kept::Factor(_, lu) = &kept {
-            lu.solve(b);
+        if let Kept::Factor(_, factor) = &kept {
+            factor.solve(b);
         }
         self.kept.truncate(KEPT - 1);
         self.kept.push_front(kept);
@@ -379,6 +401,14 @@ mod tests {
         assert_eq!(iteration.solve(&joined, &mut y, 0.0), Ok(()));
         let difference: Vec<f64> = x.iter().zip(&y).map(|(x, y)| x - y).collect();
         assert!(max_abs(&difference) < 1e-7 * max_abs(&x), "{:e}", max_abs(&difference));
+        // Points that pull make S + J indefinite, which has no L Lᵀ.
+        let mut pulling = Tangent::new();
+        pulling.add_diagonal((0..n).map(|i| if i % 7 == 0 { -1e5 } else { 0.0 }));
+        assert!(pulling.is_symmetric() && factor.is_positive_definite(&pulling) == Ok(false));
+        let mut x = b.clone();
+        assert_eq!(factor.solve(&pulling, &mut x, 0.0), Ok(()));
+        let rest: Vec<f64> = factor.sum(&pulling, &x).iter().zip(&b).map(|(s, b)| s - b).collect();
+        assert!(max_abs(&rest) < 1e-11, "{:e}", max_abs(&rest));
         let (small, large) = (factor.apply(&b), iteration.apply(&b));
         assert_eq!(small, large, "products in parts have the bits of those in one");
         assert!(factor.magnitude(&b).is_ok_and(|size| size <= factor.magnitude_bound(&b)));

@@ -14,7 +14,7 @@ use faer::Mat;
 use super::precondition::{AXES, Body, block_of, cut, in_basis};
 use super::surface::{Surface, couples};
 use crate::linalg::error::SolveError;
-use crate::linalg::lu::{Lu, is_positive_definite};
+use crate::linalg::lu::{Cholesky, Lu};
 use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
@@ -210,7 +210,7 @@ fn node_of(body: &Body, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) 
     };
     let mut sum = sum_with(block);
     let is_symmetric = (0..n * n).all(|k| block[k].to_bits() == block[k % n * n + k / n].to_bits());
-    if is_symmetric && !is_positive_definite(sum.clone()) {
+    if is_symmetric && Cholesky::new(sum.clone()).is_none() {
         // Conjugate gradients are to see what makes K + J indefinite, and the preconditioner not to hide it.
         sum = sum_with(&cut(block, f64::INFINITY, n));
     }
