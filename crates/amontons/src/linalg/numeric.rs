@@ -34,6 +34,9 @@ pub(super) struct Supernodes<'a> {
     /// The first supernode that is made of the same numbers as each, once there is a factor: its columns are those of
     /// both.
     origin: Vec<u32>,
+    /// Where the numbers of each origin begin, one after the other, and where those of all end.
+    places: Vec<usize>,
+    end: usize,
 }
 
 /// The columns of a supernode, dense.
@@ -67,8 +70,9 @@ impl<'a> Supernodes<'a> {
                 owner[column as usize] = s as u32;
             }
         }
-        let origin = (0..symbolic.n_supernodes() as u32).collect();
-        Supernodes { symbolic, interior, owner, origin }
+        let count = symbolic.n_supernodes();
+        let origin = (0..count as u32).collect();
+        Supernodes { symbolic, interior, owner, origin, places: vec![0; count], end: 0 }
     }
 
     fn columns(&self, s: usize) -> Range<usize> {
@@ -82,7 +86,12 @@ impl<'a> Supernodes<'a> {
 
     /// Where the values of a supernode begin.
     pub fn offset(&self, s: usize) -> usize {
-        self.symbolic.col_ptr_for_val()[self.origin[s] as usize] as usize
+        self.places[self.origin[s] as usize]
+    }
+
+    /// How many numbers the factor has taken.
+    pub fn taken(&self) -> usize {
+        self.end
     }
 
     /// Columns of a supernode that are eliminated.
@@ -113,7 +122,9 @@ impl<'a> Supernodes<'a> {
                 self.pass_over(&mut waiting, s);
                 continue;
             }
-            let (before, own) = values.split_at_mut(self.offset(s));
+            self.places[s] = self.end;
+            self.end += leading * columns.len();
+            let (before, own) = values.split_at_mut(self.places[s]);
             let mut panel = Panel { columns: columns.clone(), leading, values: &mut own[..leading * columns.len()] };
             for (column, own) in columns.clone().zip(panel.values.chunks_exact_mut(leading)) {
                 for (row, value) in lower.column(column) {

@@ -1,4 +1,5 @@
-//! The numbers of a factor, or of a level of an iteration, in large pages of memory, where the system has them.
+//! The numbers of a matrix, of a factor, or of a level of an iteration, in large pages of memory, where the system has
+//! them.
 //!
 //! A sweep goes through tens of megabytes. In pages of 4 kB these are more than the tables of a processor hold, and
 //! looking pages up takes a tenth of the time. The system also hands out large pages in less time.
@@ -43,9 +44,10 @@ impl<T: Pod> Numbers<T> {
         numbers
     }
 
-    /// The first of the numbers. What the others take is given back where it is more than that.
-    pub fn first(self, count: usize) -> Numbers<T> {
-        if 2 * count >= self.count {
+    /// The first of the numbers, of which so many have been written to. What the others take is given back where it is
+    /// more than that.
+    pub fn first(self, count: usize, written: usize) -> Numbers<T> {
+        if 2 * count >= written {
             return Numbers { count, ..self };
         }
         match Numbers::zeros(count) {
@@ -111,8 +113,10 @@ mod tests {
             let mut numbers = Numbers::<f64>::zeros(count).expect("memory");
             assert!(numbers.len() == count && numbers.iter().all(|number| number.to_bits() == 0));
             numbers.iter_mut().enumerate().for_each(|(i, number)| *number = i as f64);
-            for kept in [count, count - count / 5, count / 7] {
-                numbers = numbers.first(kept);
+            for (kept, written) in
+                [(count, count), (count - count / 5, count), (count / 7, count / 5), (count / 9, count)]
+            {
+                numbers = numbers.first(kept, written);
                 assert!(numbers.iter().copied().eq((0..kept).map(|i| i as f64)), "{kept} of {count}");
             }
         }

@@ -10,6 +10,7 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::graph::{Graph, leaders};
+use super::pages::Numbers;
 use super::repeats::Repeats;
 use super::vectors::{max_abs, zeros};
 use crate::mesh::Link;
@@ -22,7 +23,7 @@ pub struct BlockMatrix {
     graph: Arc<Graph>,
     rows: usize,
     cols: usize,
-    values: Vec<f64>,
+    values: Numbers,
     /// What products read in place of `values`, where rows repeat.
     repeated: Option<Repeated>,
     /// Whether A x = 0 for every x that is the same at all nodes.
@@ -50,7 +51,7 @@ impl BlockMatrix {
             graph: Arc::clone(graph),
             rows,
             cols,
-            values: vec![0.0; graph.columns.len() * rows * cols],
+            values: Numbers::of(graph.columns.len() * rows * cols, |_| {}),
             repeated: None,
             of_differences: false,
         }
@@ -177,11 +178,11 @@ impl BlockMatrix {
         (self.repeated, self.of_differences) = (None, self.of_differences && other.of_differences);
         let size = self.rows * self.cols;
         if other.rows * other.cols == size {
-            for (a, b) in self.values.iter_mut().zip(&other.values) {
+            for (a, b) in self.values.iter_mut().zip(other.values.iter()) {
                 *a += factor * b;
             }
         } else {
-            for (block, b) in self.values.chunks_exact_mut(size).zip(&other.values) {
+            for (block, b) in self.values.chunks_exact_mut(size).zip(other.values.iter()) {
                 for r in 0..self.rows {
                     block[r * self.cols + r] += factor * b;
                 }

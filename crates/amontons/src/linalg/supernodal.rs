@@ -102,6 +102,7 @@ impl SupernodalFactor {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = symbolic.raw() else { return Err(too_large()) };
         let mut supernodes = Supernodes::new(symbolic, interior);
         supernodes.factorize(&lower, &mut values, stop)?;
+        let taken = supernodes.taken();
         let s = supernodes.condensed(&values);
         let diagonal = (interior..size).filter_map(|j| lower.column(j).next());
         let shift = diagonal.map(|(_, value)| value).sum::<f64>() / (size - interior).max(1) as f64;
@@ -109,7 +110,7 @@ impl SupernodalFactor {
         let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         root.batch();
-        let values = values.first(stored);
+        let values = values.first(stored, taken);
         let nodes = unknowns.kept_nodes(matrix.block_shape().0);
         Ok(SupernodalFactor { values, root, size, interior, condensed: Arc::new(s), nodes, stop: stop.clone() })
     }
