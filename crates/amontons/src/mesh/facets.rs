@@ -2,6 +2,8 @@
 
 use std::collections::{HashMap, HashSet};
 
+use rayon::prelude::*;
+
 use super::{Block, Mesh};
 use crate::element::Element;
 
@@ -132,29 +134,23 @@ impl Mesh {
 
 /// The facets that belong to one cell only of some blocks, oriented outward, in the order of the cells.
 fn boundary_of(blocks: &[&Block]) -> FacetSet {
-    let mut keys: Vec<FacetKey> = Vec::new();
-    for block in blocks {
-        for cell in block.cells() {
-            keys.extend(
-                block
-                    .element
-                    .facets
-                    .iter()
-                    .map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local]))),
-            );
+    let cells = blocks.iter().flat_map(|block| block.cells().map(|cell| (block.element, cell)));
+    let facets = cells.flat_map(|(element, cell)| {
+        element.facets.iter().map(|facet| facet_key(facet.element, facet.nodes.iter().map(|&local| cell[local])))
+    });
+    let mut sorted: Vec<(FacetKey, usize)> = facets.enumerate().map(|(place, key)| (key, place)).collect();
+    sorted.par_sort_unstable();
+    let mut is_single = vec![false; sorted.len()];
+    for same in sorted.chunk_by(|a, b| a.0 == b.0) {
+        if let [(_, place)] = same {
+            is_single[*place] = true;
         }
     }
-    let mut sorted = keys.clone();
-    sorted.sort_unstable();
-    let single = |key: &FacetKey| {
-        let first = sorted.partition_point(|other| other < key);
-        sorted.get(first + 1) != Some(key)
-    };
     let mut set = FacetSet::default();
-    let mut keys = keys.iter();
+    let mut is_single = is_single.into_iter();
     for block in blocks {
         for cell in block.cells() {
-            for (facet, _) in block.element.facets.iter().zip(keys.by_ref()).filter(|(_, key)| single(key)) {
+            for (facet, _) in block.element.facets.iter().zip(is_single.by_ref()).filter(|(_, is_single)| *is_single) {
                 set.push(facet.element, facet.nodes.iter().map(|&local| cell[local]));
             }
         }

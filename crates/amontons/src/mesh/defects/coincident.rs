@@ -1,6 +1,6 @@
 //! Nodes at one place that are not the same node: a crack, or parts that were not merged.
 
-use std::collections::HashMap;
+use rayon::prelude::*;
 
 use super::super::{Block, Mesh};
 use crate::tensor::{Point, length};
@@ -22,30 +22,26 @@ pub fn coincident(mesh: &Mesh) -> Vec<[u32; 2]> {
     // Two nodes of one cell are farther apart than a box of this size, so a box holds few nodes.
     let size = 0.5 * spacing;
     let index = |x: f64| (x / size).floor() as i64;
-    let mut boxes: HashMap<[i64; 3], Vec<u32>> = HashMap::new();
-    for (node, p) in mesh.points.iter().enumerate() {
-        boxes.entry(p.map(index)).or_default().push(node as u32);
-    }
-    let mut pairs = Vec::new();
-    for (node, p) in mesh.points.iter().enumerate() {
+    let mut boxes: Vec<([i64; 3], u32)> =
+        mesh.points.iter().enumerate().map(|(node, p)| (p.map(index), node as u32)).collect();
+    boxes.par_sort_unstable();
+    let of_node = |(node, p): (usize, &Point)| {
         let reach = SAME * if edges[node].is_finite() { edges[node] } else { spacing };
         // More than one box in a direction only where the node is next to its border.
         let [low, high] = [p.map(|x| index(x - reach)), p.map(|x| index(x + reach))];
-        for i in low[0]..=high[0] {
-            for j in low[1]..=high[1] {
-                for k in low[2]..=high[2] {
-                    let others = boxes.get(&[i, j, k]).into_iter().flatten();
-                    let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
-                    pairs.extend(others.copied().filter(|other| (*other as usize) != node && near(other)).map(
-                        |other| {
-                            let node = node as u32;
-                            [node.min(other), node.max(other)]
-                        },
-                    ));
-                }
-            }
+        let mut pairs = Vec::new();
+        for at in (low[0]..=high[0]).flat_map(|i| (low[1]..=high[1]).map(move |j| [i, j])) {
+            let [first, last] = [low[2], high[2]].map(|k| [at[0], at[1], k]);
+            let others = &boxes[boxes.partition_point(|(at, _)| *at < first)..];
+            let others = others.iter().take_while(|(at, _)| *at <= last).map(|(_, other)| *other);
+            let near = |other: &u32| length(&difference(p, &mesh.points[*other as usize])) <= reach;
+            // Each pair is found at both of its nodes, or at one where their reach differs.
+            let (node, apart) = (node as u32, |other: &u32| *other as usize != node);
+            pairs.extend(others.filter(apart).filter(near).map(|other| [node.min(other), node.max(other)]));
         }
-    }
+        pairs
+    };
+    let mut pairs: Vec<[u32; 2]> = mesh.points.par_iter().enumerate().flat_map_iter(of_node).collect();
     pairs.sort_unstable();
     pairs.dedup();
     pairs
