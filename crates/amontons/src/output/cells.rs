@@ -1,6 +1,6 @@
 //! What is computed in the cells from a state: strains, stresses, heat fluxes, and the norm of V.
 
-use super::fit::Fit;
+use super::fit::{Fit, exponents};
 use crate::arrays::all_at_once;
 use crate::element::{Element, ShapeTable};
 use crate::forms::{StrainPoints, is_mean};
@@ -54,7 +54,8 @@ impl Tables {
         let has_fits = problem.varying_branches() > 0;
         let fits = mesh.blocks.iter().filter(|_| has_fits).map(|block| {
             let kept = quadrature::rule(block.element.shape, mesh.gradient_products(block.element)).points;
-            let (fit, _) = Fit::new(mesh.dim, 1, &block.element.centre(), &kept);
+            let linear = exponents(mesh.dim, 1);
+            let (fit, _) = Fit::new(&linear, &block.element.centre(), &kept);
             rule(block.element).points.iter().map(|x| fit.weights(x)).collect()
         });
         let dilatation = problem.dilatation();

@@ -6,74 +6,102 @@ use crate::tensor::Point;
 const DEPENDENT: f64 = 1e-7;
 
 /// A polynomial fitted to values at points: the columns of its matrix, made orthonormal one after the other.
-pub(super) struct Fit {
+pub(super) struct Fit<'e> {
     /// Number of points.
     count: usize,
+    local: Local,
+    exponents: &'e [[i32; 3]],
+    /// The columns that do not depend on those before them: their numbers, the columns one after the other, and of each
+    /// its parts along those before and itself.
+    independent: Vec<usize>,
+    columns: Vec<f64>,
+    parts: Vec<f64>,
+}
+
+/// The coordinates of a patch.
+#[derive(Clone, Copy)]
+struct Local {
     origin: Point,
     /// Reciprocal lengths of the patch by direction: the matrix has no units.
     scale: Point,
-    exponents: Vec<[i32; 3]>,
-    /// By column that does not depend on those before it: its number, itself, and its parts along the columns before
-    /// and itself.
-    columns: Vec<(usize, Vec<f64>, Vec<f64>)>,
 }
 
-impl Fit {
-    /// A fit of all polynomials of a degree; columns that depend on those before them are left out, and the result says
-    /// whether there are none.
-    pub fn new(dim: usize, degree: usize, origin: &Point, points: &[Point]) -> (Fit, bool) {
+impl Local {
+    fn of(&self, x: &Point) -> Point {
+        std::array::from_fn(|d| (x[d] - self.origin[d]) * self.scale[d])
+    }
+}
+
+impl<'e> Fit<'e> {
+    /// A fit of all polynomials with these [`exponents`]; columns that depend on those before them are left out, and
+    /// the result says whether there are none.
+    pub fn new(exponents: &'e [[i32; 3]], origin: &Point, points: &[Point]) -> (Fit<'e>, bool) {
         let extent = |d: usize| points.iter().fold(0.0f64, |most, p| most.max((p[d] - origin[d]).abs()));
         let scale = std::array::from_fn(|d| Some(extent(d)).filter(|e| *e > 0.0).map_or(1.0, f64::recip));
-        let (count, exponents) = (points.len(), exponents(dim, degree));
-        let mut fit = Fit { count, origin: *origin, scale, exponents, columns: Vec::new() };
-        let rows: Vec<Vec<f64>> = points.iter().map(|x| fit.monomials(x)).collect();
-        for m in 0..fit.exponents.len() {
-            let mut column: Vec<f64> = rows.iter().map(|row| row[m]).collect();
-            let whole = norm(&column);
-            let mut parts = vec![0.0; fit.columns.len()];
+        let (local, count, all) = (Local { origin: *origin, scale }, points.len(), exponents.len());
+        let mut fit = Fit {
+            count,
+            local,
+            exponents,
+            independent: Vec::with_capacity(all),
+            columns: Vec::with_capacity(all * count),
+            parts: Vec::with_capacity(all * (all + 1) / 2),
+        };
+        for m in 0..all {
+            let done = fit.columns.len();
+            fit.columns.extend(points.iter().map(|x| monomial(&exponents[m], &local.of(x))));
+            let (before, column) = fit.columns.split_at_mut(done);
+            let whole = norm(column);
+            let first = fit.parts.len();
+            fit.parts.resize(first + fit.independent.len(), 0.0);
             // Twice is enough (Kahan, Parlett).
             for _ in 0..2 {
-                for (part, (_, other, _)) in parts.iter_mut().zip(&fit.columns) {
+                for (part, other) in fit.parts[first..].iter_mut().zip(before.chunks_exact(count.max(1))) {
                     let along: f64 = column.iter().zip(other).map(|(a, b)| a * b).sum();
                     *part += along;
                     column.iter_mut().zip(other).for_each(|(a, b)| *a -= along * b);
                 }
             }
-            let rest = norm(&column);
+            let rest = norm(column);
             if rest > DEPENDENT * whole {
-                for a in &mut column {
+                for a in column {
                     *a /= rest;
                 }
-                parts.push(rest);
-                fit.columns.push((m, column, parts));
+                fit.parts.push(rest);
+                fit.independent.push(m);
+            } else {
+                fit.columns.truncate(done);
+                fit.parts.truncate(first);
             }
         }
-        let is_determined = fit.columns.len() == fit.exponents.len();
+        let is_determined = fit.independent.len() == all;
         (fit, is_determined)
-    }
-
-    fn monomials(&self, x: &Point) -> Vec<f64> {
-        let y: Point = std::array::from_fn(|d| (x[d] - self.origin[d]) * self.scale[d]);
-        self.exponents.iter().map(|e| (0..3).map(|d| y[d].powi(e[d])).product()).collect()
     }
 
     /// Weights of the points in the value of the polynomial at a point: with the columns QR they are Q R⁻ᵀ p(x).
     pub fn weights(&self, x: &Point) -> Vec<f64> {
-        let p = self.monomials(x);
-        let mut solved: Vec<f64> = Vec::new();
+        let y = self.local.of(x);
+        let mut solved: Vec<f64> = Vec::with_capacity(self.independent.len());
         let mut weights = vec![0.0; self.count];
-        for (m, column, parts) in &self.columns {
+        let mut rest = &self.parts[..];
+        for (m, column) in self.independent.iter().zip(self.columns.chunks_exact(self.count.max(1))) {
+            let (parts, others) = rest.split_at(solved.len() + 1);
             let known: f64 = parts.iter().zip(&solved).map(|(part, s)| part * s).sum();
-            let s = (p[*m] - known) / parts.last().copied().unwrap_or(1.0);
+            let s = (monomial(&self.exponents[*m], &y) - known) / parts[solved.len()];
             weights.iter_mut().zip(column).for_each(|(w, q)| *w += s * q);
             solved.push(s);
+            rest = others;
         }
         weights
     }
 }
 
+fn monomial(exponents: &[i32; 3], y: &Point) -> f64 {
+    (0..3).map(|d| y[d].powi(exponents[d])).product()
+}
+
 /// Exponents of the monomials up to a degree, the lower degrees first.
-fn exponents(dim: usize, degree: usize) -> Vec<[i32; 3]> {
+pub(super) fn exponents(dim: usize, degree: usize) -> Vec<[i32; 3]> {
     let most = |d: usize| if d < dim { degree as i32 } else { 0 };
     let mut all: Vec<[i32; 3]> = (0..=most(0))
         .flat_map(|a| (0..=most(1)).flat_map(move |b| (0..=most(2)).map(move |c| [a, b, c])))

@@ -11,12 +11,12 @@
 //! value for each region. In a region without inner vertices, such as a layer of one cell, a patch around the node
 //! itself is fitted as far as its points determine a polynomial.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use rayon::prelude::*;
 
 use super::cells::{Evaluator, PointValues, Tables};
-use super::fit::Fit;
+use super::fit::{Fit, exponents};
 use crate::arrays::all_at_once;
 use crate::element::Element;
 use crate::material::material_arrays;
@@ -33,7 +33,7 @@ pub(super) type Sample = (u32, u32, u32);
 pub(super) type Stencil = Vec<(Sample, f64)>;
 
 /// Sampling points with the polynomial that is fitted to their values.
-type Patch = (Vec<Sample>, Fit);
+type Patch<'r> = (Vec<Sample>, Fit<'r>);
 
 /// Most often that a patch without inner vertices grows by its neighbours.
 const GROWTH: usize = 2;
@@ -169,6 +169,8 @@ pub(super) struct Recovery<'m> {
     boundary: Vec<Vec<u32>>,
     /// Sampling points of the blocks.
     points: Vec<Rule>,
+    /// Exponents of the polynomials of each degree from 0 on.
+    exponents: Vec<Vec<[i32; 3]>>,
 }
 
 impl<'m> Recovery<'m> {
@@ -201,7 +203,9 @@ impl<'m> Recovery<'m> {
             }
         }
         let points = mesh.blocks.iter().map(|block| sampling(block.element)).collect();
-        Recovery { mesh, cells, ends, nodes, boundary: mesh.region_boundaries(), points }
+        let most = mesh.blocks.iter().map(|block| block.element.degree).max().unwrap_or(0);
+        let exponents = (0..=most.max(1)).map(|degree| exponents(mesh.dim, degree)).collect();
+        Recovery { mesh, cells, ends, nodes, boundary: mesh.region_boundaries(), points, exponents }
     }
 
     fn element(&self, block: u32) -> &'static Element {
@@ -274,18 +278,16 @@ impl<'m> Recovery<'m> {
     }
 
     /// The fit around a vertex inside a region.
-    fn patch(&self, region: usize, centre: u32) -> Patch {
-        self.fit(&self.around(region, centre).collect(), centre).0
+    fn patch(&self, region: usize, centre: u32) -> Patch<'_> {
+        self.fit(&self.around(region, centre).collect::<Vec<_>>(), centre).0
     }
 
     /// The mean of some fits at a node; without any, a fit around the node itself.
     fn mean(&self, region: usize, node: u32, fits: &[&Patch]) -> Stencil {
         let x = &self.mesh.points[node as usize];
-        let mut sum: BTreeMap<Sample, f64> = BTreeMap::new();
+        let mut terms = Stencil::new();
         let mut add = |(samples, fit): &Patch, share: f64| {
-            for (sample, weight) in samples.iter().zip(fit.weights(x)) {
-                *sum.entry(*sample).or_default() += share * weight;
-            }
+            terms.extend(samples.iter().copied().zip(fit.weights(x).iter().map(|weight| share * weight)));
         };
         for fit in fits {
             add(fit, 1.0 / fits.len() as f64);
@@ -293,26 +295,39 @@ impl<'m> Recovery<'m> {
         if fits.is_empty() {
             add(&self.own_fit(region, node), 1.0);
         }
-        sum.into_iter().collect()
+        // Samples of one patch are ascending.
+        if fits.len() > 1 {
+            terms.sort_by_key(|(sample, _)| *sample);
+            terms.dedup_by(|(next, weight), (sample, sum)| {
+                let is_same = next == sample;
+                if is_same {
+                    *sum += *weight;
+                }
+                is_same
+            });
+        }
+        terms
     }
 
     /// The fit around a node without an inner vertex near it: over its cells and, until their points determine the
     /// polynomial, their neighbours.
-    fn own_fit(&self, region: usize, node: u32) -> Patch {
-        let mut cells: BTreeSet<(u32, u32)> = self.around(region, node).collect();
+    fn own_fit(&self, region: usize, node: u32) -> Patch<'_> {
+        let mut cells: Vec<(u32, u32)> = self.around(region, node).collect();
         let mut fit = self.fit(&cells, node);
         for _ in 0..GROWTH {
             if fit.1 {
                 break;
             }
-            cells = cells.iter().flat_map(|&cell| self.nodes_of(cell)).flat_map(|&n| self.around(region, n)).collect();
+            let nodes = cells.iter().flat_map(|&cell| self.nodes_of(cell));
+            let grown: BTreeSet<(u32, u32)> = nodes.flat_map(|&n| self.around(region, n)).collect();
+            cells = grown.into_iter().collect();
             fit = self.fit(&cells, node);
         }
         fit.0
     }
 
-    /// The fit over some cells about a node, and whether their points determine it.
-    fn fit(&self, cells: &BTreeSet<(u32, u32)>, about: u32) -> (Patch, bool) {
+    /// The fit over some cells, ascending, about a node, and whether their points determine it.
+    fn fit(&self, cells: &[(u32, u32)], about: u32) -> (Patch<'_>, bool) {
         let (mut samples, mut points) = (Vec::new(), Vec::new());
         let mut values = Vec::new();
         for &cell in cells {
@@ -331,7 +346,7 @@ impl<'m> Recovery<'m> {
             }
         }
         let degree = cells.iter().map(|cell| self.element(cell.0).degree).min().unwrap_or(1);
-        let (fit, is_determined) = Fit::new(self.mesh.dim, degree, &self.mesh.points[about as usize], &points);
+        let (fit, is_determined) = Fit::new(&self.exponents[degree], &self.mesh.points[about as usize], &points);
         ((samples, fit), is_determined)
     }
 }
