@@ -107,24 +107,32 @@ impl System {
         Ok(x)
     }
 
-    /// The problem on the unknowns that are kept, which `solve` finds from the reduced right-hand side, and the
-    /// backward sweep: the values with the increment that the right-hand side causes.
+    /// Solves the problem on the unknowns that are kept: `solve` finds them from the reduced right-hand side `x`, in
+    /// whose place are their increments over `values` then.
     ///
     /// # Errors
-    /// Those of `solve`, and when the sweep fails.
-    pub fn expand<T, E: From<SolveError>>(
+    /// Those of `solve`.
+    pub fn settle<T, E>(
         &mut self,
-        mut x: Vec<f64>,
+        x: &mut [f64],
         values: &[f64],
         solve: impl FnOnce(&mut dyn Condensed, &[f64]) -> Result<(Vec<f64>, T), E>,
-    ) -> Result<(Vec<f64>, T), E> {
+    ) -> Result<T, E> {
         let (_, kept) = x.split_at_mut(self.unknowns.interior);
         let (solved, result) = solve(self.condensed.as_mut(), kept)?;
         for (x, (solved, value)) in kept.iter_mut().zip(solved.iter().zip(self.kept_of(values))) {
             *x = solved - value;
         }
+        Ok(result)
+    }
+
+    /// The backward sweep: the values with the increment that the right-hand side causes.
+    ///
+    /// # Errors
+    /// When the sweep fails.
+    pub fn expand(&self, mut x: Vec<f64>, values: &[f64]) -> Result<Vec<f64>, SolveError> {
         self.factor.backward(&mut x)?;
-        Ok((self.unknowns.sum(&x, values), result))
+        Ok(self.unknowns.sum(&x, values))
     }
 
     /// Solves the system with the tangent of a contact term added, for all degrees of freedom.

@@ -13,7 +13,7 @@ use crate::inclusion::Exchange;
 
 /// Solves (4.1) without a temperature.
 pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
-    Ok(made(Mechanics::solve(step, half, &step.old.theta, None, &mut || {})?, no_heat(step)))
+    Ok(made(Mechanics::solve(step, half, &step.old.theta, None, &mut ())?, no_heat(step)))
 }
 
 /// Solves (4.2) of a body that does not move and has no contact.

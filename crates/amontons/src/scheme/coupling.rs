@@ -7,10 +7,10 @@
 //! θ_n in m and u_n in e.
 
 use super::heat::{self, Heat};
-use super::mechanics::Mechanics;
+use super::mechanics::{Beside, Mechanics};
 use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
 use super::{Contraction, CouplingReport, StepError};
-use crate::inclusion::{PointDerivative, Rule};
+use crate::inclusion::{PointDerivative, PointState, Rule};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
 use crate::problem::Coupling;
 use crate::space::Space;
@@ -90,24 +90,19 @@ impl<'a> Coupled<'a> {
         pass
     }
 
-    /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass. Heat
-    /// needs the contact of (4.1) on Γ_C only: its forward sweep is made beside that contact, which takes one thread.
+    /// Φ: (4.1) with `theta` in m beside (4.2) with `u` in e, from where the step starts or from an earlier pass.
     fn pass(&mut self, theta: &[f64], u: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
-        let (step, mechanics, heat) = (&self.step, &mut *self.mechanics, &*self.heat);
-        let begin = || heat::Begun::new(step, heat, u, from.map(|from| &from.heat));
-        let mut begun = None;
-        let mut beside = || {
-            begun.get_or_insert_with(begin);
-        };
-        let mechanics = Mechanics::solve(step, mechanics, theta, from.map(|from| &from.mechanics), &mut beside)?;
-        let heat = begun.unwrap_or_else(begin)?.solve(step, self.heat, &mechanics.states)?;
+        let step = &self.step;
+        let half = &mut *self.heat;
+        let mut beside = HeatBeside { step, half, u, from: from.map(|from| &from.heat), begun: None, made: None };
+        let mechanics = Mechanics::solve(step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut beside)?;
+        let heat = beside.end(&mechanics.states)?;
         Ok(self.count(Pass { mechanics, heat }))
     }
 
     /// θ ↦ the temperature of (4.2) at the displacement that (4.1) has with θ.
     fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
-        let mechanics =
-            Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut || {})?;
+        let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut ())?;
         let begun = heat::Begun::new(&self.step, self.heat, &mechanics.u, from.map(|from| &from.heat))?;
         let heat = begun.solve(&self.step, self.heat, &mechanics.states)?;
         Ok(self.count(Pass { mechanics, heat }))
@@ -220,6 +215,45 @@ impl<'a> Coupled<'a> {
             alpha *= 0.5;
         }
         None
+    }
+}
+
+/// The heat half-step beside the mechanical one, of which it needs the contact on Γ_C only.
+struct HeatBeside<'a> {
+    step: &'a Step<'a>,
+    half: &'a mut HalfStep,
+    u: &'a [f64],
+    from: Option<&'a Heat>,
+    begun: Option<Result<heat::Begun, StepError>>,
+    made: Option<Result<Heat, StepError>>,
+}
+
+impl HeatBeside<'_> {
+    fn begin(&self) -> Result<heat::Begun, StepError> {
+        heat::Begun::new(self.step, self.half, self.u, self.from)
+    }
+
+    fn solve(&mut self, states: &[PointState]) -> Result<Heat, StepError> {
+        let begun = self.begun.take().unwrap_or_else(|| self.begin())?;
+        begun.solve(self.step, self.half, states)
+    }
+
+    /// The half-step at the contact of the solution, which is that of the last pass.
+    fn end(mut self, states: &[PointState]) -> Result<Heat, StepError> {
+        self.made.take().unwrap_or_else(|| self.solve(states))
+    }
+}
+
+impl Beside for HeatBeside<'_> {
+    /// The forward sweep.
+    fn with_contact(&mut self) {
+        if self.begun.is_none() {
+            self.begun = Some(self.begin());
+        }
+    }
+
+    fn with_rest(&mut self, states: &[PointState]) {
+        self.made = Some(self.solve(states));
     }
 }
 

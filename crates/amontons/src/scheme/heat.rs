@@ -130,8 +130,9 @@ impl Begun {
     ) -> Result<(Exchange, usize), StepError> {
         let HalfStep { system, on_contact, .. } = half;
         let guess = system.kept_of(&self.theta);
-        let (theta, solved) = system
-            .expand(std::mem::take(&mut self.reduced), &self.theta, |condensed, r| {
+        let mut x = std::mem::take(&mut self.reduced);
+        let solved = system
+            .settle(&mut x, &self.theta, |condensed, r| {
                 let Some(on_boundary) = given.on_boundary(step, on_contact, states) else {
                     let (x, iterations) = without_contact(condensed, r, &guess)?;
                     return Ok((x, (Exchange::default(), iterations)));
@@ -140,7 +141,7 @@ impl Begun {
                 Ok((solved.x, (exchange, solved.iterations)))
             })
             .map_err(|why| step.failed("heat", why))?;
-        self.theta = theta;
+        self.theta = system.expand(x, &self.theta).map_err(|source| step.unsolved("heat", source))?;
         step.finite(&self.theta, "heat")?;
         Ok(solved)
     }

@@ -51,6 +51,19 @@ pub(super) struct Mechanics {
     pub powers: Powers,
 }
 
+/// What is made on the other threads while the mechanical half-step is solved.
+pub(super) trait Beside: Send {
+    /// Beside the contact, which takes one thread.
+    fn with_contact(&mut self) {}
+
+    /// Beside what follows the contact, whose points have these states. Not called where a law of the body is not
+    /// linear, and again where another pass follows.
+    fn with_rest(&mut self, _states: &[PointState]) {}
+}
+
+/// Nothing.
+impl Beside for () {}
+
 /// What is known on Γ_C before the half-step is solved.
 #[derive(Clone, Default)]
 pub(super) struct Given {
@@ -146,13 +159,13 @@ impl Mechanics {
     /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand. Where laws are
     /// linear and depend on the temperature, K_u is that of an earlier temperature as long as the passes converge fast.
     ///
-    /// In every pass `beside` is called while the contact is solved, which takes one thread.
+    /// `beside` is called in every pass.
     pub fn solve(
         step: &Step,
         half: &mut HalfStep,
         theta: &[f64],
         from: Option<&Mechanics>,
-        beside: &mut (dyn FnMut() + Send),
+        beside: &mut dyn Beside,
     ) -> Result<Mechanics, StepError> {
         let discrete = step.discrete;
         let is_linear = discrete.is_linear();
@@ -172,13 +185,16 @@ impl Mechanics {
                 let at = if softens { theta } else { &[] };
                 half.replace(tangent, at).map_err(|source| step.singular(source))?;
             }
-            let (w, multipliers, iterations) = equation.pass(half, &now, beside)?;
-            newton += iterations;
+            let settled = equation.settle(half, &now, beside)?;
+            newton += settled.iterations;
             passes += 1;
-            let mut next = equation.balance(half, w, multipliers)?;
-            if !is_linear {
-                next = equation.shortened(half, &now, next, previous)?;
-            }
+            let next = if is_linear {
+                let states = settled.states.clone();
+                rayon::join(|| equation.expand(half, &now, settled), || beside.with_rest(&states)).0?
+            } else {
+                let next = equation.expand(half, &now, settled)?;
+                equation.shortened(half, &now, next, previous)?
+            };
             let (residual, ratio) = (next.residual, next.residual / previous);
             let goes_on =
                 if is_linear { ratio < 0.5 } else { passes < ITERATIONS && (ratio < 0.5 || residual > ACCEPTED) };
@@ -276,41 +292,48 @@ impl<'a> Equation<'a> {
         if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
     }
 
-    /// A pair of sweeps with the contact solved between them: the velocity with its multipliers, and the Newton
-    /// iterations on Γ_C.
-    fn pass(
-        &self,
-        half: &mut HalfStep,
-        now: &Iterate,
-        beside: &mut (dyn FnMut() + Send),
-    ) -> Result<(Vec<f64>, Multipliers, usize), StepError> {
+    /// The forward sweep and the contact.
+    fn settle(&self, half: &mut HalfStep, now: &Iterate, beside: &mut dyn Beside) -> Result<Settled, StepError> {
         let step = self.step;
         let right = self.right(now);
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
+        let on_boundary = self.given.on_boundary(step, on_contact);
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
-        let reduced = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-        let (w, iterations) = system
-            .expand(reduced, &now.w, |condensed, r| {
+        let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
+        let iterations = system
+            .settle(&mut x, &now.w, |condensed, r| {
                 let contact = || {
-                    let Some(on_boundary) = self.given.on_boundary(step, on_contact) else {
-                        return without_contact(condensed, r, &guess);
-                    };
+                    let Some(on_boundary) = &on_boundary else { return without_contact(condensed, r, &guess) };
                     let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
                     Ok((solved.x, solved.iterations))
                 };
-                rayon::join(contact, beside).0
+                rayon::join(contact, || beside.with_contact()).0
             })
             .map_err(|why| step.failed("mechanics", why))?;
-        step.finite(&w, "mechanics")?;
-        Ok((w, multipliers, iterations))
+        let increments = &x[system.unknowns().interior..];
+        let kept: Vec<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
+        let states = on_boundary.map_or_else(Vec::new, |of| of.states(system.condensed(), &kept, &multipliers));
+        Ok(Settled { x, multipliers, states, iterations })
+    }
+
+    /// The backward sweep, and what is left of (4.1) with the velocity that it makes.
+    fn expand(&self, half: &HalfStep, now: &Iterate, settled: Settled) -> Result<Balanced<'a>, StepError> {
+        let Settled { x, multipliers, states, .. } = settled;
+        let w = half.system.expand(x, &now.w).map_err(|source| self.step.unsolved("mechanics", source))?;
+        self.step.finite(&w, "mechanics")?;
+        self.balance(w, multipliers, states)
     }
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
-    fn balance(&self, half: &HalfStep, w: Vec<f64>, multipliers: Multipliers) -> Result<Balanced<'a>, StepError> {
+    fn balance(
+        &self,
+        w: Vec<f64>,
+        multipliers: Multipliers,
+        states: Vec<PointState>,
+    ) -> Result<Balanced<'a>, StepError> {
         let Step { discrete, k, .. } = *self.step;
-        let states = self.given.states(self.step, half, &w, &multipliers);
         let u = self.step.displacement(&w);
         let (force, contact_force) = contact_forces(self.step, &states);
         let (inertia, mut rest) = (self.inertia(), zeros(w.len()));
@@ -364,8 +387,10 @@ impl<'a> Equation<'a> {
         let mut alpha = 0.5;
         while next.residual > previous && alpha >= SHORTEST_STEP {
             let part = |old: f64, new: f64| old + alpha * (new - old);
-            let w = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
-            let shorter = self.balance(half, w, now.multipliers.towards(&next.iterate.multipliers, alpha))?;
+            let w: Vec<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
+            let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
+            let states = self.given.states(self.step, half, &w, &multipliers);
+            let shorter = self.balance(w, multipliers, states)?;
             if shorter.residual < next.residual {
                 next = shorter;
             }
@@ -441,6 +466,15 @@ struct Iterate<'a> {
 /// The sum of the terms of (4.1) without contact.
 fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6]) -> f64 {
     load + thermal - inertia * (mass_w - bar) - b_w - a_u
+}
+
+/// A pass whose contact is solved: the increments on Γ_C with what is reduced to the body, and the contact points.
+struct Settled {
+    x: Vec<f64>,
+    multipliers: Multipliers,
+    states: Vec<PointState>,
+    /// Newton iterations on Γ_C.
+    iterations: usize,
 }
 
 /// What is left of (4.1) at an iterate.
