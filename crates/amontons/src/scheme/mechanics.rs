@@ -56,8 +56,8 @@ pub(super) trait Beside: Send {
     /// Beside the contact, which takes one thread.
     fn with_contact(&mut self) {}
 
-    /// Beside what follows the contact, whose points have these states. Not called where a law of the body is not
-    /// linear, and again where another pass follows.
+    /// Beside what follows the contact, whose points have these states. In every pass of a body whose laws are linear:
+    /// the last one counts.
     fn with_rest(&mut self, _states: &[PointState]) {}
 }
 

@@ -7,11 +7,14 @@ use amontons::case::{self, Source};
 use amontons::discretization::Discretization;
 use amontons::hypotheses::{self, FindingId, FindingStatus};
 use amontons::inclusion::Rule;
-use amontons::linalg::{Backend, BlockMatrix, Decided, EXACT, Layout, Multigrid, Supernodal, System, Tangent};
+use amontons::linalg::{
+    Backend, BlockMatrix, Condensed, Decided, EXACT, Factor, Layout, Multigrid, SolveError, Supernodal, System,
+    Tangent, Unknowns,
+};
 use amontons::material::{Isotropic, Material, StressState};
 use amontons::mesh::Block;
 use amontons::output::{Checkpoint, Memory, Work};
-use amontons::problem::Problem;
+use amontons::problem::{Coupling, Problem};
 use amontons::run::{self, Settings};
 use amontons::scheme::{BackwardEuler, Kept, Scheme, State};
 use amontons::verify::{BENCHMARKS, benchmark};
@@ -83,6 +86,59 @@ fn an_iteration_has_the_results_of_a_factor() {
     let counted = format!("{in_space} in space, {of_pairs} of pairs, {in_the_plane} in the plane");
     println!("{counted}");
     assert!(in_space >= 4 && of_pairs >= 20 && in_the_plane == IN_THE_PLANE.len(), "{counted}");
+}
+
+/// A factor whose forward sweep takes the forces on the interior for a ten-thousandth larger or smaller.
+#[derive(Debug)]
+struct Coarse<T> {
+    right: T,
+    interior: usize,
+}
+
+impl Backend for Coarse<Supernodal> {
+    fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {
+        Ok(Box::new(Coarse { right: self.right.factorize(matrix, unknowns)?, interior: unknowns.interior }))
+    }
+}
+
+impl Factor for Coarse<Box<dyn Factor>> {
+    fn forward(&self, r: &mut [f64]) -> Result<(), SolveError> {
+        r[..self.interior].iter_mut().enumerate().for_each(|(i, r)| *r *= 1.0 + 1e-4 * (i as f64).sin());
+        self.right.forward(r)
+    }
+
+    fn backward(&self, x: &mut [f64]) -> Result<(), SolveError> {
+        self.right.backward(x)
+    }
+
+    fn condensed(&self) -> Box<dyn Condensed> {
+        self.right.condensed()
+    }
+
+    fn stored(&self) -> usize {
+        self.right.stored()
+    }
+}
+
+/// Passes meet what a sweep has left, and heat, which is made beside each of them, sees the contact of the last: with
+/// friction and heat, staggered and coupled, the results are those of sweeps that are right.
+#[test]
+fn what_a_sweep_leaves_is_met_by_another_pass() {
+    for coupling in [Coupling::Staggered, Coupling::FixedPoint] {
+        let text = include_str!("../../../../cases/paper.toml");
+        let sets = ["mesh.n = 8".to_owned(), "time.steps = 8".to_owned()];
+        let case = case::parse(&Source::new("paper.toml", text), &sets).expect("a valid case");
+        let problem = case.problem.with(|data| data.coupling = coupling).expect("valid data");
+        let right = state(&problem, Arc::new(Supernodal));
+        let found = state(&problem, Arc::new(Coarse { right: Supernodal, interior: 0 }));
+        let passes = [&right, &found].map(|state| state.counts.sweeps);
+        assert!(2 * passes[1] >= 3 * passes[0], "{coupling:?}: {passes:?}");
+        for (name, a, b) in [("u", &right.u, &found.u), ("w", &right.w, &found.w), ("θ", &right.theta, &found.theta)] {
+            let largest = a.iter().fold(0.0f64, |most, a| most.max(a.abs()));
+            let difference = a.iter().zip(b).fold(0.0f64, |most, (a, b)| most.max((a - b).abs()));
+            assert!(difference <= 1e-10 * largest, "{coupling:?}: {name} differs by {:.1e}", difference / largest);
+        }
+    }
 }
 
 /// A matrix that joins nodes too weakly for a coarser level, as of very short steps of a body with lumped inertia, is
