@@ -71,24 +71,24 @@ pub(super) struct Schur {
 #[derive(Debug)]
 enum Kept {
     /// With the factor of S + J.
-    Factor(Tangent, Dense),
+    Factor(Tangent, Factors),
     /// By its key alone: the run that this one goes on from had the factor.
     Known(TangentKey),
 }
 
-/// A factor of S + J.
+/// The factors of S + J.
 #[derive(Debug)]
-enum Dense {
-    /// Of a symmetric J, as that of heat and of points that stick.
+enum Factors {
+    /// L of a positive definite matrix: J is symmetric for heat, and where no point slips.
     Cholesky(Cholesky),
     Lu(Lu),
 }
 
-impl Dense {
+impl Factors {
     fn solve(&self, b: &mut [f64]) {
         match self {
-            Dense::Cholesky(factor) => factor.solve(b),
-            Dense::Lu(factor) => factor.solve(b),
+            Factors::Cholesky(factor) => factor.solve(b),
+            Factors::Lu(factor) => factor.solve(b),
         }
     }
 }
@@ -142,9 +142,10 @@ impl Schur {
         matrix
     }
 
-    fn factor(&self, tangent: &Tangent) -> Dense {
+    /// Factorizes S + J.
+    fn factorized(&self, tangent: &Tangent) -> Factors {
         let of_symmetric = tangent.is_symmetric().then(|| Cholesky::new(self.with(tangent))).flatten();
-        of_symmetric.map_or_else(|| Dense::Lu(Lu::new(self.with(tangent))), Dense::Cholesky)
+        of_symmetric.map_or_else(|| Factors::Lu(Lu::new(self.with(tangent))), Factors::Cholesky)
     }
 
     /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
@@ -175,7 +176,7 @@ impl Schur {
             Some(factor @ Kept::Factor(..)) => factor,
             known => {
                 self.factorizations += usize::from(known.is_none());
-                Kept::Factor(tangent.clone(), self.factor(tangent))
+                Kept::Factor(tangent.clone(), self.factorized(tangent))
             }
         };
         if let Kept::Factor(_, factor) = &kept {

@@ -56,8 +56,8 @@ pub(super) trait Beside: Send {
     /// Beside the contact, which takes one thread.
     fn with_contact(&mut self) {}
 
-    /// Beside what follows the contact, whose points have these states. In every pass of a body whose laws are linear:
-    /// the last one counts.
+    /// Beside the backward sweep and the balance, with the states of the contact points. Called where the laws of the
+    /// body are linear, in every pass; the states of the last pass are those of the solution.
     fn with_rest(&mut self, _states: &[PointState]) {}
 }
 
@@ -159,7 +159,7 @@ impl Mechanics {
     /// linear, the passes are Newton's method over the body: K_u is the tangent at the velocity at hand. Where laws are
     /// linear and depend on the temperature, K_u is that of an earlier temperature as long as the passes converge fast.
     ///
-    /// `beside` is called in every pass.
+    /// `beside` is called in every pass, as [`Beside`] says.
     pub fn solve(
         step: &Step,
         half: &mut HalfStep,
