@@ -324,3 +324,19 @@ impl Panel {
         vector[self.first..self.first + n].copy_from_slice(&dense[..n]);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Also where the rows of a panel go on where those of the panel before end.
+    #[test]
+    fn the_rows_of_panels_stay_apart() {
+        let mut list = Vec::new();
+        let places =
+            [&[1, 2, 3, 7][..], &[8, 9], &[], &[10, 12]].map(|rows| Run::append(rows.iter().copied(), &mut list));
+        assert_eq!(places, [0..2, 2..3, 3..3, 3..5]);
+        let rows = places.map(|place| Run::positions(&list[place]).collect::<Vec<u32>>());
+        assert_eq!(rows, [vec![1, 2, 3, 7], vec![8, 9], vec![], vec![10, 12]]);
+    }
+}
