@@ -35,11 +35,21 @@ struct Place {
     below: Range<usize>,
 }
 
-/// Vectors that a sweep over batches works with.
+/// Vectors that a sweep works in.
 #[derive(Default)]
 pub(super) struct Workspace {
+    /// The entries that a panel of one vector sees.
+    pub of_one: Vec<f64>,
+    /// The vectors of subtrees side by side, and the entries that a panel of them sees.
     local: Vec<Lanes>,
     dense: Vec<Lanes>,
+}
+
+impl Workspace {
+    /// Without memory.
+    pub const fn new() -> Workspace {
+        Workspace { of_one: Vec::new(), local: Vec::new(), dense: Vec::new() }
+    }
 }
 
 impl Batch {
@@ -51,7 +61,7 @@ impl Batch {
 
     /// Solves L y = r on the columns of the subtrees, and adds what they take from the rows below.
     #[inline(always)]
-    pub fn forward(&self, values: &[f64], vector: &mut [f64], Workspace { local, dense }: &mut Workspace) {
+    pub fn forward(&self, values: &[f64], vector: &mut [f64], Workspace { local, dense, .. }: &mut Workspace) {
         for places in self.places.chunks(LANES) {
             self.enter(places, vector, local);
             for panel in &self.panels {
@@ -71,7 +81,7 @@ impl Batch {
 
     /// Solves Lᵀ x = y on the columns of the subtrees with the rows below known.
     #[inline(always)]
-    pub fn backward(&self, values: &[f64], vector: &mut [f64], Workspace { local, dense }: &mut Workspace) {
+    pub fn backward(&self, values: &[f64], vector: &mut [f64], Workspace { local, dense, .. }: &mut Workspace) {
         for places in self.places.chunks(LANES) {
             self.enter(places, vector, local);
             for (l, place) in places.iter().enumerate() {
@@ -291,7 +301,7 @@ mod tests {
         let found = batches(&mut panels, &mut rows, 3 * count);
         assert!(panels.is_empty() && found.iter().map(|batch| batch.places.len()).eq([LANES, LANES]));
         let r: Vec<f64> = (0..3 * count).map(|i| (i as f64).sin()).collect();
-        let (mut x, mut workspace) = (r.clone(), Workspace::default());
+        let (mut x, mut workspace) = (r.clone(), Workspace::new());
         for batch in &found {
             batch.forward(&values, &mut x, &mut workspace);
         }

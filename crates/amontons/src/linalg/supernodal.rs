@@ -167,10 +167,7 @@ fn symbolic(lower: &Columns, size: usize) -> Result<SymbolicCholesky<u32>, Solve
 impl Factor for SupernodalFactor {
     fn forward(&self, r: &mut [f64]) -> Result<(), SolveError> {
         let (interior, contact) = r.split_at_mut(self.interior);
-        let update = self.root.forward(&self.values, interior);
-        for (r, u) in contact.iter_mut().zip(&update) {
-            *r += u;
-        }
+        self.root.forward(&self.values, interior, contact);
         Ok(())
     }
     fn backward(&self, x: &mut [f64]) -> Result<(), SolveError> {
@@ -248,7 +245,8 @@ impl<'a> Tree<'a> {
     fn root(&self, size: usize) -> Task {
         let contact: Vec<u32> = (self.interior as u32..size as u32).collect();
         let groups = self.tasks(&self.roots);
-        self.task(groups, self.interior..self.interior, 0..0, &contact)
+        let root = self.task(groups, self.interior..self.interior, 0..0, &contact);
+        Task { ancestors: (0..contact.len() as u32).collect(), ..root }
     }
 
     /// Numbers below which a subtree is one task. A fixed share, whatever the number of threads: the
@@ -340,7 +338,7 @@ impl<'a> Tree<'a> {
             })
             .collect();
         let start = children.iter().map(|c| c.begin).min().unwrap_or(own.start);
-        Task { children, begin: start, own, panels, rows, touched: ancestors.len(), ..Task::default() }
+        Task { children, begin: start, own, panels, rows, ..Task::default() }
     }
 }
 

@@ -4,11 +4,20 @@
 //! with any number of threads.
 #![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
 
+use std::cell::Cell;
+
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::batches::{Batch, Workspace, batches};
 use super::panel::{Panel, Run};
+
+thread_local! {
+    /// Memory of the vectors of a sweep that a thread begins, and what it works in at the panels of a task. Both are
+    /// taken out while they are used: a thread that waits for another may begin a sweep of its own.
+    static VECTORS: Cell<Vec<f64>> = const { Cell::new(Vec::new()) };
+    static WORKSPACE: Cell<Workspace> = const { Cell::new(Workspace::new()) };
+}
 
 /// A subtree of the elimination tree. Its vector is (own columns, ancestors that it touches).
 #[derive(Debug, Default)]
@@ -22,10 +31,8 @@ pub(super) struct Task {
     pub rows: Vec<Run>,
     /// Subtrees below the panels.
     pub batches: Vec<Batch>,
-    /// Positions in the parent's vector of the ancestors touched.
+    /// Positions in the parent's vector of the ancestors touched; those of the root are the unknowns of Γ_C.
     pub ancestors: Vec<u32>,
-    /// How many ancestors are touched.
-    pub touched: usize,
 }
 
 impl Task {
@@ -37,50 +44,112 @@ impl Task {
         }
     }
 
-    /// Solves L y = r on the columns of the subtree; returns what is added to the ancestors.
-    pub fn forward(&self, values: &[f64], x: &mut [f64]) -> Vec<f64> {
-        let (mut inner, own) = x.split_at_mut(self.own.start - self.begin);
-        let mut slices = Vec::with_capacity(self.children.len());
-        for child in &self.children {
-            let (slice, rest) = inner.split_at_mut(child.own.end - child.begin);
-            slices.push((child, slice));
-            inner = rest;
-        }
-        let updates: Vec<Vec<f64>> =
-            slices.into_par_iter().map(|(child, slice)| child.forward(values, slice)).collect();
-        let width = self.own.len();
-        let mut vector = vec![0.0; width + self.touched];
-        vector[..width].copy_from_slice(own);
-        for (child, update) in self.children.iter().zip(&updates) {
-            for (&at, &value) in child.ancestors.iter().zip(update) {
-                vector[at as usize] += value;
-            }
-        }
-        Arch::new().dispatch(Sweep { task: self, values, vector: &mut vector, is_forward: true });
-        own.copy_from_slice(&vector[..width]);
-        vector.split_off(width)
+    /// Solves L y = r on the columns of the tree, and adds what they take from the unknowns of Γ_C.
+    pub fn forward(&self, values: &[f64], x: &mut [f64], contact: &mut [f64]) {
+        self.with_vectors(|vectors| {
+            self.forward_in(values, x, vectors);
+            self.add_to_ancestors(vectors, contact);
+        });
     }
 
-    /// Solves Lᵀ x = y on the columns of the subtree with the ancestors known.
-    pub fn backward(&self, values: &[f64], x: &mut [f64], ancestors: &[f64]) {
-        let (mut inner, own) = x.split_at_mut(self.own.start - self.begin);
-        let width = self.own.len();
-        let mut vector = Vec::with_capacity(width + ancestors.len());
-        vector.extend_from_slice(own);
-        vector.extend_from_slice(ancestors);
-        Arch::new().dispatch(Sweep { task: self, values, vector: &mut vector, is_forward: false });
-        own.copy_from_slice(&vector[..width]);
-        let mut slices = Vec::with_capacity(self.children.len());
-        for child in &self.children {
-            let (slice, rest) = inner.split_at_mut(child.own.end - child.begin);
-            slices.push((child, slice));
-            inner = rest;
+    /// Solves Lᵀ x = y on the columns of the tree with the unknowns of Γ_C known.
+    pub fn backward(&self, values: &[f64], x: &mut [f64], contact: &[f64]) {
+        self.with_vectors(|vectors| self.backward_in(values, x, contact, vectors));
+    }
+
+    /// Columns of the subtree.
+    fn columns(&self) -> usize {
+        self.own.end - self.begin
+    }
+
+    /// Length of the vector of the task.
+    fn length(&self) -> usize {
+        self.own.len() + self.ancestors.len()
+    }
+
+    /// Length of the vectors of all tasks of the subtree: its own first, then those of the children.
+    fn all_lengths(&self) -> usize {
+        self.length() + self.children.iter().map(Task::all_lengths).sum::<usize>()
+    }
+
+    /// Works in the memory of the thread.
+    fn with_vectors(&self, work: impl FnOnce(&mut [f64])) {
+        let (mut memory, length) = (VECTORS.take(), self.all_lengths());
+        if memory.len() < length {
+            memory.resize(length, 0.0);
         }
-        let vector = &vector;
-        slices.into_par_iter().for_each(|(child, slice)| {
-            let known: Vec<f64> = child.ancestors.iter().map(|&at| vector[at as usize]).collect();
-            child.backward(values, slice, &known);
+        work(&mut memory[..length]);
+        VECTORS.set(memory);
+    }
+
+    /// Solves L y = r on the columns of the subtree. What it adds to the ancestors is left in its vector.
+    fn forward_in(&self, values: &[f64], x: &mut [f64], vectors: &mut [f64]) {
+        let (inner, own) = x.split_at_mut(self.own.start - self.begin);
+        let (vector, vectors) = vectors.split_at_mut(self.length());
+        side_by_side(&self.children, inner, vectors, &|child, x, vectors| child.forward_in(values, x, vectors));
+        let (at_own, at_ancestors) = vector.split_at_mut(own.len());
+        at_own.copy_from_slice(own);
+        at_ancestors.fill(0.0);
+        let mut of_children = &*vectors;
+        for child in &self.children {
+            child.add_to_ancestors(of_children, vector);
+            of_children = &of_children[child.all_lengths()..];
+        }
+        self.sweep(values, vector, true);
+        own.copy_from_slice(&vector[..own.len()]);
+    }
+
+    /// Adds what the vector of the task, the first of some, has for the ancestors to the parent's.
+    fn add_to_ancestors(&self, vectors: &[f64], parent: &mut [f64]) {
+        for (&at, value) in self.ancestors.iter().zip(&vectors[self.own.len()..]) {
+            parent[at as usize] += value;
+        }
+    }
+
+    /// Solves Lᵀ x = y on the columns of the subtree with the ancestors known, in the parent's vector.
+    fn backward_in(&self, values: &[f64], x: &mut [f64], parent: &[f64], vectors: &mut [f64]) {
+        let (inner, own) = x.split_at_mut(self.own.start - self.begin);
+        let (vector, vectors) = vectors.split_at_mut(self.length());
+        let (at_own, at_ancestors) = vector.split_at_mut(own.len());
+        at_own.copy_from_slice(own);
+        for (entry, &at) in at_ancestors.iter_mut().zip(&self.ancestors) {
+            *entry = parent[at as usize];
+        }
+        self.sweep(values, vector, false);
+        own.copy_from_slice(&vector[..own.len()]);
+        let vector = &*vector;
+        side_by_side(&self.children, inner, vectors, &|child, x, vectors| {
+            child.backward_in(values, x, vector, vectors);
         });
+    }
+
+    /// The sweep over the panels of the task.
+    fn sweep(&self, values: &[f64], vector: &mut [f64], is_forward: bool) {
+        let mut workspace = WORKSPACE.take();
+        Arch::new().dispatch(Sweep { task: self, values, vector, workspace: &mut workspace, is_forward });
+        WORKSPACE.set(workspace);
+    }
+}
+
+/// Works on subtrees, each with its columns of `x` and its vectors.
+fn side_by_side(
+    tasks: &[Task],
+    x: &mut [f64],
+    vectors: &mut [f64],
+    work: &(impl Fn(&Task, &mut [f64], &mut [f64]) + Sync),
+) {
+    match tasks {
+        [] => {}
+        [task] => work(task, x, vectors),
+        _ => {
+            let (some, others) = tasks.split_at(tasks.len() / 2);
+            let (x, x_of_others) = x.split_at_mut(some.iter().map(Task::columns).sum());
+            let (vectors, vectors_of_others) = vectors.split_at_mut(some.iter().map(Task::all_lengths).sum());
+            rayon::join(
+                || side_by_side(some, x, vectors, work),
+                || side_by_side(others, x_of_others, vectors_of_others, work),
+            );
+        }
     }
 }
 
@@ -89,6 +158,7 @@ struct Sweep<'a> {
     task: &'a Task,
     values: &'a [f64],
     vector: &'a mut [f64],
+    workspace: &'a mut Workspace,
     is_forward: bool,
 }
 
@@ -97,21 +167,20 @@ impl NullaryFnOnce for Sweep<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Sweep { task: Task { panels, rows, batches, .. }, values, vector, is_forward } = self;
-        let (mut workspace, mut dense) = (Workspace::default(), Vec::new());
+        let Sweep { task: Task { panels, rows, batches, .. }, values, vector, workspace, is_forward } = self;
         if is_forward {
             for batch in batches {
-                batch.forward(values, vector, &mut workspace);
+                batch.forward(values, vector, workspace);
             }
             for panel in panels {
-                panel.forward(panel.values_ahead(values, true), rows, vector, &mut dense);
+                panel.forward(panel.values_ahead(values, true), rows, vector, &mut workspace.of_one);
             }
         } else {
             for panel in panels.iter().rev() {
-                panel.backward(panel.values_ahead(values, false), rows, vector, &mut dense);
+                panel.backward(panel.values_ahead(values, false), rows, vector, &mut workspace.of_one);
             }
             for batch in batches {
-                batch.backward(values, vector, &mut workspace);
+                batch.backward(values, vector, workspace);
             }
         }
     }
