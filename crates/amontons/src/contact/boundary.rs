@@ -282,11 +282,11 @@ impl ContactBoundary {
     /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
     #[must_use]
     pub fn restricted(&self, components: usize, values: &[f64]) -> Vec<f64> {
-        self.nodes
-            .iter()
-            .flat_map(|&n| &values[n as usize * components..(n as usize + 1) * components])
-            .copied()
-            .collect()
+        let mut restricted = Vec::with_capacity(self.nodes.len() * components);
+        for &node in &self.nodes {
+            restricted.extend_from_slice(&values[node as usize * components..(node as usize + 1) * components]);
+        }
+        restricted
     }
 
     /// N v at a contact point: the value of a vector field over all nodes.

@@ -179,13 +179,12 @@ impl HeatStep<'_> {
         let interface = Interface::of_scalars(self.boundary, self.unknown, self.theta_prescribed);
         let slopes: Vec<[f64; 2]> =
             exchange.flux.iter().map(|flux| [flux.by_temperature, flux.by_foundation]).collect();
-        let mut tangent = Tangent::new();
-        self.add_tangent(&interface, &slopes, &mut tangent);
-        tangent
+        self.tangent_of(&interface, &slopes)
     }
 
-    /// Adds the derivative of fluxes with these slopes in θ and θ_F.
-    fn add_tangent(&self, interface: &Interface, slopes: &[[f64; 2]], out: &mut Tangent) {
+    /// The derivative of fluxes with these slopes in θ and θ_F.
+    fn tangent_of(&self, interface: &Interface, slopes: &[[f64; 2]]) -> Tangent {
+        let mut sum = interface.no_tangent();
         for (i, [by_temperature, by_other]) in slopes.iter().enumerate() {
             let mut tangent = [[0.0; 3]; 3];
             tangent[0][0] = *by_temperature;
@@ -194,7 +193,7 @@ impl HeatStep<'_> {
                 tangent[0][1] = -by_other;
                 tangent[1] = tangent[0];
             }
-            interface.add_tangent(i, &tangent, out);
+            interface.add_tangent(i, &tangent, &mut sum);
         }
         for (side, lumped) in self.lumped.iter().enumerate() {
             let Some(lumped) = lumped else { continue };
@@ -208,8 +207,9 @@ impl HeatStep<'_> {
                     by_body.extend(interface.scaled_row(i, *of_body));
                 }
             }
-            out.add_product_of(slope.recip(), &by_foundation, &by_body);
+            sum.add_product_of(slope.recip(), &by_foundation, &by_body);
         }
+        sum
     }
 }
 
@@ -340,7 +340,7 @@ impl Term for Thermal<'_> {
         laws.iter().enumerate().filter(|(i, _)| matters(*i)).map(of).fold(0.0, f64::max)
     }
 
-    fn linearise(&self, laws: &Vec<Law>, tangent: &mut Tangent, right: &mut [f64]) {
+    fn linearise(&self, laws: &Vec<Law>, right: &mut [f64]) -> Tangent {
         let linear: Vec<[f64; 3]> = laws.iter().map(Law::linear).collect();
         let slopes: Vec<[f64; 2]> = linear.iter().map(|[_, body, foundation]| [*body, *foundation]).collect();
         let beyond: Vec<f64> = linear.iter().zip(laws).map(|([value, ..], law)| value - law.flux).collect();
@@ -349,7 +349,7 @@ impl Term for Thermal<'_> {
             let flux = value + by_foundation * warmer.get(self.interface.rows[i].contact).copied().unwrap_or(0.0);
             self.interface.scatter(i, &self.step.both(i, flux).map(|flux| -flux), right);
         }
-        self.step.add_tangent(&self.interface, &slopes, tangent);
+        self.step.tangent_of(&self.interface, &slopes)
     }
 
     fn after(&self, laws: &Vec<Law>, _before: &Vec<f64>, step: &[f64]) -> Vec<f64> {

@@ -8,6 +8,8 @@
 //! of the node are taken in the basis of the point as well. Its row is then the identity, and the systems on Γ_C are
 //! the same whatever way the body is turned.
 
+use std::ops::Range;
+
 use crate::contact::{ContactBoundary, PointOnBoundary};
 use crate::linalg::{Share, Tangent, Turn};
 use crate::mesh::{cross, leader};
@@ -36,8 +38,8 @@ pub struct Row {
     pub contact: usize,
     /// ν, t₁ and t₂; tangents beyond the dimension are those in which a body does not move.
     pub basis: [Point; 3],
-    /// Unknowns on Γ_C with what each adds to the components of the jump.
-    entries: Vec<Share>,
+    /// Where its entries stand in those of all rows.
+    entries: Range<usize>,
     /// What prescribed values add to the jump.
     prescribed: Local,
 }
@@ -74,6 +76,8 @@ impl Row {
 pub struct Interface {
     /// The rows, one per contact point.
     pub rows: Vec<Row>,
+    /// Of each row, unknowns on Γ_C with what each adds to the components of the jump.
+    entries: Vec<Share>,
     /// Nodes whose unknowns are taken in another basis than the axes of space.
     pub turns: Vec<Turn>,
     /// Number of components of an unknown at a node.
@@ -101,7 +105,10 @@ impl Interface {
             of_leader[shared(node)] += 1;
         }
         let seen: Vec<usize> = (0..boundary.nodes.len()).map(|node| of_leader[shared(node)]).collect();
-        let (mut rows, mut turns) = (Vec::with_capacity(boundary.points.len()), Vec::new());
+        let count = boundary.points.len();
+        let (mut rows, mut turns) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        let mut entries =
+            Vec::with_capacity(dim * boundary.points.iter().map(|point| point.nodes.len()).sum::<usize>());
         for (point, normal) in boundary.points.iter().zip(normals) {
             let basis = basis_at(point, &boundary.nodes, normal, space);
             let is_turned = |point: &PointOnBoundary| {
@@ -110,18 +117,19 @@ impl Interface {
             let own = own_node(point, &seen, unknown, dim).filter(|_| !is_turned(point));
             let turn = own.map(|unknowns| Turn { unknowns, basis, dim });
             let on_node = OnNode { unknown, prescribed, space, nodes: &boundary.nodes };
-            rows.push(vector_row(point, basis, turn.as_ref(), &on_node));
+            rows.push(vector_row(point, basis, turn.as_ref(), &on_node, &mut entries));
             turns.extend(turn);
         }
-        Interface { rows, turns, components: dim }
+        Interface { rows, entries, turns, components: dim }
     }
 
     /// The rows for scalars, likewise: the value on the side of a point is the first component, that on the other side
     /// of a pair with the opposite sign the second.
     #[must_use]
     pub fn of_scalars(boundary: &ContactBoundary, unknown: &[Option<u32>], prescribed: &[f64]) -> Interface {
+        let mut entries = Vec::with_capacity(boundary.points.iter().map(|point| point.nodes.len()).sum());
         let row = |point: &PointOnBoundary| {
-            let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len()), [0.0; 3]);
+            let (first, mut fixed) = (entries.len(), [0.0; 3]);
             for (i, &(node, value)) in point.nodes.iter().enumerate() {
                 let on = if i < point.own { [value, 0.0, 0.0] } else { [0.0, value, 0.0] };
                 match unknown[node] {
@@ -129,11 +137,13 @@ impl Interface {
                     None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node]),
                 }
             }
+            let entries = first..entries.len();
             Row { weight: point.weight, contact: point.contact, basis: [[0.0; 3]; 3], entries, prescribed: fixed }
         };
+        let rows = boundary.points.iter().map(row).collect();
         let has_pairs = boundary.points.iter().any(|point| point.own < point.nodes.len());
         let components = if has_pairs { 2 } else { 1 };
-        Interface { rows: boundary.points.iter().map(row).collect(), turns: Vec::new(), components }
+        Interface { rows, entries, turns: Vec::new(), components }
     }
 
     /// Number of contact points.
@@ -146,6 +156,11 @@ impl Interface {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.rows.is_empty()
+    }
+
+    /// The unknowns that a point sees with what each adds to the components of the jump.
+    fn entries(&self, i: usize) -> &[Share] {
+        &self.entries[self.rows[i].entries.clone()]
     }
 
     /// A vector over the unknowns on Γ_C in the bases of the nodes.
@@ -175,7 +190,7 @@ impl Interface {
     #[must_use]
     pub fn change(&self, i: usize, x: &[f64]) -> Local {
         let mut sum = [0.0; 3];
-        for (unknown, on) in &self.rows[i].entries {
+        for (unknown, on) in self.entries(i) {
             for a in 0..self.components {
                 sum[a] += on[a] * x[*unknown as usize];
             }
@@ -187,7 +202,7 @@ impl Interface {
     #[must_use]
     pub fn sizes(&self, i: usize, x: &[f64]) -> Local {
         let mut sum = [0.0; 3];
-        for (unknown, on) in &self.rows[i].entries {
+        for (unknown, on) in self.entries(i) {
             for a in 0..self.components {
                 sum[a] += (on[a] * x[*unknown as usize]).abs();
             }
@@ -198,7 +213,7 @@ impl Interface {
     /// Adds ω Nᵀ f of one point.
     pub fn scatter(&self, i: usize, f: &Local, out: &mut [f64]) {
         let row = &self.rows[i];
-        for (unknown, on) in &row.entries {
+        for (unknown, on) in self.entries(i) {
             out[*unknown as usize] += row.weight * (0..self.components).map(|a| on[a] * f[a]).sum::<f64>();
         }
     }
@@ -206,28 +221,34 @@ impl Interface {
     /// Adds ω |N|ᵀ f of one point, f the sizes of terms that cancel.
     pub fn scatter_sizes(&self, i: usize, f: &Local, out: &mut [f64]) {
         let row = &self.rows[i];
-        for (unknown, on) in &row.entries {
+        for (unknown, on) in self.entries(i) {
             out[*unknown as usize] += row.weight * (0..self.components).map(|a| (on[a] * f[a]).abs()).sum::<f64>();
         }
+    }
+
+    /// No tangent, with memory for that of every point.
+    #[must_use]
+    pub fn no_tangent(&self) -> Tangent {
+        Tangent::with_capacity(self.rows.len(), self.entries.len())
     }
 
     /// Adds ω Nᵀ T N of one point.
     pub fn add_tangent(&self, i: usize, tangent: &LocalTangent, out: &mut Tangent) {
         let (row, n) = (&self.rows[i], self.components);
         let moving = |a: usize, b: usize| if a < n && b < n { tangent[a][b] } else { 0.0 };
-        out.add(row.weight, &row.entries, &std::array::from_fn(|a| std::array::from_fn(|b| moving(a, b))));
+        out.add(row.weight, self.entries(i), &std::array::from_fn(|a| std::array::from_fn(|b| moving(a, b))));
     }
 
     /// The weighted sum of one component of the rows over the unknowns of a point: ω Nᵀ e₁ with a factor.
     pub fn scaled_row(&self, i: usize, factor: f64) -> impl Iterator<Item = (u32, f64)> + '_ {
         let row = &self.rows[i];
-        row.entries.iter().map(move |(unknown, on)| (*unknown, row.weight * on[0] * factor))
+        self.entries(i).iter().map(move |(unknown, on)| (*unknown, row.weight * on[0] * factor))
     }
 
     /// Whether a point sees unknowns at all.
     #[must_use]
     pub fn is_free(&self, i: usize) -> bool {
-        !self.rows[i].entries.is_empty()
+        !self.entries(i).is_empty()
     }
 
     /// ρ of each point, the scale of S per area; of a pair that of both sides in series. On a side it is the mean of
@@ -244,8 +265,9 @@ impl Interface {
         }
         let n = unknown.len() / boundary.nodes.len().max(1);
         let of_node = |node: usize| {
-            let own: Vec<f64> = (0..n).filter_map(|c| unknown[node * n + c]).map(|u| diagonal[u as usize]).collect();
-            if own.is_empty() { None } else { Some(own.iter().sum::<f64>() / (own.len() as f64 * weight[node])) }
+            let own = unknown[node * n..(node + 1) * n].iter().flatten().map(|&unknown| diagonal[unknown as usize]);
+            let (sum, count) = own.fold((0.0, 0), |(sum, count), entry| (sum + entry, count + 1));
+            if count == 0 { None } else { Some(sum / (f64::from(count) * weight[node])) }
         };
         let of_side = |nodes: &[(usize, f64)]| {
             let (mut sum, mut share) = (0.0, 0.0);
@@ -292,10 +314,17 @@ struct OnNode<'a> {
     nodes: &'a [u32],
 }
 
-fn vector_row(point: &PointOnBoundary, basis: [Point; 3], turn: Option<&Turn>, on_node: &OnNode) -> Row {
+/// The row of a point, its entries appended to those of the others.
+fn vector_row(
+    point: &PointOnBoundary,
+    basis: [Point; 3],
+    turn: Option<&Turn>,
+    on_node: &OnNode,
+    entries: &mut Vec<Share>,
+) -> Row {
     let OnNode { unknown, prescribed, space, nodes } = *on_node;
     let dim = space.components;
-    let (mut entries, mut fixed) = (Vec::with_capacity(point.nodes.len() * dim), [0.0; 3]);
+    let (first, mut fixed) = (entries.len(), [0.0; 3]);
     if let Some(turn) = turn {
         entries.extend((0..dim).map(|a| (turn.unknowns[a], std::array::from_fn(|b| f64::from(u8::from(a == b))))));
     } else {
@@ -310,7 +339,7 @@ fn vector_row(point: &PointOnBoundary, basis: [Point; 3], turn: Option<&Turn>, o
             }
         }
     }
-    Row { weight: point.weight, contact: point.contact, basis, entries, prescribed: fixed }
+    Row { weight: point.weight, contact: point.contact, basis, entries: first..entries.len(), prescribed: fixed }
 }
 
 /// The cosine of the angle between two unit vectors; zero where it is round-off, so that what is prescribed in one

@@ -278,7 +278,7 @@ impl MechanicalStep<'_> {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
-        let mut tangent = Tangent::new();
+        let mut tangent = term.interface.no_tangent();
         let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
         let points = laws.iter().enumerate().map(|(i, laws)| {
             term.interface.add_tangent(i, &laws.linear(self.dim).1, &mut tangent);
@@ -326,7 +326,7 @@ impl MechanicalStep<'_> {
             return Ok(false);
         }
         condensed.turn(&term.interface.turns);
-        let mut sum = Tangent::new();
+        let mut sum = term.interface.no_tangent();
         for (i, [normal, tangential]) in slopes.into_iter().enumerate() {
             let mut tangent: LocalTangent = [[0.0; 3]; 3];
             tangent[0][0] = normal;
@@ -392,7 +392,7 @@ impl Term for Mechanical<'_> {
     fn defects(&self, laws: &Vec<Laws>) -> Vec<f64> {
         let of = |(i, laws): (usize, &Laws)| {
             let (weight, force, projected) = (self.interface.rows[i].weight, laws.force(), laws.projected());
-            (0..3).map(move |a| weight * (force[a] - projected[a]))
+            [0, 1, 2].map(|a| weight * (force[a] - projected[a]))
         };
         laws.iter().enumerate().flat_map(of).collect()
     }
@@ -421,12 +421,14 @@ impl Term for Mechanical<'_> {
         })
     }
 
-    fn linearise(&self, laws: &Vec<Laws>, tangent: &mut Tangent, right: &mut [f64]) {
+    fn linearise(&self, laws: &Vec<Laws>, right: &mut [f64]) -> Tangent {
+        let mut tangent = self.interface.no_tangent();
         for (i, laws) in laws.iter().enumerate() {
             let (force, slope) = laws.linear(self.step.dim);
             self.interface.scatter(i, &force.map(|f| -f), right);
-            self.interface.add_tangent(i, &slope, tangent);
+            self.interface.add_tangent(i, &slope, &mut tangent);
         }
+        tangent
     }
 
     fn after(&self, laws: &Vec<Laws>, before: &Vec<Multiplier>, step: &[f64]) -> Vec<Multiplier> {

@@ -32,8 +32,8 @@ pub(super) trait Term {
     fn is_sharp(&self, _x: &[f64], _laws: &Self::Laws, _tolerance: f64) -> bool {
         true
     }
-    /// The linearised laws: adds J = Σ ω Nᵀ T N, takes Σ ω Nᵀ f at an unchanged x off `right`.
-    fn linearise(&self, laws: &Self::Laws, tangent: &mut Tangent, right: &mut [f64]);
+    /// The linearised laws: J = Σ ω Nᵀ T N; takes Σ ω Nᵀ f at an unchanged x off `right`.
+    fn linearise(&self, laws: &Self::Laws, right: &mut [f64]) -> Tangent;
     /// The multipliers of the linearised laws after the step δx.
     fn after(&self, laws: &Self::Laws, before: &Self::Multipliers, step: &[f64]) -> Self::Multipliers;
     /// The multipliers a part α of the way from one to another.
@@ -276,8 +276,8 @@ fn newton_step<T: Term>(
     right: &Right,
     now: &Evaluation<T>,
 ) -> Result<Option<Vec<f64>>, SolveError> {
-    let (mut tangent, mut step) = (Tangent::new(), now.rest.clone());
-    term.linearise(&now.laws, &mut tangent, &mut step);
+    let mut step = now.rest.clone();
+    let mut tangent = term.linearise(&now.laws, &mut step);
     if let Some((beta, _)) = right.proximal {
         tangent.add_diagonal(condensed.scale().iter().map(|scale| beta * scale));
     }

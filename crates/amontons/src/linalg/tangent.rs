@@ -40,6 +40,12 @@ impl Tangent {
         Tangent::default()
     }
 
+    /// No forces, with memory for those of so many points that see so many unknowns in all.
+    #[must_use]
+    pub fn with_capacity(points: usize, shares: usize) -> Tangent {
+        Tangent { shares: Vec::with_capacity(shares), points: Vec::with_capacity(points) }
+    }
+
     /// Adds ω Nᵀ T N of one contact point: its weight ω, its row of N and T, rows the force.
     pub fn add(&mut self, weight: f64, row: &[Share], slope: &[[f64; 3]; 3]) {
         let counts: [bool; 3] = std::array::from_fn(|a| row.iter().any(|(_, on)| on[a] != 0.0));

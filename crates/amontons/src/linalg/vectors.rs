@@ -153,8 +153,13 @@ impl<const N: usize, const M: usize, F: Fn([f64; N]) -> [f64; M]> NullaryFnOnce 
                 }
             }
         }
-        let of_rest: Vec<[f64; M]> = (0..rest.first().map_or(0, |v| v.len())).map(|i| f(rest.map(|v| v[i]))).collect();
-        std::array::from_fn(|k| lanes[k].iter().sum::<f64>() + of_rest.iter().map(|values| values[k]).sum::<f64>())
+        let mut of_rest = [0.0; M];
+        for i in 0..rest.first().map_or(0, |v| v.len()) {
+            for (sum, value) in of_rest.iter_mut().zip(f(rest.map(|v| v[i]))) {
+                *sum += value;
+            }
+        }
+        std::array::from_fn(|k| lanes[k].iter().sum::<f64>() + of_rest[k])
     }
 }
 
@@ -205,8 +210,7 @@ pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: 
 /// Largest absolute value; NaN if there is one.
 #[must_use]
 pub fn max_abs(v: &[f64]) -> f64 {
-    let largest: Vec<i64> = v.par_chunks(BLOCK).map(largest).collect();
-    of_size(largest.into_iter().fold(0, i64::max))
+    of_size(v.par_chunks(BLOCK).map(largest).reduce(|| 0, i64::max))
 }
 
 fn largest(v: &[f64]) -> i64 {

@@ -126,8 +126,9 @@ impl Step<'_> {
 pub(super) fn temperatures(step: &Step) -> Vec<f64> {
     let mut all = Vec::with_capacity(step.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
-        let x: Vec<Point> =
-            step.boundary.points.iter().filter(|point| point.contact == side).map(|point| point.x).collect();
+        let points = step.boundary.points.iter().filter(|point| point.contact == side);
+        let mut x: Vec<Point> = Vec::with_capacity(step.boundary.points.len());
+        x.extend(points.map(|point| point.x));
         all.extend(contact.foundation_temperature.values(&x, step.t));
     }
     all

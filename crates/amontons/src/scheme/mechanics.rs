@@ -266,12 +266,10 @@ impl<'a> Equation<'a> {
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_at(theta);
-        let foundation: Vec<f64> = given
-            .frames
-            .iter()
-            .flat_map(|frame| [frame.gap, frame.gap_rate].into_iter().chain(frame.normal).chain(frame.velocity))
-            .collect();
-        step.finite(&foundation, "the foundation")?;
+        let numbers = |Frame { gap, gap_rate, normal: n, velocity: v }: &Frame| {
+            [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
+        };
+        step.finite(&given.frames.iter().flat_map(numbers).collect::<Vec<f64>>(), "the foundation")?;
         Ok(Equation { step, load, theta, warmed, thermal: step.discrete.thermal_force(theta), given })
     }
 
