@@ -1,5 +1,6 @@
 //! `history.csv` and `probes.csv`, one row per step, and `contact.csv`, one row per contact point.
 
+use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -14,8 +15,15 @@ use crate::machine;
 
 /// Numbers in the shortest form that reads back to the same bits, counts without a point.
 pub(super) fn join(values: &[f64]) -> String {
-    let number = |v: &f64| if v.fract() == 0.0 && v.abs() < 1e15 { format!("{v:.0}") } else { format!("{v:?}") };
-    values.iter().map(number).collect::<Vec<_>>().join(",")
+    // No number is longer than -2.2250738585072014e-308.
+    let mut row = String::with_capacity(25 * values.len());
+    for v in values {
+        let comma = if row.is_empty() { "" } else { "," };
+        // Writing to a text does not fail.
+        let _ =
+            if v.fract() == 0.0 && v.abs() < 1e15 { write!(row, "{comma}{v:.0}") } else { write!(row, "{comma}{v:?}") };
+    }
+    row
 }
 
 /// A table with one row per step, as it grows.
