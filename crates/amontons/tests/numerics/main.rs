@@ -13,6 +13,7 @@ mod coupling;
 mod elements;
 mod forms;
 mod manufactured;
+mod memory;
 mod newton;
 mod pyramids;
 mod refinement;
