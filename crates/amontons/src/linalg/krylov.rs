@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::vectors::{add_combination, dot, orthogonalize};
+use super::vectors::{add_combination, copy, dot, map, orthogonalize};
 
 /// Where a Krylov iteration ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,7 +34,7 @@ pub fn gmres<E>(
         let residual = if norm == 0.0 { 0.0 } else { norm };
         return Ok(Krylov { x: vec![0.0; b.len()], components: Vec::new(), iterations: 0, residual });
     }
-    let mut basis: Vec<Vec<f64>> = vec![b.iter().map(|b| b / norm).collect()];
+    let mut basis: Vec<Vec<f64>> = vec![map([b], |[b]| b / norm)];
     // The triangular factor of the Hessenberg matrix by columns, its rotations, and the rotated right-hand side.
     let (mut columns, mut rotations, mut rotated): (Vec<Vec<f64>>, Vec<(f64, f64)>, Vec<f64>) =
         (Vec::new(), Vec::new(), vec![norm]);
@@ -119,7 +119,7 @@ pub fn conjugate_gradients<E>(
         made.residual = if whole == 0.0 { 0.0 } else { whole };
         return Ok(made);
     }
-    let mut rest = b.to_vec();
+    let mut rest = copy(b);
     let mut direction = precondition(&rest);
     let mut merit = dot(&rest, &direction);
     while made.iterations < limit {
@@ -132,17 +132,16 @@ pub fn conjugate_gradients<E>(
         made.iterations += 1;
         let alpha = merit / energy;
         made.x.par_iter_mut().zip(&direction).for_each(|(x, d)| *x += alpha * d);
-        let before = rest.clone();
         rest.par_iter_mut().zip(&image).for_each(|(r, image)| *r -= alpha * image);
         made.residual = norm(&rest) / whole;
         if made.residual <= tolerance {
             break;
         }
         let next = precondition(&rest);
-        let new = dot(&rest, &next);
-        let beta = (new - dot(&before, &next)) / merit;
+        // The residual has changed by −α A d.
+        let beta = -alpha * dot(&image, &next) / merit;
         direction.par_iter_mut().zip(&next).for_each(|(d, next)| *d = next + beta * *d);
-        merit = new;
+        merit = dot(&rest, &next);
     }
     Ok(made)
 }

@@ -107,6 +107,23 @@ impl Tangent {
         Tangent { shares, points: self.points.clone() }
     }
 
+    /// The part on some unknowns, under other names.
+    #[must_use]
+    pub fn within(&self, name: impl Fn(u32) -> Option<u32>) -> Tangent {
+        let mut part = Tangent::with_capacity(self.points.len(), self.shares.len());
+        for point in &self.points {
+            let mut named = |range: &Range<usize>| {
+                part.push(self.shares[range.clone()].iter().filter_map(|&(unknown, on)| Some((name(unknown)?, on))))
+            };
+            let force = named(&point.force);
+            let jump = if point.jump == point.force { force.clone() } else { named(&point.jump) };
+            if !force.is_empty() && !jump.is_empty() {
+                part.points.push(Point { force, jump, ..point.clone() });
+            }
+        }
+        part
+    }
+
     /// y += J x times a factor.
     pub fn add_product(&self, factor: f64, x: &[f64], y: &mut [f64]) {
         for point in &self.points {

@@ -174,37 +174,49 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// The products of a vector with each of several.
 #[must_use]
 pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
-    let of_block = |(block, x): (usize, &[f64])| -> Vec<f64> {
-        let at = block * BLOCK;
-        vectors.iter().map(|v| sum_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
-    };
-    let partial: Vec<Vec<f64>> = x.par_chunks(BLOCK).enumerate().map(of_block).collect();
-    (0..vectors.len()).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
+    let of_block = |(block, x): (usize, &[f64])| dots_of_block(vectors, block * BLOCK, x);
+    sums_of(vectors.len(), &x.par_chunks(BLOCK).enumerate().map(of_block).collect::<Vec<_>>())
+}
+
+/// The products of a block, which begins at an entry, with each of several vectors.
+fn dots_of_block<V: AsRef<[f64]>>(vectors: &[V], at: usize, x: &[f64]) -> Vec<f64> {
+    vectors.iter().map(|v| sum_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
+}
+
+/// The sums of so many numbers of each block.
+fn sums_of(count: usize, partial: &[Vec<f64>]) -> Vec<f64> {
+    (0..count).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
 }
 
 /// y ← y + Σ f_i v_i.
 pub fn add_combination<V: AsRef<[f64]> + Sync>(y: &mut [f64], factors: &[f64], vectors: &[V]) {
-    y.par_chunks_mut(BLOCK).enumerate().for_each(|(block, y)| {
-        let at = block * BLOCK;
-        for (factor, v) in factors.iter().zip(vectors) {
-            for (y, v) in y.iter_mut().zip(&v.as_ref()[at..]) {
-                *y += factor * v;
-            }
+    y.par_chunks_mut(BLOCK).enumerate().for_each(|(block, y)| add_to_block(y, block * BLOCK, factors, vectors));
+}
+
+/// The same for a block, which begins at an entry.
+fn add_to_block<V: AsRef<[f64]>>(y: &mut [f64], at: usize, factors: &[f64], vectors: &[V]) {
+    for (factor, v) in factors.iter().zip(vectors) {
+        for (y, v) in y.iter_mut().zip(&v.as_ref()[at..]) {
+            *y += factor * v;
         }
-    });
+    }
 }
 
 /// Orthogonalizes a vector against a basis and returns the components that it had: `duals[i]`·x is that along
 /// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput.
-/// Math. Appl. 50 (2005) 1069).
+/// Math. Appl. 50 (2005) 1069). The basis is read three times: the components of the second time are found of each
+/// block as soon as those of the first are taken off it.
 pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
-    let mut components = vec![0.0; basis.len()];
-    for _ in 0..2 {
-        let shares: Vec<f64> = dots(duals, x).iter().map(|share| -share).collect();
-        add_combination(x, &shares, basis);
-        components.iter_mut().zip(&shares).for_each(|(sum, share)| *sum -= share);
-    }
-    components
+    let minus = |components: Vec<f64>| components.into_iter().map(|component| -component).collect::<Vec<f64>>();
+    let first = minus(dots(duals, x));
+    let of_block = |(block, x): (usize, &mut [f64])| {
+        add_to_block(x, block * BLOCK, &first, basis);
+        dots_of_block(duals, block * BLOCK, x)
+    };
+    let partial: Vec<Vec<f64>> = x.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
+    let second = minus(sums_of(duals.len(), &partial));
+    add_combination(x, &second, basis);
+    first.iter().zip(&second).map(|(first, second)| -first - second).collect()
 }
 
 /// Largest absolute value; NaN if there is one.

@@ -14,7 +14,7 @@ use crate::linalg::stop::Stop;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
-use crate::linalg::vectors::{BLOCK, add_combination, dot, map, max_abs};
+use crate::linalg::vectors::{BLOCK, add_combination, copy, dot, max_abs};
 
 /// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps two
 /// vectors of each, and makes no more than have [`NUMBERS`] entries, where that is not too few.
@@ -37,7 +37,9 @@ pub(super) struct Iterative {
     free: Vec<bool>,
     positions: Vec<Option<u32>>,
     scale: Vec<f64>,
+    /// The turns by unknown, and by degree of freedom.
     turns: Vec<Turn>,
+    turns_by_degree: Vec<Turn>,
     preconditioner: Option<Preconditioner>,
     /// What the preconditioner has taken up; none where that is in other bases.
     tangent: Option<Tangent>,
@@ -68,6 +70,7 @@ impl Iterative {
             positions,
             scale,
             turns: Vec::new(),
+            turns_by_degree: Vec::new(),
             preconditioner: None,
             tangent: None,
             iterations: 0,
@@ -81,18 +84,10 @@ impl Iterative {
         self.positions.par_iter().with_min_len(BLOCK).map(of_unknown).collect()
     }
 
-    /// The tangent and the turns by degree of freedom.
-    fn by_degree(&self, tangent: &Tangent) -> (Tangent, Vec<Turn>) {
-        let dof = |u: u32| self.unknowns.dofs[u as usize];
-        let n = self.matrix.block_shape().0;
-        let of = |turn: &Turn| {
-            let mut unknowns = [0; 3];
-            for (c, unknown) in unknowns.iter_mut().enumerate().take(n) {
-                *unknown = dof(turn.unknowns[c]);
-            }
-            Turn { unknowns, ..*turn }
-        };
-        (tangent.renamed(dof), self.turns.iter().map(of).collect())
+    /// K with what is known of its degrees of freedom.
+    fn body(&self) -> Body<'_> {
+        let Unknowns { points, frames, .. } = &self.unknowns;
+        Body { matrix: &self.matrix, points, free: &self.free, frames: &frames.0 }
     }
 
     /// (S + J) x.
@@ -103,20 +98,10 @@ impl Iterative {
     }
 
     fn product(&self, x: &[f64]) -> Vec<f64> {
-        let mut straight;
-        let x = if self.turns.is_empty() {
-            x
-        } else {
-            straight = x.to_vec();
-            for turn in &self.turns {
-                turn.back(&mut straight);
-            }
-            &straight
-        };
-        let mut y = self.unknowns.pick(&self.matrix.apply(&self.spread(x)));
-        for turn in &self.turns {
-            turn.forward(&mut y);
-        }
+        let mut straight = self.spread(x);
+        self.turns_by_degree.iter().for_each(|turn| turn.back(&mut straight));
+        let mut y = self.unknowns.pick(&self.matrix.apply(&straight));
+        self.turns.iter().for_each(|turn| turn.forward(&mut y));
         y
     }
 
@@ -126,26 +111,23 @@ impl Iterative {
         if is_same && self.preconditioner.is_some() {
             return Ok(());
         }
-        let (by_degree, turns) = self.by_degree(tangent);
-        let body = Body {
-            matrix: &self.matrix,
-            points: &self.unknowns.points,
-            free: &self.free,
-            frames: &self.unknowns.frames.0,
-        };
-        let mut preconditioner = match self.preconditioner.take() {
+        let preconditioner = self.preconditioner.take();
+        let body = self.body();
+        let mut preconditioner = match preconditioner {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
         };
-        preconditioner.add(&body, &by_degree, &turns)?;
+        let by_degree = tangent.renamed(|unknown| self.unknowns.dofs[unknown as usize]);
+        preconditioner.add(&body, &by_degree, &self.turns_by_degree)?;
         (self.preconditioner, self.tangent) = (Some(preconditioner), Some(tangent.clone()));
         Ok(())
     }
 
-    fn precondition(&self, r: &[f64]) -> Vec<f64> {
+    /// An approximate solution of (S + J) x = r, r over all degrees of freedom.
+    fn precondition(&self, r: Vec<f64>) -> Vec<f64> {
         match &self.preconditioner {
-            Some(preconditioner) => self.unknowns.pick(&preconditioner.apply(&self.matrix, &self.spread(r))),
-            None => r.to_vec(),
+            Some(preconditioner) => self.unknowns.pick(&preconditioner.apply(&self.body(), r)),
+            None => self.unknowns.pick(&r),
         }
     }
 
@@ -154,37 +136,44 @@ impl Iterative {
         self.preconditioner.as_ref().and_then(Preconditioner::local)
     }
 
-    /// Values by degree of freedom as values by unknown.
-    fn by_unknown(&self, values: Vec<(u32, f64)>) -> impl Iterator<Item = (usize, f64)> {
-        values.into_iter().filter_map(|(dof, value)| Some((self.positions[dof as usize]? as usize, value)))
+    /// L r where contact acts, by unknown.
+    fn solution(&self, r: &[f64]) -> Vec<(usize, f64)> {
+        let position = |dof: u32| self.positions[dof as usize].map(|at| at as usize);
+        let Some(local) = self.touched() else { return Vec::new() };
+        let solution = local.solution(|dof| position(dof).map_or(0.0, |at| r[at]));
+        solution.into_iter().filter_map(|(dof, value)| Some((position(dof)?, value))).collect()
     }
 
-    /// A residual as it counts: where contact acts, the displacement that it means times the stiffness of K.
-    fn weighed(&self, r: &[f64]) -> Vec<f64> {
-        let mut weighed = r.to_vec();
-        if let Some(local) = self.touched() {
-            let solution = self.by_unknown(local.solution(&self.spread(r)));
-            solution.for_each(|(unknown, x)| weighed[unknown] = self.scale[unknown] * x);
+    /// Makes a residual one as it counts: where contact acts, the displacement that it means times the stiffness of K.
+    fn weigh(&self, r: &mut [f64]) {
+        for (unknown, x) in self.solution(r) {
+            r[unknown] = self.scale[unknown] * x;
         }
-        weighed
     }
 
-    /// The residual of one that is weighed.
+    /// The norm of a residual as it counts.
+    fn weight(&self, r: &[f64]) -> f64 {
+        let mut weighed = copy(r);
+        self.weigh(&mut weighed);
+        norm(&weighed)
+    }
+
+    /// The residual, over all degrees of freedom, of one that is weighed.
     fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
-        let mut r = weighed.to_vec();
+        let mut r = self.spread(weighed);
         if let Some(local) = self.touched() {
-            let x = map([weighed, &self.scale], |[weighed, scale]| weighed / scale);
-            let load = self.by_unknown(local.load(&self.spread(&x)));
-            load.for_each(|(unknown, load)| r[unknown] = load);
+            let scale = |dof: u32| self.positions[dof as usize].map_or(1.0, |at| self.scale[at as usize]);
+            for (dof, load) in local.load(|dof| r[dof as usize] / scale(dof)) {
+                r[dof as usize] = load;
+            }
         }
         r
     }
 
     /// Solves once more for what is left where contact acts.
     fn settle(&self, rest: &[f64], x: &mut [f64]) {
-        if let Some(local) = self.touched() {
-            let solution = self.by_unknown(local.solution(&self.spread(rest)));
-            solution.for_each(|(unknown, change)| x[unknown] += change);
+        for (unknown, change) in self.solution(rest) {
+            x[unknown] += change;
         }
     }
 
@@ -203,12 +192,15 @@ impl Iterative {
     ) -> Result<(Vec<f64>, usize), SolveError> {
         let mut kept: Vec<Vec<f64>> = Vec::new();
         let apply = |v: &[f64]| -> Result<Vec<f64>, SolveError> {
-            let made = self.precondition(&self.unweighed(v));
-            let image = self.weighed(&product(&made)?);
+            let made = self.precondition(self.unweighed(v));
+            let mut image = product(&made)?;
+            self.weigh(&mut image);
             kept.push(made);
             Ok(image)
         };
-        let solved = gmres(apply, &self.weighed(rest), goal, limit)?;
+        let mut weighed = copy(rest);
+        self.weigh(&mut weighed);
+        let solved = gmres(apply, &weighed, goal, limit)?;
         let mut x = vec![0.0; rest.len()];
         add_combination(&mut x, &solved.components, &kept);
         Ok((x, solved.iterations))
@@ -218,7 +210,7 @@ impl Iterative {
     fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
         let is_symmetric = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
-        let whole = norm(&self.weighed(b));
+        let whole = self.weight(b);
         let products = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
@@ -226,9 +218,9 @@ impl Iterative {
             let (change, made) = if is_symmetric {
                 let solved = conjugate_gradients(
                     product,
-                    |r| self.precondition(r),
+                    |r| self.precondition(self.spread(r)),
                     &rest,
-                    |r| norm(&self.weighed(r)),
+                    |r| self.weight(r),
                     (goal, products),
                 )?;
                 (solved.x, solved.iterations)
@@ -240,7 +232,7 @@ impl Iterative {
             self.leave(tangent, b, &x, &mut rest);
             self.settle(&rest, &mut x);
             self.leave(tangent, b, &x, &mut rest);
-            let now = norm(&self.weighed(&rest)) / whole;
+            let now = self.weight(&rest) / whole;
             let stalls = now > 0.5 * left || now.is_nan();
             left = now;
             // The recurrence and the true residual differ a little.
@@ -290,7 +282,8 @@ impl Condensed for Iterative {
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(tangent, v));
-        let solved = conjugate_gradients(product, |r| self.precondition(r), &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
+        let precondition = |r: &[f64]| self.precondition(self.spread(r));
+        let solved = conjugate_gradients(product, precondition, &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
         self.iterations += solved.iterations;
         match solved.definite {
             Definite::No => Ok(false),
@@ -305,7 +298,10 @@ impl Condensed for Iterative {
 
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
+            let dof = |unknown: u32| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default();
             self.turns = turns.to_vec();
+            self.turns_by_degree =
+                turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(dof), ..*turn }).collect();
             self.tangent = None;
         }
     }

@@ -9,7 +9,7 @@ use super::blocks::Blocks;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::Lu;
 use crate::linalg::stop::Stop;
-use crate::linalg::vectors::dot;
+use crate::linalg::vectors::{BLOCK, dot, max_abs};
 
 /// Unknowns below which a level is solved with a dense factor, and most levels.
 const COARSEST: usize = 600;
@@ -206,34 +206,36 @@ impl Hierarchy {
     /// One V-cycle for A x = b from x = 0: a symmetric operator.
     pub fn cycle(&self, b: &[f64]) -> Vec<f64> {
         // In the range of single precision, whatever the units of b.
-        let size = b.iter().fold(0.0f64, |m, b| m.max(b.abs()));
+        let size = max_abs(b);
         if size == 0.0 || !size.is_finite() {
             return vec![0.0; b.len()];
         }
-        let right: Vec<f32> = b.iter().map(|b| (b / size) as f32).collect();
+        let right: Vec<f32> = b.par_iter().with_min_len(BLOCK).map(|b| (b / size) as f32).collect();
         let factor = size / self.scale;
-        self.level(0, &right).iter().map(|x| f64::from(*x) * factor).collect()
+        self.level(0, &right).par_iter().with_min_len(BLOCK).map(|x| f64::from(*x) * factor).collect()
     }
 
     fn level(&self, l: usize, b: &[f32]) -> Vec<f32> {
         let level = &self.levels[l];
         let mut x = vec![0.0; b.len()];
         let Some([prolongation, restriction]) = &level.transfer else { return self.solved(level, b, x) };
-        level.smooth(b, &mut x, true);
-        let rest = level.rest(b, &x);
+        let mut work = Work::new(b.len());
+        level.smooth(b, &mut x, &mut work, true);
+        let rest = level.rest(b, &x, &mut work);
         let mut coarse = vec![0.0; restriction.len() * restriction.shape[0]];
-        restriction.apply(&rest, &mut coarse, false);
+        restriction.apply(rest, &mut coarse, false);
         let correction = self.level(l + 1, &coarse);
         prolongation.apply(&correction, &mut x, true);
-        level.smooth(b, &mut x, false);
+        level.smooth(b, &mut x, &mut work, false);
         x
     }
 
     /// The coarsest level: by its factor, or by the smoother, twice so that the operator is symmetric.
     fn solved(&self, level: &Level, b: &[f32], mut x: Vec<f32>) -> Vec<f32> {
         let Some((factor, _)) = &self.coarsest else {
-            level.smooth(b, &mut x, true);
-            level.smooth(b, &mut x, false);
+            let mut work = Work::new(b.len());
+            level.smooth(b, &mut x, &mut work, true);
+            level.smooth(b, &mut x, &mut work, false);
             return x;
         };
         let mut solved: Vec<f64> = b.iter().map(|b| f64::from(*b)).collect();
@@ -252,54 +254,77 @@ impl Beside {
     }
 }
 
+/// Vectors that a level works with: A x, or what it leaves, and the last step of the smoother.
+struct Work {
+    product: Vec<f32>,
+    step: Vec<f32>,
+}
+
+impl Work {
+    fn new(length: usize) -> Work {
+        Work { product: vec![0.0; length], step: vec![0.0; length] }
+    }
+}
+
+/// Nodes that a thread works on at once.
+const NODES: usize = 1024;
+
 impl Level {
+    /// A x.
+    fn multiply(&self, x: &[f32], product: &mut [f32]) {
+        self.matrix.apply(x, product, false);
+        self.beside.add(self.matrix.shape[0], x, product);
+    }
+
     /// b − A x.
-    fn rest(&self, b: &[f32], x: &[f32]) -> Vec<f32> {
-        let mut rest = vec![0.0; b.len()];
-        self.matrix.apply(x, &mut rest, false);
-        self.beside.add(self.matrix.shape[0], x, &mut rest);
-        rest.par_iter_mut().zip(b).for_each(|(rest, b)| *rest = b - *rest);
-        rest
+    fn rest<'w>(&self, b: &[f32], x: &[f32], work: &'w mut Work) -> &'w [f32] {
+        self.multiply(x, &mut work.product);
+        work.product.par_iter_mut().with_min_len(NODES).zip(b).for_each(|(rest, b)| *rest = b - *rest);
+        &work.product
     }
 
     /// Chebyshev's polynomial in D⁻¹A, which damps errors with eigenvalues between [`DAMPED`] of the largest and the
-    /// largest (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003) 593).
-    fn smooth(&self, b: &[f32], x: &mut [f32], from_zero: bool) {
+    /// largest (Adams, Brezina, Hu, Tuminaro, J. Comput. Phys. 188 (2003) 593). `from_zero` says that x is
+    /// zero, and the work new.
+    fn smooth(&self, b: &[f32], x: &mut [f32], work: &mut Work, from_zero: bool) {
         let (high, low) = (self.largest, DAMPED as f32 * self.largest);
         let (center, radius) = (0.5 * (high + low), 0.5 * (high - low));
-        let mut rest = if from_zero { b.to_vec() } else { self.rest(b, x) };
-        let mut step = self.scaled(&rest, center.recip());
         let sigma = center / radius;
-        let mut rho = sigma.recip();
+        let (mut rho, mut factors) = (sigma.recip(), [0.0, center.recip()]);
         for k in 0..DEGREE {
-            x.par_iter_mut().zip(&step).for_each(|(x, step)| *x += step);
-            if k + 1 == DEGREE {
-                break;
+            if k > 0 || !from_zero {
+                self.multiply(x, &mut work.product);
             }
-            rest = self.rest(b, x);
+            match self.matrix.shape[0] {
+                1 => self.advance::<1>(b, x, work, factors),
+                2 => self.advance::<2>(b, x, work, factors),
+                3 => self.advance::<3>(b, x, work, factors),
+                6 => self.advance::<6>(b, x, work, factors),
+                _ => self.advance::<0>(b, x, work, factors),
+            }
             let next = (2.0 * sigma - rho).recip();
-            let scaled = self.scaled(&rest, 2.0 * next / radius);
-            let carried = rho * next;
-            step.par_iter_mut().zip(&scaled).for_each(|(step, scaled)| *step = carried * *step + scaled);
-            rho = next;
+            (factors, rho) = ([rho * next, 2.0 * next / radius], next);
         }
     }
 
-    /// D⁻¹ r times a factor.
-    fn scaled(&self, r: &[f32], factor: f32) -> Vec<f32> {
-        let n = self.matrix.shape[0];
-        let mut out = vec![0.0; r.len()];
-        out.par_chunks_mut(1024 * n).enumerate().for_each(|(chunk, out)| {
-            let from = chunk * 1024;
-            for (k, out) in out.chunks_exact_mut(n).enumerate() {
-                let i = from + k;
-                let (block, r) = (&self.diagonal[i * n * n..][..n * n], &r[i * n..][..n]);
-                for a in 0..n {
-                    out[a] = factor * (0..n).map(|b| block[a * n + b] * r[b]).sum::<f32>();
+    /// The next step of the smoother, `carried` times the one before and `taken` times D⁻¹(b − A x), and x after it.
+    /// `N` is the number of unknowns of a node, or 0, so that it is not known beforehand.
+    fn advance<const N: usize>(&self, b: &[f32], x: &mut [f32], work: &mut Work, [carried, taken]: [f32; 2]) {
+        let size = self.matrix.shape[0];
+        let blocks = self.diagonal.par_chunks(NODES * size * size).zip(b.par_chunks(NODES * size));
+        let vectors = work.step.par_chunks_mut(NODES * size).zip(work.product.par_chunks(NODES * size));
+        vectors.zip(x.par_chunks_mut(NODES * size)).zip(blocks).for_each(|(((step, product), x), (blocks, b))| {
+            let n = if N == 0 { size } else { N };
+            for at in (0..step.len()).step_by(n) {
+                let block = &blocks[at * n..][..n * n];
+                let (b, product) = (&b[at..at + n], &product[at..at + n]);
+                for (a, row) in block.chunks_exact(n).enumerate() {
+                    let scaled = (0..n).map(|c| row[c] * (b[c] - product[c])).sum::<f32>();
+                    step[at + a] = carried * step[at + a] + taken * scaled;
+                    x[at + a] += step[at + a];
                 }
             }
         });
-        out
     }
 }
 

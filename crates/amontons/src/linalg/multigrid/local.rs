@@ -15,23 +15,22 @@ use super::precondition::{AXES, Body, block_of, cut, in_basis};
 use super::surface::{Surface, couples};
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::{Cholesky, Lu};
-use crate::linalg::sparse::BlockMatrix;
 use crate::linalg::tangent::{Entry, Tangent};
 use crate::linalg::turn::Turn;
 use crate::linalg::vectors::add_combination;
 use crate::tensor::Point;
 
-/// What contact touches, with J by degree of freedom in the bases of the turns.
+/// What contact touches, with J in the bases of the turns. Vectors over it, the degrees of freedom of its nodes one
+/// after the other, are small beside those of the body, which are read and written at its nodes alone.
 #[derive(Debug)]
 pub(super) struct Local {
     solver: Solver,
+    /// The nodes on which it is solved, and those whose unknowns are turned, with their degrees of freedom; and J and
+    /// the turns by the places of these.
+    nodes: Vec<u32>,
+    dofs: Vec<u32>,
     tangent: Tangent,
     turns: Vec<Turn>,
-    /// The nodes that contact touches, and these with their neighbours.
-    nodes: Vec<u32>,
-    reach: Vec<u32>,
-    /// Whether a degree of freedom is unknown.
-    free: Vec<bool>,
 }
 
 #[derive(Debug)]
@@ -42,10 +41,10 @@ enum Solver {
     Surface(Box<Surface>),
 }
 
-/// The block of L⁻¹ of a node over its degrees of freedom that are unknown, and its inverse.
+/// The block of L⁻¹ of a node over its degrees of freedom that are unknown, and its inverse; and the first of them.
 #[derive(Debug)]
 struct Node {
-    number: u32,
+    first: u32,
     block: Vec<f64>,
     inverse: Vec<f64>,
 }
@@ -60,79 +59,154 @@ impl Local {
         let bases = bases(turns, n);
         let entries: Vec<Entry> = tangent.entries().collect();
         let is_coupled = couples(&entries, n);
-        let nodes = if is_coupled { joined(body, &entries) } else { seen(&entries, n) };
-        let solver = if is_coupled {
+        let mut nodes = if is_coupled { joined(body, &entries) } else { seen(&entries, n) };
+        let mut solver = if is_coupled {
             Solver::Surface(Box::new(Surface::new(body, &nodes, &entries, &bases)?))
         } else {
-            Solver::Nodes(
-                blocks(&entries, n).into_iter().filter_map(|(i, b)| node_of(body, i, bases.get(&i), &b)).collect(),
-            )
+            let of = |(node, block): (usize, Vec<f64>)| node_of(body, node, bases.get(&node), &block);
+            Solver::Nodes(blocks(&entries, n).into_iter().filter_map(of).collect())
         };
-        let neighbours = nodes.iter().flat_map(|&node| body.matrix.row(node as usize).map(|(j, _)| j as u32));
-        let mut reach: Vec<u32> = neighbours.collect();
-        reach.sort_unstable();
-        reach.dedup();
-        let (tangent, turns, free) = (tangent.clone(), turns.to_vec(), body.free.to_vec());
-        Ok(Local { solver, tangent, turns, nodes, reach, free })
+        nodes.extend(bases.keys().map(|&node| node as u32));
+        nodes.sort_unstable();
+        nodes.dedup();
+        let size = n as u32;
+        let dofs: Vec<u32> = nodes.iter().flat_map(|&node| node * size..(node + 1) * size).collect();
+        let place = |dof: u32| dofs.binary_search(&dof).ok().map(|place| place as u32);
+        let place_here = |dof: u32| place(dof).unwrap_or_default();
+        solver.rename(place_here);
+        // What contact adds elsewhere couples no nodes, so that it is nothing to these.
+        let tangent = tangent.within(place);
+        let turns = turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(place_here), ..*turn }).collect();
+        Ok(Local { solver, nodes, dofs, tangent, turns })
     }
 
     /// L r, by degree of freedom.
-    pub fn solution(&self, r: &[f64]) -> Vec<(u32, f64)> {
-        match &self.solver {
-            Solver::Surface(surface) => surface.solution(r),
-            Solver::Nodes(nodes) => products(nodes, |node| &node.inverse, r),
-        }
+    pub fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+        self.by_degree(self.solver.solution(|place| r(self.dofs[place as usize])))
     }
 
     /// L⁻¹ x, by degree of freedom.
-    pub fn load(&self, x: &[f64]) -> Vec<(u32, f64)> {
-        match &self.solver {
+    pub fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+        let x = |place: u32| x(self.dofs[place as usize]);
+        self.by_degree(match &self.solver {
             Solver::Surface(surface) => surface.load(x),
             Solver::Nodes(nodes) => products(nodes, |node| &node.block, x),
+        })
+    }
+
+    /// Values by place as values by degree of freedom.
+    fn by_degree(&self, mut values: Vec<(u32, f64)>) -> Vec<(u32, f64)> {
+        for (place, _) in &mut values {
+            *place = self.dofs[*place as usize];
         }
+        values
     }
 
     /// An approximate solution of (K + J) x = r by `cycle`, which is in the axes of space, between two solutions on
     /// what contact touches: a symmetric operator where J is symmetric.
-    pub fn around(&self, matrix: &BlockMatrix, r: &[f64], cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
-        let mut x = vec![0.0; r.len()];
-        self.add_solution(r, &mut x);
-        let mut change = cycle(&self.rest(matrix, &self.reach, r, &x));
-        self.turns.iter().for_each(|turn| turn.forward(&mut change));
-        add_combination(&mut x, &[1.0], &[change]);
-        let mut rest = self.rest(matrix, &self.nodes, r, &x);
-        self.turns.iter().for_each(|turn| turn.forward(&mut rest));
-        self.add_solution(&rest, &mut x);
+    pub fn around(&self, body: &Body, mut r: Vec<f64>, cycle: impl Fn(&[f64]) -> Vec<f64>) -> Vec<f64> {
+        let own = self.taken(&r);
+        let before = self.solved(&own);
+        self.put(&self.straight(self.without_forces(&own, &before)), &mut r);
+        self.take_off(body, &self.straight(before.clone()), &mut r);
+        let mut x = cycle(&r);
+        let mut here = self.turned(self.taken(&x));
+        add_combination(&mut here, &[1.0], &[before]);
+        self.put(&self.straight(here.clone()), &mut x);
+        let mut rest = self.without_forces(&own, &here);
+        add_combination(&mut rest, &[-1.0], &[self.turned(self.product(body, &x))]);
+        add_combination(&mut here, &[1.0], &[self.solved(&rest)]);
+        self.put(&here, &mut x);
         x
     }
 
-    fn add_solution(&self, r: &[f64], x: &mut [f64]) {
-        for (dof, solved) in self.solution(r) {
-            x[dof as usize] += solved;
+    /// The entries of a vector of the body.
+    fn taken(&self, of_body: &[f64]) -> Vec<f64> {
+        self.dofs.iter().map(|&dof| of_body[dof as usize]).collect()
+    }
+
+    /// Writes the entries of a vector of the body.
+    fn put(&self, here: &[f64], of_body: &mut [f64]) {
+        self.dofs.iter().zip(here).for_each(|(&dof, here)| of_body[dof as usize] = *here);
+    }
+
+    /// In the bases of the turns, and in the axes of space.
+    fn turned(&self, mut x: Vec<f64>) -> Vec<f64> {
+        self.turns.iter().for_each(|turn| turn.forward(&mut x));
+        x
+    }
+
+    fn straight(&self, mut x: Vec<f64>) -> Vec<f64> {
+        self.turns.iter().for_each(|turn| turn.back(&mut x));
+        x
+    }
+
+    /// L r.
+    fn solved(&self, r: &[f64]) -> Vec<f64> {
+        let mut x = vec![0.0; r.len()];
+        for (place, value) in self.solver.solution(|place| r[place as usize]) {
+            x[place as usize] = value;
+        }
+        x
+    }
+
+    /// r − J x.
+    fn without_forces(&self, r: &[f64], x: &[f64]) -> Vec<f64> {
+        let mut rest = r.to_vec();
+        self.tangent.add_product(-1.0, x, &mut rest);
+        rest
+    }
+
+    /// r − K x, x zero but here: K is symmetric, so that its rows here are all that is read.
+    fn take_off(&self, body: &Body, x: &[f64], r: &mut [f64]) {
+        let (n, _) = body.matrix.block_shape();
+        for (&node, x) in self.nodes.iter().zip(x.chunks_exact(n)) {
+            for (j, block) in body.matrix.row(node as usize) {
+                for a in (0..n).filter(|&a| body.free[j * n + a]) {
+                    r[j * n + a] -= (0..n).map(|b| block[b * n + a] * x[b]).sum::<f64>();
+                }
+            }
         }
     }
 
-    /// r − (K + J) x in the axes of space, K x at some nodes only.
-    fn rest(&self, matrix: &BlockMatrix, nodes: &[u32], r: &[f64], x: &[f64]) -> Vec<f64> {
-        let (n, _) = matrix.block_shape();
-        let (mut rest, mut straight) = (r.to_vec(), x.to_vec());
-        self.tangent.add_product(-1.0, x, &mut rest);
-        for turn in &self.turns {
-            turn.back(&mut rest);
-            turn.back(&mut straight);
-        }
-        for &node in nodes {
-            for (j, block) in matrix.row(node as usize) {
-                for (c, row) in block.chunks_exact(n).enumerate() {
-                    let product: f64 = row.iter().zip(&straight[j * n..]).map(|(entry, x)| entry * x).sum();
-                    rest[node as usize * n + c] -= product;
+    /// K x here.
+    fn product(&self, body: &Body, x: &[f64]) -> Vec<f64> {
+        let (n, _) = body.matrix.block_shape();
+        let mut product = vec![0.0; self.dofs.len()];
+        for (&node, product) in self.nodes.iter().zip(product.chunks_exact_mut(n)) {
+            for (j, block) in body.matrix.row(node as usize) {
+                for (product, row) in product.iter_mut().zip(block.chunks_exact(n)) {
+                    *product += row.iter().zip(&x[j * n..]).map(|(entry, x)| entry * x).sum::<f64>();
                 }
             }
-            for dof in (node as usize * n..).take(n).filter(|&dof| !self.free[dof]) {
-                rest[dof] = 0.0;
+        }
+        product
+    }
+}
+
+impl Solver {
+    /// Gives its degrees of freedom other numbers, those of a node one after the other.
+    fn rename(&mut self, name: impl Fn(u32) -> u32) {
+        match self {
+            Solver::Surface(surface) => {
+                for dof in &mut surface.dofs {
+                    *dof = name(*dof);
+                }
+            }
+            Solver::Nodes(nodes) => {
+                for node in nodes {
+                    node.first = name(node.first);
+                }
             }
         }
-        rest
+    }
+
+    /// L r, by place.
+    fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+        match self {
+            Solver::Surface(surface) => surface.solution(r),
+            Solver::Nodes(nodes) => products(nodes, |node| &node.inverse, r),
+        }
     }
 }
 
@@ -168,13 +242,12 @@ fn joined(body: &Body, entries: &[Entry]) -> Vec<u32> {
 }
 
 /// Products of a matrix of each node with the node's part of a vector.
-fn products(nodes: &[Node], matrix: impl Fn(&Node) -> &[f64], x: &[f64]) -> Vec<(u32, f64)> {
-    let mut products = Vec::new();
+fn products(nodes: &[Node], matrix: impl Fn(&Node) -> &[f64], x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
+    let mut products = Vec::with_capacity(3 * nodes.len());
     for node in nodes {
         let n = matrix(node).len().isqrt();
-        let own = &x[node.number as usize * n..][..n];
-        for (a, row) in matrix(node).chunks_exact(n).enumerate() {
-            products.push((node.number * n as u32 + a as u32, row.iter().zip(own).map(|(entry, x)| entry * x).sum()));
+        for (at, row) in (node.first..).zip(matrix(node).chunks_exact(n)) {
+            products.push((at, (node.first..).zip(row).map(|(at, entry)| entry * x(at)).sum()));
         }
     }
     products
@@ -222,5 +295,5 @@ fn node_of(body: &Body, node: usize, basis: Option<&[Point; 3]>, block: &[f64]) 
         (0..n).filter(|&a| free(a)).for_each(|a| inverse[a * n + c] = x[a]);
     }
     let block = (0..n * n).map(|k| sum[(k / n, k % n)]).collect();
-    inverse.iter().all(|entry| entry.is_finite()).then_some(Node { number: node as u32, block, inverse })
+    inverse.iter().all(|entry| entry.is_finite()).then_some(Node { first: (node * n) as u32, block, inverse })
 }

@@ -67,9 +67,12 @@ impl Preconditioner {
     }
 
     /// An approximate solution of (K + J) x = r over all degrees of freedom; r is zero where they are prescribed.
-    pub fn apply(&self, matrix: &BlockMatrix, r: &[f64]) -> Vec<f64> {
+    pub fn apply(&self, body: &Body, r: Vec<f64>) -> Vec<f64> {
         let cycle = |r: &[f64]| self.hierarchy.cycle(r);
-        self.local.as_ref().map_or_else(|| cycle(r), |local| local.around(matrix, r, cycle))
+        match &self.local {
+            Some(local) => local.around(body, r, cycle),
+            None => cycle(&r),
+        }
     }
 }
 

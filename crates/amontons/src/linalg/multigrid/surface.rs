@@ -20,7 +20,7 @@ pub(super) fn couples(entries: &[Entry], n: usize) -> bool {
 /// The degrees of freedom that contact touches, with the factors of K + J on them.
 #[derive(Debug)]
 pub(super) struct Surface {
-    dofs: Vec<u32>,
+    pub dofs: Vec<u32>,
     matrix: SparseLu,
 }
 
@@ -62,17 +62,17 @@ impl Surface {
     }
 
     /// (K + J)⁻¹ r on the surface, by degree of freedom.
-    pub fn solution(&self, r: &[f64]) -> Vec<(u32, f64)> {
+    pub fn solution(&self, r: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         self.on_surface(r, |r| self.matrix.solve(r))
     }
 
     /// (K + J) x on the surface, by degree of freedom.
-    pub fn load(&self, x: &[f64]) -> Vec<(u32, f64)> {
+    pub fn load(&self, x: impl Fn(u32) -> f64) -> Vec<(u32, f64)> {
         self.on_surface(x, |x| self.matrix.apply(x))
     }
 
-    fn on_surface(&self, x: &[f64], operator: impl Fn(&[f64]) -> Vec<f64>) -> Vec<(u32, f64)> {
-        let own: Vec<f64> = self.dofs.iter().map(|&dof| x[dof as usize]).collect();
+    fn on_surface(&self, x: impl Fn(u32) -> f64, operator: impl Fn(&[f64]) -> Vec<f64>) -> Vec<(u32, f64)> {
+        let own: Vec<f64> = self.dofs.iter().map(|&dof| x(dof)).collect();
         self.dofs.iter().copied().zip(operator(&own)).collect()
     }
 }
