@@ -215,6 +215,22 @@ mod tests {
         assert_eq!(all, tangent.entries().collect::<Vec<Entry>>());
     }
 
+    /// The part on some unknowns has the entries between them, and none of a point that sees others alone.
+    #[test]
+    fn a_part_has_the_entries_between_its_unknowns() {
+        let slope = [[3.0, 0.1, 0.0], [0.5, 2.0, -1.0], [0.0, 4.0, 1.0]];
+        let mut tangent = Tangent::new();
+        tangent.add(2.0, &[2, 3, 4, 7].map(|k| (k, [0.3 * f64::from(k) - 0.4, 0.7, f64::from(k * k)])), &slope);
+        tangent.add(1.5, &[(7, [1.0, 0.0, 0.0]), (8, [0.0, 1.0, 0.5])], &slope);
+        tangent.add_product_of(-0.3, &[(1, 2.0), (4, 3.0)], &[(0, 1.0), (3, -2.0), (2, 0.5)]);
+        tangent.add_product_of(0.7, &[(3, 1.0)], &[(8, 1.0)]);
+        let name = |unknown: u32| [None, None, Some(5), Some(0), Some(1)].get(unknown as usize).copied().flatten();
+        let named = |(i, j, value): Entry| Some((name(i)?, name(j)?, value));
+        let (part, expected) = (tangent.within(name), tangent.entries().filter_map(named).collect::<Vec<Entry>>());
+        assert!(expected.len() == 11 && part.points().count() == 2);
+        assert_eq!(part.entries().collect::<Vec<Entry>>(), expected);
+    }
+
     /// Friction makes a point nonsymmetric, but not by components that no unknown has.
     #[test]
     fn friction_is_not_symmetric() {
