@@ -249,3 +249,54 @@ fn every_test_file_is_part_of_a_program() {
     }
     assert!(lost.is_empty(), "{lost:?}");
 }
+
+/// Whether the tests of the library have what follows `--test` in a text: a program, and words that are each the name
+/// of a file or a part of one of its test's.
+fn has_tests(named: &str) -> bool {
+    let mut words = named.split_whitespace().skip_while(|word| *word == "--");
+    let Some(program) = words.next() else { return false };
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(program);
+    if !folder.join("main.rs").is_file() {
+        return false;
+    }
+    let mut files = Vec::new();
+    sources(&folder, &mut files);
+    let texts: Vec<String> = files.iter().map(|file| fs::read_to_string(file).expect("a source file")).collect();
+    let is_there = |name: &str| {
+        files.iter().any(|file| file.file_stem().is_some_and(|stem| stem == name))
+            || texts
+                .iter()
+                .flat_map(|text| text.split("fn ").skip(1))
+                .any(|test| test.split('(').next().is_some_and(|test| test.contains(name)))
+    };
+    let mut filters = Vec::new();
+    while let Some(word) = words.next() {
+        match word {
+            "--test-threads" => drop(words.next()),
+            option if option.starts_with("--") => {}
+            filter => filters.push(filter),
+        }
+    }
+    filters.iter().flat_map(|filter| filter.split("::")).all(is_there)
+}
+
+/// Commands in the documents run tests that are there.
+#[test]
+fn the_tests_that_documents_name_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
+    let (mut named, mut lost) = (0, Vec::new());
+    for folder in [".", "book/src", "docs/adr"] {
+        let files = fs::read_dir(root.join(folder)).expect("a folder of documents").flatten();
+        for file in files.map(|file| file.path()).filter(|file| file.extension().is_some_and(|e| e == "md")) {
+            let text = fs::read_to_string(&file).expect("a document");
+            for words in text.split("--test ").skip(1).filter_map(|rest| rest.split(['`', '\n']).next()) {
+                named += 1;
+                if !has_tests(words) {
+                    lost.push(format!("{}: {words}", file.display()));
+                }
+            }
+        }
+    }
+    assert!(named > 5 && lost.is_empty(), "{lost:?}");
+    assert!(!has_tests("bodies no_such_test") && !has_tests("no_such_program") && has_tests("bodies cyclic"));
+}
