@@ -21,8 +21,10 @@ use super::{
 use crate::machine::{self, Instant};
 use crate::problem::Problem;
 use crate::units::Measure;
+#[cfg(feature = "case")]
+pub(crate) use snapshots::contact_file;
+pub(crate) use snapshots::fields_file;
 use snapshots::is_due;
-pub(crate) use snapshots::{contact_file, fields_file};
 
 pub(super) const HISTORY: &str = "history.csv";
 pub(super) const PROBES: &str = "probes.csv";

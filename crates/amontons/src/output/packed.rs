@@ -83,6 +83,7 @@ fn read(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Grid, String> {
 
 /// The fields of a results folder, wherever they are.
 pub(crate) struct StoredFields {
+    #[cfg_attr(not(feature = "case"), expect(dead_code, reason = "a verification, which has a case, reads it"))]
     root: PathBuf,
     /// The file of all snapshots, if it is there.
     packed: Option<Result<Reader, String>>,
@@ -107,7 +108,11 @@ impl StoredFields {
             None => Ok(&[]),
         }
     }
+}
 
+/// What a verification asks for.
+#[cfg(feature = "case")]
+impl StoredFields {
     /// Name of the file of the fields at a step.
     pub fn name(&self, step: usize) -> String {
         let own = fields_file(step);
