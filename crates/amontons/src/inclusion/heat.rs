@@ -184,7 +184,7 @@ impl HeatStep<'_> {
 
     /// The derivative of fluxes with these slopes in θ and θ_F.
     fn tangent_of(&self, interface: &Interface, slopes: &[[f64; 2]]) -> Tangent {
-        let mut sum = interface.no_tangent();
+        let mut sum = interface.empty_tangent();
         for (i, [by_temperature, by_other]) in slopes.iter().enumerate() {
             let mut tangent = [[0.0; 3]; 3];
             tangent[0][0] = *by_temperature;

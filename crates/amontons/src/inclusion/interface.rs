@@ -76,7 +76,8 @@ impl Row {
 pub struct Interface {
     /// The rows, one per contact point.
     pub rows: Vec<Row>,
-    /// Of each row, unknowns on Γ_C with what each adds to the components of the jump.
+    /// The entries of all rows, one row after the other: unknowns on Γ_C with what each adds to the components of the
+    /// jump.
     entries: Vec<Share>,
     /// Nodes whose unknowns are taken in another basis than the axes of space.
     pub turns: Vec<Turn>,
@@ -226,9 +227,9 @@ impl Interface {
         }
     }
 
-    /// No tangent, with memory for that of every point.
+    /// A tangent without entries, with room for those of all points.
     #[must_use]
-    pub fn no_tangent(&self) -> Tangent {
+    pub fn empty_tangent(&self) -> Tangent {
         Tangent::with_capacity(self.rows.len(), self.entries.len())
     }
 

@@ -278,7 +278,7 @@ impl MechanicalStep<'_> {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
-        let mut tangent = term.interface.no_tangent();
+        let mut tangent = term.interface.empty_tangent();
         let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
         let points = laws.iter().enumerate().map(|(i, laws)| {
             term.interface.add_tangent(i, &laws.linear(self.dim).1, &mut tangent);
@@ -326,7 +326,7 @@ impl MechanicalStep<'_> {
             return Ok(false);
         }
         condensed.turn(&term.interface.turns);
-        let mut sum = term.interface.no_tangent();
+        let mut sum = term.interface.empty_tangent();
         for (i, [normal, tangential]) in slopes.into_iter().enumerate() {
             let mut tangent: LocalTangent = [[0.0; 3]; 3];
             tangent[0][0] = normal;
@@ -422,7 +422,7 @@ impl Term for Mechanical<'_> {
     }
 
     fn linearise(&self, laws: &Vec<Laws>, right: &mut [f64]) -> Tangent {
-        let mut tangent = self.interface.no_tangent();
+        let mut tangent = self.interface.empty_tangent();
         for (i, laws) in laws.iter().enumerate() {
             let (force, slope) = laws.linear(self.step.dim);
             self.interface.scatter(i, &force.map(|f| -f), right);

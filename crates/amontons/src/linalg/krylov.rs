@@ -138,7 +138,7 @@ pub fn conjugate_gradients<E>(
             break;
         }
         let next = precondition(&rest);
-        // The residual has changed by −α A d.
+        // (r − r_before)·z, z the preconditioned residual: r has changed by −α A d.
         let beta = -alpha * dot(&image, &next) / merit;
         direction.par_iter_mut().zip(&next).for_each(|(d, next)| *d = next + beta * *d);
         merit = dot(&rest, &next);

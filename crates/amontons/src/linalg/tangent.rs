@@ -40,7 +40,7 @@ impl Tangent {
         Tangent::default()
     }
 
-    /// No forces, with memory for those of so many points that see so many unknowns in all.
+    /// No forces, with room for those of `points` contact points that see `shares` unknowns in all.
     #[must_use]
     pub fn with_capacity(points: usize, shares: usize) -> Tangent {
         Tangent { shares: Vec::with_capacity(shares), points: Vec::with_capacity(points) }
@@ -107,7 +107,7 @@ impl Tangent {
         Tangent { shares, points: self.points.clone() }
     }
 
-    /// The part on some unknowns, under other names.
+    /// The part on the unknowns that have a new name, under these names; the others are left out.
     #[must_use]
     pub fn within(&self, name: impl Fn(u32) -> Option<u32>) -> Tangent {
         let mut part = Tangent::with_capacity(self.points.len(), self.shares.len());

@@ -191,7 +191,8 @@ const BODIES: [(&str, usize, &[&str]); 8] = [
     ("two materials", 35, &[]),
 ];
 
-const BODY: &str = r#"
+/// A box on a rigid foundation.
+pub(crate) const BODY: &str = r#"
 name = "body"
 [mesh]
 kind = "box"

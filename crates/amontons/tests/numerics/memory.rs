@@ -1,43 +1,26 @@
 //! How often a step takes memory.
 
+use crate::backends::BODY;
 use crate::common;
 use amontons::case::{self, Source};
 use amontons::problem::Problem;
 use amontons::scheme::{BackwardEuler, Scheme};
 
-/// A box on a layer with friction and heat, solved with a factor.
-const BOX: &str = r#"
-name = "box"
-[mesh]
-kind = "box"
-size = [1.0, 1.0, 1.0]
-n = 4
-[time]
-end = 0.25
-steps = 8
-[solver]
-solver = "direct"
-[material]
-density = 1.0
-heat_capacity = 1.0
-conductivity = 1.0
-expansion = 1.0
-coupling = 1.0
-elasticity = { law = "isotropic", young = 2.0, poisson = 0.1 }
-viscosity = { law = "lame", first = 10.0, second = 10.0 }
-[load]
-body_force = [0.3, 0.0, -1.0]
-heat_source = 1.0
-[[boundary]]
-on = "top"
-displacement = [0, 0, 0]
-temperature = 0
-[contact]
-on = "bottom"
-normal = { law = "compliance", stiffness = 1e4 }
-friction = { law = "coulomb", coefficient = 0.2 }
-heat = { law = "ramp", conductance = 1.0, width = 1e-5, foundation_temperature = 0.0 }
-"#;
+/// What makes of the box of the tests of backends one on a layer with friction and heat, solved with a factor.
+const WITH_HEAT: &[&str] = &[
+    "solver.solver=direct",
+    "time.steps=8",
+    "time.end=0.25",
+    "material.density=1",
+    "material.heat_capacity=1",
+    "material.conductivity=1",
+    "material.viscosity={ law = \"lame\", first = 10.0, second = 10.0 }",
+    "load.body_force=[0.3, 0.0, -1.0]",
+    "load.heat_source=1",
+    "contact.normal={ law = \"compliance\", stiffness = 1e4 }",
+    "contact.friction={ law = \"coulomb\", coefficient = 0.2 }",
+    "contact.heat={ law = \"ramp\", conductance = 1.0, width = 1e-5, foundation_temperature = 0.0 }",
+];
 
 /// How often a step takes memory at the most, and each Newton iteration on Γ_C after the first.
 const STEP: u64 = 280;
@@ -71,7 +54,9 @@ fn a_step_takes_memory_for_vectors_alone() {
         }
     }
     for n in [3, 6, 12] {
-        let case = case::parse(&Source::new("box.toml", BOX), &[format!("mesh.n={n}")]);
+        let overrides: Vec<String> =
+            WITH_HEAT.iter().map(|&set| set.to_owned()).chain([format!("mesh.n=[{n}, {n}, {n}]")]).collect();
+        let case = case::parse(&Source::new("box.toml", BODY), &overrides);
         assert_taken(&format!("a box of n = {n}"), &case.unwrap_or_else(|faults| panic!("{faults}")).problem);
     }
 }

@@ -250,8 +250,8 @@ fn every_test_file_is_part_of_a_program() {
     assert!(lost.is_empty(), "{lost:?}");
 }
 
-/// Whether the tests of the library have what follows `--test` in a text: a program, and words that are each the name
-/// of a file or a part of one of its test's.
+/// Whether the tests of the library have what follows `--test` in a text: the name of a program, and words of which
+/// each is the name of one of its files or a part of the name of one of its tests.
 fn has_tests(named: &str) -> bool {
     let mut words = named.split_whitespace().skip_while(|word| *word == "--");
     let Some(program) = words.next() else { return false };
