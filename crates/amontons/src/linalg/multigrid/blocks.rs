@@ -1,11 +1,14 @@
-//! Sparse matrices of rectangular blocks, and their products.
+//! Sparse matrices of rectangular blocks, and their products with vectors.
+
+use std::ops::Range;
 
 use rayon::prelude::*;
 
+use super::product::add_product;
 use crate::linalg::pages::Numbers;
 
 /// Block rows that are worked on at once: large enough to pay for a task, the same whatever the number of threads.
-const CHUNK: usize = 1024;
+pub(super) const CHUNK: usize = 1024;
 
 /// A number that matrices are made of.
 pub(super) trait Real:
@@ -36,6 +39,42 @@ pub(super) struct Blocks<T: Real> {
     pub values: Numbers<T>,
 }
 
+/// Where blocks stand: where the rows begin, with the end of the last, and the columns of their blocks.
+#[derive(Clone, Copy)]
+pub(super) struct Places<'a> {
+    pub start: &'a [u32],
+    pub columns: &'a [u32],
+}
+
+impl<'a> Places<'a> {
+    /// Number of block rows.
+    pub fn len(&self) -> usize {
+        self.start.len().saturating_sub(1)
+    }
+
+    /// The columns of the blocks of a row.
+    pub fn row(&self, i: usize) -> &'a [u32] {
+        &self.columns[self.start[i] as usize..self.start[i + 1] as usize]
+    }
+}
+
+/// Parts of so many rows, their numbers and their blocks of `size` entries; rows begin where `start` says.
+pub(super) fn parted<'v, T>(
+    mut values: &'v mut [T],
+    start: &[u32],
+    size: usize,
+    rows: usize,
+) -> Vec<(Range<usize>, &'v mut [T])> {
+    let count = start.len().saturating_sub(1);
+    let part = |first: usize| {
+        let last = (first + rows).min(count);
+        let (own, others) = std::mem::take(&mut values).split_at_mut((start[last] - start[first]) as usize * size);
+        values = others;
+        (first..last, own)
+    };
+    (0..count).step_by(rows).map(part).collect()
+}
+
 impl<T: Real> Blocks<T> {
     /// Number of block rows.
     pub fn len(&self) -> usize {
@@ -53,7 +92,7 @@ impl<T: Real> Blocks<T> {
     /// Puts rows together that are made one after the other, some at once.
     pub fn from_rows<F>(rows: usize, width: usize, shape: [usize; 2], make: F) -> Blocks<T>
     where
-        F: Fn(std::ops::Range<usize>) -> Rows<T> + Sync,
+        F: Fn(Range<usize>) -> Rows<T> + Sync,
     {
         let chunks: Vec<Rows<T>> =
             (0..rows.div_ceil(CHUNK)).into_par_iter().map(|c| make(c * CHUNK..((c + 1) * CHUNK).min(rows))).collect();
@@ -105,72 +144,37 @@ impl<T: Real> Blocks<T> {
         Blocks { shape: [c, r], width: self.len(), start, columns, values }
     }
 
-    /// The product with another matrix. Its blocks are written where they stay, so that a large product is never in
-    /// memory twice.
-    pub fn times(&self, other: &Blocks<T>) -> Blocks<T> {
-        let shape = [self.shape[0], other.shape[1]];
+    /// A matrix of blocks at these places, zero at first. `fill` is given some rows and writes their blocks where they
+    /// stay.
+    pub fn filled<F>(shape: [usize; 2], width: usize, (start, columns): (Vec<u32>, Vec<u32>), fill: F) -> Blocks<T>
+    where
+        F: Fn(Range<usize>, &mut [T]) + Sync,
+    {
         let size = shape[0] * shape[1];
-        let (start, columns) = self.pattern(other);
-        let fill = |range: std::ops::Range<usize>, values: &mut [T]| {
-            let (first, mut slot_of) = (start[range.start], vec![0u32; other.width]);
-            for i in range {
-                for slot in start[i]..start[i + 1] {
-                    slot_of[columns[slot as usize] as usize] = slot - first;
-                }
-                for (k, a) in self.row(i) {
-                    for (j, b) in other.row(k) {
-                        let out = &mut values[slot_of[j] as usize * size..][..size];
-                        add_product(a, b, out, [shape[0], self.shape[1], shape[1]]);
-                    }
-                }
-            }
-        };
         let values = Numbers::of(columns.len() * size, |values| {
-            rayon::scope(|scope| {
-                let mut rest = values;
-                for first in (0..self.len()).step_by(CHUNK) {
-                    let range = first..(first + CHUNK).min(self.len());
-                    let (own, others) = rest.split_at_mut((start[range.end] - start[range.start]) as usize * size);
-                    rest = others;
-                    let fill = &fill;
-                    scope.spawn(move |_| fill(range, own));
-                }
-            });
+            let parts = parted(values, &start, size, CHUNK);
+            parts.into_par_iter().for_each(|(rows, values)| fill(rows, values));
         });
-        Blocks { shape, width: other.width, start, columns, values }
+        Blocks { shape, width, start, columns, values }
     }
 
-    /// Where the rows of the product with another matrix begin, and the columns of their blocks.
-    fn pattern(&self, other: &Blocks<T>) -> (Vec<u32>, Vec<u32>) {
-        let of_chunk = |chunk: usize| {
-            // The last row that a column was seen in, counted from one.
-            let mut seen = vec![0u32; other.width];
-            let (mut lengths, mut columns) = (Vec::with_capacity(CHUNK), Vec::new());
-            for i in chunk * CHUNK..((chunk + 1) * CHUNK).min(self.len()) {
-                let before = columns.len();
-                for (k, _) in self.row(i) {
-                    for (j, _) in other.row(k) {
-                        if std::mem::replace(&mut seen[j], i as u32 + 1) != i as u32 + 1 {
-                            columns.push(j as u32);
-                        }
-                    }
-                }
-                lengths.push((columns.len() - before) as u32);
+    /// Where the blocks stand.
+    pub fn places(&self) -> Places<'_> {
+        Places { start: &self.start, columns: &self.columns }
+    }
+
+    /// Changes the blocks of each row: its number, their columns and the blocks.
+    pub fn change_rows(&mut self, change: impl Fn(usize, &[u32], &mut [T]) + Sync) {
+        let Blocks { shape: [r, c], start, columns, values, .. } = self;
+        let (start, columns) = (&start[..], &columns[..]);
+        parted(values, start, *r * *c, CHUNK).into_par_iter().for_each(|(rows, mut values)| {
+            for i in rows {
+                let range = start[i] as usize..start[i + 1] as usize;
+                let (own, others) = values.split_at_mut(range.len() * *r * *c);
+                values = others;
+                change(i, &columns[range], own);
             }
-            (lengths, columns)
-        };
-        let chunks: Vec<(Vec<u32>, Vec<u32>)> = (0..self.len().div_ceil(CHUNK)).into_par_iter().map(of_chunk).collect();
-        let (mut start, mut columns, mut end) = (Vec::with_capacity(self.len() + 1), Vec::new(), 0);
-        start.push(0);
-        columns.reserve_exact(chunks.iter().map(|(_, columns)| columns.len()).sum());
-        for (lengths, own) in chunks {
-            columns.extend(own);
-            start.extend(lengths.iter().map(|length| {
-                end += length;
-                end
-            }));
-        }
-        (start, columns)
+        });
     }
 
     /// y = A x, or y += A x.
@@ -255,40 +259,6 @@ impl<T> Default for Rows<T> {
     }
 }
 
-/// out += A B of blocks r × m and m × c. Those of bodies in the plane and in space have sizes that the loops know.
-pub(super) fn add_product<T: Real>(a: &[T], b: &[T], out: &mut [T], sizes: [usize; 3]) {
-    match sizes {
-        [_, 2, 3] => add_sized::<T, 2, 3>(a, b, out),
-        [_, 3, 3] => add_sized::<T, 3, 3>(a, b, out),
-        [_, 3, 6] => add_sized::<T, 3, 6>(a, b, out),
-        [_, 6, 6] => add_sized::<T, 6, 6>(a, b, out),
-        [r, m, c] => add_loops(a, b, out, [r, m, c]),
-    }
-}
-
-fn add_sized<T: Real, const M: usize, const C: usize>(a: &[T], b: &[T], out: &mut [T]) {
-    let ((a, _), (b, _), (out, _)) = (a.as_chunks::<M>(), b.as_chunks::<C>(), out.as_chunks_mut::<C>());
-    let b: &[[T; C]] = &b[..M];
-    for (a, out) in a.iter().zip(out) {
-        for k in 0..M {
-            for j in 0..C {
-                out[j] += a[k] * b[k][j];
-            }
-        }
-    }
-}
-
-fn add_loops<T: Real>(a: &[T], b: &[T], out: &mut [T], [r, m, c]: [usize; 3]) {
-    for i in 0..r {
-        for k in 0..m {
-            let factor = a[i * m + k];
-            for j in 0..c {
-                out[i * c + j] += factor * b[k * c + j];
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -326,6 +296,11 @@ mod tests {
                 let columns: std::collections::HashSet<usize> = product.row(i).map(|(j, _)| j).collect();
                 assert_eq!(columns.len(), product.row(i).count(), "a column stands twice in row {i}");
             }
+            let transposed = a.transposed();
+            let around = transposed.around(&sample(rows, rows, [r, r]), &a);
+            let apart = transposed.times(&sample(rows, rows, [r, r]).times(&a));
+            assert_eq!((around.shape, &around.start, &around.columns), (apart.shape, &apart.start, &apart.columns));
+            assert_eq!(around.values[..], apart.values[..]);
             let y: Vec<f64> = (0..rows * r).map(|i| ((i * 3) % 5) as f64).collect();
             let (mut ay, mut aty) = (vec![0.0; rows * r], vec![0.0; 7 * m]);
             a.apply(&bx, &mut ay, false);

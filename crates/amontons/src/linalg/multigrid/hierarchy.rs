@@ -122,7 +122,7 @@ impl Hierarchy {
             let (tentative, coarse_modes) = tentative(&of, count, &modes, [level_size, plan.count]);
             let smoothed = smoothed(&matrix, &diagonal, &tentative, largest, masked.take().as_deref());
             let restriction = smoothed.transposed();
-            let coarse = with_unit_blocks(restriction.times(&matrix.times(&smoothed)));
+            let coarse = with_unit_blocks(restriction.around(&matrix, &smoothed));
             levels.push(single(Some([smoothed.single(1.0), restriction.single(1.0)])));
             (matrix, modes) = (std::borrow::Cow::Owned(coarse), coarse_modes);
             takes_part = vec![true; count];
@@ -249,7 +249,7 @@ impl Beside {
     fn add(&self, n: usize, x: &[f32], y: &mut [f32]) {
         for (&[i, j], block) in self.at.iter().zip(self.values.chunks_exact(n * n)) {
             let (x, y) = (&x[j as usize * n..][..n], &mut y[i as usize * n..][..n]);
-            super::blocks::add_product(block, x, y, [n, n, 1]);
+            super::product::add_product(block, x, y, [n, n, 1]);
         }
     }
 }
@@ -347,26 +347,20 @@ fn smoothed(
 ) -> Blocks<f64> {
     let (mut smoothed, n, m) = (matrix.times(tentative), tentative.shape[0], tentative.shape[1]);
     let omega = 4.0 / (3.0 * largest);
-    let size = n * m;
-    for i in 0..matrix.len() {
+    smoothed.change_rows(|i, columns, values| {
         let inverse = &diagonal[i * n * n..][..n * n];
-        let own: Option<(usize, &[f64])> = tentative.row(i).next();
-        let range = smoothed.start[i] as usize..smoothed.start[i + 1] as usize;
-        let (columns, values) =
-            (&smoothed.columns[range.clone()], &mut smoothed.values[range.start * size..range.end * size]);
-        for (&j, block) in columns.iter().zip(values.chunks_exact_mut(size)) {
-            let product = block.to_vec();
-            block.fill(0.0);
-            super::blocks::add_product(inverse, &product, block, [n, n, m]);
+        let own = tentative.row(i).next();
+        let mut product = vec![0.0; n * m];
+        for (&j, block) in columns.iter().zip(values.chunks_exact_mut(n * m)) {
+            product.fill(0.0);
+            super::product::add_product(inverse, block, &mut product, [n, n, m]);
             let tentative = own.filter(|(a, _)| *a == j as usize).map(|(_, t)| t);
             for (k, value) in block.iter_mut().enumerate() {
-                *value = tentative.map_or(0.0, |t| t[k]) - omega * *value;
-                if takes_part.is_some_and(|takes_part| !takes_part[i * n + k / m]) {
-                    *value = 0.0;
-                }
+                let is_left_out = takes_part.is_some_and(|takes_part| !takes_part[i * n + k / m]);
+                *value = if is_left_out { 0.0 } else { tentative.map_or(0.0, |t| t[k]) - omega * product[k] };
             }
         }
-    }
+    });
     smoothed
 }
 

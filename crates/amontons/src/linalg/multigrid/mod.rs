@@ -9,6 +9,7 @@ mod condensed;
 mod hierarchy;
 mod local;
 mod precondition;
+mod product;
 mod surface;
 
 use std::sync::Arc;

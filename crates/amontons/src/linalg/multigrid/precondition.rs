@@ -192,23 +192,23 @@ pub(super) fn cut(block: &[f64], firm: f64, n: usize) -> Vec<f64> {
 fn restricted(body: &Body) -> Blocks<f64> {
     let (n, _) = body.matrix.block_shape();
     let nodes = body.free.len() / n;
-    Blocks::from_rows(nodes, nodes, [n, n], |range| {
-        let mut rows = Rows::default();
-        for i in range {
-            for (j, block) in body.matrix.row(i) {
-                let kept = |k: usize| body.free[i * n + k / n] && body.free[j * n + k % n];
-                if i != j && !(0..n * n).any(kept) {
-                    continue;
-                }
-                rows.columns.push(j as u32);
-                rows.values.extend(block.iter().enumerate().map(|(k, value)| {
-                    let alone = i == j && k / n == k % n;
-                    if kept(k) { *value } else { f64::from(u8::from(alone)) * value.abs().max(f64::MIN_POSITIVE) }
-                }));
+    let kept = |i: usize, j: usize, k: usize| body.free[i * n + k / n] && body.free[j * n + k % n];
+    let stands = |i: usize, j: usize| i == j || (0..n * n).any(|k| kept(i, j, k));
+    let (mut start, mut columns) = (Vec::with_capacity(nodes + 1), Vec::new());
+    start.push(0);
+    for i in 0..nodes {
+        columns.extend(body.matrix.graph().row(i).iter().filter(|&&j| stands(i, j as usize)));
+        start.push(columns.len() as u32);
+    }
+    Blocks::filled([n, n], nodes, (start, columns), |rows, values| {
+        let blocks = rows.flat_map(|i| body.matrix.row(i).map(move |(j, block)| (i, j, block)));
+        let standing = blocks.filter(|(i, j, _)| stands(*i, *j));
+        for ((i, j, block), out) in standing.zip(values.chunks_exact_mut(n * n)) {
+            for (k, (out, value)) in out.iter_mut().zip(block).enumerate() {
+                let alone = f64::from(u8::from(i == j && k / n == k % n));
+                *out = if kept(i, j, k) { *value } else { alone * value.abs().max(f64::MIN_POSITIVE) };
             }
-            rows.ends.push(rows.columns.len() as u32);
         }
-        rows
     })
 }
 
