@@ -1,8 +1,8 @@
 //! Meshes of several blocks: `[[mesh.blocks]]`.
 
 use super::build::Build;
-use super::memory::Demand;
-use super::mesh::{counts, generate};
+use super::memory::{Demand, Size};
+use super::mesh::{generate, size};
 use super::place::At;
 use super::raw;
 use crate::machine::Memory;
@@ -17,8 +17,8 @@ impl Build<'_> {
         contact_on: &[&str],
         available: Option<Memory>,
     ) -> Option<Mesh> {
-        let (mut bodies, mut nodes, mut contact_nodes) = (Vec::new(), 0.0, 0.0);
         let dim = blocks.first().map_or(0, dimension);
+        let (mut bodies, mut all) = (Vec::new(), Size { dim, ..Size::default() });
         for (i, block) in blocks.iter().enumerate() {
             let path = format!("mesh.blocks[{i}]");
             if blocks[..i].iter().any(|other| other.name == block.name) {
@@ -29,9 +29,11 @@ impl Build<'_> {
             let (shape, cells) = self.block_shape(&path, block, dim)?;
             let of_block: Vec<&str> =
                 contact_on.iter().filter_map(|on| on.strip_prefix(block.name.as_str())?.strip_prefix('_')).collect();
-            let (_, of_body, on_contact) = counts(&shape, &cells, &of_block);
-            (nodes, contact_nodes) = (nodes + of_body, contact_nodes + on_contact);
-            let demand = Demand::of(dim, nodes, contact_nodes).solved_by(self.solver);
+            let own = size(&shape, &cells, &of_block);
+            all.nodes += own.nodes;
+            all.contact_nodes += own.contact_nodes;
+            all.neighbours = all.neighbours.max(own.neighbours);
+            let demand = Demand::of(&all, self.solver);
             if !self.affordable(&path, "the blocks", "take fewer cells", &demand, available) {
                 return None;
             }

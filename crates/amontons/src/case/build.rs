@@ -385,7 +385,7 @@ mod tests {
         let notes = Notes { doubtful: &doubtful, limits: &[] };
         let (problem, findings) = problem(raw, &Files::None, Some(memory), notes, false);
         let said: Vec<String> = findings.iter().map(|f| format!("{}: {}, {}", f.path, f.found, f.expected)).collect();
-        let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 3.14 MB, a mesh for the 2.00 MB of memory that are free";
+        let expected = "mesh.n: 32 × 16 cells: 1683 unknowns, which need about 2.21 MB, a mesh for the 2.00 MB of memory that are free";
         assert_eq!(said, [expected]);
         assert!(problem.is_none());
         Ok(())

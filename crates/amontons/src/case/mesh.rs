@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 
 use super::build::Build;
-use super::memory::{self, Demand};
+use super::memory::{self, Demand, Size, neighbours};
 use super::path::Path;
 use super::place::At;
 use super::raw;
 use crate::machine::Memory;
 use crate::mesh::defects::{Defects, defects};
 use crate::mesh::{self, Diagonal, Elements, Mesh, MeshError};
+use crate::quadrature::Shape;
 
 /// The key of a mesh file.
 const FILE: &str = "mesh.file";
@@ -100,10 +101,18 @@ impl Build<'_> {
                     contact_on.iter().filter_map(|on| mesh.facets.get(*on)).map(|set| set.node_list().len()).sum();
                 // Each refinement doubles the nodes along every direction.
                 let times = |dim: usize| f64::from(1 << refine).powi(dim as i32);
-                let nodes = mesh.points.len() as f64 * times(mesh.dim);
-                let contact_nodes = contact_nodes as f64 * times(mesh.dim - 1);
+                let size = Size {
+                    dim: mesh.dim,
+                    nodes: mesh.points.len() as f64 * times(mesh.dim),
+                    contact_nodes: contact_nodes as f64 * times(mesh.dim - 1),
+                    neighbours: mesh
+                        .blocks
+                        .iter()
+                        .map(|block| neighbours(block.element.shape, block.element.degree))
+                        .fold(0.0, f64::max),
+                };
                 let cells = mesh.cell_count() as f64 * times(mesh.dim);
-                let demand = Demand::of(mesh.dim, nodes, contact_nodes).solved_by(self.solver);
+                let demand = Demand::of(&size, self.solver);
                 self.affordable(FILE, &format!("{cells} cells"), "take a coarser mesh", &demand, available)
             });
             let mesh = mesh.and_then(|mesh| self.refined(mesh, *refine));
@@ -124,7 +133,7 @@ impl Build<'_> {
                 Some("remove one of them"),
             );
         }
-        let demand = demand(raw, &cells, contact_on).solved_by(self.solver);
+        let demand = Demand::of(&size(raw, &cells, contact_on), self.solver);
         let crosses = cells.iter().map(ToString::to_string).collect::<Vec<_>>().join(" × ");
         let fits = self.affordable("mesh.n", &format!("{crosses} cells"), "take fewer cells", &demand, available);
         // A case with faults is not run: a few cells tell which sides there are.
@@ -229,18 +238,12 @@ fn few(raw: &raw::Mesh, cells: &[usize]) -> Vec<usize> {
     cells.iter().enumerate().map(|(i, n)| (*n).min(if is_round && i == 1 { 64 } else { 4 })).collect()
 }
 
-/// What a run on a generated mesh needs.
-fn demand(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Demand {
-    let (dim, nodes, contact_nodes) = counts(raw, cells, contact_on);
-    Demand::of(dim, nodes, contact_nodes)
-}
-
-/// Dimension of a generated mesh, its nodes, and those on Γ_C.
-pub(super) fn counts(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> (usize, f64, f64) {
+/// The size of a generated mesh.
+pub(super) fn size(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> Size {
     let sum = |of: &dyn Fn(&str) -> f64| contact_on.iter().map(|side| of(side)).sum::<f64>();
     let degree = |e: raw::Elements| elements(e).degree() as f64;
     let along = |degree: f64, n: usize| degree * n as f64 + 1.0;
-    match (raw, cells) {
+    let (dim, nodes, contact_nodes) = match (raw, cells) {
         (raw::Mesh::Interval { elements: e, .. }, &[n]) => (1, along(degree(*e), n), sum(&|_| 1.0)),
         (raw::Mesh::Rectangle { elements: e, diagonal: cut, .. }, &[nx, ny]) => {
             // Each crossed square has a node in the middle, and of degree 2 four more around it.
@@ -273,5 +276,35 @@ pub(super) fn counts(raw: &raw::Mesh, cells: &[usize], contact_on: &[&str]) -> (
             (3, section * axial, on_contact)
         }
         _ => (2, 0.0, 0.0),
+    };
+    Size {
+        dim,
+        nodes,
+        contact_nodes,
+        neighbours: kind(raw).map_or(0.0, |kind| neighbours(cell(kind, dim), kind.degree())),
+    }
+}
+
+/// What a generated mesh is made of.
+fn kind(raw: &raw::Mesh) -> Option<Elements> {
+    match raw {
+        raw::Mesh::Interval { elements: e, .. }
+        | raw::Mesh::Rectangle { elements: e, .. }
+        | raw::Mesh::Box { elements: e, .. }
+        | raw::Mesh::Disc { elements: e, .. }
+        | raw::Mesh::Ring { elements: e, .. }
+        | raw::Mesh::Cylinder { elements: e, .. } => Some(elements(*e)),
+        raw::Mesh::File { .. } | raw::Mesh::Blocks { .. } => None,
+    }
+}
+
+/// The shape of its cells.
+fn cell(kind: Elements, dim: usize) -> Shape {
+    match (dim, kind.are_simplices()) {
+        (1, _) => Shape::Segment,
+        (2, true) => Shape::Triangle,
+        (2, false) => Shape::Quadrilateral,
+        (_, true) => Shape::Tetrahedron,
+        (_, false) => Shape::Hexahedron,
     }
 }
