@@ -44,13 +44,13 @@ pub(super) fn neighbours(shape: Shape, degree: usize) -> f64 {
 impl Demand {
     /// The most that a run takes with its certificate, besides some 25 MB for the program.
     ///
-    /// Mesh, forms, the levels of an iteration and vectors are in proportion to the nodes and their neighbours. A factor
-    /// of a plane problem holds about 4.8 N log₂ N doubles, N the unknowns of the displacement. In space nested
-    /// dissection leaves O(n^{4/3}) blocks for n nodes (George & Liu, 1981), 9 doubles a block of the displacement and 1
-    /// of the temperature: measured 5.6 n^{4/3} blocks on a box of 9³ nodes, rising to 9.3 n^{4/3} at 21³. Both are for
-    /// linear simplices; the more neighbours a node has, the more is filled in. The certificate has a factor of its own
-    /// beside that of a step, and the condensed operator is dense, with its last factors. Measured, see the test below:
-    /// 0.5 to 0.95 of this.
+    /// Mesh, forms, levels of an iteration and vectors are in proportion to the nodes and their neighbours. A factor of
+    /// a plane problem holds about 4.8 N log₂ N doubles, N the unknowns of the displacement. In space nested
+    /// dissection leaves O(n^{4/3}) blocks for n nodes (George & Liu, 1981), of 9 doubles for the displacement and of
+    /// 1 for the temperature: measured 5.6 n^{4/3} blocks on a box of 9³ nodes, rising to 9.3 n^{4/3} at 21³. Both are
+    /// for linear simplices; the more neighbours a node has, the more is filled in. The certificate has a factor of its
+    /// own beside that of a step, and the condensed operator is dense, with its last factors. Measured, see the test
+    /// below: 0.5 to 0.95 of this.
     pub fn of(size: &Size, solver: raw::Backend) -> Demand {
         let Size { dim, nodes, contact_nodes, neighbours } = *size;
         let components = dim as f64;

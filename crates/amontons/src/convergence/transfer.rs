@@ -1,5 +1,8 @@
 //! Differences of functions on two meshes: exact by interpolation where the meshes are nested, and exact
 //! on the intersections of the cells where they are not.
+//!
+//! A body that is rounded is another one on each mesh: the cells of the finer one reach beyond those of the coarser one
+//! by as much as a chord differs from its arc. There the coarse function is continued beyond its cell.
 
 use crate::convergence::norms::{Errors, Products, of_difference};
 use crate::element::{MAX_NODES, P1_TRIANGLE, ShapeTable};
@@ -14,7 +17,10 @@ use crate::tensor::{Point, Sym};
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TransferError {
     /// A point of one mesh lies outside the other.
-    #[error("the point ({:.6e}, {:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ", .0[0], .0[1], .0[2])]
+    #[error(
+        "the point ({:.6e}, {:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ; a level of a rounded body must divide the level of the reference, and its cells must be higher than the arc is over its chord",
+        .0[0], .0[1], .0[2]
+    )]
     Outside(Point),
     /// The meshes have cells that cannot be intersected.
     #[error("meshes of {0} cells are compared only where they are nested: straight cells, each halved")]
@@ -38,7 +44,8 @@ pub struct Transfer<'a> {
 }
 
 enum Way {
-    /// Nested: the coarse function is interpolated at the nodes of the reference, without error.
+    /// Nested: the coarse function is interpolated at the nodes of the reference, without error where edges are
+    /// straight.
     Interpolate(Vec<Vec<(u32, f64)>>),
     /// Not nested: squares are integrated over the intersections of the cells.
     Intersect(Vec<Piece>),
@@ -64,7 +71,9 @@ impl<'a> Transfer<'a> {
     ) -> Result<Transfer<'a>, TransferError> {
         let fine = &reference.mesh;
         let locator = Locator::new(coarse);
-        let way = if let Some(located) = nested(fine, &locator) {
+        let outside = || fine.points.iter().find(|p| locator.find(p).is_none());
+        let located = nested(fine, &locator).or_else(|| outside().and_then(|_| rounded(fine, &locator)));
+        let way = if let Some(located) = located {
             let mut values = [0.0; MAX_NODES];
             let mut entry = |&(at, x): &(At, Point)| -> Vec<(u32, f64)> {
                 let (element, nodes) = locator.cell(at);
@@ -73,7 +82,7 @@ impl<'a> Transfer<'a> {
             };
             Way::Interpolate(located.iter().map(&mut entry).collect())
         } else {
-            if let Some(outside) = fine.points.iter().find(|p| locator.find(p).is_none()) {
+            if let Some(outside) = outside() {
                 return Err(TransferError::Outside(*outside));
             }
             for mesh in [&**fine, coarse] {
@@ -189,6 +198,26 @@ fn nested(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
                 let x = reference_point(coarse.mesh(), element, nodes, &fine.points[node as usize])
                     .filter(|x| element.shape.depth(x) > OUTSIDE)?;
                 located[node as usize].get_or_insert((at, x));
+            }
+        }
+    }
+    located.into_iter().collect()
+}
+
+/// Where the nodes of the fine mesh of a rounded body are in the coarse one, whose edges it cuts into equal parts by
+/// the number of cells: each in a cell of its region that it lies in or next to. The corners of coarse cells lie on the
+/// arcs, so that functions that are continued from neighbouring cells to an arc differ little where they meet.
+fn rounded(fine: &Mesh, coarse: &Locator) -> Option<Vec<(At, Point)>> {
+    let parts = (fine.cell_count() as f64 / coarse.mesh().cell_count() as f64).powf(1.0 / fine.dim as f64);
+    if (parts - parts.round()).abs() > 1e-6 {
+        return None;
+    }
+    let mut located = vec![None; fine.points.len()];
+    for block in &fine.blocks {
+        for &node in &block.nodes {
+            let (place, p) = (&mut located[node as usize], &fine.points[node as usize]);
+            if place.is_none() {
+                *place = Some(coarse.find_near(p, block.region)?);
             }
         }
     }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::{Mesh, invert};
 use crate::element::{Element, MAX_NODES};
-use crate::tensor::Point;
+use crate::tensor::{Point, length};
 
 /// How far outside the reference cell a point may lie and still belong to it, for round-off.
 pub(crate) const OUTSIDE: f64 = -1e-9;
@@ -138,26 +138,47 @@ impl<'a> Locator<'a> {
 
     /// The cell in which a point lies deepest, and its reference coordinates there.
     pub(crate) fn find(&self, p: &Point) -> Option<(At, Point)> {
-        let deeper = |best: Option<(f64, At, Point)>, found: (f64, At, Point)| match best {
-            Some(best) if best.0 >= found.0 => Some(best),
-            _ => Some(found),
+        deepest(self.near(p, OUTSIDE))
+    }
+
+    /// The same among the cells of a region. Where the point lies outside of all, but less far than a cell is high, the
+    /// cell that it lies next to: the part of the way from the centre of the cell to the point that is outside is the
+    /// shortest.
+    pub(crate) fn find_near(&self, p: &Point, region: usize) -> Option<(At, Point)> {
+        let cells =
+            || self.near(p, -1.0).filter(|(_, (block, _), _)| self.mesh.blocks[*block as usize].region == region);
+        let beyond = |(_, at, x): &(f64, At, Point)| {
+            let (element, nodes) = self.cell(*at);
+            let (centre, mut inside, mut outside) = (element.centre(), 0.0, 1.0);
+            for _ in 0..30 {
+                let share = 0.5 * (inside + outside);
+                let there = std::array::from_fn(|d| centre[d] + share * (x[d] - centre[d]));
+                *(if element.shape.depth(&there) > 0.0 { &mut inside } else { &mut outside }) = share;
+            }
+            let mean =
+                |d: usize| nodes.iter().map(|&n| self.mesh.points[n as usize][d]).sum::<f64>() / nodes.len() as f64;
+            (1.0 - inside) * length(&std::array::from_fn(|d| p[d] - mean(d)))
         };
-        self.near(p).fold(None, deeper).map(|(_, at, x)| (at, x))
+        deepest(cells().filter(|(depth, ..)| *depth > OUTSIDE))
+            .or_else(|| deepest(cells().map(|cell| (-beyond(&cell), cell.1, cell.2))))
     }
 
     /// All cells that have a point inside or on their boundary, as block and cell in the block.
     pub(crate) fn around(&self, p: &Point) -> Vec<(usize, usize)> {
-        self.near(p).map(|(_, (block, cell), _)| (block as usize, cell as usize)).collect()
+        self.near(p, OUTSIDE).map(|(_, (block, cell), _)| (block as usize, cell as usize)).collect()
     }
 
-    /// The cells that have a point, with its depth and its reference coordinates there.
-    fn near(&self, p: &Point) -> impl Iterator<Item = (f64, At, Point)> {
-        let at = |at: At| {
+    /// The cells in which a point lies deeper than `least`, with its depth and its reference coordinates there.
+    fn near(&self, p: &Point, least: f64) -> impl Iterator<Item = (f64, At, Point)> {
+        let at = move |at: At| {
             let (element, nodes) = self.cell(at);
             let x = reference_point(self.mesh, element, nodes, p)?;
-            Some((element.shape.depth(&x), at, x)).filter(|(depth, ..)| *depth > OUTSIDE)
+            Some((element.shape.depth(&x), at, x)).filter(|(depth, ..)| *depth > least)
         };
-        let buckets = self.range(std::iter::once(p), 0.0);
+        // A cell reaches less far than it is large.
+        let far = if least < OUTSIDE { 0.5 } else { 0.0 };
+        let corner = |side: f64| std::array::from_fn(|d| p[d] + side * far * self.grid.width[d]);
+        let buckets = self.range([&corner(-1.0), &corner(1.0)].into_iter(), 0.0);
         let mut seen: Vec<At> = buckets.iter().flat_map(|&bucket| self.bucket(bucket)).copied().collect();
         if buckets.len() > 1 {
             let mut before = Vec::with_capacity(seen.len());
@@ -170,6 +191,15 @@ impl<'a> Locator<'a> {
         }
         seen.into_iter().filter_map(at)
     }
+}
+
+/// The first of the cells in which a point lies deepest.
+fn deepest(cells: impl Iterator<Item = (f64, At, Point)>) -> Option<(At, Point)> {
+    let deeper = |best: Option<(f64, At, Point)>, found: (f64, At, Point)| match best {
+        Some(best) if best.0 >= found.0 => Some(best),
+        _ => Some(found),
+    };
+    cells.fold(None, deeper).map(|(_, at, x)| (at, x))
 }
 
 fn bounds<'p>(points: impl Iterator<Item = &'p Point>) -> (Point, Point) {

@@ -213,3 +213,42 @@ fn a_study_on_a_mesh_file_observes_the_orders() {
     let told = case::study(&source, &[], &wrong).expect_err("a refusal").to_string();
     assert!(told.contains("level 3 of a mesh from a file") && told.contains("1, 2, 4"), "{told}");
 }
+
+/// A rounded body is another one on each mesh. A study against a fine mesh observes the errors of one against the
+/// closed form: Lamé's tube in a sector, and a disc that is held at its rim and pulled outward by the force (x, y),
+/// which has u = (1 − r²)/(8 (λ + 2 μ)) (x, y).
+#[test]
+fn studies_of_rounded_bodies_observe_the_errors() {
+    let tube = "[mesh]\nkind = \"ring\"\nradii = [1.0, 2.0]\nangle = 1.0\nn = [4, 4]\nelements = \"KIND\"\n\
+        [[boundary]]\non = \"inner\"\npressure = 1\n[[boundary]]\non = \"start\"\nnormal_displacement = 0\n\
+        [[boundary]]\non = \"end\"\nnormal_displacement = 0\n\
+        [exact]\ndisplacement = [\"1.3/3000*(0.4 + 4/(x^2 + y^2))*x\", \"1.3/3000*(0.4 + 4/(x^2 + y^2))*y\"]\n";
+    let disc = "[mesh]\nkind = \"disc\"\nradius = 1.0\nn = [4, 16]\nelements = \"KIND\"\n\
+        [load]\nbody_force = [\"x\", \"y\"]\n[[boundary]]\non = \"outer\"\ndisplacement = [0.0, 0.0]\n\
+        [exact]\ndisplacement = [\"0.52/5600*(1 - x^2 - y^2)*x\", \"0.52/5600*(1 - x^2 - y^2)*y\"]\n";
+    let common = "[time]\nend = 1\nsteps = 1\n[material]\ndensity = 0\n\
+        elasticity = { law = \"isotropic\", young = 1000.0, poisson = 0.3, stress_state = \"plane-strain\" }\n";
+    let errors = |text: &str, reference: ReferenceRequest| -> Vec<f64> {
+        let source = Source::new("rounded.toml", format!("name = \"rounded\"\n{text}{common}"));
+        let request = StudyRequest { vary: Vary::Space, levels: vec![4, 8], reference, power: 1 };
+        let study = case::study(&source, &[], &request).unwrap_or_else(|error| panic!("{error}"));
+        let table = study.run(&StudySettings::default()).unwrap_or_else(|error| panic!("{error}"));
+        table.rows.iter().map(|row| row.error_u).collect()
+    };
+    for (body, elements, order, near) in [
+        (tube, "P1", 1.0, 0.1),
+        (tube, "P2", 2.0, 0.01),
+        (tube, "Q1", 1.0, 0.1),
+        (tube, "Q2", 2.0, 0.01),
+        (disc, "P1", 1.0, 0.1),
+        (disc, "Q1", 1.0, 0.1),
+    ] {
+        let text = body.replace("KIND", elements);
+        let (against, exact) = (errors(&text, ReferenceRequest::Level(64)), errors(&text, ReferenceRequest::Exact));
+        let observed = (against[0] / against[1]).log2();
+        for (against, exact) in against.iter().zip(&exact) {
+            assert!((against / exact - 1.0).abs() < near, "{elements}: {against:e}, expected {exact:e}");
+        }
+        assert!((observed - order).abs() < 0.1 + near, "{elements}: order {observed}");
+    }
+}
