@@ -225,12 +225,27 @@ fn at_most_fifty_faults_are_told() {
     assert_code(&printed, 2);
 }
 
-/// Where the disk has no room for the results, that is told before the first step.
+/// Where the disk has no room for the results, that is told before the first step, and before the first further one of
+/// a run that goes on. What there is of results stays.
 #[test]
 fn results_that_do_not_fit_on_the_disk_are_refused() {
     let folder = tempdir().expect("a folder");
     let out = folder.path().join("run");
-    let printed = run_paper(&out, 1_000_000_000, &["--no-certificate", "--set", "output.every=1"]);
-    assert_code(&printed, 4);
-    assert!(stderr(&printed).contains("are free on its disk"), "{}", stderr(&printed));
+    let refused = |printed: &Output| {
+        assert_code(printed, 4);
+        assert!(stderr(printed).contains("are free on its disk"), "{}", stderr(printed));
+    };
+    refused(&run_paper(&out, 1_000_000_000, &["--no-certificate", "--set", "output.every=1"]));
+    assert_code(&run_paper(&out, 4, &["--no-certificate", "--set", "output.every=1", "--force"]), 0);
+    let history = read(&out.join("history.csv"));
+    let resume = |steps: &str, end: &str| {
+        let sets = [format!("time.steps={steps}"), format!("time.end={end}")];
+        let place = out.display().to_string();
+        output(&mut amontons(&["resume", &place, "--no-certificate", "--set", &sets[0], "--set", &sets[1]]))
+    };
+    refused(&resume("1_000_000_000", "250_000_000.0"));
+    assert_eq!(read(&out.join("history.csv")), history);
+    // With as many steps as there is room for it goes on.
+    assert_code(&resume("6", "1.5"), 0);
+    assert_eq!(summary(&out)["steps"], 6);
 }
