@@ -42,7 +42,8 @@ pub(super) fn neighbours(shape: Shape, degree: usize) -> f64 {
 }
 
 impl Demand {
-    /// The most that a run takes with its certificate, besides some 25 MB for the program.
+    /// The most that a run takes with its certificate, besides some 25 MB for the program. Where the program chooses
+    /// the solver it is that of an iteration, which is taken if a factor does not fit.
     ///
     /// Mesh, forms, levels of an iteration and vectors are in proportion to the nodes and their neighbours. A factor of
     /// a plane problem holds about 4.8 N log₂ N doubles, N the unknowns of the displacement. In space nested
@@ -52,6 +53,8 @@ impl Demand {
     /// own beside that of a step, and the condensed operator is dense, with its last factors. Measured, see the test
     /// below: 0.5 to 0.95 of this.
     pub fn of(size: &Size, solver: raw::Backend) -> Demand {
+        /// Blocks of a factor in space over n^{4/3}, on the safe side.
+        const FILL: f64 = 12.0;
         let Size { dim, nodes, contact_nodes, neighbours } = *size;
         let components = dim as f64;
         let (condensed, displacement) = (components * contact_nodes, components * nodes);
@@ -59,7 +62,7 @@ impl Demand {
         let [of_node, of_neighbour] = if in_space { [8200.0, 545.0] } else { [1700.0, 320.0] };
         let rest = (of_node + of_neighbour * neighbours) * nodes;
         let factor = if in_space {
-            8.0 * 10.0 * 12.0 * nodes.powf(4.0 / 3.0) * (neighbours / 15.0).powf(0.25)
+            8.0 * 10.0 * FILL * nodes.powf(4.0 / 3.0) * (neighbours / 15.0).powf(0.25)
         } else {
             8.0 * 4.8 * displacement * displacement.log2().max(0.0) * (neighbours / 7.0).powf(0.4)
         };
@@ -67,7 +70,6 @@ impl Demand {
         let direct = rest + 2.0 * factor + dense * 8.0 * condensed * condensed;
         let bytes = match solver {
             raw::Backend::Direct => direct,
-            // The program takes a factor where it fits.
             raw::Backend::Auto | raw::Backend::Iterative => rest,
         };
         Demand { nodes, unknowns: (components + 1.0) * nodes, bytes }

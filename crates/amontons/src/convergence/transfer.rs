@@ -18,7 +18,7 @@ use crate::tensor::{Point, Sym};
 pub enum TransferError {
     /// A point of one mesh lies outside the other.
     #[error(
-        "the point ({:.6e}, {:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ; a level of a rounded body must divide the level of the reference, and its cells must be higher than the arc is over its chord",
+        "the point ({:.6e}, {:.6e}, {:.6e}) of the reference mesh lies outside the mesh of the level: the bodies differ. For a rounded body the level must divide the level of the reference; if it does, take finer levels",
         .0[0], .0[1], .0[2]
     )]
     Outside(Point),

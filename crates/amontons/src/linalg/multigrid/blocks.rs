@@ -261,6 +261,7 @@ impl<T> Default for Rows<T> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::product::FINE;
     use super::*;
 
     fn sample(rows: usize, width: usize, shape: [usize; 2]) -> Blocks<f64> {
@@ -296,17 +297,39 @@ mod tests {
                 let columns: std::collections::HashSet<usize> = product.row(i).map(|(j, _)| j).collect();
                 assert_eq!(columns.len(), product.row(i).count(), "a column stands twice in row {i}");
             }
-            let transposed = a.transposed();
-            let around = transposed.around(&sample(rows, rows, [r, r]), &a);
-            let apart = transposed.times(&sample(rows, rows, [r, r]).times(&a));
-            assert_eq!((around.shape, &around.start, &around.columns), (apart.shape, &apart.start, &apart.columns));
-            assert_eq!(around.values[..], apart.values[..]);
             let y: Vec<f64> = (0..rows * r).map(|i| ((i * 3) % 5) as f64).collect();
             let (mut ay, mut aty) = (vec![0.0; rows * r], vec![0.0; 7 * m]);
             a.apply(&bx, &mut ay, false);
             a.transposed().apply(&y, &mut aty, false);
             let dot = |p: &[f64], q: &[f64]| p.iter().zip(q).map(|(p, q)| p * q).sum::<f64>();
             assert_eq!(dot(&ay, &y).to_bits(), dot(&bx, &aty).to_bits(), "{r} {m} {c}");
+        }
+    }
+
+    /// Pᵀ A P is that of two products one after the other, to the bit, with few rows and with those of several parts of
+    /// A P; A joins neighbours.
+    #[test]
+    fn a_coarse_matrix_is_that_of_two_products() {
+        for (rows, [r, m]) in [(9, [3, 6]), (2 * CHUNK + 5, [3, 3]), (2 * FINE + 5, [1, 1]), (FINE + 1, [2, 3])] {
+            let matrix = Blocks::from_rows(rows, rows, [r, r], |range| {
+                let mut made = Rows::default();
+                for i in range {
+                    for j in i.saturating_sub(2)..(i + 3).min(rows) {
+                        made.columns.push(j as u32);
+                        made.values.extend((0..r * r).map(|k| ((i * 3 + j * 7 + k * 5) % 11) as f64 - 5.0));
+                    }
+                    made.ends.push(made.columns.len() as u32);
+                }
+                made
+            });
+            let prolongation = sample(rows, 7, [r, m]);
+            let restriction = prolongation.transposed();
+            let around = restriction.around(&matrix, &prolongation);
+            let apart = restriction.times(&matrix.times(&prolongation));
+            assert_eq!((around.shape, &around.start, &around.columns), (apart.shape, &apart.start, &apart.columns));
+            let wrong =
+                around.values.iter().zip(&apart.values[..]).position(|(one, other)| one.to_bits() != other.to_bits());
+            assert_eq!(wrong, None, "{rows} rows");
         }
     }
 }

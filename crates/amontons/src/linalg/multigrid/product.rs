@@ -13,7 +13,7 @@ use super::blocks::{Blocks, CHUNK, Places, Real, parted};
 use crate::linalg::pages::Numbers;
 
 /// Block rows of A P that are made at once, and block rows of R A P that a thread adds them to.
-const FINE: usize = 8192;
+pub(super) const FINE: usize = 8192;
 const COARSE: usize = 64;
 
 impl<T: Real> Blocks<T> {
