@@ -17,6 +17,31 @@ const BITS: u32 = 12;
 /// ones has to end.
 const LATEST: usize = 32;
 
+/// Share of the rows of a matrix that may be different where they are stored once.
+const DIFFERENT: f64 = 0.25;
+
+/// Rows of which those are stored once that differ by no more than this share of their largest entry: where each of
+/// them begins, and their numbers. None where too many of them differ.
+pub(super) fn rows<'a>(count: usize, row: impl Fn(usize) -> &'a [f64], same: f64) -> Option<(Vec<u32>, Vec<f64>)> {
+    let (mut starts, mut values) = (Vec::with_capacity(count), Vec::new());
+    let (mut repeats, mut different) = (Repeats::new(same), 0.0);
+    for row in (0..count).map(row) {
+        let end = values.len();
+        values.extend_from_slice(row);
+        let place = repeats.place(row.len(), &values, end, &std::iter::once(row.len()));
+        if place < end {
+            values.truncate(end);
+        } else {
+            different += 1.0;
+        }
+        if different > DIFFERENT * count as f64 {
+            return None;
+        }
+        starts.push(u32::try_from(place).ok()?);
+    }
+    Some((starts, values))
+}
+
 /// The places of numbers that have been stored, by their kind: what else must be equal.
 #[derive(Debug)]
 pub(super) struct Repeats<Kind> {

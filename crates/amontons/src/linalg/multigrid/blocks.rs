@@ -1,7 +1,10 @@
 //! Sparse matrices of rectangular blocks, and their products with vectors.
 
+#![allow(clippy::inline_always, reason = "a loop is compiled for the vector instructions of the function it is in")]
+
 use std::ops::Range;
 
+use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::product::add_product;
@@ -179,50 +182,95 @@ impl<T: Real> Blocks<T> {
 
     /// y = A x, or y += A x.
     pub fn apply(&self, x: &[T], y: &mut [T], adds: bool) {
-        match self.shape {
-            [1, 1] => self.product::<1, 1>(x, y, adds),
-            [2, 2] => self.product::<2, 2>(x, y, adds),
-            [3, 3] => self.product::<3, 3>(x, y, adds),
-            [6, 6] => self.product::<6, 6>(x, y, adds),
-            [2, 3] => self.product::<2, 3>(x, y, adds),
-            [3, 2] => self.product::<3, 2>(x, y, adds),
-            [3, 6] => self.product::<3, 6>(x, y, adds),
-            [6, 3] => self.product::<6, 3>(x, y, adds),
-            [r, c] => {
-                for i in 0..self.len() {
-                    let out = &mut y[i * r..][..r];
-                    if !adds {
-                        out.fill(T::default());
-                    }
-                    for (j, block) in self.row(i) {
-                        add_product(block, &x[j * c..][..c], out, [r, c, 1]);
-                    }
+        let [r, c] = self.shape;
+        let row = |i: usize| {
+            let (from, to) = (self.start[i] as usize, self.start[i + 1] as usize);
+            (&self.columns[from..to], &self.values[from * r * c..to * r * c])
+        };
+        multiply(self.shape, row, x, y, adds);
+    }
+}
+
+/// y = A x, or y += A x, of a matrix of blocks of this shape; a row is given by the columns of its blocks and the
+/// blocks one after the other.
+pub(super) fn multiply<'a, T: Real>(
+    shape: [usize; 2],
+    row: impl Fn(usize) -> (&'a [u32], &'a [T]) + Sync,
+    x: &[T],
+    y: &mut [T],
+    adds: bool,
+) {
+    match shape {
+        [1, 1] => product::<T, 1, 1>(row, x, y, adds),
+        [2, 2] => product::<T, 2, 2>(row, x, y, adds),
+        [3, 3] => product::<T, 3, 3>(row, x, y, adds),
+        [6, 6] => product::<T, 6, 6>(row, x, y, adds),
+        [2, 3] => product::<T, 2, 3>(row, x, y, adds),
+        [3, 2] => product::<T, 3, 2>(row, x, y, adds),
+        [3, 6] => product::<T, 3, 6>(row, x, y, adds),
+        [6, 3] => product::<T, 6, 3>(row, x, y, adds),
+        [r, c] => {
+            for (i, out) in y.chunks_exact_mut(r.max(1)).enumerate() {
+                if !adds {
+                    out.fill(T::default());
+                }
+                let (columns, blocks) = row(i);
+                for (&j, block) in columns.iter().zip(blocks.chunks_exact((r * c).max(1))) {
+                    add_product(block, &x[j as usize * c..][..c], out, [r, c, 1]);
                 }
             }
         }
     }
+}
 
-    fn product<const R: usize, const C: usize>(&self, x: &[T], y: &mut [T], adds: bool) {
-        let (x, _) = x.as_chunks::<C>();
-        let (y, _) = y.as_chunks_mut::<R>();
-        let values = &self.values[..];
-        y.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, y)| {
-            for (k, y) in y.iter_mut().enumerate() {
-                let i = chunk * CHUNK + k;
-                let (from, to) = (self.start[i] as usize, self.start[i + 1] as usize);
-                let mut sum = if adds { *y } else { [T::default(); R] };
-                let blocks = values[from * R * C..to * R * C].chunks_exact(R * C);
-                for (&j, block) in self.columns[from..to].iter().zip(blocks) {
-                    let x = &x[j as usize];
-                    for a in 0..R {
-                        for b in 0..C {
-                            sum[a] += block[a * C + b] * x[b];
-                        }
+/// The same where the shape is known beforehand.
+fn product<'a, T: Real, const R: usize, const C: usize>(
+    row: impl Fn(usize) -> (&'a [u32], &'a [T]) + Sync,
+    x: &[T],
+    y: &mut [T],
+    adds: bool,
+) {
+    let ((x, _), (y, _)) = (x.as_chunks::<C>(), y.as_chunks_mut::<R>());
+    y.par_chunks_mut(CHUNK).enumerate().for_each(|(chunk, y)| {
+        Arch::new().dispatch(SomeRows { row: &row, first: chunk * CHUNK, x, y, adds });
+    });
+}
+
+/// Rows of a product, from the first of them on.
+struct SomeRows<'p, T, F, const R: usize, const C: usize> {
+    row: &'p F,
+    first: usize,
+    x: &'p [[T; C]],
+    y: &'p mut [[T; R]],
+    adds: bool,
+}
+
+impl<'a, T: Real, F, const R: usize, const C: usize> NullaryFnOnce for SomeRows<'_, T, F, R, C>
+where
+    F: Fn(usize) -> (&'a [u32], &'a [T]),
+{
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let SomeRows { row, first, x, y, adds } = self;
+        for (k, y) in y.iter_mut().enumerate() {
+            let (columns, blocks) = row(first + k);
+            // A sum per entry of the block: they do not wait for each other.
+            let mut sums = [[T::default(); C]; R];
+            for (&j, block) in columns.iter().zip(blocks.chunks_exact(R * C)) {
+                let x = &x[j as usize];
+                for a in 0..R {
+                    for b in 0..C {
+                        sums[a][b] += block[a * C + b] * x[b];
                     }
                 }
-                *y = sum;
             }
-        });
+            let before = if adds { *y } else { [T::default(); R] };
+            for a in 0..R {
+                y[a] = sums[a].iter().fold(before[a], |sum, part| sum + *part);
+            }
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use rayon::prelude::*;
 
 use super::aggregate::{aggregates, strong, tentative};
 use super::blocks::Blocks;
+use super::stored::Stored;
 use crate::linalg::error::SolveError;
 use crate::linalg::lu::Lu;
 use crate::linalg::stop::Stop;
@@ -28,7 +29,7 @@ const SHIFT: f64 = 1e-7;
 #[derive(Debug)]
 struct Level {
     /// A, with what contact adds.
-    matrix: Blocks<f32>,
+    matrix: Stored,
     /// What contact adds where A has no blocks: between nodes of different bodies.
     beside: Beside,
     /// The inverse blocks on the diagonal.
@@ -53,7 +54,7 @@ pub(super) struct Hierarchy {
     /// The factor of the coarsest matrix, and that matrix without contact over the scale. None where nodes are joined
     /// so weakly that there is no coarser level: then the smoother alone solves.
     coarsest: Option<(Lu, Mat<f64>)>,
-    /// What contact has changed: level, position of a block, and the block and inverse block of before.
+    /// What contact has changed: level, place of a block, and the block and inverse block of before.
     changed: Vec<Changed>,
     /// What the matrix is divided by, so that it is in the range of single precision.
     scale: f64,
@@ -63,11 +64,11 @@ pub(super) struct Hierarchy {
 #[derive(Debug)]
 struct Changed {
     level: usize,
-    /// Position of the block.
-    at: usize,
-    /// The block before, and for one on the diagonal its row and the inverse before.
+    /// Row and column of the block.
+    at: [usize; 2],
+    /// The block before, and for one on the diagonal the inverse before.
     block: Vec<f32>,
-    inverse: Option<(usize, Vec<f32>)>,
+    inverse: Option<Vec<f32>>,
 }
 
 /// What a hierarchy is made for.
@@ -99,7 +100,7 @@ impl Hierarchy {
             let diagonal = inverse_diagonal(&matrix);
             let largest = SAFETY * largest_eigenvalue(&matrix, &diagonal);
             let single = |transfer| Level {
-                matrix: matrix.single(scale),
+                matrix: Stored::new(&matrix, scale),
                 beside: Beside::default(),
                 // What has no place in single precision is left to the iteration.
                 diagonal: diagonal
@@ -135,11 +136,13 @@ impl Hierarchy {
     /// Adds the forces of contact to K, in place of those added before: a symmetric matrix with few rows. On the
     /// coarser levels it is PᵀJP with the P of K alone.
     pub fn add(&mut self, contact: &Blocks<f64>) {
-        for Changed { level, at, block, inverse } in self.changed.drain(..).rev() {
+        for Changed { level, at: [i, j], block, inverse } in self.changed.drain(..).rev() {
             let level = &mut self.levels[level];
-            level.matrix.values[at * block.len()..][..block.len()].copy_from_slice(&block);
-            if let Some((row, inverse)) = inverse {
-                level.diagonal[row * inverse.len()..][..inverse.len()].copy_from_slice(&inverse);
+            if let Some(values) = level.matrix.block_mut(i, j) {
+                values.copy_from_slice(&block);
+            }
+            if let Some(inverse) = inverse {
+                level.diagonal[i * inverse.len()..][..inverse.len()].copy_from_slice(&inverse);
             }
         }
         let couples = (0..contact.len()).any(|i| contact.row(i).any(|(j, _)| j != i));
@@ -159,19 +162,17 @@ impl Hierarchy {
     /// damps.
     fn patch(&mut self, l: usize, added: &Blocks<f32>, couples: bool) {
         let level = &mut self.levels[l];
-        let n = level.matrix.shape[0];
+        let n = level.matrix.size;
         level.beside = Beside::default();
         for i in 0..added.len() {
             let others = added.row(i).filter(|(j, _)| couples && *j != i);
             let beyond: f64 = others.map(|(_, block)| size(block, n)).sum();
             for (j, block) in added.row(i) {
-                let (from, to) = (level.matrix.start[i] as usize, level.matrix.start[i + 1] as usize);
-                let Some(at) = (from..to).find(|&k| level.matrix.columns[k] as usize == j) else {
+                let Some(values) = level.matrix.block_mut(i, j) else {
                     level.beside.at.push([i as u32, j as u32]);
                     level.beside.values.extend(block);
                     continue;
                 };
-                let values = &mut level.matrix.values[at * n * n..][..n * n];
                 let before = values.to_vec();
                 values.iter_mut().zip(block).for_each(|(value, added)| *value += added);
                 let inverse = (i == j).then(|| {
@@ -182,9 +183,9 @@ impl Hierarchy {
                     let place = &mut level.diagonal[i * n * n..][..n * n];
                     let before = place.to_vec();
                     place.iter_mut().zip(&inverse).for_each(|(place, inverse)| *place = *inverse as f32);
-                    (i, before)
+                    before
                 });
-                self.changed.push(Changed { level: l, at, block: before, inverse });
+                self.changed.push(Changed { level: l, at: [i, j], block: before, inverse });
             }
         }
     }
@@ -272,8 +273,8 @@ const NODES: usize = 1024;
 impl Level {
     /// A x.
     fn multiply(&self, x: &[f32], product: &mut [f32]) {
-        self.matrix.apply(x, product, false);
-        self.beside.add(self.matrix.shape[0], x, product);
+        self.matrix.apply(x, product);
+        self.beside.add(self.matrix.size, x, product);
     }
 
     /// b − A x.
@@ -295,7 +296,7 @@ impl Level {
             if k > 0 || !from_zero {
                 self.multiply(x, &mut work.product);
             }
-            match self.matrix.shape[0] {
+            match self.matrix.size {
                 1 => self.advance::<1>(b, x, work, factors),
                 2 => self.advance::<2>(b, x, work, factors),
                 3 => self.advance::<3>(b, x, work, factors),
@@ -310,7 +311,7 @@ impl Level {
     /// The next step of the smoother, `carried` times the one before and `taken` times D⁻¹(b − A x), and x after it.
     /// `N` is the number of unknowns of a node, or 0, so that it is not known beforehand.
     fn advance<const N: usize>(&self, b: &[f32], x: &mut [f32], work: &mut Work, [carried, taken]: [f32; 2]) {
-        let size = self.matrix.shape[0];
+        let size = self.matrix.size;
         let blocks = self.diagonal.par_chunks(NODES * size * size).zip(b.par_chunks(NODES * size));
         let vectors = work.step.par_chunks_mut(NODES * size).zip(work.product.par_chunks(NODES * size));
         vectors.zip(x.par_chunks_mut(NODES * size)).zip(blocks).for_each(|(((step, product), x), (blocks, b))| {

@@ -10,6 +10,7 @@ mod hierarchy;
 mod local;
 mod precondition;
 mod product;
+mod stored;
 mod surface;
 
 use std::sync::Arc;
