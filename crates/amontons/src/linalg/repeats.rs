@@ -17,15 +17,17 @@ const BITS: u32 = 12;
 /// ones has to end.
 const LATEST: usize = 32;
 
-/// Share of the rows of a matrix that may be different where they are stored once.
+/// Share of the rows of a matrix that may be different where they are stored once, and how many rows more than those
+/// that have been seen it is counted of: where rows do not repeat that is known after some of them.
 const DIFFERENT: f64 = 0.25;
+const AHEAD: usize = 4096;
 
 /// Rows of which those are stored once that differ by no more than this share of their largest entry: where each of
 /// them begins, and their numbers. None where too many of them differ.
 pub(super) fn rows<'a>(count: usize, row: impl Fn(usize) -> &'a [f64], same: f64) -> Option<(Vec<u32>, Vec<f64>)> {
     let (mut starts, mut values) = (Vec::with_capacity(count), Vec::new());
     let (mut repeats, mut different) = (Repeats::new(same), 0.0);
-    for row in (0..count).map(row) {
+    for (seen, row) in (0..count).map(row).enumerate() {
         let end = values.len();
         values.extend_from_slice(row);
         let place = repeats.place(row.len(), &values, end, &std::iter::once(row.len()));
@@ -34,7 +36,7 @@ pub(super) fn rows<'a>(count: usize, row: impl Fn(usize) -> &'a [f64], same: f64
         } else {
             different += 1.0;
         }
-        if different > DIFFERENT * count as f64 {
+        if different > DIFFERENT * count.min(seen + AHEAD) as f64 {
             return None;
         }
         starts.push(u32::try_from(place).ok()?);
@@ -118,6 +120,23 @@ mod tests {
         assert_eq!(place([0.0, 1e-13, 0.0, 0.0], [2, 2], 0), 5);
         assert_eq!(place([0.0, 0.0, 0.0, fine], [2, 2], 0), 5);
         assert_eq!(place([0.0, 0.0, 0.0, fine], [4, 0], 0), 1);
+    }
+
+    /// Rows of which the first so many are different, and all others the same as one of them.
+    #[test]
+    fn rows_that_repeat_are_found_where_few_differ() {
+        let rows_of = |count: usize, different: usize| {
+            let numbers: Vec<[f64; 2]> = (0..count).map(|i| [1.0, (i % different) as f64]).collect();
+            rows(count, |i| &numbers[i], 0.0).map(|(starts, values)| {
+                let same = (0..count).all(|i| values[starts[i] as usize..][..2] == numbers[i]);
+                (same, values.len() / 2)
+            })
+        };
+        assert_eq!(rows_of(40, 10), Some((true, 10)));
+        assert_eq!(rows_of(40, 11), None);
+        assert_eq!(rows_of(100_000, 1000), Some((true, 1000)));
+        // A quarter of all differ, but those all come first.
+        assert_eq!(rows_of(100_000, 2000), None);
     }
 
     #[test]

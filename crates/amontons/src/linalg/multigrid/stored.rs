@@ -8,6 +8,7 @@ use crate::linalg::repeats;
 /// How far an entry may be from that of another row to be the same, as a share of the largest of its row: well below
 /// the last bit of single precision.
 const SAME: f64 = 1e-9;
+
 /// A square matrix of N × N blocks by compressed block rows.
 #[derive(Debug)]
 pub(super) struct Stored {
