@@ -72,7 +72,7 @@ impl BlockMatrix {
     }
 
     /// The rows, of which those that differ by no more than this share of their largest entry are stored once; none
-    /// where most of them differ.
+    /// where too many of them differ.
     pub(super) fn repeats(&self, same: f64) -> Option<Repeated> {
         let (start, values) = repeats::rows(self.graph.len(), |i| self.row_values(i), same)?;
         Some(Repeated { start, values })
@@ -272,7 +272,8 @@ impl BlockMatrix {
         self.apply_of(self.repeated.as_ref(), x)
     }
 
-    /// The same with the rows as they are stored where they repeat.
+    /// The same with rows that [`BlockMatrix::repeats`] gives, or with all of them. Blocks whose shape the loops do not
+    /// know are read from the matrix.
     pub(super) fn apply_of(&self, repeated: Option<&Repeated>, x: &[f64]) -> Vec<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let mut y = zeros(self.graph.len() * self.rows * components);
@@ -331,12 +332,12 @@ impl BlockMatrix {
     }
 
     #[inline(always)]
-    fn diagonal_rows_of<const C: usize>(&self, first: usize, x: &[f64], y: &mut [f64]) {
+    fn diagonal_rows_of<const C: usize>(&self, repeated: Option<&Repeated>, first: usize, x: &[f64], y: &mut [f64]) {
         let (x, _) = x.as_chunks::<C>();
         let (y, _) = y.as_chunks_mut::<C>();
         for (k, y) in y.iter_mut().enumerate() {
             let mut sum = [0.0; C];
-            for (&j, value) in self.graph.row(first + k).iter().zip(self.row_read(first + k)) {
+            for (&j, value) in self.graph.row(first + k).iter().zip(self.row_of(repeated, first + k)) {
                 for c in 0..C {
                     sum[c] += value * x[j as usize][c];
                 }
@@ -411,8 +412,8 @@ impl NullaryFnOnce for Rows<'_> {
         let Rows { matrix, repeated, first, components, x, y } = self;
         match (matrix.rows, matrix.cols, components) {
             (1, 1, 1) => matrix.rows_of::<1, 1>(repeated, first, x, y),
-            (1, 1, 2) => matrix.diagonal_rows_of::<2>(first, x, y),
-            (1, 1, 3) => matrix.diagonal_rows_of::<3>(first, x, y),
+            (1, 1, 2) => matrix.diagonal_rows_of::<2>(repeated, first, x, y),
+            (1, 1, 3) => matrix.diagonal_rows_of::<3>(repeated, first, x, y),
             (2, 2, _) => matrix.rows_of::<2, 2>(repeated, first, x, y),
             (2, 1, _) => matrix.rows_of::<2, 1>(repeated, first, x, y),
             (1, 2, _) => matrix.rows_of::<1, 2>(repeated, first, x, y),
