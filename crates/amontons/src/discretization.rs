@@ -9,6 +9,7 @@ use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, by_blocks, dot, max_abs, mechanical_products, thermal_products};
+use crate::list::List;
 use crate::material::{self, Material, TensorLaw, depends_on_temperature};
 use crate::mesh::Mesh;
 use crate::problem::Problem;
@@ -333,21 +334,21 @@ impl Discretization {
     /// The stored heat by basis functions, less the factor of [`Discretization::storage`]: ∫ H(θ) η with the enthalpy
     /// H, which is cθ for a constant capacity.
     #[must_use]
-    pub fn stored_heat(&self, theta: &[f64]) -> Vec<f64> {
+    pub fn stored_heat(&self, theta: &[f64]) -> List<f64> {
         if self.warm.capacity.is_empty() {
             self.storage().1.apply(theta)
         } else {
-            forms::stored_heat(&self.mesh, &self.warm.capacity, theta)
+            forms::stored_heat(&self.mesh, &self.warm.capacity, theta).into()
         }
     }
 
     /// m(θ, ·).
     #[must_use]
-    pub fn thermal_force(&self, theta: &[f64]) -> Vec<f64> {
+    pub fn thermal_force(&self, theta: &[f64]) -> List<f64> {
         if self.warm.expansion.is_empty() {
             self.m.apply(theta)
         } else {
-            forms::expanded(&self.mesh, &self.warm.expansion, theta)
+            forms::expanded(&self.mesh, &self.warm.expansion, theta).into()
         }
     }
 
@@ -373,48 +374,48 @@ impl Discretization {
 
     /// a(u, ·) of the linear laws with the springs.
     #[must_use]
-    pub fn apply_linear_a(&self, u: &[f64]) -> Vec<f64> {
+    pub fn apply_linear_a(&self, u: &[f64]) -> List<f64> {
         with(self.a.apply(u), self.springs.as_ref(), u)
     }
 
     /// a(u, ·) with the springs, at the temperature θ.
     #[must_use]
-    pub fn apply_a(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
+    pub fn apply_a(&self, u: &[f64], theta: &[f64]) -> List<f64> {
         self.with_laws(self.apply_linear_a(u), &self.elasticity, u, theta)
     }
 
     /// b(w, ·) with the dashpots, at the temperature θ.
     #[must_use]
-    pub fn apply_b(&self, w: &[f64], theta: &[f64]) -> Vec<f64> {
+    pub fn apply_b(&self, w: &[f64], theta: &[f64]) -> List<f64> {
         self.with_laws(with(self.b.apply(w), self.dashpots.as_ref(), w), &self.viscosity, w, theta)
     }
 
     /// d(θ, ·) with the convection.
     #[must_use]
-    pub fn apply_d(&self, theta: &[f64]) -> Vec<f64> {
+    pub fn apply_d(&self, theta: &[f64]) -> List<f64> {
         let conductivity = &self.warm.conductivity;
         let conducted = if conductivity.is_empty() {
             self.d.apply(theta)
         } else {
-            forms::conduction(&self.mesh, conductivity, theta)
+            forms::conduction(&self.mesh, conductivity, theta).into()
         };
         with(conducted, self.convection.as_ref(), theta)
     }
 
     /// The stored heat and d(θ, ·).
     #[must_use]
-    pub fn thermal_products(&self, theta: &[f64]) -> [Vec<f64>; 2] {
+    pub fn thermal_products(&self, theta: &[f64]) -> [List<f64>; 2] {
         self.thermal_products_then(theta, &mut [], |_, _, _| ()).0
     }
 
     /// The same, and what `then` makes of blocks of them: see [`thermal_products`].
     #[must_use]
-    pub fn thermal_products_then<T: Send>(
+    pub fn thermal_products_then<T: Send + 'static>(
         &self,
         theta: &[f64],
         rest: &mut [f64],
         then: impl Fn(usize, [&[f64]; 2], &mut [f64]) -> T + Sync,
-    ) -> ([Vec<f64>; 2], Vec<T>) {
+    ) -> ([List<f64>; 2], List<T>) {
         if self.conducts_linearly() && self.convection.is_none() {
             return thermal_products([self.storage().1, &self.d], theta, rest, then);
         }
@@ -426,19 +427,19 @@ impl Discretization {
     /// (ρ)M w, a(u, ·), a(w, ·) and b(w, ·) at the temperature θ, the latter three with springs and dashpots; a(w, ·)
     /// is empty where K_u may change.
     #[must_use]
-    pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [Vec<f64>; 4] {
+    pub fn mechanical_products(&self, u: &[f64], w: &[f64], warmed: &Warmed) -> [List<f64>; 4] {
         self.mechanical_products_then([u, w], warmed, &mut [], |_, _, _| ()).0
     }
 
     /// The same, and what `then` makes of blocks of the first, second and last: see [`mechanical_products`].
     #[must_use]
-    pub fn mechanical_products_then<T: Send>(
+    pub fn mechanical_products_then<T: Send + 'static>(
         &self,
         [u, w]: [&[f64]; 2],
         warmed: &Warmed,
         rest: &mut [f64],
         then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
-    ) -> ([Vec<f64>; 4], Vec<T>) {
+    ) -> ([List<f64>; 4], List<T>) {
         let (_, inertia) = self.inertia();
         let forms = [inertia, &self.a, &self.b];
         let (springs, dashpots) = (self.springs.as_ref(), self.dashpots.as_ref());
@@ -450,10 +451,10 @@ impl Discretization {
         let products = if self.is_linear() {
             [mass_w, a_u, with(a_w, springs, w), b_w]
         } else if let Some([a, b]) = &warmed.forms {
-            [mass_w, with(a_u, Some(a), u), Vec::new(), with(b_w, Some(b), w)]
+            [mass_w, with(a_u, Some(a), u), List::new(), with(b_w, Some(b), w)]
         } else {
             let a_u = self.with_laws(a_u, &self.elasticity, u, warmed.theta);
-            [mass_w, a_u, Vec::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
+            [mass_w, a_u, List::new(), self.with_laws(b_w, &self.viscosity, w, warmed.theta)]
         };
         let [mass_w, a_u, _, b_w] = &products;
         let made = by_blocks([mass_w, a_u, b_w], rest, then);
@@ -473,7 +474,7 @@ impl Discretization {
 
     /// |a(|u|, ·)| by the sizes of its entries: what terms that cancel are measured by.
     #[must_use]
-    pub fn elastic_sizes(&self, u: &[f64], theta: &[f64]) -> Vec<f64> {
+    pub fn elastic_sizes(&self, u: &[f64], theta: &[f64]) -> List<f64> {
         let mut sizes = self.a.magnitude(u);
         if self.softens() {
             let of_laws = self.tangent(&self.elasticity, u, theta).magnitude(u);
@@ -506,7 +507,7 @@ impl Discretization {
         }
     }
 
-    fn with_laws(&self, mut product: Vec<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> Vec<f64> {
+    fn with_laws(&self, mut product: List<f64>, laws: &[Arc<dyn TensorLaw>], at: &[f64], theta: &[f64]) -> List<f64> {
         if !laws.is_empty() {
             let terms = forms::residual(&self.mesh, &borrowed(laws), &self.dilatation, at, theta);
             for (sum, term) in product.iter_mut().zip(terms) {
@@ -526,7 +527,7 @@ impl Discretization {
     #[must_use]
     pub fn norm(&self, matrix: &BlockMatrix, v: &[f64]) -> f64 {
         let scale = safe_scale(max_abs(v));
-        let scaled: Vec<f64> = v.iter().map(|v| scale * v).collect();
+        let scaled: List<f64> = v.iter().map(|v| scale * v).collect();
         dot(&scaled, &matrix.apply(&scaled)).max(0.0).sqrt() / scale
     }
 }
@@ -539,7 +540,7 @@ fn borrowed(laws: &[Arc<dyn TensorLaw>]) -> Vec<&dyn TensorLaw> {
 }
 
 /// The sum of a product with that of a form at the boundary.
-fn with(mut product: Vec<f64>, form: Option<&BlockMatrix>, x: &[f64]) -> Vec<f64> {
+fn with(mut product: List<f64>, form: Option<&BlockMatrix>, x: &[f64]) -> List<f64> {
     if let Some(form) = form {
         for (sum, term) in product.iter_mut().zip(form.apply(x)) {
             *sum += term;

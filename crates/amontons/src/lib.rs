@@ -47,6 +47,7 @@ pub mod forms;
 pub mod hypotheses;
 pub mod inclusion;
 pub mod linalg;
+pub mod list;
 mod machine;
 pub mod material;
 pub mod mesh;

@@ -12,6 +12,7 @@ use rayon::ThreadPool;
 use crate::discretization::Discretization;
 use crate::hypotheses::{self, Finding};
 use crate::linalg::{Backend, BlockMatrix, Choice, Estimate, Factor, Layout, SolveError, Unknowns};
+use crate::list;
 use crate::machine::Instant;
 use crate::output::{
     Checkpoint, CheckpointError, Outcome, OutputError, RunStart, Seconds, Sink, Snapshot, Summary, UnknownCounts, Work,
@@ -243,8 +244,8 @@ fn drive(
     };
 
     begins(Phase::Results);
-    let work = clock.work(before, &*scheme);
-    let last = seen(problem, &*scheme, &state, report.as_ref(), work);
+    list::give_back();
+    let last = seen(problem, &*scheme, &state, report.as_ref(), clock.work(before, &*scheme));
     let outcome = outcome(failed.as_ref(), state.step, problem.steps);
     clock.output(|| sinks.iter_mut().try_for_each(|sink| hand_over(*sink, &last, outcome)))?;
     let last = Snapshot { work: clock.work(before, &*scheme), ..last };

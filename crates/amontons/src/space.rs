@@ -3,12 +3,12 @@
 pub(crate) mod frame;
 pub(crate) mod links;
 
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub use frame::Frame;
 
 use crate::field::Field;
+use crate::list::{Lent, List};
 use crate::mesh::{Link, Links, Mesh, leader};
 use crate::tensor::{Point, dot, length};
 
@@ -188,7 +188,7 @@ impl Space {
 
     /// Writes the rates (u_D(t) − ū)/γ of the prescribed values into velocities; whether that changes them.
     pub fn prescribe_rates(&self, t: f64, gamma: f64, bar: &[f64], w: &mut [f64]) -> bool {
-        let (mut values, mut changes) = (bar.to_vec(), false);
+        let (mut values, mut changes) = (List::copied(bar), false);
         self.prescribe(t, &mut values);
         let (values, bar) = (self.in_frames(&values), self.in_frames(bar));
         frame::enter(&self.frames, self.components, w);
@@ -227,7 +227,7 @@ impl Space {
 
     /// A vector by its components along the directions of the degrees of freedom.
     #[must_use]
-    pub fn in_frames<'v>(&self, values: &'v [f64]) -> Cow<'v, [f64]> {
+    pub fn in_frames<'v>(&self, values: &'v [f64]) -> Lent<'v, f64> {
         frame::entered(&self.frames, self.components, values)
     }
 
@@ -246,7 +246,7 @@ impl Space {
 
     /// The entries of prescribed degrees of freedom, in their order.
     #[must_use]
-    pub fn prescribed_of(&self, values: &[f64]) -> Vec<f64> {
+    pub fn prescribed_of(&self, values: &[f64]) -> List<f64> {
         let values = self.in_frames(values);
         self.held.iter().map(|&dof| values[dof as usize]).collect()
     }

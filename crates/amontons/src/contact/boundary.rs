@@ -6,6 +6,7 @@ use super::mortar::{Mortar, MortarRow};
 use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
+use crate::list::List;
 use crate::mesh::{FacetMap, FacetSet, Link, Mesh};
 use crate::quadrature::{Rule, Shape};
 use crate::tensor::Point;
@@ -167,7 +168,7 @@ impl Contact {
 
     /// The gap in m at points of the body at rest: the datum, and the distance to the obstacle.
     #[must_use]
-    pub fn gaps(&self, points: &[Point], t: f64) -> Vec<f64> {
+    pub fn gaps(&self, points: &[Point], t: f64) -> List<f64> {
         let mut gaps = self.gap.values(points, t);
         if let Some(obstacle) = &self.obstacle {
             gaps.iter_mut().zip(points).for_each(|(gap, x)| *gap += obstacle.nearest(x, t).distance);
@@ -281,8 +282,8 @@ impl ContactBoundary {
 
     /// The values at the contact nodes of a field with so many components at all nodes, both node-major.
     #[must_use]
-    pub fn restricted(&self, components: usize, values: &[f64]) -> Vec<f64> {
-        let mut restricted = Vec::with_capacity(self.nodes.len() * components);
+    pub fn restricted(&self, components: usize, values: &[f64]) -> List<f64> {
+        let mut restricted = List::with_capacity(self.nodes.len() * components);
         for &node in &self.nodes {
             restricted.extend_from_slice(&values[node as usize * components..(node as usize + 1) * components]);
         }
@@ -303,7 +304,7 @@ impl ContactBoundary {
 
     /// The values of a scalar field over all nodes at the contact points, on the side that bears them.
     #[must_use]
-    pub fn scalars_at(&self, values: &[f64]) -> Vec<f64> {
+    pub fn scalars_at(&self, values: &[f64]) -> List<f64> {
         let at = |point: &PointOnBoundary| {
             point.nodes.iter().take(point.own).map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
         };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::mortar::{Mortar, Sides};
 use super::{Contact, ContactBoundary, PointOnBoundary, Side};
 
+use crate::list::List;
 use crate::mesh::{FacetSet, Link, Mesh, cross};
 use crate::tensor::Point;
 
@@ -138,8 +139,8 @@ impl ContactBoundary {
         mesh: &Mesh,
         u: &[f64],
         lambda: impl Iterator<Item = Point>,
-    ) -> Vec<Point> {
-        let mut all = vec![[0.0; 3]; contacts.len()];
+    ) -> List<Point> {
+        let mut all = List::filled([0.0; 3], contacts.len());
         for (point, lambda) in self.points.iter().zip(lambda) {
             let Some(pair) = contacts.get(point.contact).and_then(|contact| contact.pair.as_ref()) else { continue };
             let at_rest = self.jump_of(point, mesh);

@@ -129,7 +129,7 @@ fn assert_condensed(backend: &Arc<dyn Backend>, system: &mut System) {
     let nodes: Vec<u32> = system.unknowns().dofs[interior..].iter().map(|dof| dof / 2).collect();
     let s = system.condensed();
     let text = format!("{backend:?}: the condensed operator");
-    let columns: Vec<Vec<f64>> = (0..s.len())
+    let columns: Vec<_> = (0..s.len())
         .map(|j| given(s.apply(&(0..s.len()).map(|i| f64::from(u8::from(i == j))).collect::<Vec<f64>>()), &text))
         .collect();
     for i in 0..s.len() {

@@ -1,9 +1,10 @@
 //! The load vectors (f(t), v)_V of (2.16) and (q_h(t), η)_Q of (2.17).
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
+use crate::list::List;
 use crate::mesh::{CellMap, FacetMap, Mesh};
 use crate::problem::{BoundaryCondition, Convection};
 use crate::tensor::Point;
@@ -19,8 +20,10 @@ const POINTS: usize = 4096;
 /// A load linear in its data: fixed entries, and terms whose field varies with time.
 #[derive(Debug, Default)]
 pub struct Load {
-    constant: Arc<Vec<f64>>,
+    constant: Arc<List<f64>>,
     varying: Vec<Varying>,
+    /// The last load that was made, whose memory the next one takes.
+    last: Mutex<Arc<List<f64>>>,
 }
 
 #[derive(Debug)]
@@ -34,18 +37,23 @@ struct Varying {
 
 impl Load {
     fn new(size: usize) -> Load {
-        Load { constant: Arc::new(vec![0.0; size]), varying: Vec::new() }
+        Load { constant: Arc::new(List::filled(0.0, size)), ..Load::default() }
     }
 
     /// The load vector at time t, an entry for each degree of freedom in N or W; one and the same where no term varies.
     #[must_use]
-    pub fn at(&self, t: f64) -> Arc<Vec<f64>> {
-        let mut load = Arc::clone(&self.constant);
-        for term in &self.varying {
-            let entries: &mut Vec<f64> = Arc::make_mut(&mut load);
-            term.add(t, entries);
+    pub fn at(&self, t: f64) -> Arc<List<f64>> {
+        if self.varying.is_empty() {
+            return Arc::clone(&self.constant);
         }
-        load
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        match Arc::get_mut(&mut last) {
+            Some(load) => load.clone_from(&self.constant),
+            None => *last = Arc::new(List::clone(&self.constant)),
+        }
+        let load = Arc::make_mut(&mut last);
+        self.varying.iter().for_each(|term| term.add(t, load));
+        Arc::clone(&last)
     }
 
     /// Adds ∫ field N for the points given by `place`.
@@ -57,8 +65,8 @@ impl Load {
         if field.depends_on_time() {
             self.varying.push(term);
         } else {
-            let entries: &mut Vec<f64> = Arc::make_mut(&mut self.constant);
-            term.add(0.0, entries);
+            let constant = Arc::make_mut(&mut self.constant);
+            term.add(0.0, constant);
         }
     }
 }

@@ -24,6 +24,7 @@ use crate::forms;
 use crate::linalg::{
     Backend, BlockMatrix, Eigenpair, Entry, Graph, Layout, Pencil, Quotient, SolveError, System, Unknowns, dot, largest,
 };
+use crate::list::List;
 use crate::material::{Isotropic, StressState};
 use crate::mesh::{FacetMap, FacetSet, Mesh};
 use crate::problem::Problem;
@@ -245,14 +246,14 @@ impl Pencil for TraceQuotient<'_> {
     fn size(&self) -> usize {
         self.system.condensed().len()
     }
-    fn numerator(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
+    fn numerator(&self, x: &[f64]) -> List<f64> {
+        let mut y = List::filled(0.0, x.len());
         for &(i, j, value) in &self.entries {
             y[i as usize] += value * x[j as usize];
         }
         y
     }
-    fn denominator(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+    fn denominator(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
         self.system.condensed().apply(x)
     }
     fn solve(&mut self, r: &mut [f64], enough: f64) -> Result<(), SolveError> {

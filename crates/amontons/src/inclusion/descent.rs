@@ -19,6 +19,7 @@ use super::point::{Laws, Multiplier};
 use super::{ITERATIONS, STIFF};
 use crate::contact::GraphKind;
 use crate::linalg::{Condensed, SolveError, Tangent, dot, max_abs};
+use crate::list::List;
 
 /// Share of the diagonal of S that holds a body that nothing holds.
 const HOLD: f64 = 1.0 / STIFF;
@@ -58,12 +59,12 @@ impl Mechanical<'_> {
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,
-    ) -> Result<(Vec<f64>, usize), SolveError> {
-        let mut reached = (right.guess.to_vec(), 0);
+    ) -> Result<(List<f64>, usize), SolveError> {
+        let mut reached = (List::copied(right.guess), 0);
         for soft in SOFTENED.map(Some).into_iter().filter(|soft| self.is_softer(*soft)).chain([None]) {
             reached = self.descend_from(condensed, right, reached, soft)?;
         }
-        Ok(if reached.0.iter().all(|w| w.is_finite()) { reached } else { (right.guess.to_vec(), reached.1) })
+        Ok(if reached.0.iter().all(|w| w.is_finite()) { reached } else { (List::copied(right.guess), reached.1) })
     }
 
     /// Whether a layer in series makes one of the layers much softer.
@@ -83,9 +84,9 @@ impl Mechanical<'_> {
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,
-        (mut w, before): (Vec<f64>, usize),
+        (mut w, before): (List<f64>, usize),
         soft: Option<f64>,
-    ) -> Result<(Vec<f64>, usize), SolveError> {
+    ) -> Result<(List<f64>, usize), SolveError> {
         let mut now = self.gradient(condensed, right, &w, soft)?;
         let (mut least, mut stalled) = (f64::INFINITY, 0);
         let enough = if soft.is_some() { NEAR } else { FOUND };
@@ -109,9 +110,9 @@ impl Mechanical<'_> {
 
     /// Newton's direction; none where there is none that leads down. A direction that does not is what round-off makes
     /// of a matrix that nothing holds, and of which a pivot was not exactly zero.
-    fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<Vec<f64>>, SolveError> {
+    fn downhill(&self, condensed: &mut dyn Condensed, now: &Gradient) -> Result<Option<List<f64>>, SolveError> {
         let mut curvature = self.curvature(now);
-        let against = || now.f.iter().map(|f| -f).collect::<Vec<f64>>();
+        let against = || now.f.iter().map(|f| -f).collect::<List<f64>>();
         let leads_down = |step: &[f64]| dot(&now.f, step) < 0.0;
         let mut step = against();
         match condensed.solve(&curvature, &mut step, ACCURACY) {
@@ -137,10 +138,10 @@ impl Mechanical<'_> {
         [w, step]: [&[f64]; 2],
         start: f64,
         soft: Option<f64>,
-    ) -> Result<Option<(Vec<f64>, Gradient)>, SolveError> {
+    ) -> Result<Option<(List<f64>, Gradient)>, SolveError> {
         let (mut low, mut high, mut alpha) = (0.0, f64::INFINITY, 1.0);
         for _ in 0..SEARCH {
-            let there: Vec<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
+            let there: List<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
             let gradient = self.gradient(condensed, right, &there, soft)?;
             let share = dot(&gradient.f, step) / start.abs();
             if (ENOUGH[0]..=ENOUGH[1]).contains(&share) {
@@ -170,11 +171,11 @@ impl Mechanical<'_> {
     ) -> Result<Gradient, SolveError> {
         let free = Multiplier::default();
         let laws = self.at_points(|i| self.laws_with(i, w, &free, self.in_energy(i, soft)));
-        let increment: Vec<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
+        let increment: List<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let mut f = condensed.apply(&increment)?;
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);
-        let mut forces = vec![0.0; w.len()];
+        let mut forces = List::filled(0.0, w.len());
         for (i, laws) in laws.iter().enumerate() {
             let [q1, q2] = laws.friction.slip.map(|slip| self.drag(i) * slip);
             self.interface.scatter(i, &[laws.normal.pressed, q1, q2], &mut forces);
@@ -199,7 +200,7 @@ impl Mechanical<'_> {
     }
 
     /// The multipliers that go with the minimum of the energy.
-    pub(super) fn at_minimum(&self, w: &[f64], sticks: &[bool]) -> Vec<Multiplier> {
+    pub(super) fn at_minimum(&self, w: &[f64], sticks: &[bool]) -> List<Multiplier> {
         let of = |i: usize| {
             let free = Multiplier { sticks: sticks[i], ..Multiplier::default() };
             Multiplier { p: self.laws_with(i, w, &free, self.in_energy(i, None)).normal.pressed, ..free }
@@ -228,7 +229,7 @@ impl Mechanical<'_> {
 
 /// F at a velocity, its largest term, and the contact points.
 struct Gradient {
-    f: Vec<f64>,
+    f: List<f64>,
     scale: f64,
-    laws: Vec<Laws>,
+    laws: List<Laws>,
 }

@@ -46,6 +46,7 @@ pub use rule::Rule;
 
 use crate::contact::Status;
 use crate::linalg::SolveError;
+use crate::list::List;
 
 /// Residual, relative to the largest term, at which the iteration ends. Round-off of a
 /// well-conditioned condensed system is two orders below.
@@ -66,7 +67,7 @@ pub(crate) const GROWN: f64 = 10.0;
 #[derive(Clone, Debug)]
 pub struct Solved {
     /// The unknowns on Γ_C.
-    pub x: Vec<f64>,
+    pub x: List<f64>,
     /// Newton iterations.
     pub iterations: usize,
 }
@@ -100,9 +101,9 @@ pub struct NotConverged {
     /// Residual relative to the largest term.
     pub residual: f64,
     /// The states of the points at the last iterate.
-    pub states: Vec<Status>,
+    pub states: List<Status>,
     /// Contact points whose states or forces did not settle, the worst first, with their states at the last iterates.
-    pub unsettled: Vec<(usize, Vec<Status>)>,
+    pub unsettled: List<(usize, List<Status>)>,
 }
 
 impl NotConverged {

@@ -7,6 +7,7 @@
 use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
+use crate::list::List;
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
 /// the residual has to fall by, and the least that is asked for at once.
@@ -25,7 +26,7 @@ pub(super) trait Term {
     /// Σ ω Nᵀ f, f the multipliers.
     fn forces(&self, laws: &Self::Laws, out: &mut [f64]);
     /// What the multipliers lack of what the laws make of them, as forces.
-    fn defects(&self, laws: &Self::Laws) -> Vec<f64>;
+    fn defects(&self, laws: &Self::Laws) -> List<f64>;
     /// The largest round-off of a term of the laws, as a force.
     fn round_off(&self, x: &[f64], laws: &Self::Laws) -> f64;
     /// Whether what the laws give beyond the defects is as small as the residual has to be.
@@ -43,11 +44,11 @@ pub(super) trait Term {
     /// The multipliers of an iterate that has converged: those that the laws make of them.
     fn settled(&self, x: &[f64], laws: &Self::Laws, multipliers: Self::Multipliers) -> Self::Multipliers;
     /// The states of the points.
-    fn states(&self, laws: &Self::Laws) -> Vec<Status>;
+    fn states(&self, laws: &Self::Laws) -> List<Status>;
     /// Points whose states differ between the last iterates, and those where the equations, which lack `errors`, and
     /// the laws are left the farthest from holding; the worst first, with these states.
-    fn unsettled(&self, _laws: &Self::Laws, _errors: &[f64]) -> Vec<(usize, Vec<Status>)> {
-        Vec::new()
+    fn unsettled(&self, _laws: &Self::Laws, _errors: &[f64]) -> List<(usize, List<Status>)> {
+        List::new()
     }
 }
 
@@ -58,7 +59,7 @@ pub(super) struct Right<'a> {
     pub r: &'a [f64],
     pub guess: &'a [f64],
     /// β and the anchor of a proximal term β diag(S) (x − anchor).
-    pub proximal: Option<(f64, Vec<f64>)>,
+    pub proximal: Option<(f64, List<f64>)>,
 }
 
 impl Right<'_> {
@@ -81,7 +82,7 @@ impl Right<'_> {
     }
 
     /// |x| + |x̂|: x − x̂ is a difference of larger numbers.
-    fn sizes(&self, x: &[f64]) -> Vec<f64> {
+    fn sizes(&self, x: &[f64]) -> List<f64> {
         x.iter().zip(self.guess).map(|(x, guess)| x.abs() + guess.abs()).collect()
     }
 
@@ -107,7 +108,7 @@ fn excused(here: f64, scale: f64, at_guess: impl FnOnce() -> Result<f64, SolveEr
 /// Values on Γ_C and multipliers.
 #[derive(Clone)]
 pub(super) struct Iterate<M> {
-    pub x: Vec<f64>,
+    pub x: List<f64>,
     pub multipliers: M,
 }
 
@@ -116,7 +117,7 @@ pub(super) struct Evaluation<T: Term> {
     pub at: Iterate<T::Multipliers>,
     pub laws: T::Laws,
     /// r − S (x − x̂).
-    rest: Vec<f64>,
+    rest: List<f64>,
     /// Euclidean norm of the errors.
     norm: f64,
     pub residual: f64,
@@ -135,19 +136,21 @@ impl<T: Term> Evaluation<T> {
     ) -> Result<Evaluation<T>, SolveError> {
         let x = &at.x;
         let laws = term.laws(x, &at.multipliers);
-        let increment: Vec<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
+        let increment: List<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
         let inner = condensed.apply(&increment)?;
-        let mut forces = vec![0.0; x.len()];
+        let mut forces = List::filled(0.0, x.len());
         term.forces(&laws, &mut forces);
         let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
-        let mut rest: Vec<f64> = right.r.iter().zip(&inner).map(|(r, inner)| r - inner).collect();
+        let mut rest: List<f64> = right.r.iter().zip(&inner).map(|(r, inner)| r - inner).collect();
         if let Some((beta, anchor)) = &right.proximal {
             for (i, rest) in rest.iter_mut().enumerate() {
                 *rest -= beta * condensed.scale()[i] * (x[i] - anchor[i]);
             }
         }
-        let mut errors: Vec<f64> = forces.iter().zip(&rest).map(|(force, rest)| force - rest).collect();
-        errors.extend(term.defects(&laws));
+        let defects = term.defects(&laws);
+        let mut errors = List::with_capacity(forces.len() + defects.len());
+        errors.extend(forces.iter().zip(&rest).map(|(force, rest)| force - rest));
+        errors.extend_from_slice(&defects);
         let residual = max_abs(&errors);
         // Scaled, so that squares neither under- nor overflow.
         let norm = if residual > 0.0 {
@@ -184,7 +187,7 @@ impl<T: Term> Evaluation<T> {
 
     /// The end of an iteration that has not.
     fn fail(self, term: &T, iterations: usize) -> Outcome<T::Multipliers> {
-        let mut errors = vec![0.0; self.at.x.len()];
+        let mut errors = List::filled(0.0, self.at.x.len());
         term.forces(&self.laws, &mut errors);
         errors.iter_mut().zip(&self.rest).for_each(|(error, rest)| *error -= rest);
         let failure = NotConverged {
@@ -275,7 +278,7 @@ fn newton_step<T: Term>(
     condensed: &mut dyn Condensed,
     right: &Right,
     now: &Evaluation<T>,
-) -> Result<Option<Vec<f64>>, SolveError> {
+) -> Result<Option<List<f64>>, SolveError> {
     let mut step = now.rest.clone();
     let mut tangent = term.linearise(&now.laws, &mut step);
     if let Some((beta, _)) = right.proximal {

@@ -1,18 +1,20 @@
 //! Heat that passes a contact, split by what it passes by.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::heat::HeatStep;
 use crate::contact::{Contact, FRICTION, HeatLaw};
+use crate::list::List;
 
 /// Heat that passes a contact, W in a step and J since the start.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
-    /// Out of the side that bears the contact points, by [`HeatLaw::mechanism`]; friction heat that enters it is
-    /// negative.
-    pub by: BTreeMap<String, f64>,
+    /// Out of the side that bears the contact points, by [`HeatLaw::mechanism`] in the order of their names; friction
+    /// heat that enters it is negative.
+    pub by: List<(Cow<'static, str>, f64)>,
     /// Made by friction between the two bodies of a pair, of which each receives a part; zero at foundations.
     pub rubbed: f64,
 }
@@ -21,17 +23,26 @@ impl Passed {
     /// The same with another during a time k in s added.
     #[must_use]
     pub fn after(&self, k: f64, power: &Passed) -> Passed {
-        let mut sum = self.clone();
-        power.by.iter().for_each(|(mechanism, flow)| *sum.by.entry(mechanism.clone()).or_default() += k * flow);
-        sum.rubbed += k * power.rubbed;
+        // The names of the step, which take no memory, and no zero with a sign.
+        let by = power.by.iter().map(|(mechanism, flow)| (mechanism.clone(), 0.0 + k * flow)).collect();
+        let mut sum = Passed { by, rubbed: self.rubbed + k * power.rubbed };
+        self.by.iter().for_each(|(mechanism, heat)| sum.add(mechanism.clone(), *heat));
         sum
+    }
+
+    /// Adds what passes by a mechanism.
+    fn add(&mut self, mechanism: Cow<'static, str>, heat: f64) {
+        match self.by.binary_search_by(|(name, _)| name.cmp(&mechanism)) {
+            Ok(place) => self.by[place].1 += heat,
+            Err(place) => self.by.insert(place, (mechanism, heat)),
+        }
     }
 
     /// What has left the side `on` of a contact: what leaves one side by conduction enters the other, and friction heat
     /// that does not enter one side enters the other.
     #[must_use]
     pub fn out_of_on(&self, contact: &Contact) -> BTreeMap<String, f64> {
-        let mut by = self.by.clone();
+        let mut by: BTreeMap<String, f64> = self.by.iter().map(|(name, heat)| (name.to_string(), *heat)).collect();
         if contact.sign() < 0.0 {
             for flow in by.values_mut() {
                 *flow = 0.0 - *flow;
@@ -46,8 +57,12 @@ impl Passed {
 
 impl HeatStep<'_> {
     /// The heat that passes each contact at the fluxes Q, with θ and θ_F at the points.
-    pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> Vec<Passed> {
-        let mut all = vec![Passed::default(); self.contacts.len()];
+    pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> List<Passed> {
+        let none = |contact: &Contact| Passed {
+            by: List::with_capacity(contact.heat.parts().len().max(1)),
+            ..Passed::default()
+        };
+        let mut all: List<Passed> = self.contacts.iter().map(none).collect();
         for (i, (flux, at)) in flux.iter().zip(temperatures).enumerate() {
             let point = &self.boundary.points[i];
             let (Some(contact), Some(passed)) = (self.contacts.get(point.contact), all.get_mut(point.contact)) else {
@@ -55,11 +70,7 @@ impl HeatStep<'_> {
             };
             passed.rubbed += point.weight * self.rubbed(i);
             self.split(i, &*contact.heat, *flux, *at, |mechanism, value| {
-                if let Some(sum) = passed.by.get_mut(mechanism) {
-                    *sum += point.weight * value;
-                } else {
-                    passed.by.insert(mechanism.to_owned(), point.weight * value);
-                }
+                passed.add(Cow::Borrowed(mechanism), point.weight * value);
             });
         }
         all

@@ -1,7 +1,5 @@
 //! How the mechanical step on Γ_C is solved: Newton's method, and what is done where it does not end.
 
-use std::collections::BTreeMap;
-
 use super::friction::Slip;
 use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
@@ -10,6 +8,7 @@ use super::point::Multiplier;
 use super::{Failure, ITERATIONS, NotConverged, Solved};
 use crate::contact::PointOnBoundary;
 use crate::linalg::{Condensed, SolveError, max_abs};
+use crate::list::List;
 use crate::tensor::Point;
 
 /// Newton's method from where a step starts, from the end of the path, by proximal steps, and on a smooth step of the
@@ -27,7 +26,7 @@ const SHARPEST: f64 = 0.1;
 const APPROACH: usize = 20 * ITERATIONS;
 
 /// An iterate of the mechanical step.
-type Mechanics = Iterate<Vec<Multiplier>>;
+type Mechanics = Iterate<List<Multiplier>>;
 
 impl MechanicalStep<'_> {
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for
@@ -63,12 +62,17 @@ impl MechanicalStep<'_> {
             [(node, _)] => Some((self.boundary.nodes[*node], point.contact)),
             _ => None,
         };
-        let of_node: BTreeMap<(u32, usize), usize> =
-            self.boundary.points.iter().enumerate().filter_map(|(i, point)| Some((alone(point)?, i))).collect();
+        let points = self.boundary.points.iter().enumerate();
+        let mut of_node: List<((u32, usize), usize)> =
+            points.filter_map(|(i, point)| Some((alone(point)?, i))).collect();
+        of_node.sort_unstable();
+        let at = |node: u32, contact: usize| {
+            let place = of_node.binary_search_by_key(&(node, contact), |(place, _)| *place).ok()?;
+            Some(of_node.get(place)?.1)
+        };
         for link in &self.space.links {
             for contact in 0..self.contacts.len() {
-                let [Some(&own), Some(&followed)] = [link.node, link.to].map(|node| of_node.get(&(node, contact)))
-                else {
+                let [Some(own), Some(followed)] = [link.node, link.to].map(|node| at(node, contact)) else {
                     continue;
                 };
                 let weights = [own, followed].map(|i| self.boundary.points[i].weight);
@@ -87,7 +91,7 @@ impl MechanicalStep<'_> {
 impl Mechanical<'_> {
     /// Where the pressures of functions start: at J(r + λ p) of the guess, which is G(r) for a soft law and p for a
     /// stiff one.
-    fn predicted(&self, guess: &[f64], mut multipliers: Vec<Multiplier>) -> Vec<Multiplier> {
+    fn predicted(&self, guess: &[f64], mut multipliers: List<Multiplier>) -> List<Multiplier> {
         let pressures = self.at_points(|i| {
             let is_found = self.contact(i).normal.graph() == crate::contact::GraphKind::Function
                 && self.response[i] != Response::Function;
@@ -108,9 +112,9 @@ impl Mechanical<'_> {
     ) -> Result<(Mechanics, usize), Failure> {
         let before = start.multipliers.clone();
         let mut iterations = 0;
-        let mut let_go = vec![false; self.rho.len()];
+        let mut let_go = List::filled(false, self.rho.len());
         loop {
-            let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
+            let held: List<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
             let (mut end, done) = self.on_branches(condensed, right, start)?;
             iterations += done;
             let sticks = self.at_points(|i| self.laws_at(i, &end.x, &end.multipliers[i]).sticks);
@@ -145,7 +149,7 @@ impl Mechanical<'_> {
         right: &Right,
         start: Mechanics,
     ) -> Result<(Mechanics, usize), Failure> {
-        let held: Vec<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
+        let held: List<bool> = start.multipliers.iter().map(|m| m.sticks).collect();
         let at_rest = self.at_rest(right, &start.multipliers);
         let mut made = iterate(self, condensed, right, start, &FIRST)?;
         let mut iterations = made.iterations;
@@ -172,7 +176,7 @@ impl Mechanical<'_> {
     /// is far where most points are at their bound. Points whose bound drops stay on the branch they are on.
     fn at_rest(&self, right: &Right, before: &[Multiplier]) -> Mechanics {
         let of = |(i, m): (usize, &Multiplier)| Multiplier { sticks: m.sticks || !self.drops(i), ..*m };
-        Iterate { x: vec![0.0; right.guess.len()], multipliers: before.iter().enumerate().map(of).collect() }
+        Iterate { x: List::filled(0.0, right.guess.len()), multipliers: before.iter().enumerate().map(of).collect() }
     }
 
     /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
@@ -185,7 +189,7 @@ impl Mechanical<'_> {
         held: &[bool],
     ) -> Result<(Mechanics, usize), SolveError> {
         let (x, mut iterations) =
-            if self.rises() { self.descend(condensed, right)? } else { (right.guess.to_vec(), 0) };
+            if self.rises() { self.descend(condensed, right)? } else { (List::copied(right.guess), 0) };
         let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
         let fastest = (0..self.interface.len()).map(|i| self.slip_speed(i, &now.x)).fold(0.0, f64::max);
         if fastest == 0.0 || self.step.contacts.iter().all(|contact| contact.friction.is_frictionless()) {

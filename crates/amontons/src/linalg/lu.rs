@@ -1,35 +1,91 @@
 //! Factorizations on one thread: in parallel ones the order of summation, and with it the last bits, depends on
 //! the number of threads.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use std::mem::MaybeUninit;
+
+use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt;
 use faer::linalg::lu::partial_pivoting::{factor, solve};
 use faer::perm::PermRef;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers;
 use faer::sparse::{SparseColMat, Triplet};
-use faer::{Mat, MatMut, Par, Spec};
+use faer::{Mat, MatMut, MatRef, Par, Spec};
 
 use super::error::SolveError;
 use super::tangent::Entry;
+use crate::list::List;
+
+/// Bytes that columns begin at a multiple of, and numbers of so many bytes: those of a vector register.
+const ALIGNED: usize = 64;
+const WIDE: usize = ALIGNED / size_of::<f64>();
+
+/// A square matrix by columns, in memory that is used again.
+#[derive(Debug)]
+pub(super) struct Square {
+    numbers: List<f64>,
+    size: usize,
+    /// The first entry, and from one column to the next.
+    first: usize,
+    stride: usize,
+}
+
+impl Square {
+    /// A copy.
+    pub fn of(matrix: MatRef<f64>) -> Square {
+        let size = matrix.nrows();
+        let stride = size.next_multiple_of(WIDE);
+        let mut numbers = List::to_be_written(size * stride + WIDE);
+        let first = numbers.as_ptr().align_offset(ALIGNED).min(WIDE);
+        for j in 0..size {
+            let column = &mut numbers[first + j * stride..][..size];
+            column.iter_mut().zip(matrix.col(j).iter()).for_each(|(to, from)| *to = *from);
+        }
+        Square { numbers, size, first, stride }
+    }
+
+    /// Rows of it.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// Adds to an entry.
+    pub fn add(&mut self, i: usize, j: usize, value: f64) {
+        self.numbers[self.first + j * self.stride + i] += value;
+    }
+
+    pub fn as_ref(&self) -> MatRef<'_, f64> {
+        let entries = &self.numbers[self.first..][..self.size * self.stride];
+        MatRef::from_column_major_slice_with_stride(entries, self.size, self.size, self.stride)
+    }
+
+    fn as_mut(&mut self) -> MatMut<'_, f64> {
+        let entries = &mut self.numbers[self.first..][..self.size * self.stride];
+        MatMut::from_column_major_slice_with_stride_mut(entries, self.size, self.size, self.stride)
+    }
+}
+
+/// Work space of the factorizations and solutions here.
+pub(super) fn work_space(needed: StackReq) -> List<MaybeUninit<u8>> {
+    List::filled(MaybeUninit::uninit(), needed.unaligned_bytes_required())
+}
 
 /// A = P⁻¹ L U with partial pivoting.
 #[derive(Debug)]
 pub(super) struct Lu {
     /// L below the diagonal, which is one, and U.
-    factors: Mat<f64>,
+    factors: Square,
     /// The rows in the order of the pivots, and back.
-    forward: Vec<usize>,
-    backward: Vec<usize>,
+    forward: List<usize>,
+    backward: List<usize>,
 }
 
 impl Lu {
-    /// Factorizes a square matrix; a singular one has solutions that are not finite, or leave much of the right-hand
-    /// side.
-    pub fn new(mut factors: Mat<f64>) -> Lu {
-        let n = factors.nrows();
-        let (mut forward, mut backward) = (vec![0; n], vec![0; n]);
-        let mut buffer = MemBuffer::new(factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()));
+    /// Factorizes a matrix; a singular one has solutions that are not finite, or leave much of the right-hand side.
+    pub fn new(mut factors: Square) -> Lu {
+        let n = factors.size();
+        let (mut forward, mut backward) = (List::filled(0, n), List::filled(0, n));
+        let mut buffer = work_space(factor::lu_in_place_scratch::<usize, f64>(n, n, Par::Seq, Spec::default()));
         factor::lu_in_place(
             factors.as_mut(),
             &mut forward,
@@ -43,35 +99,29 @@ impl Lu {
 
     /// Rows of A.
     pub fn size(&self) -> usize {
-        self.factors.nrows()
+        self.factors.size()
     }
 
     /// Solves A x = b in place.
     pub fn solve(&self, b: &mut [f64]) {
-        let n = self.factors.nrows();
+        let n = self.size();
         let rows = PermRef::new_checked(&self.forward, &self.backward, n);
-        let mut buffer = MemBuffer::new(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
+        let mut buffer = work_space(solve::solve_in_place_scratch::<usize, f64>(n, 1, Par::Seq));
         let x = MatMut::from_column_major_slice_mut(b, n, 1);
-        solve::solve_in_place(
-            self.factors.as_ref(),
-            self.factors.as_ref(),
-            rows,
-            x,
-            Par::Seq,
-            MemStack::new(&mut buffer),
-        );
+        let factors = self.factors.as_ref();
+        solve::solve_in_place(factors, factors, rows, x, Par::Seq, MemStack::new(&mut buffer));
     }
 }
 
 /// A = L Lᵀ: half of the work of [`Lu`], and none of its search for pivots.
 #[derive(Debug)]
-pub(super) struct Cholesky(Mat<f64>);
+pub(super) struct Cholesky(Square);
 
 impl Cholesky {
     /// Factorizes a symmetric matrix, its lower half given; none where it is not positive definite.
-    pub fn new(mut matrix: Mat<f64>) -> Option<Cholesky> {
-        let mut buffer =
-            MemBuffer::new(llt::factor::cholesky_in_place_scratch::<f64>(matrix.nrows(), Par::Seq, Spec::default()));
+    pub fn new(mut matrix: Square) -> Option<Cholesky> {
+        let n = matrix.size();
+        let mut buffer = work_space(llt::factor::cholesky_in_place_scratch::<f64>(n, Par::Seq, Spec::default()));
         let made = llt::factor::cholesky_in_place(
             matrix.as_mut(),
             llt::factor::LltRegularization::default(),
@@ -84,8 +134,8 @@ impl Cholesky {
 
     /// Solves A x = b in place.
     pub fn solve(&self, b: &mut [f64]) {
-        let n = self.0.nrows();
-        let mut buffer = MemBuffer::new(llt::solve::solve_in_place_scratch::<f64>(n, 1, Par::Seq));
+        let n = self.0.size();
+        let mut buffer = work_space(llt::solve::solve_in_place_scratch::<f64>(n, 1, Par::Seq));
         let x = MatMut::from_column_major_slice_mut(b, n, 1);
         llt::solve::solve_in_place(self.0.as_ref(), x, Par::Seq, MemStack::new(&mut buffer));
     }
@@ -113,14 +163,14 @@ impl SparseLu {
     }
 
     /// A⁻¹ b.
-    pub fn solve(&self, b: &[f64]) -> Vec<f64> {
+    pub fn solve(&self, b: &[f64]) -> List<f64> {
         let solved = self.factors.solve(&Mat::from_fn(b.len(), 1, |i, _| b[i]));
         (0..b.len()).map(|i| solved[(i, 0)]).collect()
     }
 
     /// A x.
-    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
+    pub fn apply(&self, x: &[f64]) -> List<f64> {
+        let mut y = List::filled(0.0, x.len());
         for (j, &x) in x.iter().enumerate() {
             let column = self.matrix.row_idx_of_col(j).zip(self.matrix.val_of_col(j));
             column.for_each(|(i, value)| y[i] += value * x);
@@ -139,14 +189,14 @@ mod tests {
         let entry = |i: usize, j: usize| ((7 * i + 3 * j + 1) as f64).sin() + if (i + 5) % n == j { 4.0 } else { 0.0 };
         let x: Vec<f64> = (0..n).map(|i| (i as f64).cos()).collect();
         let mut b: Vec<f64> = (0..n).map(|i| (0..n).map(|j| entry(i, j) * x[j]).sum()).collect();
-        Lu::new(Mat::from_fn(n, n, entry)).solve(&mut b);
+        Lu::new(Square::of(Mat::from_fn(n, n, entry).as_ref())).solve(&mut b);
         assert!(b.iter().zip(&x).all(|(found, x)| (found - x).abs() < 1e-12), "{b:?}");
         // 2 on the diagonal, −1 beside it: eigenvalues 2 − 2 cos(πk/(n+1)).
         let least = 2.0 - 2.0 * (std::f64::consts::PI / (n + 1) as f64).cos();
         let shifted = |shift: f64| {
             let entry = |i: usize, j: usize| [2.0 - shift, -1.0, 0.0][i.abs_diff(j).min(2)];
             // Above the diagonal nothing is read.
-            Mat::from_fn(n, n, |i, j| if i < j { f64::NAN } else { entry(i, j) })
+            Square::of(Mat::from_fn(n, n, |i, j| if i < j { f64::NAN } else { entry(i, j) }).as_ref())
         };
         assert!(Cholesky::new(shifted(1.01 * least)).is_none());
         let factor = Cholesky::new(shifted(0.9 * least)).expect("a positive definite matrix");

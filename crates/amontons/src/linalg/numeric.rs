@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::ops::Range;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::MemStack;
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
@@ -16,7 +16,9 @@ use sha2::{Digest, Sha256};
 
 use super::error::SolveError;
 use super::factor::Columns;
+use super::lu::work_space;
 use super::stop::Stop;
+use crate::list::List;
 
 /// Columns that are eliminated at once.
 const BLOCK: usize = 128;
@@ -247,9 +249,10 @@ impl<'a> Supernodes<'a> {
 ///
 /// # Errors
 /// The column that has no pivot, or the wish that the work ends.
-pub(super) fn has_factor(matrix: &Mat<f64>, shift: f64, stop: &Stop) -> Result<(), Ended> {
+pub(super) fn has_factor(matrix: MatRef<f64>, shift: f64, stop: &Stop) -> Result<(), Ended> {
     let n = matrix.nrows();
-    let mut values: Vec<f64> = (0..n).flat_map(|j| matrix.col(j).iter().copied()).collect();
+    let mut values = List::with_capacity(n * n);
+    (0..n).for_each(|j| values.extend(matrix.col(j).iter().copied()));
     for j in 0..n {
         values[j * n + j] += shift;
     }
@@ -282,7 +285,7 @@ fn eliminate(panel: &mut [f64], [leading, columns]: [usize; 2], eliminated: usiz
         let (own, after) = rest.split_at_mut(width * leading);
         let own = MatMut::from_column_major_slice_mut(own, leading, width);
         let (mut diagonal, mut below) = own.split_at_row_mut(first).1.split_at_row_mut(width);
-        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(width, Par::Seq, Spec::default()));
+        let mut memory = work_space(cholesky_in_place_scratch::<f64>(width, Par::Seq, Spec::default()));
         cholesky_in_place(
             diagonal.as_mut(),
             LltRegularization::default(),

@@ -8,7 +8,8 @@ use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 use super::sparse::{BlockMatrix, CHUNK};
-use super::vectors::{blocks_of, by_blocks, zeros};
+use super::vectors::by_blocks;
+use crate::list::List;
 
 /// M w, A u, A w and B w in one pass over the matrices: M of 1 × 1 blocks, A and B of d × d blocks that act on
 /// differences, all on one graph. A is read once for both of its products. And what `then` makes of blocks of M w, A u
@@ -17,12 +18,12 @@ use super::vectors::{blocks_of, by_blocks, zeros};
 ///
 /// The bits are those of [`BlockMatrix::apply`].
 #[must_use]
-pub fn mechanical_products<T: Send>(
+pub fn mechanical_products<T: Send + 'static>(
     [mass, a, b]: [&BlockMatrix; 3],
     [u, w]: [&[f64]; 2],
     rest: &mut [f64],
     then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
-) -> ([Vec<f64>; 4], Vec<T>) {
+) -> ([List<f64>; 4], List<T>) {
     match a.block_shape() {
         (2, 2) if a.is_of_differences() && b.is_of_differences() => {
             products_of::<2, 4, T>([mass, a, b], [u, w], rest, then)
@@ -39,28 +40,31 @@ pub fn mechanical_products<T: Send>(
     }
 }
 
-fn products_of<const C: usize, const B: usize, T: Send>(
+fn products_of<const C: usize, const B: usize, T: Send + 'static>(
     [mass, a, b]: [&BlockMatrix; 3],
     [u, w]: [&[f64]; 2],
     rest: &mut [f64],
     then: impl Fn(usize, [&[f64]; 3], &mut [f64]) -> T + Sync,
-) -> ([Vec<f64>; 4], Vec<T>) {
-    let mut out: [Vec<f64>; 4] = std::array::from_fn(|_| zeros(a.graph().len() * C));
+) -> ([List<f64>; 4], List<T>) {
+    let mut out: [List<f64>; 4] = std::array::from_fn(|_| List::to_be_written(a.graph().len() * C));
     let (u, w) = (u.as_chunks::<C>().0, w.as_chunks::<C>().0);
     let [mass_w, a_u, a_w, b_w] = &mut out;
     let length = CHUNK * C;
-    let rests = blocks_of(rest, length, a.graph().len().div_ceil(CHUNK));
     let rows = mass_w
         .par_chunks_mut(length)
         .zip(a_u.par_chunks_mut(length))
         .zip(a_w.par_chunks_mut(length).zip(b_w.par_chunks_mut(length)))
-        .zip(rests);
-    let made = rows.enumerate().map(|(chunk, (((mass_w, a_u), (a_w, b_w)), rest))| {
+        .enumerate();
+    let of_rows = |(chunk, ((mass_w, a_u), (a_w, b_w))): (usize, (Rows, Rows)), rest: &mut [f64]| {
         let out = [&mut *mass_w, &mut *a_u, a_w, &mut *b_w];
         Arch::new().dispatch(Products::<C, B> { mass, a, b, first: chunk * CHUNK, u, w, out });
         then(chunk * length, [mass_w, a_u, b_w], rest)
-    });
-    let made = made.collect();
+    };
+    let made = if rest.is_empty() {
+        rows.map(|rows| of_rows(rows, &mut [])).collect()
+    } else {
+        rows.zip(rest.par_chunks_mut(length)).map(|(rows, rest)| of_rows(rows, rest)).collect()
+    };
     (out, made)
 }
 
@@ -69,24 +73,30 @@ fn products_of<const C: usize, const B: usize, T: Send>(
 ///
 /// The bits are those of [`BlockMatrix::apply`].
 #[must_use]
-pub fn thermal_products<T: Send>(
+pub fn thermal_products<T: Send + 'static>(
     [mass, d]: [&BlockMatrix; 2],
     theta: &[f64],
     rest: &mut [f64],
     then: impl Fn(usize, [&[f64]; 2], &mut [f64]) -> T + Sync,
-) -> ([Vec<f64>; 2], Vec<T>) {
-    let mut out = [zeros(theta.len()), zeros(theta.len())];
+) -> ([List<f64>; 2], List<T>) {
+    let mut out = [List::to_be_written(theta.len()), List::to_be_written(theta.len())];
     let [mass_theta, d_theta] = &mut out;
-    let rests = blocks_of(rest, CHUNK, theta.len().div_ceil(CHUNK));
-    let rows = mass_theta.par_chunks_mut(CHUNK).zip(d_theta.par_chunks_mut(CHUNK)).zip(rests);
-    let made = rows.enumerate().map(|(chunk, ((mass_theta, d_theta), rest))| {
+    let rows = mass_theta.par_chunks_mut(CHUNK).zip(d_theta.par_chunks_mut(CHUNK)).enumerate();
+    let of_rows = |(chunk, (mass_theta, d_theta)): (usize, Rows), rest: &mut [f64]| {
         let out = [&mut *mass_theta, &mut *d_theta];
         Arch::new().dispatch(ThermalProducts { mass, d, first: chunk * CHUNK, theta, out });
         then(chunk * CHUNK, [mass_theta, d_theta], rest)
-    });
-    let made = made.collect();
+    };
+    let made = if rest.is_empty() {
+        rows.map(|rows| of_rows(rows, &mut [])).collect()
+    } else {
+        rows.zip(rest.par_chunks_mut(CHUNK)).map(|(rows, rest)| of_rows(rows, rest)).collect()
+    };
     (out, made)
 }
+
+/// Rows of two products.
+type Rows<'a> = (&'a mut [f64], &'a mut [f64]);
 
 /// Rows of M w, A u, A w and B w, from the row of a node on.
 struct Products<'a, const C: usize, const B: usize> {

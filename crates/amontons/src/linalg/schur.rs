@@ -11,12 +11,13 @@ use sha2::{Digest, Sha256};
 use super::condensed::{Condensed, TangentKey};
 use super::error::SolveError;
 use super::krylov::gmres;
-use super::lu::{Cholesky, Lu, SparseLu};
+use super::lu::{Cholesky, Lu, SparseLu, Square};
 use super::numeric::{Ended, has_factor};
 use super::stop::Stop;
 use super::tangent::Tangent;
-use super::turn::{Turn, turned};
+use super::turn::{Turn, turn};
 use super::vectors::max_abs;
+use crate::list::List;
 
 /// Factors kept at once: steps alternate between a few contact patterns at the most.
 const KEPT: usize = 8;
@@ -51,10 +52,10 @@ const NOISE: f64 = 256.0;
 /// the unknowns of a node (with Gauss quadrature, of a facet): a few dozen products, whatever the contact pattern.
 #[derive(Debug)]
 pub(super) struct Schur {
-    /// S in the axes of space, and in the bases of the nodes that are turned.
+    /// S in the axes of space, and in the bases of the nodes that are turned, if some are.
     straight: Arc<Mat<f64>>,
-    s: Arc<Mat<f64>>,
-    turns: Vec<Turn>,
+    turned: Option<Mat<f64>>,
+    turns: List<Turn>,
     /// The largest entry of S.
     largest: f64,
     /// Mean of the diagonal of S over the unknowns of its node, for each unknown: the same in every basis.
@@ -123,9 +124,9 @@ impl Schur {
             is_large,
             largest,
             scale,
-            straight: Arc::clone(&s),
-            s,
-            turns: Vec::new(),
+            straight: s,
+            turned: None,
+            turns: List::new(),
             nodes,
             kept: VecDeque::new(),
             factorizations: 0,
@@ -133,11 +134,16 @@ impl Schur {
         }
     }
 
+    /// S in the bases that it is taken in.
+    fn s(&self) -> &Mat<f64> {
+        self.turned.as_ref().filter(|_| !self.turns.is_empty()).unwrap_or(&self.straight)
+    }
+
     /// S + J.
-    fn with(&self, tangent: &Tangent) -> Mat<f64> {
-        let mut matrix = Mat::clone(&self.s);
+    fn with(&self, tangent: &Tangent) -> Square {
+        let mut matrix = Square::of(self.s().as_ref());
         for (i, j, value) in tangent.entries() {
-            matrix[(i as usize, j as usize)] += value;
+            matrix.add(i as usize, j as usize, value);
         }
         matrix
     }
@@ -149,13 +155,14 @@ impl Schur {
     }
 
     /// Sums of `term` over the columns, in an order that does not depend on the number of threads.
-    fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
+    fn product(&self, x: &[f64], term: impl Fn(f64, f64) -> f64 + Sync) -> List<f64> {
+        let mut y = List::filled(0.0, x.len());
         // S is symmetric and stored by columns: some rows at once, all columns in turn.
         let rows = if self.is_large { 512 } else { x.len().max(1) };
+        let s = self.s();
         y.par_chunks_mut(rows).enumerate().for_each(|(part, y)| {
             for (j, &x) in x.iter().enumerate() {
-                let column = self.s.col(j).subrows(part * rows, y.len());
+                let column = s.col(j).subrows(part * rows, y.len());
                 for (y, s) in y.iter_mut().zip(column.iter()) {
                     *y += term(*s, x);
                 }
@@ -188,10 +195,10 @@ impl Schur {
     }
 
     /// The same by GMRES, preconditioned from the right.
-    fn iterate(&self, tangent: &Tangent, b: &[f64]) -> Result<Vec<f64>, SolveError> {
+    fn iterate(&self, tangent: &Tangent, b: &[f64]) -> Result<List<f64>, SolveError> {
         let near = self.near(tangent)?;
-        let mut x = vec![0.0; b.len()];
-        let mut rest = b.to_vec();
+        let mut x = List::filled(0.0, b.len());
+        let mut rest = List::copied(b);
         for _ in 0..PASSES {
             let before = max_abs(&rest);
             let wanted = (TOLERANCE * max_abs(b) / before).max(PASS);
@@ -207,7 +214,7 @@ impl Schur {
     }
 
     /// (S + J) x.
-    fn sum(&self, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
+    fn sum(&self, tangent: &Tangent, x: &[f64]) -> List<f64> {
         let mut y = self.product(x, |s, x| s * x);
         tangent.add_product(1.0, x, &mut y);
         y
@@ -215,22 +222,22 @@ impl Schur {
 
     /// The blocks of S on the diagonal, a node each, with J, factorized.
     fn near(&self, tangent: &Tangent) -> Result<Near, SolveError> {
-        let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.s.nrows());
+        let end = |node: usize| self.nodes.get(node + 1).copied().unwrap_or(self.s().nrows());
         let blocks = self.nodes.iter().enumerate().map(|(node, &first)| (first, end(node) - first));
         let node_of = |i: u32| self.nodes.partition_point(|&first| first <= i as usize).saturating_sub(1);
         let couples = || tangent.entries().any(|(i, j, _)| node_of(i) != node_of(j));
-        if tangent.entries().count() <= NEIGHBOURS * self.s.nrows() && couples() {
+        if tangent.entries().count() <= NEIGHBOURS * self.s().nrows() && couples() {
             let of_block =
                 |(first, size): (usize, usize)| (0..size * size).map(move |k| (first + k / size, first + k % size));
-            let own = blocks.flat_map(of_block).map(|(i, j)| (i as u32, j as u32, self.s[(i, j)]));
+            let own = blocks.flat_map(of_block).map(|(i, j)| (i as u32, j as u32, self.s()[(i, j)]));
             let sum = own.chain(tangent.entries());
-            return Ok(Near::Coupled(Box::new(SparseLu::new(self.s.nrows(), sum)?)));
+            return Ok(Near::Coupled(Box::new(SparseLu::new(self.s().nrows(), sum)?)));
         }
-        let own = |(first, size)| (first, self.s.submatrix(first, first, size, size).to_owned());
-        let mut blocks: Vec<(usize, Mat<f64>)> = blocks.map(own).collect();
+        let own = |(first, size)| (first, Square::of(self.s().submatrix(first, first, size, size)));
+        let mut blocks: List<(usize, Square)> = blocks.map(own).collect();
         for (i, j, value) in tangent.entries() {
             if let Some((first, block)) = blocks.get_mut(node_of(i)) {
-                block[(i as usize - *first, j as usize - *first)] += value;
+                block.add(i as usize - *first, j as usize - *first, value);
             }
         }
         Ok(Near::Nodes(blocks.into_iter().map(|(first, block)| (first, Lu::new(block))).collect()))
@@ -242,7 +249,7 @@ impl Condensed for Schur {
         &self.scale
     }
 
-    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+    fn apply(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
         Ok(self.product(x, |s, x| s * x))
     }
 
@@ -256,7 +263,7 @@ impl Condensed for Schur {
     }
 
     fn solve(&mut self, tangent: &Tangent, b: &mut [f64], _enough: f64) -> Result<(), SolveError> {
-        let right = b.to_vec();
+        let right = List::copied(b);
         self.solve_unchecked(tangent, b)?;
         // Where the terms of the sums S x are not many times as large as b, what is left of it is round-off.
         let round_off = f64::EPSILON * self.largest * max_abs(b);
@@ -268,12 +275,12 @@ impl Condensed for Schur {
         if !suspicious && !max_abs(b).is_nan() {
             return Ok(());
         }
-        let left: Vec<f64> = self.sum(tangent, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
+        let left: List<f64> = self.sum(tangent, b).iter().zip(&right).map(|(sum, b)| sum - b).collect();
         if max_abs(&left) <= LEFT * max_abs(&right) { Ok(()) } else { Err(SolveError::Singular { size: b.len() }) }
     }
 
     fn is_positive_definite(&mut self, tangent: &Tangent) -> Result<bool, SolveError> {
-        match has_factor(&self.with(tangent), 0.0, &self.stop) {
+        match has_factor(self.with(tangent).as_ref(), 0.0, &self.stop) {
             Ok(()) => Ok(true),
             Err(Ended::NotPositive(_)) => Ok(false),
             Err(Ended::Stopped(error)) => Err(error),
@@ -282,9 +289,13 @@ impl Condensed for Schur {
 
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
-            self.turns = turns.to_vec();
-            self.s =
-                if turns.is_empty() { Arc::clone(&self.straight) } else { Arc::new(turned(&self.straight, turns)) };
+            self.turns = List::copied(turns);
+            if !turns.is_empty() {
+                let mut s = self.turned.take().unwrap_or_else(|| Mat::zeros(self.len(), self.len()));
+                s.copy_from(&*self.straight);
+                turn(&mut s, turns);
+                self.turned = Some(s);
+            }
             self.kept.retain(|kept| matches!(kept, Kept::Known(_)));
         }
     }
@@ -294,7 +305,7 @@ impl Condensed for Schur {
     }
 
     fn dense(&self) -> Option<&Mat<f64>> {
-        Some(&self.s)
+        Some(self.s())
     }
 
     fn factorizations(&self) -> usize {
@@ -329,17 +340,17 @@ fn scale(s: &Mat<f64>, nodes: &[usize]) -> Vec<f64> {
 #[derive(Debug)]
 enum Near {
     /// Node by node.
-    Nodes(Vec<(usize, Lu)>),
+    Nodes(List<(usize, Lu)>),
     /// As a whole, where contact couples nodes as that of a pair does.
     Coupled(Box<SparseLu>),
 }
 
 impl Near {
     /// The solution with this part alone.
-    fn solve(&self, y: &[f64]) -> Vec<f64> {
+    fn solve(&self, y: &[f64]) -> List<f64> {
         match self {
             Near::Nodes(blocks) => {
-                let mut x = y.to_vec();
+                let mut x = List::copied(y);
                 for (first, lu) in blocks {
                     lu.solve(&mut x[*first..first + lu.size()]);
                 }

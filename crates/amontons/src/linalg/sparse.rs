@@ -13,6 +13,7 @@ use super::graph::{Graph, leaders};
 use super::pages::Numbers;
 use super::repeats;
 use super::vectors::{max_abs, zeros};
+use crate::list::List;
 use crate::mesh::Link;
 use crate::space::Frame;
 
@@ -268,13 +269,13 @@ impl BlockMatrix {
     ///
     /// A matrix of 1 × 1 blocks acts on each of the `components` that `x` has a node.
     #[must_use]
-    pub fn apply(&self, x: &[f64]) -> Vec<f64> {
+    pub fn apply(&self, x: &[f64]) -> List<f64> {
         self.apply_of(self.repeated.as_ref(), x)
     }
 
     /// The same with rows that [`BlockMatrix::repeats`] gives, or with all of them. Blocks whose shape the loops do not
     /// know are read from the matrix.
-    pub(super) fn apply_of(&self, repeated: Option<&Repeated>, x: &[f64]) -> Vec<f64> {
+    pub(super) fn apply_of(&self, repeated: Option<&Repeated>, x: &[f64]) -> List<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let mut y = zeros(self.graph.len() * self.rows * components);
         let width = self.rows * components;
@@ -355,11 +356,11 @@ impl BlockMatrix {
 
     /// |A| |x|: the sizes of what the sums A x are made of.
     #[must_use]
-    pub fn magnitude(&self, x: &[f64]) -> Vec<f64> {
+    pub fn magnitude(&self, x: &[f64]) -> List<f64> {
         let components = if self.rows * self.cols == 1 { x.len() / self.graph.len().max(1) } else { 1 };
         let at = |node: usize, c: usize| x.get(node * self.cols * components + c).map_or(0.0, |x| x.abs());
         let width = self.rows * components;
-        let mut sizes = vec![0.0; self.graph.len() * width];
+        let mut sizes = zeros(self.graph.len() * width);
         sizes.par_chunks_mut((CHUNK * width).max(1)).enumerate().for_each(|(chunk, sizes)| {
             for (k, sizes) in sizes.chunks_exact_mut(width.max(1)).enumerate() {
                 for (at_row, size) in sizes.iter_mut().enumerate() {

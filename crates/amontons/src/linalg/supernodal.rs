@@ -106,7 +106,7 @@ impl SupernodalFactor {
         let s = supernodes.condensed(&values);
         let diagonal = (interior..size).filter_map(|j| lower.column(j).next());
         let shift = diagonal.map(|(_, value)| value).sum::<f64>() / (size - interior).max(1) as f64;
-        has_factor(&s, shift, stop).map_err(|error| error.of(interior, size))?;
+        has_factor(s.as_ref(), shift, stop).map_err(|error| error.of(interior, size))?;
         let mut root = Tree::new(symbolic, &supernodes, interior).root(size);
         let stored = compact(&mut root, &mut values);
         root.batch();

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::list::List;
+
 /// An entry of J: row, column, value.
 pub type Entry = (u32, u32, f64);
 
@@ -19,8 +21,8 @@ const ROUND_OFF: f64 = 1e-12;
 #[derive(Clone, Debug, Default)]
 pub struct Tangent {
     /// The rows of N of all points, one after the other.
-    shares: Vec<Share>,
-    points: Vec<Point>,
+    shares: List<Share>,
+    points: List<Point>,
 }
 
 /// ω Fᵀ T N of a point: F = N but for terms that have no such form.
@@ -43,7 +45,7 @@ impl Tangent {
     /// No forces, with room for those of `points` contact points that see `shares` unknowns in all.
     #[must_use]
     pub fn with_capacity(points: usize, shares: usize) -> Tangent {
-        Tangent { shares: Vec::with_capacity(shares), points: Vec::with_capacity(points) }
+        Tangent { shares: List::with_capacity(shares), points: List::with_capacity(points) }
     }
 
     /// Adds ω Nᵀ T N of one contact point: its weight ω, its row of N and T, rows the force.

@@ -33,10 +33,8 @@ impl Turn {
     }
 }
 
-/// A symmetric matrix in the bases of the nodes.
-#[must_use]
-pub(super) fn turned(matrix: &Mat<f64>, turns: &[Turn]) -> Mat<f64> {
-    let mut s = matrix.clone();
+/// Takes a symmetric matrix in the bases of the nodes.
+pub(super) fn turn(s: &mut Mat<f64>, turns: &[Turn]) {
     for j in 0..s.ncols() {
         if let Some(column) = s.col_mut(j).try_as_col_major_mut() {
             let column = column.as_slice_mut();
@@ -61,5 +59,4 @@ pub(super) fn turned(matrix: &Mat<f64>, turns: &[Turn]) -> Mat<f64> {
             s[(j, i)] = s[(i, j)];
         }
     }
-    s
 }

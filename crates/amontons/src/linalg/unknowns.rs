@@ -9,7 +9,8 @@ use super::estimate::Choice;
 use super::graph::Graph;
 use super::ordering::{Ordering, nested_dissection};
 use super::sparse::BlockMatrix;
-use super::vectors::{BLOCK, copy};
+use super::vectors::{BLOCK, copy, zeros};
+use crate::list::List;
 use crate::mesh::{Link, Mesh, leader};
 use crate::space::{Frame, Space, frame, links};
 use crate::tensor::Point;
@@ -172,7 +173,7 @@ impl Unknowns {
 
     /// Forces over all degrees of freedom, in elimination order; what is at a node that follows another one acts there.
     #[must_use]
-    pub fn gather(&self, full: &[f64]) -> Vec<f64> {
+    pub fn gather(&self, full: &[f64]) -> List<f64> {
         let (frames, components) = (&self.frames.0, self.frames.1);
         let mut forces = frame::entered(frames, components, full);
         for Link { node, to, .. } in self.links.iter() {
@@ -191,7 +192,7 @@ impl Unknowns {
         if frames.is_empty() {
             self.put(x, full);
         } else {
-            let mut change = vec![0.0; full.len()];
+            let mut change = zeros(full.len());
             self.put(x, &mut change);
             frame::leave(frames, components, &mut change);
             full.iter_mut().zip(change).for_each(|(value, change)| *value += change);
@@ -201,7 +202,7 @@ impl Unknowns {
 
     /// The sum of [`Unknowns::add`].
     #[must_use]
-    pub fn sum(&self, x: &[f64], full: &[f64]) -> Vec<f64> {
+    pub fn sum(&self, x: &[f64], full: &[f64]) -> List<f64> {
         if !self.frames.0.is_empty() || !self.links.is_empty() {
             let mut sum = copy(full);
             self.add(x, &mut sum);
@@ -213,7 +214,7 @@ impl Unknowns {
 
     /// The unknowns that are kept of a vector over all degrees of freedom.
     #[must_use]
-    pub fn kept_of(&self, full: &[f64]) -> Vec<f64> {
+    pub fn kept_of(&self, full: &[f64]) -> List<f64> {
         let full = frame::entered(&self.frames.0, self.frames.1, full);
         self.kept().iter().map(|&d| full[d as usize]).collect()
     }
@@ -221,7 +222,7 @@ impl Unknowns {
     /// [`Unknowns::gather`] from a vector that is in the directions of the degrees of freedom, as the matrix of a
     /// factor is.
     #[must_use]
-    pub fn pick(&self, full: &[f64]) -> Vec<f64> {
+    pub fn pick(&self, full: &[f64]) -> List<f64> {
         self.dofs.par_iter().with_min_len(BLOCK).map(|&d| full[d as usize]).collect()
     }
 

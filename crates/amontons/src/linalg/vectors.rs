@@ -8,6 +8,8 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
+use crate::list::List;
+
 /// Entries that are worked on at once: large enough to pay for a task.
 pub(super) const BLOCK: usize = 1 << 14;
 
@@ -15,28 +17,35 @@ pub(super) const BLOCK: usize = 1 << 14;
 const WRITTEN: usize = 16;
 
 /// A vector of so many entries, made of pieces: each thread writes its own, once.
-fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> Vec<f64> {
-    let pieces = (0..length.div_ceil(WRITTEN)).into_par_iter().with_min_len(BLOCK / WRITTEN).map(&piece);
-    let mut entries = pieces.collect::<Vec<_>>().into_flattened();
-    entries.truncate(length);
+fn written(length: usize, piece: impl Fn(usize) -> [f64; WRITTEN] + Sync) -> List<f64> {
+    let mut entries = List::to_be_written(length);
+    entries.par_chunks_mut(BLOCK).enumerate().for_each(|(block, entries)| {
+        let first = block * (BLOCK / WRITTEN);
+        let (pieces, rest) = entries.as_chunks_mut();
+        let count = pieces.len();
+        pieces.iter_mut().enumerate().for_each(|(k, entries)| *entries = piece(first + k));
+        if !rest.is_empty() {
+            rest.copy_from_slice(&piece(first + count)[..rest.len()]);
+        }
+    });
     entries
 }
 
 /// A vector of zeros.
 #[must_use]
-pub fn zeros(length: usize) -> Vec<f64> {
+pub fn zeros(length: usize) -> List<f64> {
     written(length, |_| [0.0; WRITTEN])
 }
 
 /// A vector with these entries.
 #[must_use]
-pub fn copy(of: &[f64]) -> Vec<f64> {
+pub fn copy(of: &[f64]) -> List<f64> {
     map([of], |[entry]| entry)
 }
 
 /// The vector with the entries f(a_i, b_i, …) of vectors of equal length.
 #[must_use]
-pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> Vec<f64> {
+pub fn map<const N: usize>(of: [&[f64]; N], f: impl Fn([f64; N]) -> f64 + Sync) -> List<f64> {
     let length = of.first().map_or(0, |v| v.len());
     let of = of.map(|v| v[..length].as_chunks::<WRITTEN>());
     written(length, |i| {
@@ -106,24 +115,20 @@ pub fn larger(a: f64, b: f64) -> f64 {
 /// What `then` makes of each block of entries of vectors of equal length: it gets the first entry, the blocks, and that
 /// of another vector, to write to, which may be empty. In the order of the blocks.
 #[must_use]
-pub fn by_blocks<const N: usize, T: Send>(
+pub fn by_blocks<const N: usize, T: Send + 'static>(
     of: [&[f64]; N],
     out: &mut [f64],
     then: impl Fn(usize, [&[f64]; N], &mut [f64]) -> T + Sync,
-) -> Vec<T> {
+) -> List<T> {
     let size = of.first().map_or(0, |v| v.len());
-    let of_block = |(block, out): (usize, &mut [f64])| {
+    let of_block = |block: usize, out: &mut [f64]| {
         let (first, last) = (block * BLOCK, size.min((block + 1) * BLOCK));
         then(first, of.map(|v| &v[first..last]), out)
     };
-    blocks_of(out, BLOCK, size.div_ceil(BLOCK)).into_par_iter().enumerate().map(of_block).collect()
-}
-
-/// The blocks of a vector; so many empty ones of one that is empty.
-pub(super) fn blocks_of(out: &mut [f64], length: usize, count: usize) -> Vec<&mut [f64]> {
-    let mut blocks: Vec<&mut [f64]> = out.chunks_mut(length).collect();
-    blocks.resize_with(count, Default::default);
-    blocks
+    if out.is_empty() {
+        return (0..size.div_ceil(BLOCK)).into_par_iter().map(|block| of_block(block, &mut [])).collect();
+    }
+    out.par_chunks_mut(BLOCK).enumerate().map(|(block, out)| of_block(block, out)).collect()
 }
 
 /// Σ f(a_i, b_i, …) of blocks of equal length, several sums at once, each in eight lanes.
@@ -167,24 +172,24 @@ impl<const N: usize, const M: usize, F: Fn([f64; N]) -> [f64; M]> NullaryFnOnce 
 #[must_use]
 pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     let of_block = |(a, b): (&[f64], &[f64])| sum_block([a, b], |[a, b]| [a * b])[0];
-    let partial: Vec<f64> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of_block).collect();
+    let partial: List<f64> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of_block).collect();
     partial.iter().sum()
 }
 
 /// The products of a vector with each of several.
 #[must_use]
-pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> Vec<f64> {
+pub fn dots<V: AsRef<[f64]> + Sync>(vectors: &[V], x: &[f64]) -> List<f64> {
     let of_block = |(block, x): (usize, &[f64])| dots_of_block(vectors, block * BLOCK, x);
-    sums_of(vectors.len(), &x.par_chunks(BLOCK).enumerate().map(of_block).collect::<Vec<_>>())
+    sums_of(vectors.len(), &x.par_chunks(BLOCK).enumerate().map(of_block).collect::<List<_>>())
 }
 
 /// The products of a block, which begins at an entry, with each of several vectors.
-fn dots_of_block<V: AsRef<[f64]>>(vectors: &[V], at: usize, x: &[f64]) -> Vec<f64> {
+fn dots_of_block<V: AsRef<[f64]>>(vectors: &[V], at: usize, x: &[f64]) -> List<f64> {
     vectors.iter().map(|v| sum_block([&v.as_ref()[at..at + x.len()], x], |[v, x]| [v * x])[0]).collect()
 }
 
 /// The sums of so many numbers of each block.
-fn sums_of(count: usize, partial: &[Vec<f64>]) -> Vec<f64> {
+fn sums_of(count: usize, partial: &[List<f64>]) -> List<f64> {
     (0..count).map(|i| partial.iter().map(|of_block| of_block[i]).sum()).collect()
 }
 
@@ -206,14 +211,14 @@ fn add_to_block<V: AsRef<[f64]>>(y: &mut [f64], at: usize, factors: &[f64], vect
 /// `basis[i]`. Made twice, which leaves a rest that is orthogonal to round-off (Giraud, Langou, Rozložník, Comput.
 /// Math. Appl. 50 (2005) 1069). The basis is read three times: the components of the second time are found of each
 /// block as soon as those of the first are taken off it.
-pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> Vec<f64> {
-    let minus = |components: Vec<f64>| components.into_iter().map(|component| -component).collect::<Vec<f64>>();
+pub fn orthogonalize<V: AsRef<[f64]> + Sync>(x: &mut [f64], basis: &[V], duals: &[V]) -> List<f64> {
+    let minus = |components: List<f64>| components.into_iter().map(|component| -component).collect::<List<f64>>();
     let first = minus(dots(duals, x));
     let of_block = |(block, x): (usize, &mut [f64])| {
         add_to_block(x, block * BLOCK, &first, basis);
         dots_of_block(duals, block * BLOCK, x)
     };
-    let partial: Vec<Vec<f64>> = x.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
+    let partial: List<List<f64>> = x.par_chunks_mut(BLOCK).enumerate().map(of_block).collect();
     let second = minus(sums_of(duals.len(), &partial));
     add_combination(x, &second, basis);
     first.iter().zip(&second).map(|(first, second)| -first - second).collect()
@@ -269,7 +274,7 @@ mod tests {
         assert!(dot(&[], &[]).abs() == 0.0 && map([&[]], |[a]| a).is_empty());
         let mut of_both = vec![0.0; a.len()];
         let largest = map_block([&a, &b], &mut of_both, |[a, b]| a - 2.0 * b);
-        assert!(of_both == mapped && largest.map(f64::to_bits) == [6.0, 4.0].map(f64::to_bits));
+        assert!(mapped == of_both && largest.map(f64::to_bits) == [6.0, 4.0].map(f64::to_bits));
         // What a block begins with tells where it is.
         for out in [&mut of_both[..], &mut []] {
             let told = by_blocks([&a, &b], out, |first, [a, b], out| {

@@ -22,6 +22,7 @@ use super::files::{LONGEST, Written, move_file, sync_folder, write_atomically};
 use super::{Identity, OutputError, Snapshot, Work};
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
+use crate::list::List;
 use crate::machine;
 use crate::problem::Problem;
 use crate::scheme::{
@@ -132,13 +133,13 @@ struct Body {
     k: f64,
     step: usize,
     t: f64,
-    u: Vec<f64>,
-    w: Vec<f64>,
-    theta: Vec<f64>,
-    p: Vec<f64>,
-    q: Vec<Point>,
-    sticks: Vec<bool>,
-    branches: Vec<Vec<f64>>,
+    u: List<f64>,
+    w: List<f64>,
+    theta: List<f64>,
+    p: List<f64>,
+    q: List<Point>,
+    sticks: List<bool>,
+    branches: List<List<f64>>,
     surface: Accumulated,
     ledger: Ledger,
     counts: Counts,
@@ -157,7 +158,7 @@ struct Report {
     residual: f64,
     coupling: CouplingReport,
     force: Point,
-    moments: Vec<Point>,
+    moments: List<Point>,
     heat_flow: f64,
     reactions: Reactions,
     points: Vec<ReportPoint>,

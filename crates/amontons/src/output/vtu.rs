@@ -133,7 +133,7 @@ fn at_points<'a>(now: &Snapshot<'a>, fields: &[OutputField], recovery: Option<&S
         point.push(Array::reals("velocity", 3, in_space(&state.w)));
     }
     if physics.has_heat() {
-        point.push(Array::reals("temperature", 1, &state.theta));
+        point.push(Array::reals("temperature", 1, &*state.theta));
     }
     if let Some(recovery) = recovery {
         let stresses = recovery.stress(now.problem, state).means(mesh.points.len());

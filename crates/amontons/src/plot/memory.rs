@@ -211,7 +211,7 @@ fn displacement<const D: usize>(mesh: &Mesh, state: &State) -> Vec<[f64; D]> {
 }
 
 fn temperature(problem: &Problem, state: &State) -> Vec<f64> {
-    if problem.physics.has_heat() { state.theta.clone() } else { Vec::new() }
+    if problem.physics.has_heat() { state.theta.to_vec() } else { Vec::new() }
 }
 
 /// The region of each cell.

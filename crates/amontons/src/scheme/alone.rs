@@ -1,7 +1,5 @@
 //! A step of a problem that has one of the two half-steps: the other is not computed, and its fields stay at zero.
 
-use std::sync::Arc;
-
 use super::audit::Powers;
 use super::coupling::Made;
 use super::heat::{Amounts, Begun, Heat};
@@ -10,6 +8,7 @@ use super::system::{HalfStep, Step};
 use super::{CouplingReport, StepError};
 use crate::contact::Flux;
 use crate::inclusion::Exchange;
+use crate::list::List;
 
 /// Solves (4.1) without a temperature.
 pub(super) fn mechanics(step: &Step, half: &mut HalfStep) -> Result<Made, StepError> {
@@ -29,23 +28,23 @@ fn made(mechanics: Mechanics, heat: Heat) -> Made {
 
 /// θ = 0 and no heat that moves.
 fn no_heat(step: &Step) -> Heat {
-    let (zero, points) = (vec![0.0; step.old.theta.len()], step.boundary.points.len());
+    let (zero, points) = (List::filled(0.0, step.old.theta.len()), step.boundary.points.len());
     Heat {
         theta: zero.clone(),
         mass_theta: zero.clone(),
         d_theta: zero.clone(),
-        supply: Arc::new(zero.clone()),
+        supply: step.discrete.q_h.at(step.t),
         coupling: zero,
         exchange: Exchange {
-            temperature: vec![0.0; points],
-            opposite: vec![0.0; points],
-            flux: vec![Flux::default(); points],
-            rubbed: vec![0.0; points],
+            temperature: List::filled(0.0, points),
+            opposite: List::filled(0.0, points),
+            flux: List::filled(Flux::default(), points),
+            rubbed: List::filled(0.0, points),
             foundation: step.old.surface.foundation.clone(),
-            passed: Vec::new(),
+            passed: List::new(),
         },
         through_contact: 0.0,
-        reactions: Vec::new(),
+        reactions: List::new(),
         iterations: 0,
         sweeps: 0,
         residual: 0.0,
@@ -56,20 +55,20 @@ fn no_heat(step: &Step) -> Heat {
 
 /// u = w = 0 and no forces.
 fn no_mechanics(step: &Step) -> Mechanics {
-    let zero = || vec![0.0; step.old.u.len()];
+    let zero = || List::filled(0.0, step.old.u.len());
     Mechanics {
         u: zero(),
         w: zero(),
         multipliers: step.old.multipliers.clone(),
         branches: step.old.branches.clone(),
-        relaxing: Vec::new(),
-        states: Vec::new(),
+        relaxing: List::new(),
+        states: List::new(),
         is_unique: true,
         iterations: 0,
         sweeps: 0,
         residual: 0.0,
         scale: 0.0,
-        load: Arc::new(zero()),
+        load: step.discrete.f.at(step.t),
         theta: step.old.theta.clone(),
         thermal: zero(),
         mass_w: zero(),
@@ -78,7 +77,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         b_w: zero(),
         given: Given::default(),
         force: [0.0; 3],
-        reactions: Vec::new(),
+        reactions: List::new(),
         support_work: 0.0,
         powers: Powers::default(),
     }

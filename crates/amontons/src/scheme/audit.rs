@@ -8,6 +8,7 @@ use crate::arrays::per_point;
 use crate::contact::{GraphKind, arrays};
 use crate::discretization::Relaxed;
 use crate::linalg::{dot, sum_block};
+use crate::list::List;
 use crate::tensor;
 
 /// Closing error relative to what was turned over from which on the round-off of the terms is looked at.
@@ -195,9 +196,8 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
     let mut sum = OnContact { load_work, ..OnContact::default() };
     // The energy of the layer at the start of the step by the laws at its end.
     let mut start = 0.0;
-    let points: Vec<_> = boundary.points.iter().zip(&m.states).collect();
-    let asked = per_point(&arrays(contacts), points.len(), |i| {
-        let (point, state) = points[i];
+    let asked = per_point(&arrays(contacts), boundary.points.len().min(m.states.len()), |i| {
+        let (point, state) = (&boundary.points[i], &m.states[i]);
         let normal = &contacts[point.contact].normal;
         let at_rest = || normal.pressure(&point.x, state.penetration, 0.0, 0.0).value;
         let is_function = normal.graph() == GraphKind::Function;
@@ -232,7 +232,7 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
 /// The sizes of what the heat of a step is the sum of: contents and flows that may cancel over the body.
 fn heat_sizes(step: &Step, heat: &Heat) -> f64 {
     let (c, storage) = step.discrete.storage();
-    let sum = |sizes: Vec<f64>| sizes.iter().sum::<f64>();
+    let sum = |sizes: List<f64>| sizes.iter().sum::<f64>();
     step.k * sum(step.discrete.d.magnitude(&heat.theta))
         + c * (sum(storage.magnitude(&heat.theta)) + sum(storage.magnitude(&step.old.theta)))
 }

@@ -12,6 +12,7 @@ use super::system::{ACCEPTED, HalfStep, Step, difference, on_degrees};
 use super::{Contraction, CouplingReport, StepError};
 use crate::inclusion::{PointDerivative, PointState, Rule};
 use crate::linalg::{BlockMatrix, SolveError, Tangent, dot, gmres, max_abs};
+use crate::list::List;
 use crate::problem::Coupling;
 use crate::space::Space;
 use crate::tensor::{self, Point, length};
@@ -112,8 +113,8 @@ impl<'a> Coupled<'a> {
     /// largest terms.
     fn defect(&self, pass: &Pass) -> Result<f64, StepError> {
         let Step { discrete, .. } = self.step;
-        let change = |new: Vec<f64>, old: &[f64], space: &Space| {
-            let mut change: Vec<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
+        let change = |new: List<f64>, old: &[f64], space: &Space| {
+            let mut change: List<f64> = new.iter().zip(old).map(|(new, old)| new - old).collect();
             space.gather(&mut change);
             space.mask(&mut change);
             max_abs(&change)
@@ -184,7 +185,7 @@ impl<'a> Coupled<'a> {
     }
 
     /// The iterate with this temperature in m.
-    fn iterate(&mut self, theta: Vec<f64>, from: &Pass) -> Result<Iterate, StepError> {
+    fn iterate(&mut self, theta: List<f64>, from: &Pass) -> Result<Iterate, StepError> {
         Ok(Iterate::new(self.pass_in_turn(&theta, Some(from))?, theta))
     }
 
@@ -197,7 +198,7 @@ impl<'a> Coupled<'a> {
         let right = tangent.right(self, &now.residual).ok()?;
         let change = gmres(|change| tangent.apply(self, change), &right, LINEAR, most).ok()?.x;
         let part = |alpha: f64| {
-            now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<Vec<f64>>()
+            now.theta.iter().zip(&change).map(|(theta, change)| theta + alpha * change).collect::<List<f64>>()
         };
         let smaller = |made: &Iterate| made.merit < now.merit;
         // A trial at which a half-step does not converge is none.
@@ -260,15 +261,15 @@ impl Beside for HeatBeside<'_> {
 /// An iterate of the monolithic coupling.
 struct Iterate {
     /// The temperature in m.
-    theta: Vec<f64>,
+    theta: List<f64>,
     pass: Pass,
     /// Φ(θ) − θ, and its square.
-    residual: Vec<f64>,
+    residual: List<f64>,
     merit: f64,
 }
 
 impl Iterate {
-    fn new(pass: Pass, theta: Vec<f64>) -> Iterate {
+    fn new(pass: Pass, theta: List<f64>) -> Iterate {
         let residual = difference(&pass.heat.theta, &theta);
         Iterate { merit: dot(&residual, &residual), residual, pass, theta }
     }
@@ -278,7 +279,7 @@ impl Iterate {
 #[derive(Default)]
 struct Progress {
     /// The defect after each pass.
-    defects: Vec<f64>,
+    defects: List<f64>,
     /// Where the least of them is.
     least: usize,
 }
@@ -313,7 +314,7 @@ impl Progress {
 
     /// The contraction factors seen: mean and largest ratio of two defects in turn, as far as they are not round-off.
     fn contraction(&self) -> Option<Contraction> {
-        let telling: Vec<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
+        let telling: List<f64> = self.defects.iter().copied().take_while(|&defect| defect > TELLING).collect();
         let (first, last, ratios) =
             (telling.first()?, telling.last()?, telling.len().checked_sub(1).filter(|&n| n > 0)?);
         let largest = telling.windows(2).map(|pair| pair[1] / pair[0]).fold(0.0, f64::max);
@@ -324,18 +325,18 @@ impl Progress {
 /// The derivative of both half-steps at a solution.
 struct Linearised {
     mechanics: Tangent,
-    points: Vec<PointDerivative>,
+    points: List<PointDerivative>,
     heat: Tangent,
     /// ∂(q·ν) in r, p, ‖w_τ‖ and q·w_τ, with q, the slip and ν at each contact point.
-    fluxes: Vec<[f64; 4]>,
-    friction: Vec<[Point; 2]>,
-    normals: Vec<Point>,
+    fluxes: List<[f64; 4]>,
+    friction: List<[Point; 2]>,
+    normals: List<Point>,
     /// The derivative of the forces of the body in the temperature where it is not that of m, and what the derivative
     /// of conduction has beside its symmetric part.
     force_slope: Option<BlockMatrix>,
     heat_slope: Option<BlockMatrix>,
     /// Whether the power of friction enters the bodies whole, as at a pair.
-    rubs: Vec<bool>,
+    rubs: List<bool>,
 }
 
 impl Linearised {
@@ -369,14 +370,14 @@ impl Linearised {
 
     /// The right-hand side for a residual. With P the symmetric part of the derivative J of (4.2), P⁻¹J of it: the
     /// equations of both sides are multiplied so, and J is not inverted.
-    fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<Vec<f64>, SolveError> {
-        let Some(slope) = &self.heat_slope else { return Ok(residual.to_vec()) };
+    fn right(&self, coupled: &mut Coupled, residual: &[f64]) -> Result<List<f64>, SolveError> {
+        let Some(slope) = &self.heat_slope else { return Ok(List::copied(residual)) };
         let more = coupled.heat.system.linearised(&self.heat, &slope.apply(residual))?;
         Ok(residual.iter().zip(&more).map(|(residual, more)| residual + more).collect())
     }
 
     /// δθ − Φ′ δθ, times P⁻¹J.
-    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<Vec<f64>, SolveError> {
+    fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<List<f64>, SolveError> {
         let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
         let warmer = boundary.scalars_at(change);
         let contact = on_degrees(
@@ -385,12 +386,12 @@ impl Linearised {
             self.points.iter().zip(&warmer).map(|(point, warmer)| point.force_by_temperature.map(|f| f * warmer)),
         );
         let slope = self.force_slope.as_ref().unwrap_or(&discrete.m);
-        let right: Vec<f64> =
+        let right: List<f64> =
             slope.apply(change).iter().zip(&contact).map(|(thermal, contact)| thermal - contact).collect();
         let w = coupled.mechanics.system.linearised(&self.mechanics, &right)?;
-        let u: Vec<f64> = w.iter().map(|w| gamma * w).collect();
+        let u: List<f64> = w.iter().map(|w| gamma * w).collect();
         let points = boundary.points.iter().enumerate();
-        let chi: Vec<[f64; 2]> = points
+        let chi: List<[f64; 2]> = points
             .map(|(i, point)| {
                 let v = boundary.vector_at(point, discrete.mesh.dim, &w);
                 let derivative = &self.points[i];
@@ -411,10 +412,10 @@ impl Linearised {
                 [out, out + if self.rubs[i] { power } else { 0.0 }]
             })
             .collect();
-        let mut sum = vec![0.0; discrete.q.free.len()];
+        let mut sum = List::filled(0.0, discrete.q.free.len());
         boundary.scatter_heat(chi.into_iter(), &mut sum);
         let chi = sum;
-        let mut right: Vec<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
+        let mut right: List<f64> = discrete.e.apply(&u).iter().zip(&chi).map(|(e, chi)| e - chi).collect();
         if let Some(slope) = &self.heat_slope {
             right.iter_mut().zip(slope.apply(change)).for_each(|(right, slope)| *right -= slope);
         }

@@ -17,6 +17,7 @@ use super::{
 use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
+use crate::list::{Keeping, List};
 use crate::problem::Problem;
 use crate::tensor;
 
@@ -42,6 +43,8 @@ pub struct BackwardEuler {
     given_up: (usize, usize),
     /// Products that one step computes and the next one needs, with the state they belong to.
     products: Option<Products>,
+    /// The memory of lists is kept from the first step on.
+    keeping: Option<Keeping>,
 }
 
 /// The systems of the half-steps that a problem has, for one step length.
@@ -175,6 +178,7 @@ impl BackwardEuler {
             halved: Vec::new(),
             given_up: (0, 0),
             products: None,
+            keeping: None,
         })
     }
 
@@ -401,13 +405,10 @@ fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc
 
 /// The contacts of a problem with their laws at a time.
 fn contacts_at(problem: &Problem, t: f64) -> Cow<'_, [Contact]> {
-    let now: Vec<Option<Contact>> = problem.contacts.iter().map(|contact| contact.at_time(t)).collect();
-    if now.iter().all(Option::is_none) {
+    if problem.contacts.iter().all(|contact| contact.at_time(t).is_none()) {
         return Cow::Borrowed(&problem.contacts);
     }
-    Cow::Owned(
-        now.into_iter().zip(&problem.contacts).map(|(now, always)| now.unwrap_or_else(|| always.clone())).collect(),
-    )
+    Cow::Owned(problem.contacts.iter().map(|contact| contact.at_time(t).unwrap_or_else(|| contact.clone())).collect())
 }
 
 impl Scheme for BackwardEuler {
@@ -429,7 +430,7 @@ impl Scheme for BackwardEuler {
         let kinetic = 0.5 * rho * dot(&w, &inertia.apply(&w));
         // Without a potential the energy is counted from the initial state.
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
-        let branches = self.discrete.branches.iter().map(|branch| vec![0.0; branch.size(u.len())]).collect();
+        let branches = self.discrete.branches.iter().map(|branch| List::filled(0.0, branch.size(u.len()))).collect();
         let boundary = &self.discrete.boundary;
         let surface = Accumulated::new(&self.problem, boundary);
         let mut contact_energy = 0.0;
@@ -462,9 +463,9 @@ impl Scheme for BackwardEuler {
         Ok(State {
             step: 0,
             t: 0.0,
-            u,
-            w,
-            theta,
+            u: u.into(),
+            w: w.into(),
+            theta: theta.into(),
             multipliers,
             branches,
             surface,
@@ -476,6 +477,7 @@ impl Scheme for BackwardEuler {
 
     fn step(&mut self, old: &State) -> Result<(State, StepReport), StepError> {
         let n = old.step + 1;
+        self.keeping.get_or_insert_with(Keeping::begin);
         let (mut state, report) =
             self.advance(old, n, self.problem.time(n), 0).map_err(|error| datum::named(&self.problem, old, error))?;
         if report.parts > 1 {

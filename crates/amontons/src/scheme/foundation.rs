@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::system::Step;
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
 use crate::inclusion::{Exchange, Frame, Passed, PointState};
+use crate::list::List;
 use crate::problem::Problem;
 use crate::tensor::{self, Point, dot};
 
@@ -12,13 +13,13 @@ use crate::tensor::{self, Point, dot};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accumulated {
     /// Depth worn off at each contact point, m.
-    pub wear: Vec<f64>,
+    pub wear: List<f64>,
     /// Work of friction at each contact point since the start, J/m².
-    pub friction_work: Vec<f64>,
+    pub friction_work: List<f64>,
     /// θ_F of each contact whose foundation has a heat capacity, K; none where it is prescribed.
-    pub foundation: Vec<Option<f64>>,
+    pub foundation: List<Option<f64>>,
     /// Heat that has passed each contact since the start, J.
-    pub passed: Vec<Passed>,
+    pub passed: List<Passed>,
 }
 
 impl Accumulated {
@@ -32,10 +33,10 @@ impl Accumulated {
             Some(foundation.temperature.unwrap_or_else(|| contact.foundation_temperature.value(&first(side), 0.0)))
         };
         Accumulated {
-            wear: vec![0.0; n],
-            friction_work: vec![0.0; n],
+            wear: List::filled(0.0, n),
+            friction_work: List::filled(0.0, n),
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
-            passed: vec![Passed::default(); problem.contacts.len()],
+            passed: List::filled(Passed::default(), problem.contacts.len()),
         }
     }
 
@@ -62,15 +63,15 @@ pub(super) fn frames(
     u: &[f64],
     wear: &[f64],
     [from, to]: [f64; 2],
-) -> Vec<Frame> {
+) -> List<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
-    let mut frames = Vec::with_capacity(all.len());
+    let mut frames = List::with_capacity(all.len());
     let rate = |change: f64| if to > from { change / (to - from) } else { 0.0 };
     for (side, contact) in problem.contacts.iter().enumerate() {
         let first = frames.len();
         let points: &[PointOnBoundary] = all.get(first..).unwrap_or_default();
         let points = &points[..points.iter().take_while(|point| point.contact == side).count()];
-        let x: Vec<Point> = points.iter().map(|point| point.x).collect();
+        let x: List<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
         let velocity = velocities(contact, &x, to);
         let moves = contact.obstacle.as_ref().map_or([0.0; 3], |obstacle| {
@@ -106,28 +107,28 @@ pub(super) fn frames(
 }
 
 /// v_F by the datum; empty for a foundation at rest.
-fn velocities(contact: &Contact, x: &[Point], t: f64) -> Vec<Point> {
-    let components: Vec<Vec<f64>> = contact.foundation_velocity.iter().map(|field| field.values(x, t)).collect();
+fn velocities(contact: &Contact, x: &[Point], t: f64) -> List<Point> {
+    let components: List<List<f64>> = contact.foundation_velocity.iter().map(|field| field.values(x, t)).collect();
     if components.is_empty() {
-        return Vec::new();
+        return List::new();
     }
     (0..x.len()).map(|i| std::array::from_fn(|c| components.get(c).map_or(0.0, |values| values[i]))).collect()
 }
 
 impl Step<'_> {
     /// The moment of the forces on both bodies of each contact.
-    pub(super) fn moments(&self, states: &[PointState]) -> Vec<Point> {
+    pub(super) fn moments(&self, states: &[PointState]) -> List<Point> {
         let lambda = states.iter().map(|s| std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]));
         self.boundary.moments(&self.problem.contacts, &self.discrete.mesh, &self.old.u, lambda)
     }
 }
 
 /// θ_F(t_n) at the contact points where it is prescribed, K.
-pub(super) fn temperatures(step: &Step) -> Vec<f64> {
-    let mut all = Vec::with_capacity(step.boundary.points.len());
+pub(super) fn temperatures(step: &Step) -> List<f64> {
+    let mut all = List::with_capacity(step.boundary.points.len());
     for (side, contact) in step.problem.contacts.iter().enumerate() {
         let points = step.boundary.points.iter().filter(|point| point.contact == side);
-        let mut x: Vec<Point> = Vec::with_capacity(step.boundary.points.len());
+        let mut x: List<Point> = List::with_capacity(step.boundary.points.len());
         x.extend(points.map(|point| point.x));
         all.extend(contact.foundation_temperature.values(&x, step.t));
     }
@@ -136,7 +137,7 @@ pub(super) fn temperatures(step: &Step) -> Vec<f64> {
 
 /// Which contact points are at rest against the foundation at t = 0: a bound that drops when slip starts is the static
 /// one there.
-pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> Vec<bool> {
+pub(super) fn at_rest(problem: &Problem, boundary: &ContactBoundary, u: &[f64], w: &[f64]) -> List<bool> {
     // The velocity of an obstacle at t = 0 by differences over the first step; those of a motion that starts from rest
     // cancel but for round-off.
     let k = problem.k();

@@ -10,6 +10,7 @@ use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
 use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, zeros};
+use crate::list::{Lent, List};
 use crate::tensor::Point;
 
 /// Prescribed motion relative to the displacement of its node that is round-off.
@@ -17,13 +18,13 @@ const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 
 /// What the mechanical half-step found.
 pub(super) struct Mechanics {
-    pub u: Vec<f64>,
-    pub w: Vec<f64>,
+    pub u: List<f64>,
+    pub w: List<f64>,
     pub multipliers: Multipliers,
     /// z_n of the branches that relax, and the force of their springs; empty without.
-    pub branches: Vec<Vec<f64>>,
-    pub relaxing: Vec<f64>,
-    pub states: Vec<PointState>,
+    pub branches: List<List<f64>>,
+    pub relaxing: List<f64>,
+    pub states: List<PointState>,
     /// Whether there is one solution between the state before and this one, as far as laws that fall are concerned.
     pub is_unique: bool,
     /// Newton iterations on Γ_C, and sweeps.
@@ -32,20 +33,20 @@ pub(super) struct Mechanics {
     /// Residual relative to `scale`, the largest term of the equation.
     pub residual: f64,
     pub scale: f64,
-    pub load: Arc<Vec<f64>>,
+    pub load: Arc<List<f64>>,
     /// The temperature that the half-step was made with, and m(θ, ·) of it.
-    pub theta: Vec<f64>,
-    pub thermal: Vec<f64>,
-    pub mass_w: Vec<f64>,
-    pub a_u: Vec<f64>,
-    pub a_w: Vec<f64>,
-    pub b_w: Vec<f64>,
+    pub theta: List<f64>,
+    pub thermal: List<f64>,
+    pub mass_w: List<f64>,
+    pub a_u: List<f64>,
+    pub a_w: List<f64>,
+    pub b_w: List<f64>,
     /// What the contact points were given.
     pub given: Given,
     /// Resultant of σν on Γ_C.
     pub force: Point,
     /// What the supports exert, one number per prescribed degree of freedom, N; their work in the step, J.
-    pub reactions: Vec<f64>,
+    pub reactions: List<f64>,
     pub support_work: f64,
     /// The sums that the audit needs.
     pub powers: Powers,
@@ -67,12 +68,12 @@ impl Beside for () {}
 /// What is known on Γ_C before the half-step is solved.
 #[derive(Clone, Default)]
 pub(super) struct Given {
-    u_bar: Vec<f64>,
-    w_prescribed: Vec<f64>,
+    u_bar: List<f64>,
+    w_prescribed: List<f64>,
     /// The foundation at the contact points.
-    pub frames: Vec<Frame>,
+    pub frames: List<Frame>,
     /// The temperature that the half-step is made with, at the contact points.
-    temperature: Vec<f64>,
+    temperature: List<f64>,
 }
 
 impl Given {
@@ -83,19 +84,19 @@ impl Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
             frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
-            temperature: Vec::new(),
+            temperature: List::new(),
         }
     }
 
     /// The velocities in the directions of the degrees of freedom. What is prescribed there and is the round-off of the
     /// displacements that it is the difference of is no motion, along which a point would slip.
-    fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Cow<'v, [f64]> {
+    fn prescribed<'v>(step: &Step, w: &'v [f64]) -> Lent<'v, f64> {
         let (space, gamma) = (&step.discrete.v, step.rule.gamma);
         let mut directed = space.in_frames(w);
         for frame in &space.frames {
             let dofs = frame.node as usize * space.components..(frame.node as usize + 1) * space.components;
             let size = dofs.clone().fold(0.0, |size: f64, i| size.max(w[i].abs()).max((step.bar.u[i] / gamma).abs()));
-            for i in dofs.filter(|&i| !space.free[i] && directed[i].abs() <= NO_MOTION * size).collect::<Vec<_>>() {
+            for i in dofs.filter(|&i| !space.free[i] && directed[i].abs() <= NO_MOTION * size).collect::<List<_>>() {
                 directed.to_mut()[i] = 0.0;
             }
         }
@@ -137,8 +138,8 @@ impl Given {
     }
 
     /// The states of the contact points.
-    fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> Vec<PointState> {
-        self.on_boundary(step, &half.on_contact).map_or_else(Vec::new, |on_boundary| {
+    fn states(&self, step: &Step, half: &HalfStep, w: &[f64], multipliers: &Multipliers) -> List<PointState> {
+        self.on_boundary(step, &half.on_contact).map_or_else(List::new, |on_boundary| {
             on_boundary.states(half.system.condensed(), &half.system.kept_of(w), multipliers)
         })
     }
@@ -223,21 +224,21 @@ impl Mechanics {
     }
 
     /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
-    pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> Vec<f64> {
+    pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> List<f64> {
         let w = half.system.kept_of(&self.w);
         let forces = |given: &Given| {
             given
                 .on_boundary(step, &half.on_contact)
-                .map_or_else(Vec::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
+                .map_or_else(List::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
         };
         let (now, then) =
-            (forces(&self.given), forces(&Given { temperature: temperature.to_vec(), ..self.given.clone() }));
+            (forces(&self.given), forces(&Given { temperature: List::copied(temperature), ..self.given.clone() }));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
         on_degrees(step.boundary, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: what they add to S, and what each contact point sees.
-    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, Vec<PointDerivative>) {
+    pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, List<PointDerivative>) {
         let w = half.system.kept_of(&self.w);
         let HalfStep { system, on_contact, .. } = half;
         self.given
@@ -249,11 +250,11 @@ impl Mechanics {
 /// (4.1) in a step: what is known of it before it is solved.
 struct Equation<'a> {
     step: &'a Step<'a>,
-    load: Arc<Vec<f64>>,
+    load: Arc<List<f64>>,
     /// The temperature of the body, its laws there, and m(θ, ·).
     theta: &'a [f64],
     warmed: Warmed<'a>,
-    thermal: Vec<f64>,
+    thermal: List<f64>,
     given: Given,
 }
 
@@ -261,7 +262,7 @@ impl<'a> Equation<'a> {
     /// With the temperature `theta` in m and in the laws of the body and of contact.
     fn new(
         step: &'a Step,
-        load: Arc<Vec<f64>>,
+        load: Arc<List<f64>>,
         mut given: Given,
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
@@ -269,7 +270,7 @@ impl<'a> Equation<'a> {
         let numbers = |Frame { gap, gap_rate, normal: n, velocity: v }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
-        step.finite(&given.frames.iter().flat_map(numbers).collect::<Vec<f64>>(), "the foundation")?;
+        step.finite(&given.frames.iter().flat_map(numbers).collect::<List<f64>>(), "the foundation")?;
         Ok(Equation { step, load, theta, warmed, thermal: step.discrete.thermal_force(theta), given })
     }
 
@@ -284,7 +285,7 @@ impl<'a> Equation<'a> {
     }
 
     /// The right-hand side for the increment over the velocity of an iterate, the contact apart.
-    fn right(&self, at: &Iterate) -> Vec<f64> {
+    fn right(&self, at: &Iterate) -> List<f64> {
         let inertia = self.inertia();
         let right = map(self.terms(at), |terms| right_hand_side(inertia, terms));
         if at.relaxing.is_empty() { right } else { map([&right, &at.relaxing], |[right, relaxing]| right - relaxing) }
@@ -311,8 +312,8 @@ impl<'a> Equation<'a> {
             })
             .map_err(|why| step.failed("mechanics", why))?;
         let increments = &x[system.unknowns().interior..];
-        let kept: Vec<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
-        let states = on_boundary.map_or_else(Vec::new, |of| of.states(system.condensed(), &kept, &multipliers));
+        let kept: List<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
+        let states = on_boundary.map_or_else(List::new, |of| of.states(system.condensed(), &kept, &multipliers));
         Ok(Settled { x, multipliers, states, iterations })
     }
 
@@ -327,9 +328,9 @@ impl<'a> Equation<'a> {
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
     fn balance(
         &self,
-        w: Vec<f64>,
+        w: List<f64>,
         multipliers: Multipliers,
-        states: Vec<PointState>,
+        states: List<PointState>,
     ) -> Result<Balanced<'a>, StepError> {
         let Step { discrete, k, .. } = *self.step;
         let u = self.step.displacement(&w);
@@ -385,7 +386,7 @@ impl<'a> Equation<'a> {
         let mut alpha = 0.5;
         while next.residual > previous && alpha >= SHORTEST_STEP {
             let part = |old: f64, new: f64| old + alpha * (new - old);
-            let w: Vec<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
+            let w: List<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
             let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
             let states = self.given.states(self.step, half, &w, &multipliers);
             let shorter = self.balance(w, multipliers, states)?;
@@ -451,14 +452,14 @@ impl<'a> Equation<'a> {
 
 /// A velocity with the terms of (4.1) that it makes, or those of the state before.
 struct Iterate<'a> {
-    w: Vec<f64>,
+    w: List<f64>,
     multipliers: Multipliers,
-    mass_w: Cow<'a, [f64]>,
-    a_u: Cow<'a, [f64]>,
-    a_w: Cow<'a, [f64]>,
-    b_w: Cow<'a, [f64]>,
+    mass_w: Cow<'a, List<f64>>,
+    a_u: Cow<'a, List<f64>>,
+    a_w: Cow<'a, List<f64>>,
+    b_w: Cow<'a, List<f64>>,
     /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
-    relaxing: Vec<f64>,
+    relaxing: List<f64>,
 }
 
 /// The sum of the terms of (4.1) without contact.
@@ -468,9 +469,9 @@ fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6
 
 /// A pass whose contact is solved: the increments on Γ_C with what is reduced to the body, and the contact points.
 struct Settled {
-    x: Vec<f64>,
+    x: List<f64>,
     multipliers: Multipliers,
-    states: Vec<PointState>,
+    states: List<PointState>,
     /// Newton iterations on Γ_C.
     iterations: usize,
 }
@@ -479,22 +480,22 @@ struct Settled {
 struct Balanced<'a> {
     iterate: Iterate<'a>,
     /// ū + γ w of it.
-    u: Vec<f64>,
-    states: Vec<PointState>,
+    u: List<f64>,
+    states: List<PointState>,
     residual: f64,
     scale: f64,
     /// The largest of the terms that are known: loads, heat, inertia; and of the contact forces.
     driven: f64,
     contact: f64,
     force: Point,
-    reactions: Vec<f64>,
+    reactions: List<f64>,
     support_work: f64,
     powers: Powers,
 }
 
 impl Iterate<'_> {
     /// At a velocity, with M w, a(u, ·), a(w, ·) and b(w, ·) of it.
-    fn new(step: &Step, w: Vec<f64>, multipliers: Multipliers, products: [Vec<f64>; 4]) -> Self {
+    fn new(step: &Step, w: List<f64>, multipliers: Multipliers, products: [List<f64>; 4]) -> Self {
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
         Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
     }
@@ -503,7 +504,7 @@ impl Iterate<'_> {
 /// Where a half-step starts.
 struct Begun<'a> {
     now: Iterate<'a>,
-    load: Arc<Vec<f64>>,
+    load: Arc<List<f64>>,
     given: Given,
 }
 
@@ -523,7 +524,7 @@ impl<'a> Begun<'a> {
         let now = if discrete.is_linear() && !changes {
             // a(ū + γ w̄, ·) without another product.
             let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
-            let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(|v| Cow::Borrowed(&**v));
+            let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(Cow::Borrowed);
             Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
         } else {
             let products = discrete.mechanical_products(&step.displacement(&w), &w, warmed);
@@ -540,7 +541,7 @@ impl<'a> Begun<'a> {
             let products = step.discrete.mechanical_products(&m.u, &w, warmed);
             Iterate::new(step, w, multipliers, products)
         } else {
-            let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(|v| Cow::Borrowed(&**v));
+            let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(Cow::Borrowed);
             Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
         };
         Begun { now, load: Arc::clone(load), given: given.clone() }
@@ -548,7 +549,7 @@ impl<'a> Begun<'a> {
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.
-fn contact_forces(step: &Step, states: &[PointState]) -> (Point, Vec<f64>) {
+fn contact_forces(step: &Step, states: &[PointState]) -> (Point, List<f64>) {
     let Step { discrete, boundary, .. } = *step;
     let force =
         |state: &PointState| -> Point { std::array::from_fn(|c| state.pressure * state.normal[c] + state.q[c]) };

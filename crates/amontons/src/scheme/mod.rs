@@ -24,6 +24,7 @@ use std::sync::Arc;
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, NotConverged, PointState};
 use crate::linalg::{Backend, Decided, SolveError, TangentKey};
+use crate::list::List;
 use crate::problem::{Coupling, Faults, Problem, Uncovered};
 use crate::tensor::Point;
 
@@ -35,15 +36,15 @@ pub struct State {
     /// t_n in s.
     pub t: f64,
     /// u_n in m, node-major.
-    pub u: Vec<f64>,
+    pub u: List<f64>,
     /// w_n in m/s, node-major.
-    pub w: Vec<f64>,
+    pub w: List<f64>,
     /// θ_n in K.
-    pub theta: Vec<f64>,
+    pub theta: List<f64>,
     /// Friction multipliers at the contact points.
     pub multipliers: Multipliers,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
-    pub branches: Vec<Vec<f64>>,
+    pub branches: List<List<f64>>,
     /// What Γ_C and the foundation keep.
     pub surface: Accumulated,
     /// Energies and flows since the start.
@@ -130,9 +131,9 @@ impl StepReport {
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Reactions {
     /// Forces on the body, N per unit of thickness in two dimensions.
-    pub force: Vec<f64>,
+    pub force: List<f64>,
     /// Heat supplied to the body, W per unit of thickness in two dimensions.
-    pub heat: Vec<f64>,
+    pub heat: List<f64>,
 }
 
 /// How the half-steps of a step were coupled.
@@ -168,23 +169,23 @@ impl Contraction {
 #[derive(Clone, Debug, Default)]
 pub struct ContactReport {
     /// Weight ω of each contact point in the step, m^(d−1): pairs may be made anew.
-    pub weights: Vec<f64>,
+    pub weights: List<f64>,
     /// Kinematics and tractions.
-    pub states: Vec<PointState>,
+    pub states: List<PointState>,
     /// Temperature of the body at each point, K.
-    pub temperature: Vec<f64>,
+    pub temperature: List<f64>,
     /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair. Zero where a point
     /// of a pair faces nothing.
-    pub opposite: Vec<f64>,
+    pub opposite: List<f64>,
     /// Heat flux q·ν at each point, of the side that bears it.
-    pub flux: Vec<Flux>,
+    pub flux: List<Flux>,
     /// Power of friction that enters both bodies of a pair at each point, W/m²; zero at foundations.
-    pub rubbed: Vec<f64>,
+    pub rubbed: List<f64>,
     /// Resultant of σν on Γ_C, N per unit of thickness in two dimensions.
     pub force: [f64; 3],
     /// Moment of the forces that each contact puts on both its bodies, N m: the defect of the angular momentum, as
     /// their resultant is zero. Zero at foundations.
-    pub moments: Vec<Point>,
+    pub moments: List<Point>,
     /// ∫_{Γ_C} q·ν in W.
     pub heat_flow: f64,
 }

@@ -9,6 +9,7 @@ use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
+use crate::list::List;
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
 use crate::problem::Problem;
@@ -52,7 +53,7 @@ pub(super) struct Bar<'a> {
     pub u: &'a [f64],
     pub w: &'a [f64],
     pub theta: &'a [f64],
-    pub branches: &'a [Vec<f64>],
+    pub branches: &'a [List<f64>],
 }
 
 impl<'a> From<&'a State> for Bar<'a> {
@@ -73,25 +74,25 @@ pub(super) enum Rounded {
 
 impl Step<'_> {
     /// ū + γ w.
-    pub fn displacement(&self, w: &[f64]) -> Vec<f64> {
+    pub fn displacement(&self, w: &[f64]) -> List<f64> {
         let gamma = self.rule.gamma;
         map([self.bar.u, w], |[u, w]| u + gamma * w)
     }
 
     /// |ū| + γ |w|, the sizes of what u_n is the sum of.
-    pub fn sizes(&self, w: &[f64]) -> Vec<f64> {
+    pub fn sizes(&self, w: &[f64]) -> List<f64> {
         self.bar.u.iter().zip(w).map(|(u, w)| u.abs() + self.rule.gamma * w.abs()).collect()
     }
 
     /// The state of the branches that relax.
-    pub fn branches(&self, w: &[f64]) -> Vec<Vec<f64>> {
+    pub fn branches(&self, w: &[f64]) -> List<List<f64>> {
         let branches = self.discrete.branches.iter().zip(self.bar.branches);
         branches.map(|(branch, bar)| branch.step(self.rule, bar, w)).collect()
     }
 
     /// Σ ∫ 𝓖e_n:ε(·) of the branches with the strains e_n of their springs; empty without.
-    pub fn relaxing(&self, w: &[f64]) -> Vec<f64> {
-        let mut sum = Vec::new();
+    pub fn relaxing(&self, w: &[f64]) -> List<f64> {
+        let mut sum = List::new();
         for (branch, z) in self.discrete.branches.iter().zip(self.branches(w)) {
             let force = branch.force(&z);
             if sum.is_empty() {
@@ -187,7 +188,7 @@ impl Step<'_> {
     fn unsettled(&self, why: &NotConverged) -> String {
         const TOLD: usize = 3;
         let name = |law: String| law.split(|c: char| !c.is_alphanumeric()).next().unwrap_or_default().to_owned();
-        let one = |(i, states): &(usize, Vec<Status>)| {
+        let one = |(i, states): &(usize, List<Status>)| {
             let point = self.boundary.points.get(*i)?;
             let contact = self.problem.contacts.get(point.contact)?;
             let laws = [format!("{:?}", contact.normal), format!("{:?}", contact.friction)].map(name).join(", ");
@@ -242,13 +243,13 @@ pub(super) struct Products {
     /// t_n of the state.
     pub t: f64,
     /// (ρ·, ·), or (·, ·) where the density is the same everywhere.
-    pub mass_w: Vec<f64>,
-    pub a_u: Vec<f64>,
+    pub mass_w: List<f64>,
+    pub a_u: List<f64>,
     /// a(w, ·); empty where a is not linear.
-    pub a_w: Vec<f64>,
-    pub b_w: Vec<f64>,
-    pub mass_theta: Vec<f64>,
-    pub d_theta: Vec<f64>,
+    pub a_w: List<f64>,
+    pub b_w: List<f64>,
+    pub mass_theta: List<f64>,
+    pub d_theta: List<f64>,
 }
 
 impl Products {
@@ -299,8 +300,8 @@ pub(super) fn without_contact(
     condensed: &mut dyn Condensed,
     r: &[f64],
     guess: &[f64],
-) -> Result<(Vec<f64>, usize), Failure> {
-    let mut x = r.to_vec();
+) -> Result<(List<f64>, usize), Failure> {
+    let mut x = List::copied(r);
     if !x.is_empty() {
         condensed.solve(&Tangent::new(), &mut x, EXACT)?;
         x.iter_mut().zip(guess).for_each(|(x, guess)| *x += guess);
@@ -309,7 +310,7 @@ pub(super) fn without_contact(
 }
 
 /// Σ ω Nᵀ f of vectors at the contact points, or of scalars, their first components, over all degrees of freedom.
-pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> Vec<f64> {
+pub(super) fn on_degrees(boundary: &ContactBoundary, space: &Space, vectors: impl Iterator<Item = Point>) -> List<f64> {
     let mut sum = zeros(space.free.len());
     boundary.scatter(space.components, vectors, &mut sum);
     sum
@@ -322,6 +323,6 @@ pub(super) fn over_blocks<const N: usize, const M: usize>(blocks: &[([f64; N], [
 }
 
 /// a − b.
-pub(super) fn difference(a: &[f64], b: &[f64]) -> Vec<f64> {
+pub(super) fn difference(a: &[f64], b: &[f64]) -> List<f64> {
     map([a, b], |[a, b]| a - b)
 }

@@ -1,7 +1,6 @@
 //! Directions of the degrees of freedom of nodes at which an oblique direction is prescribed.
 
-use std::borrow::Cow;
-
+use crate::list::{Lent, List};
 use crate::tensor::{Point, dot};
 
 /// Directions of the degrees of freedom of a node where they are not the axes.
@@ -33,13 +32,13 @@ pub fn enter(frames: &[Frame], components: usize, values: &mut [f64]) {
 }
 
 /// The same for a vector that is kept.
-pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Cow<'v, [f64]> {
+pub fn entered<'v>(frames: &[Frame], components: usize, values: &'v [f64]) -> Lent<'v, f64> {
     if frames.is_empty() {
-        return Cow::Borrowed(values);
+        return Lent::Given(values);
     }
-    let mut values = values.to_vec();
+    let mut values = List::copied(values);
     enter(frames, components, &mut values);
-    Cow::Owned(values)
+    Lent::Own(values)
 }
 
 /// From components in the frames to those along the axes.

@@ -34,7 +34,7 @@ fn a_name_stands_for_a_table() -> Result<(), CaseError> {
     let last = |case: Result<Case, CaseError>| {
         let run = common::solve(&case?.problem);
         let state = run.states.last().expect("a state").clone();
-        Ok([state.u, state.theta].concat().iter().map(|v| v.to_bits()).collect::<Vec<_>>())
+        Ok(state.u.iter().chain(&state.theta).map(|v| v.to_bits()).collect::<Vec<_>>())
     };
     let (named, based, plain): (Vec<u64>, Vec<u64>, Result<Vec<u64>, CaseError>) =
         (last(named)?, last(based)?, last(plain));

@@ -86,7 +86,7 @@ fn units_change_no_bit() -> Result<(), CaseError> {
     let [drawn_run, plain_run] = [&drawn, &plain].map(|case| common::solve(&case.problem));
     let last = |run: &amontons::output::Memory| {
         let state = run.states.last().expect("a state").clone();
-        [state.u, state.w, state.theta].concat().iter().map(|v| v.to_bits()).collect::<Vec<_>>()
+        [state.u, state.w, state.theta].iter().flatten().map(|v| v.to_bits()).collect::<Vec<_>>()
     };
     assert!(last(&plain_run).iter().any(|bits| *bits != 0));
     assert_eq!(last(&drawn_run), last(&plain_run));

@@ -192,7 +192,7 @@ const BODIES: [(&str, usize, &[&str]); 8] = [
 ];
 
 /// A box on a rigid foundation.
-pub(crate) const BODY: &str = r#"
+const BODY: &str = r#"
 name = "body"
 [mesh]
 kind = "box"

@@ -13,7 +13,6 @@ mod coupling;
 mod elements;
 mod forms;
 mod manufactured;
-mod memory;
 mod newton;
 mod pyramids;
 mod refinement;

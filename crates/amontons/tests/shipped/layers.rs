@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 
 /// Modules on one line may not use each other; a module may use those on the lines before.
 const LAYERS: &[&[&str]] = &[
-    &["tensor", "arrays", "expression", "units", "machine"],
+    &["list", "tensor", "units", "machine"],
+    &["arrays", "expression"],
     &["quadrature", "field", "vtu"],
     &["element", "vtkhdf"],
     &["mesh"],

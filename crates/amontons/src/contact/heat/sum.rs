@@ -42,11 +42,10 @@ impl HeatLaw for Sum {
             .filter(|&most| most > 0.0)
     }
     fn at_time(&self, t: f64) -> Option<Arc<dyn HeatLaw>> {
-        let now: Vec<_> = self.laws.iter().map(|law| law.at_time(t)).collect();
-        if now.iter().all(Option::is_none) {
+        if self.laws.iter().all(|law| law.at_time(t).is_none()) {
             return None;
         }
-        let laws = now.into_iter().zip(&self.laws).map(|(now, always)| now.unwrap_or_else(|| Arc::clone(always)));
+        let laws = self.laws.iter().map(|law| law.at_time(t).unwrap_or_else(|| Arc::clone(law)));
         Some(Arc::new(Sum { laws: laws.collect() }))
     }
     fn absolute_zero(&self) -> Option<f64> {

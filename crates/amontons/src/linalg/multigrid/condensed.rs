@@ -14,7 +14,8 @@ use crate::linalg::stop::Stop;
 use crate::linalg::tangent::Tangent;
 use crate::linalg::turn::Turn;
 use crate::linalg::unknowns::Unknowns;
-use crate::linalg::vectors::{BLOCK, add_combination, copy, dot, max_abs};
+use crate::linalg::vectors::{BLOCK, add_combination, copy, dot, max_abs, zeros};
+use crate::list::List;
 
 /// Fewest and most products between two looks at the true residual, and how often it is looked at. GMRES keeps two
 /// vectors of each, and makes no more than have [`NUMBERS`] entries, where that is not too few.
@@ -43,8 +44,8 @@ pub(super) struct Iterative {
     positions: Vec<Option<u32>>,
     scale: Vec<f64>,
     /// The turns by unknown, and by degree of freedom.
-    turns: Vec<Turn>,
-    turns_by_degree: Vec<Turn>,
+    turns: List<Turn>,
+    turns_by_degree: List<Turn>,
     preconditioner: Option<Preconditioner>,
     /// What the preconditioner has taken up; none where that is in other bases.
     tangent: Option<Tangent>,
@@ -75,8 +76,8 @@ impl Iterative {
             free,
             positions,
             scale,
-            turns: Vec::new(),
-            turns_by_degree: Vec::new(),
+            turns: List::new(),
+            turns_by_degree: List::new(),
             preconditioner: None,
             tangent: None,
             iterations: 0,
@@ -85,7 +86,7 @@ impl Iterative {
     }
 
     /// A vector over all degrees of freedom.
-    fn spread(&self, x: &[f64]) -> Vec<f64> {
+    fn spread(&self, x: &[f64]) -> List<f64> {
         let of_unknown = |position: &Option<u32>| position.map_or(0.0, |at| x[at as usize]);
         self.positions.par_iter().with_min_len(BLOCK).map(of_unknown).collect()
     }
@@ -97,13 +98,13 @@ impl Iterative {
     }
 
     /// (S + J) x, S by its rows where they repeat.
-    fn sum(&self, repeated: Option<&Repeated>, tangent: &Tangent, x: &[f64]) -> Vec<f64> {
+    fn sum(&self, repeated: Option<&Repeated>, tangent: &Tangent, x: &[f64]) -> List<f64> {
         let mut y = self.product(repeated, x);
         tangent.add_product(1.0, x, &mut y);
         y
     }
 
-    fn product(&self, repeated: Option<&Repeated>, x: &[f64]) -> Vec<f64> {
+    fn product(&self, repeated: Option<&Repeated>, x: &[f64]) -> List<f64> {
         let mut straight = self.spread(x);
         self.turns_by_degree.iter().for_each(|turn| turn.back(&mut straight));
         let mut y = self.unknowns.pick(&self.matrix.apply_of(repeated, &straight));
@@ -130,7 +131,7 @@ impl Iterative {
     }
 
     /// An approximate solution of (S + J) x = r, r over all degrees of freedom.
-    fn precondition(&self, r: Vec<f64>) -> Vec<f64> {
+    fn precondition(&self, r: List<f64>) -> List<f64> {
         match &self.preconditioner {
             Some(preconditioner) => self.unknowns.pick(&preconditioner.apply(&self.body(), r)),
             None => self.unknowns.pick(&r),
@@ -143,9 +144,9 @@ impl Iterative {
     }
 
     /// L r where contact acts, by unknown.
-    fn solution(&self, r: &[f64]) -> Vec<(usize, f64)> {
+    fn solution(&self, r: &[f64]) -> List<(usize, f64)> {
         let position = |dof: u32| self.positions[dof as usize].map(|at| at as usize);
-        let Some(local) = self.touched() else { return Vec::new() };
+        let Some(local) = self.touched() else { return List::new() };
         let solution = local.solution(|dof| position(dof).map_or(0.0, |at| r[at]));
         solution.into_iter().filter_map(|(dof, value)| Some((position(dof)?, value))).collect()
     }
@@ -165,7 +166,7 @@ impl Iterative {
     }
 
     /// The residual, over all degrees of freedom, of one that is weighed.
-    fn unweighed(&self, weighed: &[f64]) -> Vec<f64> {
+    fn unweighed(&self, weighed: &[f64]) -> List<f64> {
         let mut r = self.spread(weighed);
         if let Some(local) = self.touched() {
             let scale = |dof: u32| self.positions[dof as usize].map_or(1.0, |at| self.scale[at as usize]);
@@ -185,19 +186,19 @@ impl Iterative {
 
     /// b − (S + J) x.
     fn leave(&self, tangent: &Tangent, b: &[f64], x: &[f64], rest: &mut [f64]) {
-        rest.par_iter_mut().zip(b).zip(self.sum(None, tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
+        rest.par_iter_mut().zip(b).zip(&self.sum(None, tangent, x)).for_each(|((rest, b), sum)| *rest = b - sum);
     }
 
     /// GMRES with a preconditioner that is not quite linear, as one in single precision: what it makes of each vector
     /// is kept (Saad, SIAM J. Sci. Comput. 14 (1993) 461). The approximate solution, and the products made.
     fn flexible(
         &self,
-        product: impl Fn(&[f64]) -> Result<Vec<f64>, SolveError>,
+        product: impl Fn(&[f64]) -> Result<List<f64>, SolveError>,
         rest: &[f64],
         (goal, limit): (f64, usize),
-    ) -> Result<(Vec<f64>, usize), SolveError> {
-        let mut kept: Vec<Vec<f64>> = Vec::new();
-        let apply = |v: &[f64]| -> Result<Vec<f64>, SolveError> {
+    ) -> Result<(List<f64>, usize), SolveError> {
+        let mut kept: List<List<f64>> = List::new();
+        let apply = |v: &[f64]| -> Result<List<f64>, SolveError> {
             let made = self.precondition(self.unweighed(v));
             let mut image = product(&made)?;
             self.weigh(&mut image);
@@ -207,15 +208,15 @@ impl Iterative {
         let mut weighed = copy(rest);
         self.weigh(&mut weighed);
         let solved = gmres(apply, &weighed, goal, limit)?;
-        let mut x = vec![0.0; rest.len()];
+        let mut x = zeros(rest.len());
         add_combination(&mut x, &solved.components, &kept);
         Ok((x, solved.iterations))
     }
 
     /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves.
-    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(Vec<f64>, f64), SolveError> {
+    fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(List<f64>, f64), SolveError> {
         let is_symmetric = tangent.is_symmetric();
-        let (mut x, mut rest, mut left) = (vec![0.0; b.len()], b.to_vec(), 1.0);
+        let (mut x, mut rest, mut left) = (zeros(b.len()), copy(b), 1.0);
         let whole = self.weight(b);
         let products = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
         let mut repeated = self.repeated.as_ref();
@@ -259,7 +260,7 @@ impl Condensed for Iterative {
         &self.scale
     }
 
-    fn apply(&self, x: &[f64]) -> Result<Vec<f64>, SolveError> {
+    fn apply(&self, x: &[f64]) -> Result<List<f64>, SolveError> {
         Ok(self.product(None, x))
     }
 
@@ -290,7 +291,7 @@ impl Condensed for Iterative {
         }
         self.prepare(tangent)?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
-        let b: Vec<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
+        let b: List<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(None, tangent, v));
         let precondition = |r: &[f64]| self.precondition(self.spread(r));
         let solved = conjugate_gradients(product, precondition, &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
@@ -309,7 +310,7 @@ impl Condensed for Iterative {
     fn turn(&mut self, turns: &[Turn]) {
         if self.turns != turns {
             let dof = |unknown: u32| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default();
-            self.turns = turns.to_vec();
+            self.turns = List::copied(turns);
             self.turns_by_degree =
                 turns.iter().map(|turn| Turn { unknowns: turn.unknowns.map(dof), ..*turn }).collect();
             self.tangent = None;

@@ -8,9 +8,10 @@ use super::aggregate::{aggregates, strong, tentative};
 use super::blocks::Blocks;
 use super::stored::Stored;
 use crate::linalg::error::SolveError;
-use crate::linalg::lu::Lu;
+use crate::linalg::lu::{Lu, Square};
 use crate::linalg::stop::Stop;
 use crate::linalg::vectors::{BLOCK, dot, max_abs};
+use crate::list::List;
 
 /// Unknowns below which a level is solved with a dense factor, and most levels.
 const COARSEST: usize = 600;
@@ -129,7 +130,8 @@ impl Hierarchy {
             takes_part = vec![true; count];
         }
         let is_small = matrix.len() * matrix.shape[0] <= COARSEST;
-        let coarsest = is_small.then(|| dense(&matrix, scale)).map(|dense| (Lu::new(dense.clone()), dense));
+        let coarsest =
+            is_small.then(|| dense(&matrix, scale)).map(|dense| (Lu::new(Square::of(dense.as_ref())), dense));
         Ok(Hierarchy { coarsest, levels, changed: Vec::new(), scale })
     }
 
@@ -193,11 +195,11 @@ impl Hierarchy {
     /// The factor of the coarsest matrix with what is added.
     fn solve_with(&mut self, added: &Blocks<f32>) {
         let Some((factor, dense)) = &mut self.coarsest else { return };
-        let (mut matrix, n) = (dense.clone(), added.shape[0]);
+        let (mut matrix, n) = (Square::of(dense.as_ref()), added.shape[0]);
         for i in 0..added.len() {
             for (j, block) in added.row(i) {
                 for (k, value) in block.iter().enumerate() {
-                    matrix[(i * n + k / n, j * n + k % n)] += f64::from(*value);
+                    matrix.add(i * n + k / n, j * n + k % n, f64::from(*value));
                 }
             }
         }
@@ -205,25 +207,25 @@ impl Hierarchy {
     }
 
     /// One V-cycle for A x = b from x = 0: a symmetric operator.
-    pub fn cycle(&self, b: &[f64]) -> Vec<f64> {
+    pub fn cycle(&self, b: &[f64]) -> List<f64> {
         // In the range of single precision, whatever the units of b.
         let size = max_abs(b);
         if size == 0.0 || !size.is_finite() {
-            return vec![0.0; b.len()];
+            return List::filled(0.0, b.len());
         }
-        let right: Vec<f32> = b.par_iter().with_min_len(BLOCK).map(|b| (b / size) as f32).collect();
+        let right: List<f32> = b.par_iter().with_min_len(BLOCK).map(|b| (b / size) as f32).collect();
         let factor = size / self.scale;
         self.level(0, &right).par_iter().with_min_len(BLOCK).map(|x| f64::from(*x) * factor).collect()
     }
 
-    fn level(&self, l: usize, b: &[f32]) -> Vec<f32> {
+    fn level(&self, l: usize, b: &[f32]) -> List<f32> {
         let level = &self.levels[l];
-        let mut x = vec![0.0; b.len()];
+        let mut x = List::filled(0.0, b.len());
         let Some([prolongation, restriction]) = &level.transfer else { return self.solved(level, b, x) };
         let mut work = Work::new(b.len());
         level.smooth(b, &mut x, &mut work, true);
         let rest = level.rest(b, &x, &mut work);
-        let mut coarse = vec![0.0; restriction.len() * restriction.shape[0]];
+        let mut coarse = List::filled(0.0, restriction.len() * restriction.shape[0]);
         restriction.apply(rest, &mut coarse, false);
         let correction = self.level(l + 1, &coarse);
         prolongation.apply(&correction, &mut x, true);
@@ -232,14 +234,14 @@ impl Hierarchy {
     }
 
     /// The coarsest level: by its factor, or by the smoother, twice so that the operator is symmetric.
-    fn solved(&self, level: &Level, b: &[f32], mut x: Vec<f32>) -> Vec<f32> {
+    fn solved(&self, level: &Level, b: &[f32], mut x: List<f32>) -> List<f32> {
         let Some((factor, _)) = &self.coarsest else {
             let mut work = Work::new(b.len());
             level.smooth(b, &mut x, &mut work, true);
             level.smooth(b, &mut x, &mut work, false);
             return x;
         };
-        let mut solved: Vec<f64> = b.iter().map(|b| f64::from(*b)).collect();
+        let mut solved: List<f64> = b.iter().map(|b| f64::from(*b)).collect();
         factor.solve(&mut solved);
         solved.into_iter().map(|x| x as f32).collect()
     }
@@ -257,13 +259,13 @@ impl Beside {
 
 /// Vectors that a level works with: A x, or what it leaves, and the last step of the smoother.
 struct Work {
-    product: Vec<f32>,
-    step: Vec<f32>,
+    product: List<f32>,
+    step: List<f32>,
 }
 
 impl Work {
     fn new(length: usize) -> Work {
-        Work { product: vec![0.0; length], step: vec![0.0; length] }
+        Work { product: List::filled(0.0, length), step: List::filled(0.0, length) }
     }
 }
 
