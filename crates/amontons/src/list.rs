@@ -126,7 +126,7 @@ impl<T: Send + 'static> List<T> {
             return List::new();
         }
         let mut list = List::kept(room).unwrap_or_else(|| List(Vec::with_capacity(rounded(room))));
-        list.clear();
+        list.0.clear();
         list
     }
 
@@ -171,16 +171,6 @@ impl<T: Send + 'static> List<T> {
     /// Takes out the entries that are not to be kept.
     pub fn retain(&mut self, keep: impl FnMut(&T) -> bool) {
         self.0.retain(keep);
-    }
-
-    /// Takes all entries out.
-    pub fn clear(&mut self) {
-        self.0.clear();
-    }
-
-    /// Takes the last entries off, but for the first so many.
-    pub fn truncate(&mut self, count: usize) {
-        self.0.truncate(count);
     }
 
     /// A list that was kept with room for so many entries, with entries that it had.
