@@ -1,8 +1,8 @@
 //! Lists whose memory is used again.
 //!
 //! A step makes some hundred vectors and lists, in every step of the same sizes. While a scheme makes steps, the memory
-//! of a list that is done with is kept for the next one of its size, so that after the first steps none is asked of the
-//! system any more. Finite element libraries hand out work vectors from such a store; here a list takes its memory from
+//! of a list that is dropped is kept for the next one of its size. After the first steps the system is not asked for
+//! memory any more. Finite element libraries hand out work vectors from such a store; here a list takes its memory from
 //! it and gives it back by itself.
 
 use std::any::{Any, TypeId};
@@ -27,7 +27,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// ```
 pub struct List<T: Send + 'static>(Vec<T>);
 
-/// As long as one lives, the memory of lists is kept.
+/// The memory of lists is kept as long as a value of this type lives.
 #[derive(Debug)]
 pub struct Keeping(());
 
@@ -130,7 +130,7 @@ impl<T: Send + 'static> List<T> {
         list
     }
 
-    /// Makes room for so many more entries. A list that outgrows its memory takes larger one from the store, too.
+    /// Makes room for so many more entries. A list that outgrows its memory takes a larger one from the store, too.
     pub fn reserve(&mut self, more: usize) {
         let room = self.len().saturating_add(more);
         if room > self.0.capacity() {
@@ -291,8 +291,8 @@ impl<T: Send + 'static> Extend<T> for List<T> {
     fn extend<I: IntoIterator<Item = T>>(&mut self, entries: I) {
         let entries = entries.into_iter();
         let (least, most) = entries.size_hint();
-        self.reserve(most.unwrap_or(least));
-        if most.is_some() {
+        self.reserve(least);
+        if most == Some(least) {
             self.0.extend(entries);
         } else {
             entries.for_each(|entry| self.push(entry));
@@ -318,7 +318,7 @@ impl<T: Send + 'static> FromParallelIterator<T> for List<T> {
     }
 }
 
-/// The entries of a list by themselves.
+/// The iterator that takes the entries out of a list, from the first to the last.
 #[derive(Debug)]
 pub struct Entries<T: Send + 'static>(List<T>);
 
@@ -386,12 +386,12 @@ impl<'de, T: Deserialize<'de> + Send + 'static> Deserialize<'de> for List<T> {
     }
 }
 
-/// Entries that are at hand, or a list of their own where they are changed.
+/// Entries that are borrowed, or a list of their own once they are changed: what [`std::borrow::Cow`] is for a `Vec`.
 #[derive(Debug)]
 pub enum Lent<'a, T: Send + 'static> {
-    /// As they are.
+    /// Borrowed entries.
     Given(&'a [T]),
-    /// A list.
+    /// A list of their own.
     Own(List<T>),
 }
 

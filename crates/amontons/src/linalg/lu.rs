@@ -54,11 +54,13 @@ impl Square {
         self.numbers[self.first + j * self.stride + i] += value;
     }
 
+    /// The matrix, to be read.
     pub fn as_ref(&self) -> MatRef<'_, f64> {
         let entries = &self.numbers[self.first..][..self.size * self.stride];
         MatRef::from_column_major_slice_with_stride(entries, self.size, self.size, self.stride)
     }
 
+    /// The matrix, to be factorized in place.
     fn as_mut(&mut self) -> MatMut<'_, f64> {
         let entries = &mut self.numbers[self.first..][..self.size * self.stride];
         MatMut::from_column_major_slice_with_stride_mut(entries, self.size, self.size, self.stride)
