@@ -2,7 +2,7 @@
 
 mod relaxation;
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use crate::contact::ContactBoundary;
 use crate::field::Coefficient;
@@ -11,7 +11,7 @@ use crate::inclusion::Rule;
 use crate::linalg::{BlockMatrix, Graph, by_blocks, dot, max_abs, mechanical_products, thermal_products};
 use crate::list::List;
 use crate::material::{self, Material, TensorLaw, depends_on_temperature};
-use crate::mesh::Mesh;
+use crate::mesh::{FacetSet, Mesh};
 use crate::problem::Problem;
 use crate::space::Space;
 use crate::tensor::{Sym, SymMap, safe_scale};
@@ -64,6 +64,8 @@ pub struct Discretization {
     pub q_h: forms::Load,
     /// Γ_C; without nodes where there is no contact.
     pub boundary: Arc<ContactBoundary>,
+    /// The facets that bound the bodies, from the first pairing on that asks for them.
+    pub outside: OnceLock<FacetSet>,
 }
 
 /// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
@@ -198,6 +200,7 @@ impl Discretization {
             q_h,
             dilatation: problem.dilatation(),
             boundary,
+            outside: OnceLock::new(),
             v,
             q,
             mesh,

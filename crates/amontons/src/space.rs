@@ -9,7 +9,7 @@ pub use frame::Frame;
 
 use crate::field::Field;
 use crate::list::{Lent, List};
-use crate::mesh::{Link, Links, Mesh, leader};
+use crate::mesh::{Link, Links, Mesh, leader, link_of};
 use crate::tensor::{Point, dot, length};
 
 /// A space of P1 functions with d or 1 components, prescribed on parts of the boundary: V^h or Q^h.
@@ -32,6 +32,8 @@ pub struct Space {
     prescribed: Vec<Prescribed>,
     /// The degrees of freedom that are prescribed.
     held: Vec<u32>,
+    /// Which of the prescriptions gives the value of each of them, and its number there.
+    given: Vec<(usize, usize)>,
 }
 
 /// A direction in which values are prescribed on a facet set.
@@ -60,6 +62,10 @@ struct Prescribed {
 /// Length of the part of a direction, across those prescribed before, that is none: the precision with which mesh files
 /// are written at the least.
 const ACROSS: f64 = 1e-6;
+/// Cosine of two directions from which on they are one.
+const PARALLEL: f64 = 1.0 - 1e-12;
+/// Relative difference of two values that are the same but for round-off.
+const SAME: f64 = 1e-12;
 
 impl Space {
     /// The space in which some directions are prescribed on parts of the boundary.
@@ -113,12 +119,13 @@ impl Space {
         }
         let mut frames: Vec<Frame> =
             axes.into_iter().map(|(node, axes)| Frame { node, axes: completed(axes, components) }).collect();
-        let held = (0u32..).zip(&free).filter_map(|(dof, free)| (!free).then_some(dof)).collect();
+        let held: Vec<u32> = (0u32..).zip(&free).filter_map(|(dof, free)| (!free).then_some(dof)).collect();
         links::add_frames(&links.nodes, components, &mut frames);
         for link in &links.nodes {
             free[link.node as usize * components..][..components].fill(false);
         }
-        Space { components, free, frames, links: links.nodes, prescribed, held }
+        let given = sources(&held, &prescribed);
+        Space { components, free, frames, links: links.nodes, prescribed, held, given }
     }
 
     /// The directions of the degrees of freedom of a node.
@@ -152,6 +159,35 @@ impl Space {
     #[must_use]
     pub fn is_held(&self, node: u32) -> bool {
         self.held_directions(node).count() == self.components
+    }
+
+    /// Whether the values at two nodes are prescribed alike in a direction: by the same number, or by the same function of
+    /// time.
+    #[must_use]
+    pub fn is_alike(&self, nodes: [u32; 2], direction: &Point) -> bool {
+        let [Some(a), Some(b)] = nodes.map(|node| self.source(node, direction)) else { return false };
+        let [(first, x, factor), (second, y, other)] = [a, b];
+        let is_same = |a: f64, b: f64| (a - b).abs() <= SAME * a.abs().max(b.abs());
+        if first.depends_on_time() || second.depends_on_time() {
+            return first == second && is_same(factor, other) && !first.depends_on_space();
+        }
+        is_same(factor * first.value(&x, 0.0), other * second.value(&y, 0.0))
+    }
+
+    /// The field that prescribes the value at a node in a direction, where it is taken, and its factor.
+    fn source(&self, node: u32, direction: &Point) -> Option<(&Field, Point, f64)> {
+        let (node, direction) = match link_of(&self.links, node) {
+            Some(link) => (link.to, link.back(direction)),
+            None => (node, *direction),
+        };
+        let axes = self.directions(node);
+        let along = |c: &usize| dot(&axes[*c], &direction).abs() > PARALLEL;
+        let component = (0..self.components).find(along)?;
+        let dof = (node as usize * self.components + component) as u32;
+        let (part, at) = *self.given.get(self.held.binary_search(&dof).ok()?)?;
+        let part = self.prescribed.get(part).filter(|part| part.less.iter().all(|(less, ..)| *less != dof))?;
+        let sign = dot(&axes[component], &direction).signum();
+        Some((&part.field, *part.points.get(at)?, sign * part.factors.get(at)?))
     }
 
     /// Number of unknowns.
@@ -292,6 +328,20 @@ impl Prescribed {
         self.points.push(x);
         self.factors.push(factor);
     }
+}
+
+/// For each of the degrees of freedom that are prescribed, in their order, which prescription gives its value last, and
+/// its number there.
+fn sources(held: &[u32], prescribed: &[Prescribed]) -> Vec<(usize, usize)> {
+    let mut given = vec![(usize::MAX, 0); held.len()];
+    for (number, part) in prescribed.iter().enumerate() {
+        for (at, dof) in part.dofs.iter().enumerate() {
+            if let Ok(place) = held.binary_search(dof) {
+                given[place] = (number, at);
+            }
+        }
+    }
+    given
 }
 
 /// The axis that a direction is along, with its sign.

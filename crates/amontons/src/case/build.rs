@@ -10,7 +10,7 @@ use super::physics::physics;
 use super::place::{At, Finding};
 use super::raw;
 use super::schema::Limits;
-use super::side_materials::SideMaterials;
+use super::side_facts::SideFacts;
 use super::verify::{Expected, Verify};
 use crate::contact::{Contact, Quadrature};
 use crate::convergence::Exact;
@@ -61,7 +61,9 @@ pub(super) fn problem(
     let bodies = materials.clone();
     let contacts = build.named_pairs(raw.contact.map_or_else(Vec::new, raw::Contacts::all), &mut mesh);
     build.places(&mut raw.boundary, &mut mesh);
-    let of_sides = SideMaterials::new(&mesh, &bodies);
+    let boundary: Vec<_> = raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect();
+    let of_sides = SideFacts::new(&mesh, &bodies, &boundary);
+    let contacts = contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect();
     let exact = raw.exact.map(|exact| build.exact(&exact, physics, &mesh.points));
     let mut data = ProblemData {
         name: raw.name,
@@ -73,8 +75,8 @@ pub(super) fn problem(
         body_force: build.vector("load.body_force", &raw.load.body_force, &mesh.points),
         heat_source: build.field("load.heat_source", &raw.load.heat_source, &mesh.points),
         cyclic: build.cyclic(raw.cyclic),
-        boundary: raw.boundary.into_iter().enumerate().map(|(i, b)| build.boundary(i, b, &mesh)).collect(),
-        contacts: contacts.into_iter().map(|(path, c)| build.contact(&path, c, &mesh, &of_sides)).collect(),
+        boundary,
+        contacts,
         initial: build.initial(&raw.initial, &mesh.points),
         coupling: coupling(raw.scheme.coupling),
         mesh: Arc::new(mesh),

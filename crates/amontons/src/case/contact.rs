@@ -7,7 +7,7 @@ use super::coefficient::{Plan, Sites};
 use super::laws::{self, Keyed};
 use super::place::At;
 use super::raw::{self, Datum};
-use super::side_materials::SideMaterials;
+use super::side_facts::SideFacts;
 use crate::contact::{
     Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Pair,
     Quadrature, Signorini, Sum, WearLaw,
@@ -17,7 +17,7 @@ use crate::mesh::Mesh;
 use crate::tensor::Point;
 
 impl Build<'_> {
-    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, materials: &SideMaterials) -> Contact {
+    pub fn contact(&mut self, path: &str, mut raw: raw::Contact, mesh: &Mesh, materials: &SideFacts) -> Contact {
         self.partition(path, &mut raw, materials);
         let pair = self.pair(path, &raw, materials);
         let bearing = pair.as_ref().filter(|pair| pair.on_is_mortar).map_or(&raw.on, |pair| &pair.with).clone();

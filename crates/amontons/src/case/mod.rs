@@ -47,7 +47,7 @@ mod quantity;
 mod raw;
 mod request;
 mod schema;
-mod side_materials;
+mod side_facts;
 mod sides;
 mod study;
 mod syntax;

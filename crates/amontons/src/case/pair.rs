@@ -3,27 +3,12 @@
 use super::build::Build;
 use super::place::At;
 use super::raw::{self, Datum};
-use super::side_materials::SideMaterials;
+use super::side_facts::SideFacts;
 use crate::contact::{Geometry, Pair};
-
-/// Sizes whose quotient is nearer to 1 are equal, and facets or moduli similar.
-const EQUAL: f64 = 1.01;
-const SIMILAR: f64 = 2.0;
-
-/// Whether the first of two sides is the one to bear the contact points: that with the finer facets; where these are
-/// similar the smaller side, which the other is more likely to face as a whole, or that of the softer body.
-fn is_better(sides: [&str; 2], materials: &SideMaterials) -> bool {
-    let [[facet, size], [other_facet, other_size]] = sides.map(|side| materials.sizes(side));
-    let stiffness = sides.map(|side| materials.stiffness(side).unwrap_or(0.0));
-    let facets = [facet, other_facet];
-    let criteria = [(facets, SIMILAR), ([size, other_size], EQUAL), (stiffness, SIMILAR), (facets, EQUAL)];
-    let decisive = criteria.into_iter().find(|([a, b], factor)| a * factor < *b || b * factor < *a);
-    decisive.is_some_and(|([a, b], _)| a < b)
-}
 
 impl Build<'_> {
     /// Puts the fraction by effusivity in the place of the word.
-    pub fn partition(&mut self, path: &str, raw: &mut raw::Contact, materials: &SideMaterials) {
+    pub fn partition(&mut self, path: &str, raw: &mut raw::Contact, materials: &SideFacts) {
         if !matches!(&raw.frictional_heat, Datum::Expression(word) if word.trim() == "effusivity") {
             return;
         }
@@ -38,7 +23,7 @@ impl Build<'_> {
     }
 
     /// The second side of a contact; none where the foundation is rigid.
-    pub fn pair(&mut self, path: &str, raw: &raw::Contact, materials: &SideMaterials) -> Option<Pair> {
+    pub fn pair(&mut self, path: &str, raw: &raw::Contact, materials: &SideFacts) -> Option<Pair> {
         let Some(with) = &raw.with else {
             self.without_pair(path, raw);
             return None;
@@ -52,7 +37,7 @@ impl Build<'_> {
                 self.note(&format!("{path}.nonmortar"), At::Value, format!("\"{side}\""), expected, None);
                 false
             }
-            None => is_better([with, &raw.on], materials),
+            None => materials.second_bears([&raw.on, with]),
         };
         Some(Pair {
             with: with.clone(),

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::mortar::{Mortar, MortarRow};
+use super::mortar::{Image, Mortar, MortarRow};
 use super::{FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Obstacle, Pair, WearLaw};
 use crate::element::{Element, ShapeTable};
 use crate::field::Field;
@@ -199,10 +199,28 @@ pub struct PointOnBoundary {
     pub nodes: Vec<(usize, f64)>,
     /// How many of these are on the side of the point; they come first.
     pub own: usize,
+    /// Entries of `nodes`, by their numbers, whose nodes are in another sector: vectors there are turned into that of the
+    /// point. None but at the cut of a sector.
+    pub turned: Vec<(usize, Image)>,
     /// The gap of the geometry of a pair in m; zero at a foundation.
     pub gap: f64,
-    /// Whether the point bears no friction: in a pair at nodes with a displacement that is prescribed.
-    pub is_smooth: bool,
+    /// What was added to −ν·(B X) to bring the gap into the range of the distances about the point, m.
+    pub clamped: f64,
+    /// What was added to the gap to close an overlap of the bodies at rest, m.
+    pub closed: f64,
+    /// Directions along the side in which friction has no component, filled up with zeros: those in which both sides of a
+    /// pair are held alike.
+    pub held: [Point; 3],
+}
+
+impl PointOnBoundary {
+    /// The entries of the jump: contact node, value, and the sector that the node is in where it is another one.
+    pub fn entries(&self) -> impl Iterator<Item = (usize, f64, Option<&Image>)> {
+        let mut turned = self.turned.iter().peekable();
+        self.nodes.iter().enumerate().map(move |(entry, &(node, value))| {
+            (node, value, turned.next_if(|(turned, _)| *turned == entry).map(|(_, image)| image))
+        })
+    }
 }
 
 /// The side of one contact.
@@ -294,10 +312,11 @@ impl ContactBoundary {
     #[must_use]
     pub fn vector_at(&self, point: &PointOnBoundary, dim: usize, values: &[f64]) -> Point {
         let mut v = [0.0; 3];
-        for &(node, value) in &point.nodes {
-            for c in 0..dim {
-                v[c] += value * values[self.nodes[node] as usize * dim + c];
-            }
+        for (node, value, turn) in point.entries() {
+            let first = self.nodes[node] as usize * dim;
+            let at_node: Point = std::array::from_fn(|c| if c < dim { values[first + c] } else { 0.0 });
+            let at_node = turn.map_or(at_node, |turn| turn.vector(&at_node));
+            (0..dim).for_each(|c| v[c] += value * at_node[c]);
         }
         v
     }
@@ -326,20 +345,19 @@ impl ContactBoundary {
     /// components at all nodes.
     pub fn scatter(&self, components: usize, vectors: impl Iterator<Item = Point>, sum: &mut [f64]) {
         for (point, vector) in self.points.iter().zip(vectors) {
-            for &(node, value) in &point.nodes {
+            for (node, value, turn) in point.entries() {
+                let at_node = turn.filter(|_| components > 1).map_or(vector, |turn| turn.back(&vector));
                 for c in 0..components {
-                    sum[self.nodes[node] as usize * components + c] += point.weight * value * vector[c];
+                    sum[self.nodes[node] as usize * components + c] += point.weight * value * at_node[c];
                 }
             }
         }
     }
 }
 
-/// The point of a pair, its own vertex first.
+/// The point of a pair.
 fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> PointOnBoundary {
-    let vertex = row.own.iter().filter(|(node, _)| *node == row.node);
-    let others = row.own.iter().filter(|(node, _)| *node != row.node);
-    let own = vertex.chain(others).map(|&(node, share)| (local(node), share));
+    let own = row.own.iter().map(|&(node, share)| (local(node), share));
     let other = row.other.iter().map(|&(node, share)| (local(node), -share));
     PointOnBoundary {
         x: mesh.points[row.node as usize],
@@ -348,8 +366,11 @@ fn pair_point(mesh: &Mesh, row: &MortarRow, local: impl Fn(u32) -> usize) -> Poi
         contact: 0,
         nodes: own.chain(other).collect(),
         own: row.own.len(),
+        turned: row.turned.clone(),
         gap: row.gap,
-        is_smooth: row.is_held,
+        clamped: row.gap - row.gap_of_rows,
+        closed: 0.0,
+        held: row.held,
     }
 }
 
@@ -367,8 +388,11 @@ fn nodal_points(mesh: &Mesh, set: &FacetSet, links: &[Link], local: impl Fn(u32)
             contact: 0,
             nodes: vec![(local(n), 1.0)],
             own: 1,
+            turned: Vec::new(),
             gap: 0.0,
-            is_smooth: false,
+            clamped: 0.0,
+            closed: 0.0,
+            held: [[0.0; 3]; 3],
         })
         .collect();
     for block in &set.blocks {
@@ -478,8 +502,11 @@ fn gauss_points(mesh: &Mesh, set: &FacetSet, local: impl Fn(u32) -> usize) -> Ve
                     contact: 0,
                     own: nodes.len(),
                     nodes,
+                    turned: Vec::new(),
                     gap: 0.0,
-                    is_smooth: false,
+                    clamped: 0.0,
+                    closed: 0.0,
+                    held: [[0.0; 3]; 3],
                 });
             }
         }

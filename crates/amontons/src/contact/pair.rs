@@ -1,6 +1,7 @@
 //! The second body of a contact.
 
-use std::sync::Arc;
+use std::collections::BTreeSet;
+use std::sync::{Arc, OnceLock};
 
 use super::mortar::{Mortar, Sides};
 use super::{Contact, ContactBoundary, PointOnBoundary, Side};
@@ -59,45 +60,70 @@ impl Pair {
 #[derive(Clone, Copy)]
 pub struct Supports<'a> {
     /// The directions in which the displacement of a node is prescribed, filled up with zeros.
-    pub held: &'a dyn Fn(u32) -> [Point; 3],
+    pub held: &'a (dyn Fn(u32) -> [Point; 3] + Sync),
+    /// Whether the displacement of two nodes is prescribed alike in a direction.
+    pub alike: &'a (dyn Fn(u32, u32, &Point) -> bool + Sync),
     /// Nodes that follow others.
     pub links: &'a [Link],
+    /// The facets that bound the bodies, kept from one pairing to the next; they are found where none are given.
+    pub boundary: Option<&'a OnceLock<FacetSet>>,
 }
 
 impl Supports<'_> {
     /// Nothing holds a node, and none follows another one.
-    pub const NONE: Supports<'static> = Supports { held: &|_| [[0.0; 3]; 3], links: &[] };
+    pub const NONE: Supports<'static> =
+        Supports { held: &|_| [[0.0; 3]; 3], alike: &|_, _, _| false, links: &[], boundary: None };
 }
 
 impl Contact {
-    /// The rows of a pair on a mesh with the nodes at `x`; none where the foundation is rigid. Of a pairing
-    /// that is updated all vertices have a row.
+    /// The sides of a pair on a mesh with the nodes at `x`; none where the foundation is rigid.
     #[must_use]
-    pub fn mortar(&self, mesh: &Mesh, x: &[Point], supports: Supports) -> Option<Mortar> {
+    pub fn pairing<'a>(&self, mesh: &'a Mesh, x: &'a [Point], supports: Supports<'a>) -> Option<Sides<'a>> {
         static NONE: FacetSet = FacetSet { blocks: Vec::new() };
         let [nonmortar, mortar] = [self.bearing(), self.facing()?].map(|side| mesh.facets.get(side).unwrap_or(&NONE));
-        let is_updated = self.pair.as_ref().is_some_and(Pair::is_updated);
-        Some(Mortar::new(&Sides { mesh, x, nonmortar, mortar, supports }, is_updated))
-    }
-
-    /// The side of the contact with its points on the bodies at rest.
-    #[must_use]
-    pub fn side<'a>(&self, mesh: &'a Mesh, supports: Supports<'a>) -> Side<'a> {
-        static NONE: FacetSet = FacetSet { blocks: Vec::new() };
-        let set = |side: &str| mesh.facets.get(side).unwrap_or(&NONE);
-        let Some(mut mortar) = self.mortar(mesh, &mesh.points, supports) else {
-            return Side::Foundation(set(&self.on), self.quadrature, supports.links);
-        };
-        if self.pair.as_ref().is_some_and(|pair| pair.closes) {
-            mortar.rows.iter_mut().for_each(|row| row.gap = row.gap.max(0.0));
-        }
-        let is_updated = self.pair.as_ref().is_some_and(Pair::is_updated);
-        let all = || self.sides().flat_map(|side| set(side).node_list()).collect();
-        Side::Pair(mortar, if is_updated { all() } else { Vec::new() })
+        let keeps_all = self.pair.as_ref().is_some_and(Pair::is_updated);
+        Some(Sides { mesh, x, nonmortar, mortar, supports, keeps_all })
     }
 }
 
+/// The rows of the pairs among some contacts, by the number of the contact; `place` says where the nodes are for each,
+/// none for a pair that is left out. Of a pairing that is updated all nodes have a row.
+fn mortars<'a>(
+    contacts: &[Contact],
+    mesh: &'a Mesh,
+    supports: Supports<'a>,
+    place: impl Fn(&Contact) -> Option<&'a [Point]>,
+) -> Vec<(usize, Mortar)> {
+    let of_each = contacts.iter().enumerate();
+    let (numbers, sides): (Vec<usize>, Vec<Sides>) =
+        of_each.filter_map(|(i, contact)| Some((i, contact.pairing(mesh, place(contact)?, supports)?))).unzip();
+    numbers.into_iter().zip(Mortar::all(&sides)).collect()
+}
+
 impl ContactBoundary {
+    /// Γ_C of contacts on the bodies at rest; sides that the mesh does not have are left out.
+    #[must_use]
+    pub fn of_contacts(contacts: &[Contact], mesh: &Mesh, supports: Supports) -> ContactBoundary {
+        static NONE: FacetSet = FacetSet { blocks: Vec::new() };
+        let set = |side: &str| mesh.facets.get(side).unwrap_or(&NONE);
+        let foundation = |contact: &Contact| Side::Foundation(set(&contact.on), contact.quadrature, supports.links);
+        let mut sides: Vec<Side> = contacts.iter().map(foundation).collect();
+        for (number, mortar) in mortars(contacts, mesh, supports, |_| Some(&mesh.points)) {
+            let contact = &contacts[number];
+            let is_updated = contact.pair.as_ref().is_some_and(Pair::is_updated);
+            let all = || contact.sides().flat_map(|side| set(side).node_list()).collect();
+            sides[number] = Side::Pair(mortar, if is_updated { all() } else { Vec::new() });
+        }
+        let mut boundary = ContactBoundary::of(mesh, &sides);
+        for point in &mut boundary.points {
+            if contacts[point.contact].pair.as_ref().is_some_and(|pair| pair.closes) {
+                point.closed = (0.0 - point.gap).max(0.0);
+                point.gap += point.closed;
+            }
+        }
+        boundary
+    }
+
     /// The boundary with the pairs that are updated made anew on bodies with the displacement `u`; none without such a
     /// pair.
     #[must_use]
@@ -116,14 +142,26 @@ impl ContactBoundary {
         for (x, u) in x.iter_mut().zip(u.chunks_exact(mesh.dim)) {
             x.iter_mut().zip(u).for_each(|(x, u)| *x += u);
         }
-        let pairs = contacts.iter().enumerate().filter(|(_, contact)| is_updated(contact));
-        let made: Vec<_> = pairs.filter_map(|(i, contact)| Some((i, contact.mortar(mesh, &x, supports)?))).collect();
+        let bearing = |contact: &Contact| mesh.facets.get(contact.bearing()).map_or_else(Vec::new, FacetSet::node_list);
+        let moving: BTreeSet<u32> =
+            contacts.iter().filter(|contact| is_updated(contact)).flat_map(|contact| bearing(contact)).collect();
+        // The laws of a pair that stays as it is may meet those of the others at a node.
+        let meets = |contact: &Contact| bearing(contact).iter().any(|node| moving.contains(node));
+        let place = |contact: &Contact| match is_updated(contact) {
+            true => Some(x.as_slice()),
+            false => meets(contact).then_some(mesh.points.as_slice()),
+        };
+        let mut made = mortars(contacts, mesh, supports, place);
+        made.retain(|(i, _)| is_updated(&contacts[*i]));
         let mut boundary = self.with(mesh, &made);
-        // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), and by how much an overlap was closed.
+        // r = ν·B u − g with u from the bodies at rest: g = −ν·(B X), and by how much the gap was brought into its range
+        // and an overlap closed.
         let of_pairs = boundary.points.iter_mut().zip(&self.points);
-        for (point, at_rest) in of_pairs.filter(|(point, _)| made.iter().any(|(i, _)| *i == point.contact)) {
-            let closed = at_rest.gap - boundary_gap(&self.nodes, mesh, at_rest);
-            point.gap = boundary_gap(&self.nodes, mesh, point) + closed;
+        for (point, at_rest) in of_pairs.filter(|(point, _)| is_updated(&contacts[point.contact])) {
+            point.closed = at_rest.closed;
+            if point.own < point.nodes.len() {
+                point.gap = boundary_gap(&self.nodes, mesh, point) + point.clamped + point.closed;
+            }
         }
         Some(Arc::new(boundary))
     }
@@ -156,19 +194,20 @@ impl ContactBoundary {
 
     /// B X of the bodies at rest.
     fn jump_of(&self, point: &PointOnBoundary, mesh: &Mesh) -> Point {
-        point.nodes.iter().fold([0.0; 3], |sum, &(node, value)| {
-            let x = mesh.points[self.nodes[node] as usize];
-            std::array::from_fn(|c| sum[c] + value * x[c])
-        })
+        place_of(&self.nodes, mesh, point)
     }
+}
+
+/// Σ B_i X_i of the bodies at rest.
+fn place_of(nodes: &[u32], mesh: &Mesh, point: &PointOnBoundary) -> Point {
+    point.entries().fold([0.0; 3], |sum, (node, value, turn)| {
+        let x = mesh.points[nodes[node] as usize];
+        let x = turn.map_or(x, |turn| turn.position(&x));
+        std::array::from_fn(|c| sum[c] + value * x[c])
+    })
 }
 
 /// −ν·(B X) of the bodies at rest.
 fn boundary_gap(nodes: &[u32], mesh: &Mesh, point: &PointOnBoundary) -> f64 {
-    if point.own == point.nodes.len() {
-        return point.gap;
-    }
-    let along =
-        |(node, value): &(usize, f64)| value * crate::tensor::dot(&mesh.points[nodes[*node] as usize], &point.normal);
-    0.0 - point.nodes.iter().map(along).sum::<f64>()
+    0.0 - crate::tensor::dot(&place_of(nodes, mesh, point), &point.normal)
 }

@@ -1,9 +1,9 @@
 //! Pairs of deformable bodies: what the theory says of a foundation it does not say of them.
 
 use super::{Certificate, Constants, Finding, FindingId, FindingStatus, judged};
-use crate::contact::mortar::mean_facet;
 use crate::contact::{Contact, Supports};
-use crate::problem::Problem;
+use crate::contact::mortar::{Mortar, mean_facet};
+use crate::problem::{Problem, with_supports};
 use crate::units::Measure;
 
 /// The first pair of a problem, by the number of its contact.
@@ -36,10 +36,8 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
     let (mut told, mut is_partly, mut deepest) = (Vec::new(), false, 0.0);
     for contact in problem.contacts.iter().filter(|contact| contact.pair.is_some()) {
-        let supports = Supports { held: &|node| space.held(node), links: &space.links };
-        let (Some(mortar), Some(facing)) = (contact.mortar(mesh, &mesh.points, supports), contact.facing()) else {
-            continue;
-        };
+        let of = |supports: Supports| contact.pairing(mesh, &mesh.points, supports).map(|sides| Mortar::new(&sides));
+        let (Some(mortar), Some(facing)) = (with_supports(&space, None, of), contact.facing()) else { continue };
         let (bearing, share) = (contact.bearing(), mortar.covered / mortar.measure);
         let lever = mortar.rows.iter().map(|row| row.lever).fold(0.0, f64::max);
         is_partly |= share < WHOLE;

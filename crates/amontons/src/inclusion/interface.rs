@@ -330,10 +330,11 @@ fn vector_row(
     if let Some(turn) = turn {
         entries.extend((0..dim).map(|a| (turn.unknowns[a], std::array::from_fn(|b| f64::from(u8::from(a == b))))));
     } else {
-        for &(node, value) in &point.nodes {
+        for (node, value, turn) in point.entries() {
             let directions = space.directions(nodes[node]);
             for c in 0..dim {
-                let on: Local = std::array::from_fn(|a| value * cosine(&basis[a], &directions[c]));
+                let direction = turn.map_or(directions[c], |turn| turn.vector(&directions[c]));
+                let on: Local = std::array::from_fn(|a| value * cosine(&basis[a], &direction));
                 match unknown[node * dim + c] {
                     Some(unknown) => entries.push((unknown, on)),
                     None => fixed = std::array::from_fn(|a| fixed[a] + on[a] * prescribed[node * dim + c]),
@@ -351,19 +352,27 @@ fn cosine(a: &Point, b: &Point) -> f64 {
     if cosine.abs() < NOTHING { 0.0 } else { cosine }
 }
 
-/// The basis of a point; at a node that is held along a tangent in no direction of the axes that tangent is the last.
+/// The basis of a point. A tangent along which friction has no component is the last, and so is one along which the node
+/// of a foundation is held in no direction of the axes.
 fn basis_at(point: &PointOnBoundary, nodes: &[u32], normal: &Point, space: &Space) -> [Point; 3] {
     let usual = basis(normal, space.components);
-    let &[(node, _)] = point.nodes.as_slice() else { return usual };
-    if space.components < 3 || !space.is_turned(nodes[node]) {
+    if space.components < 3 {
         return usual;
     }
-    let tangent = space.held_directions(nodes[node]).find(|held| dot(held, normal).abs() < ALONG);
-    tangent.map_or(usual, |held| {
+    let with_last = |held: Point| {
         let first = cross(&held, normal);
         let first = first.map(|c| c / length(&first));
         [*normal, first, cross(normal, &first)]
-    })
+    };
+    if let Some(held) = point.held.into_iter().find(|held| *held != [0.0; 3]) {
+        return with_last(held);
+    }
+    let &[(node, _)] = point.nodes.as_slice() else { return usual };
+    if !space.is_turned(nodes[node]) {
+        return usual;
+    }
+    let tangent = space.held_directions(nodes[node]).find(|held| dot(held, normal).abs() < ALONG);
+    tangent.map_or(usual, with_last)
 }
 
 /// ν with two unit tangents across it and each other. Those of the space of the body come first: which is of no account

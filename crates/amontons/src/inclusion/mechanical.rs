@@ -138,7 +138,9 @@ impl<'a> Mechanical<'a> {
         // That of r₊ where r > 0, so that the pressure does not jump where the gap closes within the step.
         let rate = rate.min(penetration / gamma);
         let [v1, v2] = self.foundation[i];
-        Kinematics { penetration, rate, slip: [t1 - v1, t2 - v2], temperature: self.step.temperature[i] }
+        let [first, second] = self.held(i);
+        let slip = [if first { 0.0 } else { t1 - v1 }, if second { 0.0 } else { t2 - v2 }];
+        Kinematics { penetration, rate, slip, temperature: self.step.temperature[i] }
     }
 
     pub fn laws_at(&self, i: usize, w: &[f64], multiplier: &Multiplier) -> Laws {
@@ -157,7 +159,7 @@ impl<'a> Mechanical<'a> {
             slip: self.slip,
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),
-            is_smooth: self.step.boundary.points[i].is_smooth,
+            held: self.held(i),
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }
@@ -205,9 +207,23 @@ impl<'a> Mechanical<'a> {
             if !self.slides_out(i) {
                 q.iter_mut().skip(self.step.dim - 1).for_each(|q| *q = 0.0);
             }
+            q.iter_mut().zip(self.held(i)).filter(|(_, held)| *held).for_each(|(q, _)| *q = 0.0);
             Multiplier { p: multipliers.p[i], q, sticks: multipliers.sticks[i] }
         };
         self.interface.rows.iter().enumerate().map(of).collect()
+    }
+
+    /// Along which tangents there is no friction, since both sides are held alike there. A tie in space holds them all the
+    /// same; in the plane there is nothing to tie.
+    fn held(&self, i: usize) -> [bool; 2] {
+        let in_space = self.step.dim == 3;
+        match self.step.boundary.points[i].held.iter().filter(|held| **held != [0.0; 3]).count() {
+            0 => [false; 2],
+            _ if !in_space => [true, false],
+            _ if self.contact(i).friction.never_slips() => [false; 2],
+            1 => [false, true],
+            _ => [true; 2],
+        }
     }
 
     /// Whether the foundation slides in a direction in which a body in the plane, or of revolution, does not move.
@@ -246,9 +262,10 @@ impl MechanicalStep<'_> {
     /// ū_ν − g and the size of the terms.
     fn opening(&self, point: &crate::contact::PointOnBoundary, frame: &Frame) -> [f64; 2] {
         let (mut sum, mut size) = (0.0, frame.gap.abs());
-        for &(node, value) in &point.nodes {
+        for (node, value, turn) in point.entries() {
+            let normal = turn.map_or(frame.normal, |turn| turn.back(&frame.normal));
             for c in 0..self.dim {
-                let term = value * self.u_bar[node * self.dim + c] * frame.normal[c];
+                let term = value * self.u_bar[node * self.dim + c] * normal[c];
                 sum += term;
                 size += term.abs();
             }

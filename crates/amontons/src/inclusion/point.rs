@@ -31,8 +31,8 @@ pub(super) struct Site<'a> {
     /// Whether slip has two directions, and whether the foundation slides where the body does not move.
     pub in_space: bool,
     pub slides_out: bool,
-    /// Whether there is no friction.
-    pub is_smooth: bool,
+    /// Along which tangents there is no friction.
+    pub held: [bool; 2],
 }
 
 /// What moves a point: its kinematics at an iterate.
@@ -83,9 +83,15 @@ pub(super) struct Laws {
     pub sticks: bool,
     wear: Wear,
     slopes: Slopes,
+    held: [bool; 2],
 }
 
 impl Site<'_> {
+    /// Whether there is no friction along any tangent in which the point can slip.
+    fn is_smooth(&self) -> bool {
+        self.held[0] && (self.held[1] || !self.in_space && !self.slides_out)
+    }
+
     /// How friction is taken: where a part of the slip is prescribed it is never zero, and (2.9) is smooth.
     fn how(&self) -> Slip {
         match self.slip {
@@ -130,10 +136,7 @@ impl Laws {
             slip_speed: if multiplier.sticks { 0.0 } else { speed },
             ..seen
         };
-        // In the plane a node that is held along its tangent has nothing to tie.
-        let ties = site.in_space && contact.friction.never_slips();
-        let is_smooth = site.is_smooth && !ties && !site.slides_out;
-        let s = if is_smooth { Bound::default() } else { contact.friction.bound(&seen) };
+        let s = if site.is_smooth() { Bound::default() } else { contact.friction.bound(&seen) };
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
         let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.how());
@@ -159,7 +162,7 @@ impl Laws {
             pressure_by_temperature: wear.by_temperature * speed * by_depth,
         };
         let sticks = if s.value > 0.0 { friction.sticks } else { multiplier.sticks };
-        Laws { normal, friction, penetration, worn, status, sticks, wear, slopes }
+        Laws { normal, friction, penetration, worn, status, sticks, wear, slopes, held: site.held }
     }
 
     /// Takes the point as sticking.
@@ -198,6 +201,12 @@ impl Laws {
                 for b in 0..2 {
                     tangent[a + 1][b + 1] = by_slip[a][b] + n[a] * in_speed * along[b];
                 }
+            }
+        }
+        for a in (0..2).filter(|&a| self.held[a]).map(|a| a + 1) {
+            force[a] = 0.0;
+            for b in 0..3 {
+                (tangent[a][b], tangent[b][a]) = (0.0, 0.0);
             }
         }
         (force, tangent)

@@ -11,7 +11,7 @@ use super::files::{Written, write_atomically};
 use super::{OutputError, Snapshot};
 use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Quadrature, Status, Supports};
 use crate::mesh::FacetSet;
-use crate::problem::Physics;
+use crate::problem::{Physics, with_supports};
 use crate::scheme::ContactReport;
 use crate::tensor::Point;
 use crate::units::Measure;
@@ -113,9 +113,8 @@ impl Field {
 /// Γ_C of a snapshot: a pair that is updated faces what is opposite to it now.
 fn boundary(now: &Snapshot) -> Arc<ContactBoundary> {
     let Snapshot { problem, discretization, state, .. } = *now;
-    let space = &discretization.v;
-    let supports = Supports { held: &|node| space.held(node), links: &space.links };
-    let updated = discretization.boundary.updated(&problem.contacts, &problem.mesh, &state.u, supports);
+    let of = |supports: Supports| discretization.boundary.updated(&problem.contacts, &problem.mesh, &state.u, supports);
+    let updated = with_supports(&discretization.v, Some(&discretization.outside), of);
     updated.unwrap_or_else(|| Arc::clone(&discretization.boundary))
 }
 

@@ -8,6 +8,7 @@ mod check;
 mod cyclic;
 mod data;
 mod pairs;
+pub use pairs::with_supports;
 mod physics;
 mod range;
 mod tables;
@@ -23,7 +24,7 @@ pub use physics::Physics;
 pub use tables::Uncovered;
 pub(crate) use tables::first_warm;
 
-use crate::contact::{Contact, ContactBoundary, Side, Supports};
+use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::field::Field;
 use crate::linalg::{Backend, Decided, Supernodal};
 use crate::material::{Dilatation, Material, Prony};
@@ -321,10 +322,8 @@ impl ProblemData {
     pub fn contact_boundary(&self) -> ContactBoundary {
         let asks = !self.cyclic.is_empty() || self.contacts.iter().any(|contact| contact.pair.is_some());
         let space = asks.then(|| self.displacement_space());
-        let held = |node: u32| space.as_ref().map_or([[0.0; 3]; 3], |space| space.held(node));
-        let supports = Supports { held: &held, links: space.as_ref().map_or(&[], |space| &space.links) };
-        let sides: Vec<Side> = self.contacts.iter().map(|contact| contact.side(&self.mesh, supports)).collect();
-        ContactBoundary::of(&self.mesh, &sides)
+        let of = |supports: Supports| ContactBoundary::of_contacts(&self.contacts, &self.mesh, supports);
+        space.map_or_else(|| of(Supports::NONE), |space| with_supports(&space, None, of))
     }
 
     /// The facets of Γ_C; none without contact.

@@ -1,10 +1,28 @@
 //! The checks of pairs of sides.
 
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use super::{Fault, ProblemData};
+use crate::contact::mortar::Mortar;
 use crate::contact::{Contact, Quadrature, Supports};
 use crate::mesh::FacetSet;
+use crate::space::Space;
+
+/// Something made with what holds the nodes of a body: with the directions that a space prescribes. `boundary` keeps the
+/// facets that bound the bodies from one pairing to the next.
+pub fn with_supports<T>(
+    space: &Space,
+    boundary: Option<&OnceLock<FacetSet>>,
+    make: impl FnOnce(Supports) -> T,
+) -> T {
+    make(Supports {
+        held: &|node| space.held(node),
+        alike: &|node, other, direction| space.is_alike([node, other], direction),
+        links: &space.links,
+        boundary,
+    })
+}
 
 impl ProblemData {
     /// A pair has two sides that are not the same, do not overlap, face each other and are named once.
@@ -46,7 +64,7 @@ impl ProblemData {
             );
             return;
         }
-        let mortar = contact.mortar(&self.mesh, &self.mesh.points, Supports::NONE);
+        let mortar = contact.pairing(&self.mesh, &self.mesh.points, Supports::NONE).map(|sides| Mortar::new(&sides));
         if mortar.is_some_and(|mortar| mortar.covered <= 0.0) && !pair.is_updated() {
             let found = format!("no point of \"{}\" that faces \"{}\"", contact.bearing(), pair.with);
             let hint = "check the names of the sides, the units of the mesh and the orientation of the bodies";

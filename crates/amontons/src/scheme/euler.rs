@@ -18,7 +18,7 @@ use crate::contact::{Contact, ContactBoundary, Supports};
 use crate::inclusion::{Multipliers, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::list::{Keeping, List};
-use crate::problem::Problem;
+use crate::problem::{Problem, with_supports};
 use crate::tensor;
 
 /// How often a step is halved that does not converge, or in which there may be several solutions.
@@ -398,8 +398,8 @@ fn extremes([low, high]: [f64; 2], values: &[f64]) -> [f64; 2] {
 
 /// Γ_C in a step that starts from a state: pairs that are updated are made anew.
 fn boundary_at(discrete: &Discretization, problem: &Problem, old: &State) -> Arc<ContactBoundary> {
-    let supports = Supports { held: &|node| discrete.v.held(node), links: &discrete.v.links };
-    let updated = discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, supports);
+    let of = |supports: Supports| discrete.boundary.updated(&problem.contacts, &discrete.mesh, &old.u, supports);
+    let updated = with_supports(&discrete.v, Some(&discrete.outside), of);
     updated.unwrap_or_else(|| Arc::clone(&discrete.boundary))
 }
 

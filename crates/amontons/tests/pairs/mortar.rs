@@ -117,9 +117,9 @@ fn rows_in_the_plane_are_those_of_two_independent_programs() {
         let first = mesh.points.len() - nonmortar.len();
         let held = |node: u32| if first_prescribed && node as usize == first { AXES } else { [[0.0; 3]; 3] };
         let (nonmortar, mortar) = if is_below { (&lower, &upper) } else { (&upper, &lower) };
-        let sides =
-            Sides { mesh: &mesh, x: &mesh.points, nonmortar, mortar, supports: Supports { held: &held, links: &[] } };
-        assert_rows(name, entries, &mesh, &Mortar::new(&sides, false).rows);
+        let supports = Supports { held: &held, ..Supports::NONE };
+        let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false };
+        assert_rows(name, entries, &mesh, &Mortar::new(&sides).rows);
     }
 }
 
@@ -133,8 +133,9 @@ fn rows_in_space_are_those_of_two_independent_programs() {
         nonmortar: &mesh.facets["upper_bottom"],
         mortar: &mesh.facets["lower_top"],
         supports: Supports::NONE,
+        keeps_all: false,
     };
-    assert_rows("bricks", &table()["bricks"], mesh, &Mortar::new(&sides, false).rows);
+    assert_rows("bricks", &table()["bricks"], mesh, &Mortar::new(&sides).rows);
 }
 
 /// Nodes 0, 5/4, 2 against 0, 1, 2: D = diag(5/8, 1, 3/8) and M in exact rationals, entries below zero among them.
@@ -142,8 +143,8 @@ fn rows_in_space_are_those_of_two_independent_programs() {
 fn exact_rationals_on_one_line() {
     let line = |x: [f64; 3]| x.map(|x| [x, 0.0, 0.0]);
     let (mesh, [lower, upper]) = polygons(&line([0.0, 1.0, 2.0]), &line([0.0, 1.25, 2.0]));
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &lower, supports: Supports::NONE };
-    let made = Mortar::new(&sides, false);
+    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &lower, supports: Supports::NONE, keeps_all: false };
+    let made = Mortar::new(&sides);
     let m = [[0.6, 0.05, -0.025], [-0.1, 0.95, 0.15], [0.0, 0.0, 0.375]];
     for ((row, weight), m) in made.rows.iter().zip([0.625, 1.0, 0.375]).zip(m) {
         assert!((row.weight - weight).abs() < 1e-15 && row.own.len() == 1 && (row.own[0].1 - 1.0).abs() < 1e-15);
@@ -207,8 +208,8 @@ fn assert_pair(upper: &Mesh, lower: &Mesh, name: &str) {
     let mut bottom = upper.facets["bottom"].clone();
     bottom.blocks.iter_mut().for_each(|block| block.nodes.iter_mut().for_each(|node| *node += n));
     let top = lower.facets["top"].clone();
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &bottom, mortar: &top, supports: Supports::NONE };
-    let made = Mortar::new(&sides, false);
+    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &bottom, mortar: &top, supports: Supports::NONE, keeps_all: false };
+    let made = Mortar::new(&sides);
     assert!((made.covered - made.measure).abs() < 1e-12, "{name}: {} of {}", made.covered, made.measure);
     let mut loads: BTreeMap<u32, f64> = BTreeMap::new();
     for row in &made.rows {
@@ -255,8 +256,8 @@ fn the_nearest_facet_is_faced() {
     // One behind the lower side, one in front of it that looks away.
     mortar.push(&P1_SEGMENT, [first + 1, first]);
     mortar.push(&P1_SEGMENT, [first + 2, first + 3]);
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &mortar, supports: Supports::NONE };
-    let made = Mortar::new(&sides, false);
+    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &mortar, supports: Supports::NONE, keeps_all: false };
+    let made = Mortar::new(&sides);
     let faced: BTreeSet<u32> = made.rows.iter().flat_map(|row| row.other.iter().map(|(node, _)| *node)).collect();
     assert!(faced.into_iter().eq(0..3));
     assert!(made.rows.iter().all(|row| (row.gap - 0.1).abs() < 1e-15));
@@ -268,9 +269,9 @@ fn the_nearest_facet_is_faced() {
 fn uncovered_nodes_have_no_weight() {
     let line = |x: &[f64]| x.iter().map(|&x| [x, 0.0, 0.0]).collect::<Vec<_>>();
     let (mesh, [lower, upper]) = polygons(&line(&[0.0, 1.0]), &line(&[0.0, 1.0, 2.0, 3.0]));
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &lower, supports: Supports::NONE };
-    assert_eq!(Mortar::new(&sides, false).rows.len(), 2);
-    let all = Mortar::new(&sides, true).rows;
+    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &lower, supports: Supports::NONE, keeps_all: false };
+    assert_eq!(Mortar::new(&sides).rows.len(), 2);
+    let all = Mortar::new(&Sides { keeps_all: true, ..sides }).rows;
     for (row, weight) in all.iter().zip([0.5, 0.5, 0.0, 0.0]) {
         assert!((row.weight - weight).abs() < 1e-15);
     }

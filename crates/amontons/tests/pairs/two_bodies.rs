@@ -208,7 +208,7 @@ fn tells(run: &Run, quantity: &str) -> bool {
 
 impl Run {
     fn has_smooth_points(&self) -> bool {
-        self.discretization.boundary.points.iter().any(|point| point.is_smooth)
+        self.discretization.boundary.points.iter().any(|point| point.held != [[0.0; 3]; 3])
     }
 }
 

@@ -1,8 +1,9 @@
-//! The part of a nonmortar facet that mortar facets face, with points of quadrature on both.
+//! What mortar facets cover of a part of a nonmortar facet, with points of quadrature on both.
 
 use std::sync::OnceLock;
 
 use super::part::{Facets, Part};
+use super::sight::{Line, Sight};
 use super::tree::Tree;
 use crate::mesh::cross;
 use crate::quadrature::{Rule, Shape, rule};
@@ -18,39 +19,87 @@ const ERROR: f64 = 1e-13;
 const MOST: usize = 40;
 /// More than the degree of a product of shape functions.
 const DEGREES: usize = 10;
+/// The degree of a hat on a quadrilateral, in both coordinates together.
+const HAT_DEGREE: usize = 2;
+/// cos 35°: facets whose normals are less opposed than that do not face each other.
+pub(super) const FACING: f64 = 0.819_152_044_288_991_8;
 
-/// A point of quadrature on the covered part of a nonmortar facet.
+/// A point of quadrature on the covered part of a nonmortar part.
 #[derive(Clone, Debug)]
 pub(super) struct Sample {
     /// Weight in m^(d−1).
     pub weight: f64,
+    /// The hats H of the corners of the part.
+    pub hats: [f64; 4],
     /// Reference point on the nonmortar facet.
     pub own: Point,
-    /// The mortar facet that faces it, and the reference point there.
-    pub other: (usize, Point),
+    /// The number of the mortar part that faces it, the hats of its corners, and the reference point on its facet.
+    pub other: (usize, [f64; 4], Point),
 }
 
-/// The samples of a nonmortar facet, exact for the products of shape functions on straight facets. `tree` is that of
-/// the mortar parts, of which those within a distance count, where one is given.
-pub(super) fn samples(
-    nonmortar: &Facets,
-    (mortar, tree): (&Facets, &Tree),
-    facet: usize,
-    distance: Option<f64>,
-) -> Vec<Sample> {
-    let mut all = Vec::new();
-    for part in nonmortar.parts_of(facet) {
-        let is_near =
-            |centre: &Point, radius: f64| distance.is_none_or(|distance| part.is_within(distance, centre, radius));
-        let mut facing = tree.met(&|centre, radius| part.may_cover(centre, radius) && is_near(centre, radius));
-        facing.retain(|other| part.faces(other));
-        match part.corners.len() {
-            1 => all.extend(opposite(part, &facing)),
-            2 => segments(nonmortar, mortar, part, &facing, &mut all),
-            _ => polygons(nonmortar, mortar, part, &facing, &mut all),
+/// What the mortar side covers of a nonmortar part.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Covered {
+    /// The points of quadrature, exact for the products of shape functions on straight facets.
+    pub samples: Vec<Sample>,
+    /// From the nonmortar to the mortar side at the ends of the segments (the corners of the polygons), m.
+    pub apart: Vec<Point>,
+    /// Whether something may hide what faces the part: it is not so near that nothing can.
+    pub is_far: bool,
+}
+
+/// The mortar side, as it is searched.
+pub(super) struct Opposite<'a> {
+    pub facets: &'a Facets<'a>,
+    /// The tree of its parts.
+    pub tree: &'a Tree<'a>,
+    /// What hides parts from each other; none if nothing does.
+    pub sight: Option<&'a Sight<'a>>,
+    /// The distance within which parts count, where one is given, in m.
+    pub distance: Option<f64>,
+}
+
+/// What the mortar side covers of a nonmortar part, seen along the normal of the part: what faces it and is not hidden
+/// from it, the nearest of what lies behind each other.
+pub(super) fn covered(nonmortar: &Facets, opposite: &Opposite, part: &Part) -> Covered {
+    let is_near =
+        |centre: &Point, radius: f64| opposite.distance.is_none_or(|distance| part.is_within(distance, centre, radius));
+    let met = opposite.tree.met(&|centre, radius| part.may_cover(centre, radius) && is_near(centre, radius));
+    let facing: Vec<(usize, &Part)> = met.into_iter().filter(|(_, other)| part.faces(other)).collect();
+    let mut covered = Covered::default();
+    match part.corners.len() {
+        1 => nearest(part, &facing, &mut covered),
+        2 => segments(nonmortar, opposite, part, &facing, &mut covered),
+        _ => polygons(nonmortar, opposite, part, &facing, &mut covered),
+    }
+    covered
+}
+
+/// The whole of a part as if it were covered: the integrals of its hats, by corner.
+pub(super) fn whole(facets: &Facets, part: &Part) -> [f64; 4] {
+    let mut sums = [0.0; 4];
+    match part.corners.as_slice() {
+        [_] => sums[0] = 1.0,
+        [a, b] => {
+            let length = part.area();
+            // ∫ H r of the ends at the radii r_a and r_b.
+            let [ra, rb] = [a, b].map(|x| facets.circumference(x));
+            sums[0] = length * (2.0 * ra + rb) / 6.0;
+            sums[1] = length * (ra + 2.0 * rb) / 6.0;
+        }
+        _ => {
+            let plane = Plane::new(part);
+            let own: Vec<Flat> = part.corners.iter().map(|x| plane.flat(x)).collect();
+            let map = Map { corners: &own };
+            for triangle in fan(&own) {
+                for (at, weight) in placed(&triangle, on_triangles(HAT_DEGREE + map.more_degrees(&triangle))) {
+                    let hats = values(own.len(), map.inverse(&at));
+                    sums.iter_mut().zip(hats).for_each(|(sum, hat)| *sum += weight * hat);
+                }
+            }
         }
     }
-    all
+    sums
 }
 
 /// The degree of ψ_i N_j in each coordinate, with that of the radius in a body of revolution.
@@ -64,14 +113,20 @@ fn degree(nonmortar: &Facets, mortar: &Facets, [own, other]: [&Part; 2]) -> usiz
 }
 
 /// In one dimension: the nearest point that looks back.
-fn opposite(part: &Part, facing: &[&Part]) -> Option<Sample> {
+fn nearest(part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
     let distance = |other: &Part| (other.centre[0] - part.centre[0]).abs();
-    let nearest = facing.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
-    Some(Sample { weight: 1.0, own: part.reference[0], other: (nearest.facet, nearest.reference[0]) })
+    let nearest = facing.iter().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+    if let Some((number, other)) = nearest {
+        let hats = [1.0, 0.0, 0.0, 0.0];
+        let other_at = (*number, hats, other.reference[0]);
+        covered.samples.push(Sample { weight: 1.0, hats, own: part.reference[0], other: other_at });
+        covered.apart.push([other.centre[0] - part.centre[0], 0.0, 0.0]);
+    }
 }
 
 /// A piece of a segment, from its start at 0 to its end at 1, with the mortar part that faces it.
 struct Piece<'p> {
+    number: usize,
     other: &'p Part,
     /// The ends of the mortar part.
     ends: [f64; 2],
@@ -81,38 +136,70 @@ struct Piece<'p> {
     distance: f64,
 }
 
-fn segments(nonmortar: &Facets, mortar: &Facets, part: &Part, facing: &[&Part], all: &mut Vec<Sample>) {
+impl Piece<'_> {
+    /// Where on the mortar part a place is, from its first corner at 0 to its last at 1.
+    fn across(&self, s: f64) -> f64 {
+        (s - self.ends[0]) / (self.ends[1] - self.ends[0])
+    }
+}
+
+fn segments(
+    nonmortar: &Facets,
+    opposite: &Opposite,
+    part: &Part,
+    facing: &[(usize, &Part)],
+    covered: &mut Covered,
+) {
     let [a, b] = [part.corners[0], part.corners[1]];
     let along: Point = std::array::from_fn(|c| b[c] - a[c]);
     let squared = dot(&along, &along);
     let from_start = |x: &Point| -> Point { std::array::from_fn(|c| x[c] - a[c]) };
     let mut found: Vec<Piece> = Vec::new();
-    for other in facing {
+    for &(number, other) in facing {
         let ends = [0, 1].map(|i| dot(&from_start(&other.corners[i]), &along) / squared);
         let (from, to) = (ends[0].min(ends[1]).max(0.0), ends[0].max(ends[1]).min(1.0));
         if to - from > LEAST {
-            let share = (0.5 * (from + to) - ends[0]) / (ends[1] - ends[0]);
-            let at: Point =
-                std::array::from_fn(|c| other.corners[0][c] + share * (other.corners[1][c] - other.corners[0][c]));
-            found.push(Piece { other, ends, from, to, distance: dot(&from_start(&at), &part.normal).abs() });
+            let mut piece = Piece { number, other, ends, from, to, distance: 0.0 };
+            let middle = 0.5 * (from + to);
+            let at = between(&other.corners, piece.across(middle));
+            piece.distance = dot(&from_start(&at), &part.normal);
+            let line = Line { own: part, other, from: between(&part.corners, middle), to: at };
+            covered.is_far |= line.is_long();
+            if opposite.sees(&line) {
+                found.push(piece);
+            }
         }
     }
-    found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+    found.sort_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()));
     let mut taken: Vec<[f64; 2]> = Vec::new();
     for piece in found {
+        let facet = piece.other.facet;
         for [from, to] in left(&piece, &taken) {
-            let rule = rule(Shape::Segment, degree(nonmortar, mortar, [part, piece.other]));
+            let rule = rule(Shape::Segment, degree(nonmortar, opposite.facets, [part, piece.other]));
+            let at = |s: f64| {
+                let t = piece.across(s);
+                (s, t, [(part, s), (piece.other, t)].map(|(part, s)| between(&part.reference, s)))
+            };
             for (point, weight) in rule.iter() {
-                let s = from + (to - from) * point[0];
-                let t = (s - piece.ends[0]) / (piece.ends[1] - piece.ends[0]);
+                let (s, t, [own, other]) = at(from + (to - from) * point[0]);
                 let x: Point = std::array::from_fn(|c| a[c] + s * along[c]);
                 let weight = weight * (to - from) * squared.sqrt() * nonmortar.circumference(&x);
-                let [own, other] = [(part, s), (piece.other, t)].map(|(part, s)| between(&part.reference, s));
-                all.push(Sample { weight, own, other: (piece.other.facet, other) });
+                let [hats, other_hats] = [s, t].map(|s| [1.0 - s, s, 0.0, 0.0]);
+                covered.samples.push(Sample { weight, hats, own, other: (piece.number, other_hats, other) });
+            }
+            for end in [from, to] {
+                let (_, _, [own, other]) = at(end);
+                covered.apart.push(apart([(nonmortar, part.facet, own), (opposite.facets, facet, other)]));
             }
             taken.push([from, to]);
         }
     }
+}
+
+/// From a reference point of one facet to that of another, m.
+fn apart(of: [(&Facets, usize, Point); 2]) -> Point {
+    let [from, to] = of.map(|(facets, facet, at)| facets.position(facet, &at));
+    std::array::from_fn(|c| to[c] - from[c])
 }
 
 /// What nearer pieces leave of a piece.
@@ -160,44 +247,87 @@ impl Plane<'_> {
         self.axes.map(|axis| dot(&from, &axis))
     }
 
-    /// Mean distance of points from the plane.
-    fn distance(&self, points: &[Point]) -> f64 {
-        points.iter().map(|x| dot(&self.relative(x), self.normal)).sum::<f64>().abs() / points.len() as f64
+    /// A point of the plane in space.
+    fn place(&self, [s, t]: &Flat) -> Point {
+        std::array::from_fn(|c| self.origin[c] + s * self.axes[0][c] + t * self.axes[1][c])
     }
 }
 
-fn polygons(nonmortar: &Facets, mortar: &Facets, part: &Part, facing: &[&Part], all: &mut Vec<Sample>) {
+/// A piece of a polygon with the mortar part that faces it.
+struct Patch<'p> {
+    number: usize,
+    other: &'p Part,
+    /// The corners of the mortar part and of the piece, in the plane of the nonmortar part.
+    corners: Vec<Flat>,
+    piece: Vec<Flat>,
+    /// Distance in the middle.
+    distance: f64,
+}
+
+fn polygons(
+    nonmortar: &Facets,
+    opposite: &Opposite,
+    part: &Part,
+    facing: &[(usize, &Part)],
+    covered: &mut Covered,
+) {
     let plane = Plane::new(part);
     let flat = |part: &Part| -> Vec<Flat> { part.corners.iter().map(|x| plane.flat(x)).collect() };
     let own = flat(part);
     let measure = area(&own);
-    let mut found: Vec<(f64, &Part, Vec<Flat>, Vec<Flat>)> = Vec::new();
-    for other in facing {
+    let mut found: Vec<Patch> = Vec::new();
+    for &(number, other) in facing {
         let corners = flat(other);
         let piece = clipped(&corners, &own);
         if piece.len() > 2 && area(&piece).abs() > LEAST * measure {
-            found.push((plane.distance(&other.corners), other, corners, piece));
+            let middle = centre(&piece);
+            let (from, to) = (plane.place(&middle), other.position(&Map { corners: &corners }.inverse(&middle)));
+            let distance = dot(&plane.relative(&to), plane.normal).abs();
+            let line = Line { own: part, other, from, to };
+            covered.is_far |= line.is_long();
+            if opposite.sees(&line) {
+                found.push(Patch { number, other, corners, piece, distance });
+            }
         }
     }
-    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.sort_by(|a, b| a.distance.total_cmp(&b.distance));
     let mut taken: Vec<Vec<Flat>> = Vec::new();
-    for (_, other, corners, piece) in found {
+    for Patch { number, other, corners, piece, .. } in found {
         // Of facets behind each other the nearest counts.
         let hidden: f64 = taken.iter().map(|nearer| area(&clipped(&piece, nearer)).abs()).sum();
         if hidden > 0.5 * area(&piece).abs() {
             continue;
         }
         let maps = [&own, &corners].map(|corners| Map { corners });
-        let exact = degree(nonmortar, mortar, [part, other]);
+        let exact = degree(nonmortar, opposite.facets, [part, other]);
+        let coordinates = |at: &Flat| maps.each_ref().map(|map| map.inverse(at));
         for triangle in fan(&piece) {
             let more = maps.iter().map(|map| map.more_degrees(&triangle)).max().unwrap_or(0);
             for (at, weight) in placed(&triangle, on_triangles(exact + more)) {
-                let [own, there] = [(part, &maps[0]), (other, &maps[1])].map(|(part, map)| part.at(&map.inverse(&at)));
-                all.push(Sample { weight, own, other: (other.facet, there) });
+                let [own_at, other_at] = coordinates(&at);
+                let hats = values(own.len(), own_at);
+                let other_at = (number, values(corners.len(), other_at), other.at(&other_at));
+                covered.samples.push(Sample { weight, hats, own: part.at(&own_at), other: other_at });
             }
+        }
+        for corner in &piece {
+            let [own_at, other_at] = coordinates(corner);
+            let of = [(nonmortar, part.facet, part.at(&own_at)), (opposite.facets, other.facet, other.at(&other_at))];
+            covered.apart.push(apart(of));
         }
         taken.push(piece);
     }
+}
+
+/// The centre of area of a convex polygon.
+fn centre(polygon: &[Flat]) -> Flat {
+    let (mut sum, mut size) = ([0.0; 2], 0.0);
+    for triangle in fan(polygon) {
+        let area = area(&triangle);
+        size += area;
+        (0..2).for_each(|c| sum[c] += area * triangle.iter().map(|x| x[c]).sum::<f64>() / 3.0);
+    }
+    sum.map(|c| c / size)
 }
 
 /// Signed area of a polygon.
@@ -320,9 +450,30 @@ fn values(corners: usize, [s, t]: Flat) -> [f64; 4] {
 }
 
 impl Part {
+    /// Whether two parts look at each other.
+    fn faces(&self, other: &Part) -> bool {
+        dot(&self.normal, &other.normal) < -FACING
+    }
+
     /// The reference point of the facet at coordinates of the part.
     fn at(&self, at: &Flat) -> Point {
-        let values = values(self.reference.len(), *at);
-        std::array::from_fn(|c| self.reference.iter().zip(values).map(|(corner, n)| n * corner[c]).sum())
+        interpolated(&self.reference, *at)
+    }
+
+    /// Where coordinates of the part are in space.
+    fn position(&self, at: &Flat) -> Point {
+        interpolated(&self.corners, *at)
+    }
+}
+
+fn interpolated(corners: &[Point], at: Flat) -> Point {
+    let values = values(corners.len(), at);
+    std::array::from_fn(|c| corners.iter().zip(values).map(|(corner, n)| n * corner[c]).sum())
+}
+
+impl Opposite<'_> {
+    /// Whether nothing hides two parts from each other along a line.
+    fn sees(&self, line: &Line) -> bool {
+        self.sight.is_none_or(|sight| !line.is_long() || sight.is_clear(line))
     }
 }

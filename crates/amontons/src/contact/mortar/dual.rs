@@ -1,74 +1,99 @@
-//! Dual functions of the vertices of a nonmortar facet on its covered part.
+//! The functions ψ of the corners of a nonmortar part on its covered part c, and their integrals.
+//!
+//! ```text
+//!     ψ_a = Σ_b A_ab H_b,  A = diag(∫H) (∫H Hᵀ)⁻¹      if all corners have laws of their own
+//!     ψ_a = ∫H_a / |c|                                 else
+//! ```
+//!
+//! Both have Σ_a ψ_a = 1 and ∫ψ_a = ∫H_a, so that weights are positive and a constant pressure is exact. The second needs
+//! no inverse on slivers.
 
 use faer::Mat;
 use faer::prelude::Solve;
 
 use super::cut::Sample;
-use super::part::Facets;
-use crate::element::Element;
+use super::part::{Facets, Part};
 
-/// Most vertices of a facet.
-const VERTICES: usize = 4;
+/// Values by number of a node of a facet.
+pub(super) type Values = Vec<f64>;
 
-/// ψ of the vertices of a facet at the samples of its covered part.
+/// ψ of the corners of a part, integrated.
 pub(super) struct Dual {
-    /// ψ_a by vertex and sample.
-    psi: Vec<Vec<f64>>,
-    /// ∫ψ_a N_j by vertex and node of the facet.
-    own: Vec<Vec<f64>>,
+    /// ∫ψ_a.
+    pub weight: Vec<f64>,
+    /// ∫ψ_a N_j by corner and node of the facet.
+    pub own: Vec<Values>,
+    /// By mortar part: its number, ∫ψ_a N_l by corner and node of its facet, and ∫H_a H_l by corner and corner of it.
+    pub other: Vec<(usize, Vec<Values>, Vec<[f64; 4]>)>,
 }
 
 impl Dual {
-    /// The functions of the vertices that are `kept`; those of the others are shared out among these in equal parts, so
-    /// that they still sum to 1.
-    pub fn new(facets: &Facets, facet: usize, samples: &[Sample], kept: &[bool]) -> Dual {
-        let (element, nodes) = facets.facet(facet);
-        let linear = Element::find(element.shape, 1).unwrap_or(element);
-        let n = kept.len();
-        let of_vertices = |sample: &Sample| {
-            let mut values = [0.0; VERTICES];
-            (linear.shape_functions)(&sample.own, &mut values[..n]);
-            values
+    /// The functions of a part with these points of quadrature; `is_dual` says that all corners have laws of their own.
+    pub fn new(nonmortar: &Facets, mortar: &Facets, part: &Part, samples: &[Sample], is_dual: bool) -> Dual {
+        let n = part.corners.len();
+        let integral = |f: &dyn Fn(&Sample) -> f64| -> f64 {
+            samples.iter().map(|sample| sample.weight * f(sample)).sum()
         };
-        let values: Vec<[f64; VERTICES]> = samples.iter().map(of_vertices).collect();
-        let integral = |f: &dyn Fn(usize) -> f64| -> f64 {
-            samples.iter().enumerate().map(|(q, sample)| sample.weight * f(q)).sum()
-        };
-        let shares: Vec<f64> = (0..n).map(|a| integral(&|q| values[q][a])).collect();
-        let gram = Mat::from_fn(n, n, |a, b| integral(&|q| values[q][a] * values[q][b]));
-        // Aᵀ = (∫L Lᵀ)⁻¹ diag(∫L).
-        let factors = gram.partial_piv_lu().solve(Mat::from_fn(n, n, |a, b| if a == b { shares[a] } else { 0.0 }));
-        let mut psi: Vec<Vec<f64>> = (0..n)
-            .map(|a| values.iter().map(|values| (0..n).map(|b| factors[(b, a)] * values[b]).sum()).collect())
-            .collect();
-        // On a linear facet D is diagonal to the last bit.
-        let mut own: Vec<Vec<f64>> = if nodes.len() == n {
-            (0..n).map(|a| (0..n).map(|b| if a == b { shares[a] } else { 0.0 }).collect()).collect()
+        let weight: Vec<f64> = (0..n).map(|a| integral(&|sample| sample.hats[a])).collect();
+        let psi = if is_dual { dual(n, &weight, &integral, samples) } else { constant(&weight, samples) };
+        let (_, nodes) = nonmortar.facet(part.facet);
+        let own = if is_dual && nodes.len() == n {
+            // On a linear facet D is diagonal to the last bit.
+            (0..n).map(|a| (0..n).map(|b| if a == b { weight[a] } else { 0.0 }).collect()).collect()
         } else {
-            let all: Vec<_> = samples.iter().map(|sample| facets.values(facet, &sample.own)).collect();
-            (0..n).map(|a| (0..nodes.len()).map(|j| integral(&|q| psi[a][q] * all[q][j])).collect()).collect()
+            let mut own = vec![vec![0.0; nodes.len()]; n];
+            for (q, sample) in samples.iter().enumerate() {
+                add(&mut own, &psi, q, sample.weight, &nonmortar.values(part.facet, &sample.own));
+            }
+            own
         };
-        let count = kept.iter().filter(|kept| **kept).count();
-        if count < n && count > 0 {
-            for values in [&mut psi, &mut own] {
-                let removed: Vec<f64> = (0..values[0].len())
-                    .map(|i| (0..n).filter(|&a| !kept[a]).map(|a| values[a][i]).sum::<f64>() / count as f64)
-                    .collect();
-                for values in values.iter_mut().zip(kept).filter(|(_, kept)| **kept).map(|(values, _)| values) {
-                    values.iter_mut().zip(&removed).for_each(|(value, removed)| *value += removed);
+        let mut other = Vec::new();
+        let mut first = 0;
+        // The samples on one mortar part follow each other.
+        for on_other in samples.chunk_by(|a, b| a.other.0 == b.other.0) {
+            let number = on_other[0].other.0;
+            let facet = mortar.parts()[number].facet;
+            let (mut sums, mut hats) = (vec![vec![0.0; mortar.facet(facet).1.len()]; n], vec![[0.0; 4]; n]);
+            for (q, sample) in (first..).zip(on_other) {
+                add(&mut sums, &psi, q, sample.weight, &mortar.values(facet, &sample.other.2));
+                for (hats, own) in hats.iter_mut().zip(&sample.hats) {
+                    hats.iter_mut().zip(&sample.other.1).for_each(|(sum, hat)| *sum += sample.weight * own * hat);
                 }
             }
+            other.push((number, sums, hats));
+            first += on_other.len();
         }
-        Dual { psi, own }
+        Dual { weight, own, other }
     }
+}
 
-    /// ψ_a at the samples.
-    pub fn values(&self, vertex: usize) -> &[f64] {
-        &self.psi[vertex]
+/// Adds w ψ_a(x_q) N_j(x_q).
+fn add(sums: &mut [Values], psi: &[Vec<f64>], q: usize, weight: f64, values: &[f64]) {
+    for (sums, psi) in sums.iter_mut().zip(psi) {
+        let weight = weight * psi[q];
+        sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
     }
+}
 
-    /// ∫ψ_a N_j by node of the facet.
-    pub fn own(&self, vertex: usize) -> &[f64] {
-        &self.own[vertex]
-    }
+/// ψ_a by corner and sample, a constant for each corner.
+fn constant(weight: &[f64], samples: &[Sample]) -> Vec<Vec<f64>> {
+    let covered: f64 = weight.iter().sum();
+    weight.iter().map(|own| vec![own / covered; samples.len()]).collect()
+}
+
+/// ψ_a by corner and sample: those dual to the hats. The Gram matrix is scaled by its diagonal before it is solved with.
+fn dual(
+    n: usize,
+    weight: &[f64],
+    integral: &dyn Fn(&dyn Fn(&Sample) -> f64) -> f64,
+    samples: &[Sample],
+) -> Vec<Vec<f64>> {
+    let gram = Mat::from_fn(n, n, |a, b| integral(&|sample| sample.hats[a] * sample.hats[b]));
+    let scale: Vec<f64> = (0..n).map(|a| gram[(a, a)].sqrt().recip()).collect();
+    let scaled = Mat::from_fn(n, n, |a, b| scale[a] * gram[(a, b)] * scale[b]);
+    // Aᵀ = (∫H Hᵀ)⁻¹ diag(∫H).
+    let right = Mat::from_fn(n, n, |a, b| if a == b { scale[a] * weight[a] } else { 0.0 });
+    let factors = scaled.partial_piv_lu().solve(right);
+    let of = |a: usize, sample: &Sample| (0..n).map(|b| scale[b] * factors[(b, a)] * sample.hats[b]).sum();
+    (0..n).map(|a| samples.iter().map(|sample| of(a, sample)).collect()).collect()
 }

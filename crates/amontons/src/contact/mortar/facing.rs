@@ -2,7 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::cut;
+use super::cut::{self, Opposite, Sample};
+use super::image::Image;
 use super::part::Facets;
 use super::tree::Tree;
 use crate::element::Element;
@@ -70,14 +71,17 @@ pub fn facing(mesh: &Mesh, distance: f64, is_free: &dyn Fn(&'static Element, &[u
 
 /// The facets of the first surface with those of the second that they face within the distance.
 fn near(mesh: &Mesh, surfaces: [&FacetSet; 2], distance: f64) -> Vec<(usize, usize)> {
-    let [own, other] = surfaces.map(|set| Facets::new(mesh, &mesh.points, set));
+    let itself = [Image::SELF];
+    let [own, other] = surfaces.map(|set| Facets::new(mesh, &mesh.points, set, &itself));
     let tree = Tree::new(other.parts());
+    let opposite = Opposite { facets: &other, tree: &tree, sight: None, distance: Some(distance) };
     let mut all = Vec::new();
-    for facet in 0..own.len() {
-        for sample in cut::samples(&own, (&other, &tree), facet, Some(distance)) {
-            let (from, to) = (own.position(facet, &sample.own), other.position(sample.other.0, &sample.other.1));
+    for part in own.parts() {
+        for Sample { own: own_at, other: (number, _, other_at), .. } in cut::covered(&own, &opposite, part).samples {
+            let facet = other.parts()[number].facet;
+            let (from, to) = (own.position(part.facet, &own_at), other.position(facet, &other_at));
             if length(&std::array::from_fn(|c| to[c] - from[c])) <= distance * (1.0 + ROUND_OFF) {
-                all.push((facet, sample.other.0));
+                all.push((part.facet, facet));
             }
         }
     }

@@ -1,30 +1,41 @@
 //! Pairs of sides that face each other, by dual mortar functions.
 //!
-//! Of a pair the *nonmortar* side bears the laws, the *mortar* side is the other one. With the dual functions ψ_i of
-//! the nonmortar vertices,
+//! Of a pair the *nonmortar* side bears the laws, the *mortar* side is the other one. With a function φ_k for each
+//! contact point k, and displacement functions N¹, N² of the two sides,
 //!
 //! ```text
-//!     D_ij = ∫ ψ_i N¹_j,    M_il = ∫ ψ_i (N²_l ∘ P),    ω_i = ∫ ψ_i,    P_il = M_il/ω_i
-//!     (B x)_i = Σ_j D_ij/ω_i x¹_j − Σ_l P_il x²_l
+//!     D_kj = ∫ φ_k N¹_j,    M_kl = ∫ φ_k (N²_l ∘ P),    ω_k = ∫ φ_k > 0
+//!     (B x)_k = Σ_j D_kj/ω_k x¹_j − Σ_l M_kl/ω_k x²_l
 //! ```
 //!
-//! P projects along the normal of the nonmortar facet. (B x)_i is the jump at a contact point with the weight ω_i: what
-//! acts on one side at a point acts on the other with the opposite sign, since Σ_j D_ij = ω_i = Σ_l M_il.
+//! P projects along the normal of the nonmortar facet. (B x)_k is the jump at a contact point with the weight ω_k: what
+//! acts on one side at a point acts on the other with the opposite sign, since Σ_j D_kj = ω_k = Σ_l M_kl.
 //!
-//! On each facet ψ = A L, A = diag(∫L) (∫L Lᵀ)⁻¹, with L the linear functions of its vertices and integrals over its
-//! covered part. Quadratic sides have their contact points at the vertices as well: ∫ N_i of a quadratic facet is zero
-//! or negative at vertices, ∫ L_i is not.
+//! - `cut`: what the mortar side covers of each flat *part* of a nonmortar facet; a quadratic facet has the parts that
+//!   its nodes span. Facets face each other within 35° of opposite normals, the nearest counts of those behind each
+//!   other, and `sight`: none with a body between them.
+//! - `candidate`: nodes with *hats* H, the linear functions of the parts, on *patches* without a kink.
+//! - `join`: a node that is covered too little for a law of its own, or that two laws would meet at, gives its function to
+//!   its neighbours, φ_k = ψ_k + Σ_i T_ki ψ_i.
+//! - `dual`: the functions ψ, dual to the hats.
+//! - The gap of a point, −ν·(B X), is kept within the range of the distances on the support of φ_k: dual functions weigh
+//!   a part of the wedge beside a corner negatively, and bodies that touch would overlap.
+//! - `image`: of a sector, facets face those of the neighbouring sectors, too, and a node on the cut has the facets on
+//!   both sides of it.
 //!
 //! Sources: dual functions, B. Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989; on covered parts, T. Cichosz and M.
-//! Bischoff, CMAME 200 (2011) 1317; nodes without a multiplier, B. Wohlmuth, *Discretization Methods and Iterative
-//! Solvers Based on Domain Decomposition*, Springer 2001, chapter 1; averaged normals and the gap along them, A. Popp,
-//! M. Gee and W. Wall, IJNME 79 (2009) 1354; the facet as plane of projection, M. Puso and T. Laursen, CMAME 193
-//! (2004) 601.
+//! Bischoff, CMAME 200 (2011) 1317; averaged normals and the gap along them, A. Popp, M. Gee and W. Wall, IJNME 79 (2009)
+//! 1354; the facet as plane of projection, M. Puso and T. Laursen, CMAME 193 (2004) 601. Record 22.
 
+mod candidate;
 mod cut;
 mod dual;
 mod facing;
+mod image;
+mod join;
 mod part;
+mod row;
+mod sight;
 mod tree;
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,20 +43,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use rayon::prelude::*;
 
 use super::Supports;
-use crate::element::MAX_NODES;
-use crate::mesh::{FacetSet, Mesh, link_of};
-use crate::tensor::{Point, dot, length};
+use crate::mesh::{FacetSet, Mesh, leader};
+use crate::tensor::Point;
 pub use facing::{Facing, facing};
+pub use image::Image;
 
-use part::{Facets, Part};
+use candidate::Candidates;
+use cut::{Covered, Opposite};
+use join::{Joining, bears};
+use part::Facets;
+use sight::Sight;
 use tree::Tree;
-
-/// Share of the largest weight below which a node is not covered.
-const COVERED: f64 = 1e-12;
-/// Coefficients of a row, relative to 1, that are round-off.
-const ROUND_OFF: f64 = 1e-15;
-/// Length of a mean of unit normals below which it has no direction.
-const DIRECTION: f64 = 1e-9;
 
 /// Two sides of a mesh that face each other.
 #[derive(Clone, Copy)]
@@ -60,27 +68,38 @@ pub struct Sides<'a> {
     pub mortar: &'a FacetSet,
     /// What holds their nodes.
     pub supports: Supports<'a>,
+    /// Whether nodes that nothing faces have rows as well, with weight zero: those of a pairing that is made anew.
+    pub keeps_all: bool,
 }
 
-/// A contact point of a pair: a vertex of the nonmortar side that has a multiplier.
+/// A contact point of a pair: a node of the nonmortar side that has a law of its own.
 #[derive(Clone, Debug)]
 pub struct MortarRow {
-    /// The vertex.
+    /// The node.
     pub node: u32,
-    /// Mean of the unit normals of the adjacent facets, without its prescribed components, normalised.
+    /// Unit normal ν: the mean of those of the facets that bear φ, by how much of them it is on.
     pub normal: Point,
     /// ω in m^(d−1); zero where nothing faces the point.
     pub weight: f64,
-    /// D_ij/ω_i by nonmortar node.
+    /// D_kj/ω_k by nonmortar node.
     pub own: Vec<(u32, f64)>,
-    /// P_il by mortar node.
+    /// M_kl/ω_k by mortar node.
     pub other: Vec<(u32, f64)>,
-    /// The gap of the geometry, −ν·(B X), in m.
+    /// The entries that count turned into the sector of the point: the number of each among those of `own` and then of
+    /// `other`, and how. None but at a cut of a sector.
+    pub turned: Vec<(usize, Image)>,
+    /// The gap in m: −ν·(B X), kept within the range of the distances of the sides where the point is.
     pub gap: f64,
+    /// −ν·(B X) in m.
+    pub gap_of_rows: f64,
     /// Length of the part of B X across ν in m: the lever by which a pressure misses the balance of moments.
     pub lever: f64,
-    /// Whether a component of the displacement is prescribed: the point then has no friction.
-    pub is_held: bool,
+    /// How a volume that is worn at the point is shared out among the nodes of its own and of the mortar side, in parts
+    /// above zero that sum to 1.
+    pub shares: [Vec<(u32, f64)>; 2],
+    /// Directions in which the displacement is prescribed alike here and on the other side, so that friction has no
+    /// component along them; filled up with zeros.
+    pub held: [Point; 3],
 }
 
 /// A pair of sides.
@@ -97,171 +116,127 @@ pub struct Mortar {
 /// Mean measure of the facets of a side.
 #[must_use]
 pub fn mean_facet(mesh: &Mesh, set: &FacetSet) -> f64 {
-    let facets = Facets::new(mesh, &mesh.points, set);
+    let facets = Facets::new(mesh, &mesh.points, set, &[Image::SELF]);
     (0..facets.len()).map(|facet| facets.measure(facet)).sum::<f64>() / facets.len().max(1) as f64
 }
 
-/// What a vertex gathers from its facets.
-#[derive(Clone, Debug, Default)]
-struct Gathered {
-    normal: Point,
-    own: BTreeMap<u32, f64>,
-    other: BTreeMap<u32, f64>,
+/// The share of the first side that the second faces, from 0 to 1, and the same the other way round.
+#[must_use]
+pub fn covered_shares(sides: &Sides) -> [f64; 2] {
+    let turned = Sides { nonmortar: sides.mortar, mortar: sides.nonmortar, ..*sides };
+    [sides, &turned].map(|sides| {
+        let pairing = Pairing::new(sides);
+        let [measure, covered] = pairing.measures();
+        if measure > 0.0 { covered / measure } else { 0.0 }
+    })
 }
 
 impl Mortar {
-    /// The contact points of a pair; with `all` those that nothing faces as well, with weight zero.
+    /// The contact points of a pair.
     #[must_use]
-    pub fn new(sides: &Sides, all: bool) -> Mortar {
-        let [nonmortar, mortar] = [sides.nonmortar, sides.mortar].map(|set| Facets::new(sides.mesh, sides.x, set));
-        let mut nodes: BTreeMap<u32, Gathered> = BTreeMap::new();
-        for facet in 0..nonmortar.len() {
-            for (node, normal) in nonmortar.normals(facet) {
-                let sum = &mut nodes.entry(node).or_default().normal;
-                *sum = std::array::from_fn(|c| sum[c] + normal[c]);
+    pub fn new(sides: &Sides) -> Mortar {
+        Mortar::all(std::slice::from_ref(sides)).pop().unwrap_or_default()
+    }
+
+    /// The contact points of several pairs. A node at which the laws of two pairs would meet has none of its own.
+    #[must_use]
+    pub fn all(pairs: &[Sides]) -> Vec<Mortar> {
+        let pairings: Vec<Pairing> = pairs.iter().map(Pairing::new).collect();
+        let mut bearing: BTreeMap<u32, usize> = BTreeMap::new();
+        for candidate in pairings.iter().flat_map(|pairing| &pairing.candidates.all) {
+            if bears(candidate.share) {
+                *bearing.entry(candidate.node).or_default() += 1;
             }
         }
-        for link in sides.supports.links {
-            let [Some(own), Some(followed)] = [link.node, link.to].map(|node| nodes.get(&node)) else { continue };
-            let mean = link.normals(&own.normal, &followed.normal);
-            for (node, normal) in [link.node, link.to].into_iter().zip(mean) {
-                nodes.entry(node).or_default().normal = normal;
-            }
-        }
-        let shared: BTreeSet<u32> = sides.mortar.node_list().into_iter().collect();
-        let nodes_of_side: BTreeSet<u32> = nodes.keys().copied().collect();
-        let mut held = BTreeMap::new();
-        for (&node, gathered) in &mut nodes {
-            let held_along = (sides.supports.held)(node);
-            let sum = &mut gathered.normal;
-            for direction in &held_along {
-                let along = dot(sum, direction);
-                *sum = std::array::from_fn(|c| sum[c] - along * direction[c]);
-            }
-            let size = length(sum);
-            // A node of both sides, and one that cannot move along its normal, has no multiplier, and of two nodes that
-            // have one displacement only one does.
-            let follows = link_of(sides.supports.links, node).is_some_and(|link| nodes_of_side.contains(&link.to));
-            if size > DIRECTION && !shared.contains(&node) && !follows {
-                *sum = sum.map(|c| c / size);
-                held.insert(node, held_along.iter().flatten().any(|part| *part != 0.0));
-            }
-        }
-        let (mut made, tree) = (Mortar::default(), Tree::new(mortar.parts()));
-        let of_facet = |facet| Integrals::new(&nonmortar, (&mortar, &tree), facet, &held);
-        let integrals: Vec<Integrals> = (0..nonmortar.len()).into_par_iter().map(of_facet).collect();
-        for (facet, integrals) in integrals.iter().enumerate() {
-            made.measure += nonmortar.measure(facet);
-            made.covered += integrals.covered;
-            for (vertex, own, other) in &integrals.rows {
-                let Some(gathered) = nodes.get_mut(vertex) else { continue };
-                for (sums, values) in [(&mut gathered.own, own), (&mut gathered.other, other)] {
-                    for (node, value) in values {
-                        *sums.entry(*node).or_default() += value;
-                    }
-                }
-            }
-        }
-        made.rows = rows(sides, nodes, &held, all);
-        made
+        let is_crossed = |node: u32| bearing.get(&node).is_some_and(|count| *count > 1);
+        pairings.iter().map(|pairing| pairing.mortar(&is_crossed)).collect()
     }
 }
 
-/// ∫ψ_i N of one facet.
-#[derive(Default)]
-struct Integrals {
-    /// Measure of its covered part.
-    covered: f64,
-    /// By vertex that has a multiplier: D_ij and M_il by node.
-    rows: Vec<(u32, Values, Values)>,
+/// Two sides with what one covers of the other.
+struct Pairing<'a> {
+    sides: &'a Sides<'a>,
+    nonmortar: Facets<'a>,
+    mortar: Facets<'a>,
+    /// What makes the next sector, where the nonmortar side is that of one.
+    sector: Option<Image>,
+    /// By part of the nonmortar side.
+    covered: Vec<Covered>,
+    candidates: Candidates,
 }
 
-/// Values by node.
-type Values = Vec<(u32, f64)>;
-
-impl Integrals {
-    fn new(
-        nonmortar: &Facets,
-        (mortar, tree): (&Facets, &Tree),
-        facet: usize,
-        has_multiplier: &BTreeMap<u32, bool>,
-    ) -> Integrals {
-        let samples = cut::samples(nonmortar, (mortar, tree), facet, None);
-        if samples.is_empty() {
-            return Integrals::default();
-        }
-        let (element, nodes) = nonmortar.facet(facet);
-        let vertices = &nodes[..element.shape.vertices()];
-        let kept: Vec<bool> = vertices.iter().map(|node| has_multiplier.contains_key(node)).collect();
-        let dual = dual::Dual::new(nonmortar, facet, &samples, &kept);
-        let mut rows: Vec<(u32, Values, Values)> = Vec::new();
-        for (a, vertex) in vertices.iter().enumerate().filter(|(a, _)| kept[*a]) {
-            rows.push((*vertex, nodes.iter().copied().zip(dual.own(a).iter().copied()).collect(), Vec::new()));
-        }
-        // The samples on one mortar facet follow each other.
-        let mut first = 0;
-        for on_other in samples.chunk_by(|a, b| a.other.0 == b.other.0) {
-            let (_, nodes) = mortar.facet(on_other[0].other.0);
-            let mut sums = vec![[0.0; MAX_NODES]; rows.len()];
-            for (q, sample) in (first..).zip(on_other) {
-                let values = mortar.values(sample.other.0, &sample.other.1);
-                for (sums, (a, _)) in sums.iter_mut().zip(kept.iter().enumerate().filter(|(_, kept)| **kept)) {
-                    let weight = sample.weight * dual.values(a)[q];
-                    sums.iter_mut().zip(&values).for_each(|(sum, value)| *sum += weight * value);
-                }
-            }
-            for ((_, _, other), sums) in rows.iter_mut().zip(sums) {
-                other.extend(nodes.iter().copied().zip(sums));
-            }
-            first += on_other.len();
-        }
-        Integrals { covered: samples.iter().map(|sample| sample.weight).sum(), rows }
-    }
-}
-
-fn rows(
-    sides: &Sides,
-    nodes: BTreeMap<u32, Gathered>,
-    has_multiplier: &BTreeMap<u32, bool>,
-    all: bool,
-) -> Vec<MortarRow> {
-    let weight = |gathered: &Gathered| gathered.own.values().sum::<f64>();
-    let largest = nodes.values().map(weight).fold(0.0, f64::max);
-    // No bodies that fit into the mesh are farther apart.
-    let far = length(&std::array::from_fn(|c| {
-        let along = || sides.mesh.points.iter().map(|x| x[c]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    }));
-    let mut rows = Vec::new();
-    for (node, gathered) in nodes {
-        let Some(&is_held) = has_multiplier.get(&node) else { continue };
-        let weight = weight(&gathered);
-        let is_covered = weight > COVERED * largest;
-        if !is_covered && !all {
-            continue;
-        }
-        let shares = |sums: &BTreeMap<u32, f64>| -> Vec<(u32, f64)> {
-            sums.iter().map(|(&l, sum)| (l, sum / weight)).filter(|(_, share)| share.abs() > ROUND_OFF).collect()
+impl<'a> Pairing<'a> {
+    fn new(sides: &'a Sides<'a>) -> Pairing<'a> {
+        let Sides { mesh, x, supports, .. } = *sides;
+        let lists = [sides.nonmortar, sides.mortar].map(FacetSet::node_list);
+        let [sector, other] = lists.each_ref().map(|nodes| Image::next(supports.links, x, nodes));
+        let size = x.iter().flatten().fold(0.0, |most: f64, c| most.max(c.abs()));
+        let images = match (sector, other) {
+            (Some(next), Some(other)) if next.is_same(&other, size) => vec![Image::SELF, next, next.inverse()],
+            _ => vec![Image::SELF],
         };
-        let (own, other) =
-            if is_covered { (shares(&gathered.own), shares(&gathered.other)) } else { (vec![(node, 1.0)], Vec::new()) };
-        let place = |shares: &[(u32, f64)]| -> Point {
-            std::array::from_fn(|c| shares.iter().map(|&(node, share)| share * sides.x[node as usize][c]).sum())
-        };
-        let (from, to) = (place(&own), place(&other));
-        let apart: Point = std::array::from_fn(|c| to[c] - from[c]);
-        let along = dot(&gathered.normal, &apart);
-        let lever = length(&std::array::from_fn(|c| apart[c] - along * gathered.normal[c]));
-        let (gap, lever) = if is_covered { (along, lever) } else { (far, 0.0) };
-        let weight = if is_covered { weight } else { 0.0 };
-        rows.push(MortarRow { node, normal: gathered.normal, weight, own, other, gap, lever, is_held });
+        let nonmortar = Facets::new(mesh, x, sides.nonmortar, &[Image::SELF]);
+        let mortar = Facets::new(mesh, x, sides.mortar, &images);
+        let covered = covered(sides, &nonmortar, &mortar);
+        let at_rest = Facets::new(mesh, &mesh.points, sides.nonmortar, &[Image::SELF]);
+        let mut candidates = Candidates::new(&at_rest, supports.links);
+        candidates.cover(&nonmortar, &covered);
+        Pairing { sides, nonmortar, mortar, sector, covered, candidates }
     }
-    rows
+
+    /// The measure of the nonmortar side, and of what is covered of it.
+    fn measures(&self) -> [f64; 2] {
+        let measure = (0..self.nonmortar.len()).map(|facet| self.nonmortar.measure(facet)).sum();
+        let weights = self.covered.iter().flat_map(|covered| &covered.samples).map(|sample| sample.weight);
+        [measure, weights.sum()]
+    }
+
+    /// The nodes of the mortar facets that face the parts at a candidate.
+    fn faced(&self, candidate: usize) -> BTreeSet<u32> {
+        let parts = self.candidates.all[candidate].corners.iter().map(|(part, _)| *part);
+        let samples = parts.flat_map(|part| &self.covered[part].samples);
+        let facets: BTreeSet<usize> = samples.map(|sample| self.mortar.parts()[sample.other.0].facet).collect();
+        facets.into_iter().flat_map(|facet| self.mortar.facet(facet).1).copied().collect()
+    }
+
+    /// The contact points, given whether the laws of several pairs or patches meet at a node.
+    fn mortar(&self, is_crossed: &dyn Fn(u32) -> bool) -> Mortar {
+        let Supports { held, links, .. } = self.sides.supports;
+        let shared: BTreeSet<u32> = self.sides.mortar.node_list().iter().map(|&node| leader(links, node)).collect();
+        let dim = self.sides.mesh.dim;
+        let is_held = |node: u32| held(node).iter().filter(|direction| **direction != [0.0; 3]).count() == dim;
+        let is_named = |number: usize| {
+            let node = self.candidates.all[number].node;
+            is_crossed(node) || shared.contains(&node) || is_held(node) && self.faced(number).into_iter().any(is_held)
+        };
+        let joining = Joining::new(&self.candidates, &self.covered, &is_named);
+        let [measure, covered] = self.measures();
+        Mortar { rows: row::rows(self, &joining), measure, covered }
+    }
 }
 
-impl Part {
-    /// Whether two parts look at each other.
-    fn faces(&self, other: &Part) -> bool {
-        dot(&self.normal, &other.normal) < 0.0
+/// What the mortar side covers of each part of the nonmortar side. Only where something may be between the sides is it
+/// asked what bounds the bodies there.
+fn covered(sides: &Sides, nonmortar: &Facets, mortar: &Facets) -> Vec<Covered> {
+    let tree = Tree::new(mortar.parts());
+    let mut opposite = Opposite { facets: mortar, tree: &tree, sight: None, distance: None };
+    let parts = nonmortar.parts();
+    let mut all: Vec<Covered> = parts.par_iter().map(|part| cut::covered(nonmortar, &opposite, part)).collect();
+    if all.iter().any(|covered| covered.is_far) {
+        let made;
+        let boundary = match sides.supports.boundary {
+            Some(known) => known.get_or_init(|| sight::boundary(sides.mesh, sides.supports.links)),
+            None => {
+                made = sight::boundary(sides.mesh, sides.supports.links);
+                &made
+            }
+        };
+        let facets = Facets::new(sides.mesh, sides.x, boundary, &[Image::SELF]);
+        let sight = Sight::new(&facets);
+        opposite.sight = Some(&sight);
+        all.par_iter_mut().zip(parts).filter(|(covered, _)| covered.is_far).for_each(|(covered, part)| {
+            *covered = cut::covered(nonmortar, &opposite, part);
+        });
     }
+    all
 }

@@ -5,6 +5,8 @@ use crate::mesh::{FacetSet, Mesh, cross};
 use crate::quadrature::Shape;
 use crate::tensor::{Point, dot, length};
 
+use super::image::Image;
+
 /// Corners of the parts of quadratic facets, by reference coordinates: halves of a segment, quarters of a triangle and
 /// of a quadrilateral.
 const HALVES: [&[[f64; 2]]; 2] = [&[[0.0, 0.0], [0.5, 0.0]], &[[0.5, 0.0], [1.0, 0.0]]];
@@ -29,6 +31,8 @@ pub(super) struct Part {
     /// Corners in space and on the reference facet.
     pub corners: Vec<Point>,
     pub reference: Vec<Point>,
+    /// The corners by their number among the nodes of the facet.
+    pub local: Vec<usize>,
     /// Unit normal, outward.
     pub normal: Point,
     /// Mean of the corners, and the largest distance of a corner from it.
@@ -36,26 +40,46 @@ pub(super) struct Part {
     pub radius: f64,
 }
 
-/// The facets of a side at given positions of the nodes.
+/// A facet of a side, or its image in a neighbouring sector.
+#[derive(Clone, Copy)]
+struct Facet<'a> {
+    element: &'static Element,
+    /// Its nodes, vertices first.
+    nodes: &'a [u32],
+    /// Which image it is, by its number among those of the side.
+    image: usize,
+}
+
+/// The facets of a side at given positions of the nodes, and their images in neighbouring sectors.
 pub(super) struct Facets<'a> {
-    all: Vec<(&'static Element, &'a [u32])>,
+    all: Vec<Facet<'a>>,
     parts: Vec<Part>,
     /// Where the parts of each facet begin.
     first: Vec<usize>,
     x: &'a [Point],
+    images: Vec<Image>,
     pub is_axisymmetric: bool,
 }
 
 impl<'a> Facets<'a> {
-    pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet) -> Facets<'a> {
-        let all: Vec<_> = set.facets().collect();
-        let (mut parts, mut first) = (Vec::new(), Vec::with_capacity(all.len() + 1));
-        for (number, (element, nodes)) in all.iter().enumerate() {
-            first.push(parts.len());
-            parts.extend(parts_of(number, element, nodes, x));
+    /// The facets of a side, as often as there are images; the first of these is the side itself.
+    pub fn new(mesh: &Mesh, x: &'a [Point], set: &'a FacetSet, images: &[Image]) -> Facets<'a> {
+        let of_image = |image: usize| set.facets().map(move |(element, nodes)| Facet { element, nodes, image });
+        let mut facets = Facets {
+            all: (0..images.len()).flat_map(of_image).collect(),
+            parts: Vec::new(),
+            first: Vec::new(),
+            x,
+            images: images.to_vec(),
+            is_axisymmetric: mesh.axisymmetric,
+        };
+        for number in 0..facets.all.len() {
+            facets.first.push(facets.parts.len());
+            let made = facets.split(number);
+            facets.parts.extend(made);
         }
-        first.push(parts.len());
-        Facets { all, parts, first, x, is_axisymmetric: mesh.axisymmetric }
+        facets.first.push(facets.parts.len());
+        facets
     }
 
     pub fn len(&self) -> usize {
@@ -64,7 +88,12 @@ impl<'a> Facets<'a> {
 
     /// Element and nodes of a facet, vertices first.
     pub fn facet(&self, facet: usize) -> (&'static Element, &'a [u32]) {
-        self.all[facet]
+        (self.all[facet].element, self.all[facet].nodes)
+    }
+
+    /// The power of the turn that makes a facet from one of the side.
+    pub fn power(&self, facet: usize) -> i8 {
+        self.images[self.all[facet].image].power
     }
 
     pub fn parts(&self) -> &[Part] {
@@ -72,12 +101,28 @@ impl<'a> Facets<'a> {
     }
 
     pub fn parts_of(&self, facet: usize) -> &[Part] {
-        &self.parts[self.first[facet]..self.first[facet + 1]]
+        &self.parts[self.numbers_of(facet)]
+    }
+
+    /// The numbers of the parts of a facet.
+    pub fn numbers_of(&self, facet: usize) -> std::ops::Range<usize> {
+        self.first[facet]..self.first[facet + 1]
+    }
+
+    /// The node at a corner of a part.
+    pub fn node(&self, part: &Part, corner: usize) -> u32 {
+        self.all[part.facet].nodes[part.local[corner]]
+    }
+
+    /// Where a node of a facet is.
+    fn place(&self, facet: usize, local: usize) -> Point {
+        let Facet { nodes, image, .. } = self.all[facet];
+        self.images[image].position(&self.x[nodes[local] as usize])
     }
 
     /// The shape functions of a facet at a reference point.
     pub fn values(&self, facet: usize, at: &Point) -> [f64; MAX_NODES] {
-        let (element, nodes) = self.all[facet];
+        let (element, nodes) = self.facet(facet);
         let mut values = [0.0; MAX_NODES];
         (element.shape_functions)(at, &mut values[..nodes.len()]);
         values
@@ -85,24 +130,22 @@ impl<'a> Facets<'a> {
 
     /// Where a reference point of a facet is.
     pub fn position(&self, facet: usize, at: &Point) -> Point {
-        let (values, (_, nodes)) = (self.values(facet, at), self.all[facet]);
-        std::array::from_fn(|c| nodes.iter().zip(&values).map(|(&node, value)| value * self.x[node as usize][c]).sum())
+        let (values, (_, nodes)) = (self.values(facet, at), self.facet(facet));
+        (0..nodes.len()).fold([0.0; 3], |sum, local| {
+            let x = self.place(facet, local);
+            std::array::from_fn(|c| sum[c] + values[local] * x[c])
+        })
     }
 
-    /// Unit outward normals of a facet at its vertices.
-    pub fn normals(&self, facet: usize) -> Vec<(u32, Point)> {
-        let (element, nodes) = self.all[facet];
-        let vertices = element.shape.vertices();
-        nodes.iter().zip(element.nodes).take(vertices).map(|(&node, at)| (node, self.normal(facet, at))).collect()
-    }
-
-    fn normal(&self, facet: usize, at: &Point) -> Point {
-        let (element, nodes) = self.all[facet];
+    /// Unit outward normal of a facet at one of its nodes: where the facet is curved, that of the curve there, as a mean
+    /// over the facet would be off by the order of its size.
+    pub fn normal_at(&self, facet: usize, local: usize) -> Point {
+        let (element, nodes) = self.facet(facet);
         let mut gradients = [[0.0; 3]; MAX_NODES];
-        (element.gradients)(at, &mut gradients[..nodes.len()]);
+        (element.gradients)(&element.nodes[local], &mut gradients[..nodes.len()]);
         let mut tangents = [[0.0; 3]; 2];
-        for (&node, gradient) in nodes.iter().zip(&gradients) {
-            let x = &self.x[node as usize];
+        for (node, gradient) in gradients.iter().take(nodes.len()).enumerate() {
+            let x = self.place(facet, node);
             for (tangent, g) in tangents.iter_mut().zip(gradient) {
                 (0..3).for_each(|c| tangent[c] += g * x[c]);
             }
@@ -118,38 +161,32 @@ impl<'a> Facets<'a> {
 
     /// Length or area of a facet, of its parts in the case of a curved one; around the axis in a body of revolution.
     pub fn measure(&self, facet: usize) -> f64 {
-        let of = |part: &Part| {
-            let area = match part.corners.len() {
-                1 => 1.0,
-                2 => 2.0 * part.radius,
-                _ => 0.5 * length(&doubled_area(&part.corners)),
-            };
-            area * self.circumference(&part.centre)
-        };
-        self.parts_of(facet).iter().map(of).sum()
+        self.parts_of(facet).iter().map(|part| part.area() * self.circumference(&part.centre)).sum()
     }
 
     /// 2πr of a body of revolution, 1 of any other.
     pub fn circumference(&self, x: &Point) -> f64 {
         if self.is_axisymmetric { std::f64::consts::TAU * x[0] } else { 1.0 }
     }
-}
 
-fn parts_of(facet: usize, element: &'static Element, nodes: &[u32], x: &[Point]) -> Vec<Part> {
-    let of = |local: Vec<usize>| {
-        let corners: Vec<Point> = local.iter().map(|&i| x[nodes[i] as usize]).collect();
-        let reference = local.iter().map(|&i| element.nodes[i]).collect();
-        Part::new(facet, corners, reference)
-    };
-    let at = |corner: &[f64; 2]| {
-        element.nodes.iter().position(|node| (0..2).all(|c| node[c].to_bits() == corner[c].to_bits())).unwrap_or(0)
-    };
-    let split = |all: &[&[[f64; 2]]]| all.iter().map(|part| of(part.iter().map(at).collect())).collect();
-    match (element.shape, element.degree) {
-        (Shape::Segment, 2) => split(&HALVES),
-        (Shape::Triangle, 2) => split(&TRIANGLES),
-        (Shape::Quadrilateral, 2) => split(&SQUARES),
-        (shape, _) => vec![of((0..shape.vertices()).collect())],
+    /// The flat parts of a facet.
+    fn split(&self, facet: usize) -> Vec<Part> {
+        let (element, _) = self.facet(facet);
+        let of = |local: Vec<usize>| {
+            let corners = local.iter().map(|&i| self.place(facet, i)).collect();
+            let reference = local.iter().map(|&i| element.nodes[i]).collect();
+            Part::new(facet, corners, reference, local)
+        };
+        let at = |corner: &[f64; 2]| {
+            element.nodes.iter().position(|node| (0..2).all(|c| node[c].to_bits() == corner[c].to_bits())).unwrap_or(0)
+        };
+        let split = |all: &[&[[f64; 2]]]| all.iter().map(|part| of(part.iter().map(at).collect())).collect();
+        match (element.shape, element.degree) {
+            (Shape::Segment, 2) => split(&HALVES),
+            (Shape::Triangle, 2) => split(&TRIANGLES),
+            (Shape::Quadrilateral, 2) => split(&SQUARES),
+            (shape, _) => vec![of((0..shape.vertices()).collect())],
+        }
     }
 }
 
@@ -163,7 +200,7 @@ fn doubled_area(corners: &[Point]) -> Point {
 }
 
 impl Part {
-    pub fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>) -> Part {
+    pub fn new(facet: usize, corners: Vec<Point>, reference: Vec<Point>, local: Vec<usize>) -> Part {
         let n = corners.len() as f64;
         let centre: Point = std::array::from_fn(|c| corners.iter().map(|x| x[c]).sum::<f64>() / n);
         let distance = |x: &Point| length(&std::array::from_fn(|c| x[c] - centre[c]));
@@ -175,7 +212,16 @@ impl Part {
             _ => doubled_area(&corners),
         };
         let size = length(&normal);
-        Part { facet, corners, reference, normal: normal.map(|c| c / size), centre, radius }
+        Part { facet, corners, reference, local, normal: normal.map(|c| c / size), centre, radius }
+    }
+
+    /// Length or area; 1 of a point.
+    pub fn area(&self) -> f64 {
+        match self.corners.len() {
+            1 => 1.0,
+            2 => 2.0 * self.radius,
+            _ => 0.5 * length(&doubled_area(&self.corners)),
+        }
     }
 
     /// Whether the part and what is in a sphere may cover each other, seen along the normal of the part.

@@ -59,8 +59,9 @@ impl<'p> Tree<'p> {
         place
     }
 
-    /// The parts whose sphere `meets` something, in their order. What meets a sphere must meet every sphere around it.
-    pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<&'p Part> {
+    /// The parts whose sphere `meets` something, with their numbers, in their order. What meets a sphere must meet every
+    /// sphere around it.
+    pub fn met(&self, meets: &dyn Fn(&Point, f64) -> bool) -> Vec<(usize, &'p Part)> {
         let (mut open, mut found) = (vec![0], Vec::new());
         while let Some(sphere) = open.pop().map(|place: usize| &self.spheres[place]) {
             if !meets(&sphere.centre, sphere.radius) {
@@ -75,7 +76,7 @@ impl<'p> Tree<'p> {
             }
         }
         found.sort_unstable();
-        found.into_iter().map(|part| &self.parts[part]).collect()
+        found.into_iter().map(|part| (part, &self.parts[part])).collect()
     }
 }
 
@@ -94,7 +95,7 @@ mod tests {
                 [x + 0.2 * y, 0.9 * y, 0.3 * (0.4 * x).sin() + 0.1 * y]
             };
             let corners = vec![corner(0.0, 0.0), corner(1.0, 0.1), corner(0.2, 0.9)];
-            Part::new(k, corners, vec![[0.0; 3]; 3])
+            Part::new(k, corners, vec![[0.0; 3]; 3], vec![0, 1, 2])
         };
         (0..n * n).map(of).collect()
     }
@@ -115,7 +116,7 @@ mod tests {
                     let near = |centre: &Point, radius: f64| part.is_within(distance, centre, radius);
                     let queries: [(&dyn Fn(&Point, f64) -> bool, &str); 2] = [(&covers, "covers"), (&near, "near")];
                     for (meets, name) in queries {
-                        let found: Vec<usize> = tree.met(meets).iter().map(|part| part.facet).collect();
+                        let found: Vec<usize> = tree.met(meets).iter().map(|(_, part)| part.facet).collect();
                         let all = parts.iter().filter(|other| meets(&other.centre, other.radius));
                         assert_eq!(found, all.map(|other| other.facet).collect::<Vec<usize>>(), "{name}, {n}");
                         assert!(!found.is_empty());
