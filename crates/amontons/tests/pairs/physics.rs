@@ -2,10 +2,10 @@
 
 use crate::common;
 use amontons::case::{self, Source};
-use amontons::contact::{Status, Supports};
+use amontons::contact::Status;
 use amontons::inclusion::PointState;
 use amontons::output::Memory;
-use amontons::problem::Problem;
+use amontons::problem::{Problem, with_supports};
 use amontons::run::{self, Settings};
 use amontons::scheme::Discretization;
 
@@ -227,8 +227,9 @@ fn the_defect_of_moments_is_that_of_the_nodal_forces() {
         let discrete = Discretization::new(&problem);
         for n in 1..memory.reports.len() {
             let (before, contact) = (&memory.states[n].u, &memory.reports[n].contact);
-            let supports = Supports { held: &|node| discrete.v.held(node), links: &[] };
-            let updated = discrete.boundary.updated(&problem.contacts, &problem.mesh, before, supports);
+            let updated = with_supports(&discrete.v, None, |supports| {
+                discrete.boundary.updated(&problem.contacts, &problem.mesh, before, supports)
+            });
             let (boundary, moves) = (updated.as_deref().unwrap_or(&discrete.boundary), updated.is_some());
             let mut forces = vec![0.0; 2 * problem.mesh.points.len()];
             let traction = |s: &PointState| std::array::from_fn(|c| 0.0 - s.pressure * s.normal[c] - s.q[c]);

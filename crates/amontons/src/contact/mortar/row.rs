@@ -15,6 +15,8 @@ const ROUND_OFF: f64 = 1e-15;
 const DIRECTION: f64 = 1e-9;
 /// cos 35°, up to which a normal is taken for one along a plane of symmetry: half a facet is turned by less.
 const SYMMETRIC: f64 = super::cut::FACING;
+/// Share of a hat that is as good as all of it.
+const WHOLE: f64 = 1.0 - 1e-9;
 /// Cosine of the normal and a direction that is along the side.
 const ALONG: f64 = 1e-6;
 
@@ -37,6 +39,7 @@ struct Gathered {
 pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
     let Pairing { sides, nonmortar, covered, candidates, .. } = pairing;
     let mut gathered = vec![Gathered::default(); candidates.all.len()];
+    let is_whole = is_covered_whole(pairing, joining);
     for (number, part) in nonmortar.parts().iter().enumerate() {
         let of_part = &candidates.of[number][..part.corners.len()];
         if covered[number].samples.is_empty() {
@@ -45,8 +48,9 @@ pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
         let is_dual = of_part.iter().all(|corner| joining.has_law[corner.candidate]);
         let dual = Dual::new(nonmortar, &pairing.mortar, part, &covered[number].samples, is_dual);
         for (a, corner) in of_part.iter().enumerate() {
+            let of_normal = if is_whole { 1.0 } else { dual.weight[a] };
             for &(k, share) in &joining.to[corner.candidate] {
-                gathered[k].add(pairing, (number, a), &dual, share);
+                gathered[k].add(pairing, (number, a), &dual, [share, share * of_normal]);
             }
         }
     }
@@ -63,6 +67,16 @@ pub(super) fn rows(pairing: &Pairing, joining: &Joining) -> Vec<MortarRow> {
         rows.extend(gathered.row(pairing, number, far));
     }
     rows
+}
+
+/// Whether the side is covered as a whole, each node with a law of its own: all facets at a node then count alike in its
+/// normal, in the place of each by the integral of the function on it. Both means differ by a quarter of the product of
+/// how much two neighbours differ in size and in direction.
+fn is_covered_whole(pairing: &Pairing, joining: &Joining) -> bool {
+    let Pairing { nonmortar, candidates, .. } = pairing;
+    let corners = nonmortar.parts().iter().zip(&candidates.shares);
+    joining.has_law.iter().all(|has_law| *has_law)
+        && corners.into_iter().all(|(part, shares)| shares[..part.corners.len()].iter().all(|share| *share > WHOLE))
 }
 
 /// More than the distance of any bodies of the mesh.
@@ -98,15 +112,14 @@ impl Pairing<'_> {
 }
 
 impl Gathered {
-    /// Adds what the function of a corner gives in this share.
-    fn add(&mut self, pairing: &Pairing, (number, a): (usize, usize), dual: &Dual, share: f64) {
+    /// Adds what the function of a corner gives in a share, and its normal in another one.
+    fn add(&mut self, pairing: &Pairing, (number, a): (usize, usize), dual: &Dual, [share, of_normal]: [f64; 2]) {
         let Pairing { nonmortar, mortar, candidates, sides, .. } = pairing;
         let part = &nonmortar.parts()[number];
         let shift = -i8::from(candidates.of[number][a].follows);
         let (weight, normal) = (share * dual.weight[a], normal_at(pairing, (number, a)));
-        let of_hat = share * candidates.shares[number][a];
         self.weight += weight;
-        self.normal = std::array::from_fn(|c| self.normal[c] + of_hat * normal[c]);
+        self.normal = std::array::from_fn(|c| self.normal[c] + of_normal * normal[c]);
         if !self.parts.contains(&(number, shift != 0)) {
             self.parts.push((number, shift != 0));
         }
