@@ -59,9 +59,9 @@ pub struct ContactPoint {
     pub slip_speed: f64,
     /// Power of friction q·w_τ in W/m²; heat laws see it.
     pub friction_power: f64,
-    /// Temperature θ of the body in K.
+    /// Temperature θ of the body in K; of a pair that of the side `on`.
     pub temperature: f64,
-    /// Temperature θ_F of the foundation in K.
+    /// Temperature θ_F of the foundation in K; of a pair that of the side `with`. Heat laws see it.
     pub foundation_temperature: f64,
 }
 

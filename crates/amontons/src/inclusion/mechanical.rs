@@ -77,7 +77,7 @@ pub struct MechanicalStep<'a> {
     pub w_prescribed: &'a [f64],
     /// The foundation at each contact point.
     pub frames: &'a [Frame],
-    /// Temperature of the body at the contact points that the step is made with, K.
+    /// Temperature at the contact points that the step is made with, of the side `on`, K.
     pub temperature: &'a [f64],
 }
 

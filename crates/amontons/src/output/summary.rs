@@ -223,7 +223,7 @@ impl ContactSummary {
             (contact.force, contact.heat_flow)
         };
         let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
-        let passed = one.and_then(|(side, of)| Some(state.surface.passed.get(side)?.out_of_on(of)));
+        let passed = one.and_then(|(side, _)| Some(state.surface.passed.get(side)?.by_name()));
         let wear_volume = sum(&mut wear().map(|(weight, depth)| weight * depth));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };

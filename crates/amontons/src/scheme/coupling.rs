@@ -120,7 +120,8 @@ impl<'a> Coupled<'a> {
             max_abs(&change)
         };
         let Pass { mechanics, heat } = pass;
-        let contact = mechanics.contact_change(&self.step, self.mechanics, &heat.exchange.temperature);
+        let on_contact = heat.exchange.temperatures_on(self.step.contacts, self.step.boundary);
+        let contact = mechanics.contact_change(&self.step, self.mechanics, &on_contact);
         let mut force = difference(&discrete.thermal_force(&heat.theta), &contact);
         if discrete.softens() {
             let a_u = discrete.apply_a(&mechanics.u, &heat.theta);
@@ -379,7 +380,7 @@ impl Linearised {
     /// δθ − Φ′ δθ, times P⁻¹J.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<List<f64>, SolveError> {
         let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
-        let warmer = boundary.scalars_at(change);
+        let warmer = boundary.scalars_on(coupled.step.contacts, change);
         let contact = on_degrees(
             boundary,
             &discrete.v,

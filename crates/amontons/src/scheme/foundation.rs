@@ -74,6 +74,8 @@ pub(super) fn frames(
         let x: List<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
         let velocity = velocities(contact, &x, to);
+        // Where the side `with` bears the points, its own motion is the slip.
+        let sign = contact.sign();
         let moves = contact.obstacle.as_ref().map_or([0.0; 3], |obstacle| {
             let [from, to] = [from, to].map(|t| obstacle.place(t));
             std::array::from_fn(|c| rate(to[c] - from[c]))
@@ -83,7 +85,7 @@ pub(super) fn frames(
                 normal: point.normal,
                 gap: gap[i],
                 gap_rate: rate(gap[i] - gap_from[i]),
-                velocity: velocity.get(i).copied().unwrap_or_default(),
+                velocity: velocity.get(i).map_or([0.0; 3], |v| v.map(|v| sign * v)),
             };
             if contact.pair.as_ref().is_some_and(|pair| !pair.gap_is_given) {
                 frame.gap += point.gap;

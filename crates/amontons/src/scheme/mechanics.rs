@@ -72,7 +72,7 @@ pub(super) struct Given {
     w_prescribed: List<f64>,
     /// The foundation at the contact points.
     pub frames: List<Frame>,
-    /// The temperature that the half-step is made with, at the contact points.
+    /// The temperature that the half-step is made with, at the contact points on the side `on`.
     temperature: List<f64>,
 }
 
@@ -219,11 +219,12 @@ impl Mechanics {
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given = Given { temperature: step.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
+        let temperature = step.boundary.scalars_on(step.contacts, &step.old.theta);
+        let given = Given { temperature, ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
-    /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
+    /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures of the side `on`.
     pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> List<f64> {
         let w = half.system.kept_of(&self.w);
         let forces = |given: &Given| {
@@ -266,7 +267,7 @@ impl<'a> Equation<'a> {
         mut given: Given,
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
-        given.temperature = step.boundary.scalars_at(theta);
+        given.temperature = step.boundary.scalars_on(step.contacts, theta);
         let numbers = |Frame { gap, gap_rate, normal: n, velocity: v }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
