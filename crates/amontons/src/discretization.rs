@@ -4,7 +4,7 @@ mod relaxation;
 
 use std::sync::Arc;
 
-use crate::contact::ContactBoundary;
+use crate::contact::{ContactBoundary, WornSides};
 use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
@@ -64,6 +64,8 @@ pub struct Discretization {
     pub q_h: forms::Load,
     /// Γ_C; without nodes where there is no contact.
     pub boundary: Arc<ContactBoundary>,
+    /// The sides of pairs that wear.
+    pub worn: WornSides,
 }
 
 /// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
@@ -197,6 +199,7 @@ impl Discretization {
             f,
             q_h,
             dilatation: problem.dilatation(),
+            worn: WornSides::new(&mesh, &problem.contacts, &boundary, &v.links),
             boundary,
             v,
             q,

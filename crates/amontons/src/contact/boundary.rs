@@ -123,10 +123,10 @@ impl Contact {
         if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
     }
 
-    /// Fraction of the wear depth that comes off the side that bears the contact points.
+    /// The fractions of the wear depth that come off the side `on` and off what it faces.
     #[must_use]
-    pub fn wear_of_bearing(&self) -> f64 {
-        if self.sign() < 0.0 { 1.0 - self.wear_fraction } else { self.wear_fraction }
+    pub fn wear_fractions(&self) -> [f64; 2] {
+        [self.wear_fraction, 1.0 - self.wear_fraction]
     }
 
     /// Whether the power of friction enters the bodies whole, as at a pair: what does not enter the bearing side enters

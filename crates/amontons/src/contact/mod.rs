@@ -17,6 +17,7 @@ pub mod obstacle;
 mod pair;
 mod table;
 mod wear;
+mod worn;
 
 pub(crate) use arrays::arrays;
 pub use arrays::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, CONTACT_INPUTS};
@@ -39,6 +40,7 @@ pub use obstacle::Obstacle;
 pub use pair::{Geometry, Pair, Supports};
 pub use table::{PiecewiseLinear, TableFault};
 pub use wear::{Archard, WearLaw};
+pub use worn::{Worn, WornSides};
 
 #[cfg(test)]
 pub(crate) use {

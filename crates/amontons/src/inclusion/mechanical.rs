@@ -158,6 +158,7 @@ impl<'a> Mechanical<'a> {
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),
             is_smooth: self.step.boundary.points[i].is_smooth,
+            opening: self.step.frames[i].opening,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }

@@ -173,6 +173,7 @@ struct ReportPoint {
     q: Point,
     slip: Point,
     wear: f64,
+    opened: f64,
     status: u8,
     temperature: f64,
     opposite: f64,
@@ -200,6 +201,7 @@ impl Body {
                     q: state.q,
                     slip: state.slip,
                     wear: state.wear,
+                    opened: state.opened,
                     status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
                     temperature,
                     opposite,
@@ -279,6 +281,7 @@ impl Body {
                         q: p.q,
                         slip: p.slip,
                         wear: p.wear,
+                        opened: p.opened,
                         status: STATUS.get(usize::from(p.status)).copied().unwrap_or(Status::Open),
                     })
                     .collect(),
@@ -377,6 +380,11 @@ impl Checkpoint {
             let of_points = [report.contact.states.len(), report.contact.temperature.len(), report.contact.flux.len()];
             of_points.into_iter().try_for_each(|kept| same("contact points", kept, points))?;
         }
+        let worn = &self.state.surface.worn;
+        let (kept, expected): (Vec<usize>, _) = (worn.depths.iter().map(|d| d.len()).collect(), discretization.worn.lengths());
+        same("sides that wear", kept.len(), expected.len())?;
+        kept.into_iter().zip(expected).try_for_each(|(kept, of)| same("vertices of a side that wears", kept, of))?;
+        same("volumes worn off", worn.volumes.len(), problem.contacts.len())?;
         same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
         same("contacts", self.state.surface.passed.len(), problem.contacts.len())?;
         same("steps", self.state.step, self.state.step.min(problem.steps))

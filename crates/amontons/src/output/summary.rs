@@ -224,7 +224,16 @@ impl ContactSummary {
         };
         let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
         let passed = one.and_then(|(side, _)| Some(state.surface.passed.get(side)?.by_name()));
-        let wear_volume = sum(&mut wear().map(|(weight, depth)| weight * depth));
+        let of_side = |contact: usize| side.is_none_or(|side| contact == side);
+        let worn = &state.surface.worn;
+        // What has come off bodies that slide is no longer where their contact points are.
+        let is_pair = |contact: usize| problem.contacts.get(contact).is_some_and(|contact| contact.pair.is_some());
+        let still = points().filter(|(_, point)| !is_pair(point.contact));
+        let still = still.filter_map(|(i, point)| Some(weight(i, point) * state.surface.wear.get(i)?));
+        let of_pairs = worn.volumes.iter().enumerate().filter(|(contact, _)| of_side(*contact) && is_pair(*contact));
+        let wear_volume = sum(&mut still.chain(of_pairs.map(|(_, [on, with])| on + with)));
+        let deepest = (0..problem.contacts.len()).filter(|contact| of_side(*contact));
+        let deepest = deepest.map(|contact| discretization.worn.largest(contact, &worn.depths)).fold(0.0, f64::max);
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
@@ -238,9 +247,9 @@ impl ContactSummary {
             slip: count(Status::Slip),
             area: sum(&mut states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight)),
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
-            wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
+            wear_max: wear().fold(deepest, |max, (_, depth)| depth.max(max)),
             wear_volume,
-            wear_volumes: one.map(|(_, of)| of_sides(of, wear_volume)).unwrap_or_default(),
+            wear_volumes: one.and_then(|(side, of)| Some(of_sides(of, *worn.volumes.get(side)?))).unwrap_or_default(),
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
             heat_passed: passed.unwrap_or_default(),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
@@ -252,10 +261,9 @@ impl ContactSummary {
 }
 
 /// The volume off each side of a pair that wears.
-fn of_sides(contact: &Contact, volume: f64) -> BTreeMap<String, f64> {
-    let shares = [contact.wear_fraction, 1.0 - contact.wear_fraction];
-    let sides = contact.sides().zip(shares).filter(|_| contact.wear.is_some() && contact.pair.is_some());
-    sides.map(|(side, share)| (side.to_owned(), share * volume)).collect()
+fn of_sides(contact: &Contact, volumes: [f64; 2]) -> BTreeMap<String, f64> {
+    let sides = contact.sides().zip(volumes).filter(|_| contact.wear.is_some() && contact.pair.is_some());
+    sides.map(|(side, volume)| (side.to_owned(), volume)).collect()
 }
 
 /// The components of a moment that a problem has; none of a foundation, on a line, and in a body of revolution that

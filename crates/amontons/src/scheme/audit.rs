@@ -208,18 +208,18 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
         let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         if changes {
-            let before = state.penetration - k * (w_nu - frame.gap_rate) + state.wear;
+            let before = state.penetration - k * (w_nu - frame.gap_rate) + state.opened;
             start += point.weight * normal.potential(&point.x, before);
         }
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
         sum.energy += point.weight * energy;
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
-        sum.worn += point.weight * state.pressure * state.wear;
+        sum.worn += point.weight * state.pressure * state.opened;
         if let Some(at_rest) = at_rest {
             // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
             // is lost with wear.
             let beyond = state.pressure - at_rest;
-            sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
+            sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.opened);
         }
         sum.load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
     }

@@ -348,7 +348,7 @@ impl Made {
             theta: heat.theta,
             multipliers: mechanics.multipliers,
             branches: mechanics.branches,
-            surface: old.surface.after(step.k, &mechanics.states, &heat.exchange),
+            surface: old.surface.after(step, &mechanics.states, &heat.exchange),
             ledger,
             counts,
             temperatures: old.temperatures,
@@ -432,9 +432,9 @@ impl Scheme for BackwardEuler {
         let elastic = self.discrete.stored_energy(&u, &theta).unwrap_or(0.0);
         let branches = self.discrete.branches.iter().map(|branch| List::filled(0.0, branch.size(u.len()))).collect();
         let boundary = &self.discrete.boundary;
-        let surface = Accumulated::new(&self.problem, boundary);
+        let surface = Accumulated::new(&self.problem, &self.discrete);
         let mut contact_energy = 0.0;
-        let foundation = frames(&self.problem, boundary, &u, &surface.wear, [0.0, 0.0]);
+        let foundation = frames(&self.problem, boundary, &u, &[], [0.0, 0.0]);
         for (point, frame) in boundary.points.iter().zip(foundation) {
             let r = tensor::dot(&boundary.vector_at(point, mesh.dim, &u), &frame.normal) - frame.gap;
             contact_energy += point.weight

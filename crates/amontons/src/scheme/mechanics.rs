@@ -83,7 +83,7 @@ impl Given {
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
-            frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
+            frames: frames(problem, boundary, &old.u, &step.worn(), [old.t, t]),
             temperature: List::new(),
         }
     }
@@ -268,7 +268,7 @@ impl<'a> Equation<'a> {
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_on(step.contacts, theta);
-        let numbers = |Frame { gap, gap_rate, normal: n, velocity: v }: &Frame| {
+        let numbers = |Frame { gap, gap_rate, normal: n, velocity: v, .. }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<List<f64>>(), "the foundation")?;
