@@ -38,8 +38,7 @@ impl Build<'_> {
             let at_points = set.map(|set| ContactBoundary::new(mesh, set, quadrature).points).unwrap_or_default();
             points.iter().copied().chain(at_points.into_iter().map(|point| point.x)).collect()
         });
-        let (heat, foundation_temperature) =
-            self.exchange(path, raw.heat, &raw.frictional_heat, &sites);
+        let (heat, foundation_temperature) = self.exchange(path, raw.heat, &raw.frictional_heat, &sites);
         let foundation_temperature = foundation_temperature
             .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {

@@ -151,8 +151,7 @@ impl Laws {
         };
         // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no
         // direction.
-        let by_depth =
-            if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_depth / normal.yielding };
+        let by_depth = if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_depth / normal.yielding };
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); the bound follows p + δp.
         let follows = sign * s.by_pressure;
         let slopes = Slopes {

@@ -381,7 +381,8 @@ impl Checkpoint {
             of_points.into_iter().try_for_each(|kept| same("contact points", kept, points))?;
         }
         let worn = &self.state.surface.worn;
-        let (kept, expected): (Vec<usize>, _) = (worn.depths.iter().map(|d| d.len()).collect(), discretization.worn.lengths());
+        let (kept, expected): (Vec<usize>, _) =
+            (worn.depths.iter().map(|d| d.len()).collect(), discretization.worn.lengths());
         same("sides that wear", kept.len(), expected.len())?;
         kept.into_iter().zip(expected).try_for_each(|(kept, of)| same("vertices of a side that wears", kept, of))?;
         same("volumes worn off", worn.volumes.len(), problem.contacts.len())?;
