@@ -79,6 +79,8 @@ pub struct MechanicalStep<'a> {
     pub frames: &'a [Frame],
     /// Temperature at the contact points that the step is made with, of the side `on`, K.
     pub temperature: &'a [f64],
+    /// Whether the step is solved again for what the round-off leaves.
+    pub is_repeated: bool,
 }
 
 /// The mechanical term of a step.

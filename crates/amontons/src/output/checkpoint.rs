@@ -24,10 +24,11 @@ use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
 use crate::list::List;
 use crate::machine;
+use crate::mesh::defects::components;
 use crate::problem::Problem;
 use crate::scheme::{
-    Accumulated, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Reactions, Scheme, State,
-    StepReport,
+    Accumulated, Carried, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Reactions, Scheme,
+    State, StepReport,
 };
 use crate::tensor::Point;
 
@@ -140,6 +141,7 @@ struct Body {
     q: List<Point>,
     sticks: List<bool>,
     branches: List<List<f64>>,
+    carried: Carried,
     surface: Accumulated,
     ledger: Ledger,
     counts: Counts,
@@ -248,6 +250,7 @@ impl Body {
             q: state.multipliers.q,
             sticks: state.multipliers.sticks,
             branches: state.branches,
+            carried: state.carried,
             surface: state.surface,
             ledger: state.ledger,
             counts: state.counts,
@@ -305,6 +308,7 @@ impl Body {
             theta: self.theta,
             multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
+            carried: self.carried,
             surface: self.surface,
             ledger: self.ledger,
             counts: self.counts,
@@ -360,6 +364,11 @@ impl Checkpoint {
             if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
         };
         same("displacements", self.state.u.len(), nodes * dim)?;
+        if !self.state.carried.rigid.is_empty() {
+            same("deformations", self.state.carried.deformation.len(), nodes * dim)?;
+            let bodies = components(&discretization.mesh).len();
+            same("bodies", self.state.carried.rigid.len(), bodies)?;
+        }
         same("velocities", self.state.w.len(), nodes * dim)?;
         same("temperatures", self.state.theta.len(), nodes)?;
         same("branches", self.state.branches.len(), discretization.branches.len())?;

@@ -266,9 +266,11 @@ impl Prepared {
             (_, OnContact::Traction) => read_vector(shares, value),
             _ => [read(shares, |i| value(i)[0]), 0.0, 0.0],
         };
+        let contact_of = |i: usize| now.problem.contacts.get(points.get(i)?.contact);
+        let is_of_pair = |i: usize| contact_of(i).is_some_and(|contact| contact.pair.is_some());
         // The points of a pair that is updated have other weights in every step.
         let weight = |shares: &[(usize, f64)], weight: f64| match (shares, self.take) {
-            (&[(i, _)], Some(_)) if points.get(i).is_some_and(|point| point.own < point.nodes.len()) => {
+            (&[(i, _)], Some(_)) if is_of_pair(i) => {
                 now.report.and_then(|report| report.contact.weights.get(i)).copied().unwrap_or(weight)
             }
             _ => weight,

@@ -12,7 +12,7 @@ use crate::inclusion::PointState;
 use crate::linalg::max_abs;
 use crate::machine;
 use crate::problem::Problem;
-use crate::scheme::{ContactReport, Contraction, Ledger};
+use crate::scheme::{Accumulated, ContactReport, Contraction, Ledger};
 use crate::tensor::Point;
 use crate::units::Units;
 
@@ -210,7 +210,6 @@ impl ContactSummary {
         let of_all = |values: [f64; 3]| values[..dim].to_vec();
         let pressing: f64 = states().map(|(point, s)| point.weight * s.pressure.max(0.0)).sum();
         let moment = |c: usize| states().map(|(point, s)| point.weight * s.pressure.max(0.0) * point.x[c]).sum::<f64>();
-        let wear = || points().filter_map(|(i, point)| Some((weight(i, point), *state.surface.wear.get(i)?)));
         let only = side.or((!several).then_some(0));
         let of_pair = only.and_then(|side| problem.contacts.get(side)).filter(|contact| contact.pair.is_some());
         let (force, heat_flow) = if side.is_some() || of_pair.is_some() {
@@ -224,16 +223,7 @@ impl ContactSummary {
         };
         let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
         let passed = one.and_then(|(side, _)| Some(state.surface.passed.get(side)?.by_name()));
-        let of_side = |contact: usize| side.is_none_or(|side| contact == side);
-        let worn = &state.surface.worn;
-        // What has come off bodies that slide is no longer where their contact points are.
-        let is_pair = |contact: usize| problem.contacts.get(contact).is_some_and(|contact| contact.pair.is_some());
-        let still = points().filter(|(_, point)| !is_pair(point.contact));
-        let still = still.filter_map(|(i, point)| Some(weight(i, point) * state.surface.wear.get(i)?));
-        let of_pairs = worn.volumes.iter().enumerate().filter(|(contact, _)| of_side(*contact) && is_pair(*contact));
-        let wear_volume = sum(&mut still.chain(of_pairs.map(|(_, [on, with])| on + with)));
-        let deepest = (0..problem.contacts.len()).filter(|contact| of_side(*contact));
-        let deepest = deepest.map(|contact| discretization.worn.largest(contact, &worn.depths)).fold(0.0, f64::max);
+        let [wear_volume, wear_max] = worn_off(now, contact, side);
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
@@ -247,9 +237,11 @@ impl ContactSummary {
             slip: count(Status::Slip),
             area: sum(&mut states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight)),
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
-            wear_max: wear().fold(deepest, |max, (_, depth)| depth.max(max)),
+            wear_max,
             wear_volume,
-            wear_volumes: one.and_then(|(side, of)| Some(of_sides(of, *worn.volumes.get(side)?))).unwrap_or_default(),
+            wear_volumes: one
+                .and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)))
+                .unwrap_or_default(),
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
             heat_passed: passed.unwrap_or_default(),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
@@ -258,6 +250,24 @@ impl ContactSummary {
                 .collect(),
         }
     }
+}
+
+/// The volume worn off and the largest depth, of all contacts or of one. What has come off bodies that slide over each
+/// other is kept by these, and no longer where their contact points are.
+fn worn_off(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> [f64; 2] {
+    let Snapshot { problem, discretization, state, .. } = *now;
+    let Accumulated { wear, worn, .. } = &state.surface;
+    let is_meant = |contact: usize| side.is_none_or(|side| contact == side);
+    let is_pair = |contact: usize| problem.contacts.get(contact).is_some_and(|contact| contact.pair.is_some());
+    let points = || discretization.boundary.points.iter().zip(wear).enumerate();
+    let meant = || points().filter(|(_, (point, _))| is_meant(point.contact));
+    let still = meant().filter(|(_, (point, _))| !is_pair(point.contact));
+    let still = still.map(|(i, (point, depth))| contact.weights.get(i).copied().unwrap_or(point.weight) * depth);
+    let of_pairs = worn.volumes.iter().enumerate().filter(|(contact, _)| is_meant(*contact) && is_pair(*contact));
+    let volume = sum(&mut still.chain(of_pairs.map(|(_, [on, with])| on + with)));
+    let of_bodies = (0..problem.contacts.len()).filter(|contact| is_meant(*contact));
+    let deepest = of_bodies.map(|contact| discretization.worn.largest(contact, &worn.depths)).fold(0.0, f64::max);
+    [volume, meant().fold(deepest, |most, (_, (_, depth))| depth.max(most))]
 }
 
 /// The volume off each side of a pair that wears.
@@ -372,7 +382,7 @@ impl Final {
             penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
             norms: Norms {
                 displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
-                displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, &state.u)),
+                displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, state.deformation())),
                 velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
                 temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
             },
