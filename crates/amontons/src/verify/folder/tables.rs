@@ -100,8 +100,11 @@ pub(super) fn contact(
 ) {
     // What has worn off bodies that slide over each other is not where their points are.
     let stays = !problem.contacts.iter().any(|contact| contact.pair.is_some() && contact.wear.is_some());
+    let weights = points.column(columns::WEIGHT.name);
     for status in [Status::Open, Status::Stick, Status::Slip] {
-        let count = points.status.iter().filter(|word| *word == status.name()).count() as f64;
+        // Points of a pair that nothing faces now are not counted.
+        let of_status = points.status.iter().zip(&weights).filter(|(word, _)| *word == status.name());
+        let count = of_status.filter(|(_, weight)| **weight > 0.0).count() as f64;
         if let Some(told) = history.value(row, status.name()) {
             differences.note(format!("{} of contact/ against history.csv", status.name()), count - told, told);
         }
@@ -114,7 +117,7 @@ pub(super) fn contact(
             differences.note(format!("{name} of contact/ against history.csv"), largest(of) - told, told);
         }
     }
-    let (weights, wear) = (points.column(columns::WEIGHT.name), points.column(columns::WEAR.name));
+    let wear = points.column(columns::WEAR.name);
     let touching = points.status.iter().zip(&weights).filter(|(word, _)| *word != Status::Open.name());
     let area = touching.map(|(_, weight)| weight).sum::<f64>();
     let volume = weights.iter().zip(&wear).map(|(weight, wear)| weight * wear).sum::<f64>();
