@@ -62,7 +62,9 @@ pub(super) fn positive(shares: impl Iterator<Item = (usize, f64)>) -> Vec<(usize
     }
     let size: f64 = all.iter().map(|(_, share)| share.abs()).sum();
     all.retain(|(_, share)| *share != 0.0);
-    all.iter_mut().for_each(|(_, share)| *share = share.abs() / size);
+    for (_, share) in &mut all {
+        *share = share.abs() / size;
+    }
     all
 }
 

@@ -108,7 +108,9 @@ impl WornSides {
         let mut faced: Vec<Vec<f64>> = self.sides.iter().map(|side| vec![0.0; side.areas.len()]).collect();
         for point in boundary.points.iter().filter(|point| contacts[point.contact].wear.is_some()) {
             for (side, shares) in self.of_point(contacts, boundary, point).into_iter().flatten() {
-                shares.into_iter().for_each(|(vertex, share)| faced[side][vertex] += share * point.weight);
+                for (vertex, share) in shares {
+                    faced[side][vertex] += share * point.weight;
+                }
             }
         }
         faced

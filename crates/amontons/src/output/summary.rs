@@ -8,7 +8,7 @@ use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::{Contact, PointOnBoundary, Status};
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
-use crate::inclusion::PointState;
+use crate::inclusion::{Passed, PointState};
 use crate::linalg::max_abs;
 use crate::machine;
 use crate::problem::Problem;
@@ -222,8 +222,8 @@ impl ContactSummary {
             (contact.force, contact.heat_flow)
         };
         let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
-        let passed = one.and_then(|(side, _)| Some(state.surface.passed.get(side)?.by_name()));
         let [wear_volume, wear_max] = worn_off(now, contact, side);
+        let volumes = one.and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
@@ -239,16 +239,20 @@ impl ContactSummary {
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
             wear_max,
             wear_volume,
-            wear_volumes: one
-                .and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)))
-                .unwrap_or_default(),
+            wear_volumes: volumes.unwrap_or_default(),
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
-            heat_passed: passed.unwrap_or_default(),
+            heat_passed: one
+                .and_then(|(side, _)| state.surface.passed.get(side))
+                .map(Passed::by_name)
+                .unwrap_or_default(),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
-            sides: sides
-                .map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side))))
-                .collect(),
+            sides: sides.map(|side| ContactSummary::of_contact(now, contact, side)).collect(),
         }
+    }
+
+    /// The name of a contact and its points.
+    fn of_contact(now: &Snapshot, contact: &ContactReport, side: usize) -> (String, ContactSummary) {
+        (now.problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))
     }
 }
 

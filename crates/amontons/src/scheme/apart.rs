@@ -10,16 +10,19 @@ use serde::{Deserialize, Serialize};
 
 use super::State;
 use super::system::Step;
-use crate::inclusion::Frame;
+use crate::contact::Status;
+use crate::inclusion::{Frame, PointState};
 use crate::linalg::map;
 use crate::list::List;
 use crate::mesh::Mesh;
 use crate::mesh::defects::components;
 use crate::problem::Problem;
-use crate::tensor::{Point, dot};
+use crate::tensor::{Point, dot, length};
 
 /// Share of the moments of a body below which its nodes lie on a line, about which they do not turn.
 const FLAT: f64 = 1e-9;
+/// Sine of the angle between two normals that are those of one plane.
+const ACROSS: f64 = 1e-6;
 
 /// A rigid motion of small angles about the centre c of a body: a + b × (x − c).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,7 +65,9 @@ impl State {
 #[derive(Debug)]
 pub(super) struct Bodies {
     dim: usize,
-    bodies: Vec<Body>,
+    all: Vec<Body>,
+    /// The body of each node; none of a node without cells.
+    of_node: Vec<Option<usize>>,
 }
 
 #[derive(Debug)]
@@ -91,13 +96,18 @@ impl Bodies {
             let inverse = if turns { inverse(&arms, mesh.dim) } else { [[0.0; 3]; 3] };
             Body { nodes, arms, inverse }
         };
-        Some(Bodies { dim: mesh.dim, bodies: components(mesh).into_iter().map(|part| of(part.nodes)).collect() })
+        let all: Vec<Body> = components(mesh).into_iter().map(|part| of(part.nodes)).collect();
+        let mut of_node = vec![None; mesh.points.len()];
+        for (number, body) in all.iter().enumerate() {
+            body.nodes.iter().for_each(|&node| of_node[node as usize] = Some(number));
+        }
+        Some(Bodies { dim: mesh.dim, all, of_node })
     }
 
     /// Takes the rigid motion of each body off a field: the one that is nearest to it in the mean square over the nodes.
     /// A body of revolution moves along its axis alone.
     pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> List<Rigid> {
-        let all = self.bodies.iter().map(|body| {
+        let all = self.all.iter().map(|body| {
             let at = |node: u32| -> Point {
                 std::array::from_fn(|c| if c < self.dim { v[node as usize * self.dim + c] } else { 0.0 })
             };
@@ -120,7 +130,7 @@ impl Bodies {
 
     /// Adds a multiple of rigid motions to a field.
     pub fn add(&self, rigid: &[Rigid], factor: f64, field: &mut [f64]) {
-        for (body, Rigid { translation, rotation }) in self.bodies.iter().zip(rigid) {
+        for (body, Rigid { translation, rotation }) in self.all.iter().zip(rigid) {
             for (&node, arm) in body.nodes.iter().zip(&body.arms) {
                 let turned = cross(rotation, arm);
                 for c in 0..self.dim {
@@ -181,6 +191,60 @@ impl Step<'_> {
         Whole { u, w, v, carried: Carried { rigid: moved, deformation } }
     }
 
+    /// The rigid velocities with those translations that balance load, contact forces and inertia of each body. The mass
+    /// of a small body may be the round-off of its stiffness, so that a factor of K knows nothing of it. Only where
+    /// neither supports nor contact hold a body: across the normals of points that press, if none sticks.
+    pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> List<Rigid> {
+        let (rho, form) = self.discrete.inertia();
+        let (Some(apart), factor, [load, contact]) = (self.apart, rho / self.rule.delta, forces) else {
+            return List::copied(rigid);
+        };
+        if factor == 0.0 {
+            return List::copied(rigid);
+        }
+        let (w, masses) = (self.with_rigid(rigid, v), form.apply(&List::filled(1.0, v.len())));
+        let held = self.held_directions(apart.bodies, states);
+        let (dim, free) = (apart.bodies.dim, &self.discrete.v.free);
+        let of = |((body, rigid), held): ((&Body, &Rigid), &Option<Vec<Point>>)| {
+            let dofs = |c: usize| body.nodes.iter().map(move |&node| node as usize * dim + c);
+            let Some(held) = held.as_ref().filter(|_| (0..dim).all(|c| dofs(c).all(|i| free[i]))) else {
+                return *rigid;
+            };
+            let unbalanced = |c: usize| {
+                let force = |i: usize| contact[i] - load[i] + factor * masses[i] * (w[i] - self.bar.w[i]);
+                dofs(c).map(force).sum::<f64>() / (factor * dofs(c).map(|i| masses[i]).sum::<f64>())
+            };
+            let moves = |c: usize| c < dim && !(self.discrete.mesh.axisymmetric && c == 0);
+            let change: Point = std::array::from_fn(|c| if moves(c) { 0.0 - unbalanced(c) } else { 0.0 });
+            let change = held.iter().fold(change, |change, direction| less(&change, direction));
+            rigid.and(&Rigid { translation: change, rotation: [0.0; 3] })
+        };
+        apart.bodies.all.iter().zip(rigid).zip(&held).map(of).collect()
+    }
+
+    /// Orthonormal directions in which contact holds each body; none where it holds it in all.
+    fn held_directions(&self, bodies: &Bodies, states: &[PointState]) -> Vec<Option<Vec<Point>>> {
+        let mut held: Vec<Option<Vec<Point>>> = vec![Some(Vec::new()); bodies.all.len()];
+        for (point, state) in self.boundary.points.iter().zip(states) {
+            if state.status == Status::Open || point.weight == 0.0 {
+                continue;
+            }
+            for &(node, _) in &point.nodes {
+                let number = self.boundary.nodes.get(node).and_then(|&node| bodies.of_node[node as usize]);
+                let Some(of_body) = number.and_then(|number| held.get_mut(number)) else { continue };
+                let Some(directions) = of_body else { continue };
+                let across = directions.iter().fold(state.normal, |left, direction| less(&left, direction));
+                let size = length(&across);
+                if state.status == Status::Stick {
+                    *of_body = None;
+                } else if size > ACROSS {
+                    directions.push(across.map(|c| c / size));
+                }
+            }
+        }
+        held
+    }
+
     /// R_{n−1} + γ W.
     pub fn carried_on(&self, rigid: &[Rigid]) -> List<Rigid> {
         let gamma = self.rule.gamma;
@@ -222,6 +286,12 @@ impl Step<'_> {
         };
         self.boundary.points.iter().zip(frames).map(of).collect()
     }
+}
+
+/// A vector less its part along a direction.
+fn less(v: &Point, direction: &Point) -> Point {
+    let along = dot(v, direction);
+    std::array::from_fn(|c| v[c] - along * direction[c])
 }
 
 fn cross(a: &Point, b: &Point) -> Point {

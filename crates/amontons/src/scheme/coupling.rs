@@ -105,7 +105,7 @@ impl<'a> Coupled<'a> {
     fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut ())?;
         let begun =
-            heat::Begun::new(&self.step, self.heat, &mechanics.deformed(&self.step), from.map(|from| &from.heat))?;
+            heat::Begun::new(&self.step, self.heat, mechanics.deformed(&self.step), from.map(|from| &from.heat))?;
         let heat = begun.solve(&self.step, self.heat, &mechanics.states)?;
         Ok(self.count(Pass { mechanics, heat }))
     }
@@ -133,7 +133,7 @@ impl<'a> Coupled<'a> {
             }
         }
         let force = change(force, &pass.mechanics.thermal, &discrete.v);
-        let supply = change(discrete.e.apply(&pass.mechanics.deformed(&self.step)), &pass.heat.coupling, &discrete.q);
+        let supply = change(discrete.e.apply(pass.mechanics.deformed(&self.step)), &pass.heat.coupling, &discrete.q);
         let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
         Ok(force.max(self.step.relative(supply, pass.heat.scale, "heat")?))
     }
@@ -160,7 +160,7 @@ impl<'a> Coupled<'a> {
                 Verdict::Failed => return Err(self.failed(defect, progress.contraction())),
                 Verdict::GoOn => {}
             }
-            pass = self.pass(&pass.heat.theta, &pass.mechanics.deformed(&self.step), Some(&pass))?;
+            pass = self.pass(&pass.heat.theta, pass.mechanics.deformed(&self.step), Some(&pass))?;
         }
     }
 

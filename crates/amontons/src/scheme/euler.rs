@@ -1,7 +1,7 @@
 //! Backward Euler for Problem 4.1.
 
 use std::borrow::Cow;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use super::alone;
 use super::apart::{Apart, Bodies};
@@ -47,7 +47,7 @@ pub struct BackwardEuler {
     /// Products that one step computes and the next one needs, with the state they belong to.
     products: Option<Products>,
     /// The bodies whose rigid motions are taken apart, made when it is first needed; none where they cannot be.
-    bodies: Option<Option<Bodies>>,
+    bodies: OnceLock<Option<Bodies>>,
     /// The memory of lists is kept from the first step on.
     keeping: Option<Keeping>,
 }
@@ -183,7 +183,7 @@ impl BackwardEuler {
             halved: Vec::new(),
             given_up: (0, 0),
             products: None,
-            bodies: None,
+            bodies: OnceLock::new(),
             keeping: None,
         })
     }
@@ -297,10 +297,9 @@ impl BackwardEuler {
         self.make_step(&apart, n, t, halvings).map_err(|_| error)
     }
 
-    fn bodies(&mut self) -> Option<&Bodies> {
-        let Self { problem, discrete, bodies, .. } = self;
-        let made = || Bodies::new(problem, &discrete.mesh, discrete.is_linear());
-        bodies.get_or_insert_with(made).as_ref()
+    fn bodies(&self) -> Option<&Bodies> {
+        let made = || Bodies::new(&self.problem, &self.discrete.mesh, self.discrete.is_linear());
+        self.bodies.get_or_init(made).as_ref()
     }
 
     /// Makes a step, or a part of it, as a whole.
@@ -329,7 +328,7 @@ impl BackwardEuler {
             k: *k,
             rule: *rule,
             apart: bodies
-                .as_ref()
+                .get()
                 .and_then(Option::as_ref)
                 .filter(|_| !old.carried.rigid.is_empty())
                 .map(|bodies| Apart { bodies, carried: &old.carried }),

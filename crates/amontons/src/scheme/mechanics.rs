@@ -384,10 +384,11 @@ impl<'a> Equation<'a> {
         // What the pass has added to the rigid motion is put to it.
         let more = self.step.take(&mut v);
         let rigid: List<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
+        let (force, contact_force) = contact_forces(self.step, &states);
+        let rigid = self.step.driven(&rigid, &v, [&self.load, &contact_force], &states);
         let whole = self.step.apart.map(|_| self.step.with_rigid(&rigid, &v));
         let w: &[f64] = whole.as_ref().unwrap_or(&v);
         let u = self.step.deformed(&v);
-        let (force, contact_force) = contact_forces(self.step, &states);
         let (inertia, mut rest) = (self.inertia(), zeros(v.len()));
         // Of each block of the terms what is left of (4.1), the largest entries, and the sums of the audit.
         let of_block = |first: usize, [mass_w, a_u, b_w]: [&[f64]; 3], rest: &mut [f64]| {
