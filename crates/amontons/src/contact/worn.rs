@@ -138,8 +138,8 @@ impl WornSides {
     }
 
     /// At each contact point the depth off both sides of its pair, m, and by how much the gap opens per depth that
-    /// wears off there: the part of the areas of its vertices that is faced, 1 where they are faced as a whole. Those of
-    /// points at foundations are `worn` and 1.
+    /// wears off there: the part of the areas of its vertices that is faced, 1 where they are faced as a whole. Those
+    /// of points at foundations are `worn` and 1.
     #[must_use]
     pub fn at_points(
         &self,

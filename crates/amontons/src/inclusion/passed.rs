@@ -46,8 +46,8 @@ impl Passed {
 }
 
 impl HeatStep<'_> {
-    /// The heat that passes each contact at the fluxes Q out of the sides that bear the points, with the temperatures of
-    /// these sides and of what they face.
+    /// The heat that passes each contact at the fluxes Q out of the sides that bear the points, with the temperatures
+    /// of these sides and of what they face.
     pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> List<Passed> {
         let none = |contact: &Contact| Passed {
             by: List::with_capacity(contact.heat.parts().len().max(1)),
@@ -73,9 +73,9 @@ impl HeatStep<'_> {
         all
     }
 
-    /// Splits the flux out of the side `on` at a point. Friction heat does not depend on the temperatures. The rest is divided in the
-    /// ratio of the laws, which stays exact where a conductance is so large that θ − θ_F is round-off; where the
-    /// difference vanishes, in that of their slopes.
+    /// Splits the flux out of the side `on` at a point. Friction heat does not depend on the temperatures. The rest is
+    /// divided in the ratio of the laws, which stays exact where a conductance is so large that θ − θ_F is round-off;
+    /// where the difference vanishes, in that of their slopes.
     fn split(
         &self,
         i: usize,

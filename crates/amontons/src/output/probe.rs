@@ -33,9 +33,9 @@ pub struct Probe {
 /// interpolated from the nodes of the cell, so that they do not reach over the boundary of a region. Means and
 /// integrals over a region are those of the values in the cells themselves.
 ///
-/// Quantities of contact over a side are those of all contact points of its contacts. Over either side of a pair they are
-/// those of the points of the pair, whichever side bears these; `traction` and `slip_velocity` are those of the side that
-/// is named, and at a point those of the side `on`. `wear` over a side of a pair is the depth off its body.
+/// Quantities of contact over a side are those of all contact points of its contacts. Over either side of a pair they
+/// are those of the points of the pair, whichever side bears these; `traction` and `slip_velocity` are those of the
+/// side that is named, and at a point those of the side `on`. `wear` over a side of a pair is the depth off its body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbePlace {
     /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.

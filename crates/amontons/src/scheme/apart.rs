@@ -1,10 +1,11 @@
 //! Bodies that move far: their rigid motion apart from their deformation.
 //!
-//! The displacement of a small stiff body that has moved far is the same number at all nodes up to its last digits, and
-//! K u of it is the round-off of that number. With u = R + d, R a rigid motion of each body, K u = K d; with the velocity
-//! w = W + v likewise, d_n = d_{n−1} + k v_n and R_n = R_{n−1} + k W_n. Everything that depends on strains sees d and v.
-//! On Γ_C the rigid motions are those of the foundation with the opposite sign. After each pass over the body the rigid
-//! part of v is put to W, so that the deformation has all its digits in the next one, whatever the acceleration.
+//! The displacement of a small stiff body that has moved far is the same number at all nodes up to its last digits,
+//! and K u of it is the round-off of that number. With u = R + d, R a rigid motion of each body, K u = K d; with the
+//! velocity w = W + v likewise, d_n = d_{n−1} + k v_n and R_n = R_{n−1} + k W_n. Everything that depends on strains
+//! sees d and v. On Γ_C the rigid motions are those of the foundation with the opposite sign. After each pass over the
+//! body the rigid part of v is put to W, so that the deformation has all its digits in the next one, whatever the
+//! acceleration.
 
 use serde::{Deserialize, Serialize};
 
@@ -104,8 +105,8 @@ impl Bodies {
         Some(Bodies { dim: mesh.dim, all, of_node })
     }
 
-    /// Takes the rigid motion of each body off a field: the one that is nearest to it in the mean square over the nodes.
-    /// A body of revolution moves along its axis alone.
+    /// Takes the rigid motion of each body off a field: the one that is nearest to it in the mean square over the
+    /// nodes. A body of revolution moves along its axis alone.
     pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> List<Rigid> {
         let all = self.all.iter().map(|body| {
             let at = |node: u32| -> Point {
@@ -191,9 +192,9 @@ impl Step<'_> {
         Whole { u, w, v, carried: Carried { rigid: moved, deformation } }
     }
 
-    /// The rigid velocities with those translations that balance load, contact forces and inertia of each body. The mass
-    /// of a small body may be the round-off of its stiffness, so that a factor of K knows nothing of it. Only where
-    /// neither supports nor contact hold a body: across the normals of points that press, if none sticks.
+    /// The rigid velocities with those translations that balance load, contact forces and inertia of each body. The
+    /// mass of a small body may be the round-off of its stiffness, so that a factor of K knows nothing of it. Only
+    /// where neither supports nor contact hold a body: across the normals of points that press, if none sticks.
     pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> List<Rigid> {
         let (rho, form) = self.discrete.inertia();
         let (Some(apart), factor, [load, contact]) = (self.apart, rho / self.rule.delta, forces) else {

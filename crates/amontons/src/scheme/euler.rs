@@ -273,8 +273,8 @@ impl BackwardEuler {
         Mechanics::is_unique(&now, mechanics, end)
     }
 
-    /// Makes a step, or a part of it, as a whole. Where round-off of the displacement may be what it fails by, the rigid
-    /// motions of bodies are taken apart from their deformation, in this and all later steps.
+    /// Makes a step, or a part of it, as a whole. Where round-off of the displacement may be what it fails by, the
+    /// rigid motions of bodies are taken apart from their deformation, in this and all later steps.
     fn attempt(&mut self, old: &State, n: usize, t: f64, halvings: usize) -> Result<(State, StepReport), StepError> {
         let is_noise = |error: &StepError| match error {
             StepError::Residual { part, .. } => *part == "mechanics",

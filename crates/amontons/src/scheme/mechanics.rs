@@ -21,8 +21,8 @@ const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 pub(super) struct Mechanics {
     pub u: List<f64>,
     pub w: List<f64>,
-    /// Where rigid motions are taken apart: w − W, W, and what the contact points are given relative to it; and u by its
-    /// parts.
+    /// Where rigid motions are taken apart: w − W, W, and what the contact points are given relative to it; and u by
+    /// its parts.
     pub v: List<f64>,
     pub rigid: List<Rigid>,
     pub relative: Option<Given>,

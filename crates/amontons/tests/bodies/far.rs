@@ -52,7 +52,7 @@ fn way_of_the_scheme() -> f64 {
 #[test]
 fn a_small_slider_slides_as_a_large_one() {
     let ways = ["along", "on a side", "back", "space"];
-    for (way, length) in ways.into_iter().flat_map(|way| [0.14, 1.4e-3, 1.4e-4, 1e-5].map(|length| (way, length))) {
+    for (way, length) in ways.into_iter().flat_map(|way| [0.14, 1.4e-3, 1.4e-4].map(|length| (way, length))) {
         let (text, unit) = slider(length, way, "");
         let (memory, summary) = run(&text);
         let state = memory.states.last().expect("a state");

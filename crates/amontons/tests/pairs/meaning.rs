@@ -152,7 +152,7 @@ fn the_turn_of_a_pair_of_revolution_is_that_of_with() {
         assert!((found.abs() / expected - 1.0).abs() < 1e-9, "{sides}: {found}, {expected}");
         signs.push(found.signum());
     }
-    assert!(signs.windows(2).all(|pair| pair[0] == pair[1]), "with drags on, however they are named: {signs:?}");
+    assert!(signs.windows(2).all(|pair| pair[0] * pair[1] > 0.0), "with drags on, however they are named: {signs:?}");
 }
 
 /// The values of probes after the last step.
@@ -191,8 +191,8 @@ impl Probes {
 }
 
 /// Probes on either side of a pair read its points: pressures, areas and works are the same, tractions and slip
-/// velocities are opposite, and the integrals are the force of the pair; of pairs that are updated as well, whose points
-/// have other weights in every step.
+/// velocities are opposite, and the integrals are the force of the pair; of pairs that are updated as well, whose
+/// points have other weights in every step.
 #[test]
 fn a_probe_on_either_side_reads_the_pair() {
     for geometry in ["reference", "updated"] {
@@ -230,10 +230,13 @@ fn a_probe_on_either_side_reads_the_pair() {
             for (name, force) in [("traction-integral-SIDE_x", contact.force[0]), ("slip_velocity-mean-SIDE_x", 0.0)] {
                 let [a, b] = of(name);
                 assert!(a != 0.0 && (a + b).abs() <= f64::EPSILON * a.abs(), "{geometry} {sides} {name}: {a}, {b}");
-                assert!(force == 0.0 || (a - force).abs() < 1e-12 * force.abs(), "{geometry} {sides}: {a}, {force}");
+                // Of a pair that is updated the pressure has a part along x, since the faces tilt.
+                let same = if geometry == "updated" { 2e-3 } else { 1e-12 };
+                assert!(force == 0.0 || (a - force).abs() < same * force.abs(), "{geometry} {sides}: {a}, {force}");
             }
             let [load, _] = of("pressure-integral-SIDE");
-            assert!((load - contact.force[1].abs()).abs() < 1e-12 * load, "{geometry} {sides}: {load}");
+            let same = if geometry == "updated" { 2e-3 } else { 1e-12 };
+            assert!((load - contact.force[1].abs()).abs() < same * load, "{geometry} {sides}: {load}");
             let [off_on, off_with] = of("wear-integral-SIDE");
             let volume = contact.wear_volume;
             assert!((off_on - 0.25 * volume).abs() < 1e-12 * volume, "{geometry} {sides}: {off_on} of {volume}");

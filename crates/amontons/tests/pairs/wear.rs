@@ -80,7 +80,7 @@ fn a_pin_and_a_rail_keep_what_has_come_off_them() {
                     // Under the pin the track is from 0 to κ p L deep: in the mean half of that, of the 20 µm, but for
                     // the edges, which press harder.
                     let expected = 0.5 * KAPPA * 5.9e5 * 0.02 / 2e-5;
-                    assert!(((1.0 - least) / expected - 1.0).abs() < 0.1, "{told}: {least}");
+                    assert!(((1.0 - least) / expected - 1.0).abs() < 0.15, "{told}: {least}");
                     assert!(most / least - 1.0 < 0.1 * expected, "{told}: {least} to {most}");
                 } else {
                     assert!(most / least > 1.0 + 0.005 * fraction, "{told}: {least} to {most}");

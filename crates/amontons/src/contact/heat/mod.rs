@@ -61,8 +61,8 @@ impl Flux {
     }
 }
 
-/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F; of a pair from the side
-/// `on` into the side `with`, whichever bears the contact points.
+/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F; of a pair from the
+/// side `on` into the side `with`, whichever bears the contact points.
 pub trait HeatLaw: Debug + Send + Sync {
     /// The flux at a point.
     fn flux(&self, at: &ContactPoint) -> Flux;
