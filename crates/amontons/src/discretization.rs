@@ -4,7 +4,7 @@ mod relaxation;
 
 use std::sync::{Arc, OnceLock};
 
-use crate::contact::ContactBoundary;
+use crate::contact::{ContactBoundary, WornSides};
 use crate::field::Coefficient;
 use crate::forms::{self, Dilatation};
 use crate::inclusion::Rule;
@@ -66,6 +66,8 @@ pub struct Discretization {
     pub boundary: Arc<ContactBoundary>,
     /// The facets that bound the bodies, from the first pairing on that asks for them.
     pub outside: OnceLock<FacetSet>,
+    /// The sides of pairs that wear.
+    pub worn: WornSides,
 }
 
 /// A factor of (·, ·)_{L²}: a number, or a form of its own where it is not the same everywhere.
@@ -199,6 +201,7 @@ impl Discretization {
             f,
             q_h,
             dilatation: problem.dilatation(),
+            worn: WornSides::new(&mesh, &problem.contacts, &boundary, &v.links),
             boundary,
             outside: OnceLock::new(),
             v,

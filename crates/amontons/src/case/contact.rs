@@ -9,8 +9,8 @@ use super::place::At;
 use super::raw::{self, Datum};
 use super::side_facts::SideFacts;
 use crate::contact::{
-    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Pair,
-    Quadrature, Signorini, Sum, WearLaw,
+    Contact, ContactBoundary, FrictionLaw, Frictionless, HeatLaw, Insulated, LumpedFoundation, NormalLaw, Quadrature,
+    Signorini, Sum, WearLaw,
 };
 use crate::field::{Field, Graded};
 use crate::mesh::Mesh;
@@ -38,8 +38,7 @@ impl Build<'_> {
             let at_points = set.map(|set| ContactBoundary::new(mesh, set, quadrature).points).unwrap_or_default();
             points.iter().copied().chain(at_points.into_iter().map(|point| point.x)).collect()
         });
-        let (heat, foundation_temperature) =
-            self.exchange(path, raw.heat, (&raw.frictional_heat, pair.as_ref()), &sites);
+        let (heat, foundation_temperature) = self.exchange(path, raw.heat, &raw.frictional_heat, &sites);
         let foundation_temperature = foundation_temperature
             .map_or(Field::ZERO, |datum| self.field(&format!("{path}.heat.foundation_temperature"), &datum, &points));
         Contact {
@@ -64,7 +63,7 @@ impl Build<'_> {
         &mut self,
         path: &str,
         raw: raw::Heat,
-        (frictional, pair): (&Datum, Option<&Pair>),
+        frictional: &Datum,
         sites: &Sites,
     ) -> (Arc<dyn HeatLaw>, Option<Datum>) {
         let is_sum = matches!(raw, raw::Heat::Sum { .. });
@@ -75,9 +74,8 @@ impl Build<'_> {
             let (coefficients, make) = laws::heat(term);
             all.push(self.heat(&at, coefficients, make, sites));
         }
-        let is_other = pair.is_some_and(|pair| pair.on_is_mortar);
-        if is_other || !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
-            let (coefficients, make) = laws::frictional_heat(frictional, is_other);
+        if !matches!(frictional, Datum::Number(value) if *value <= 0.0) {
+            let (coefficients, make) = laws::frictional_heat(frictional);
             all.push(self.heat(path, coefficients, make, sites));
         }
         let only = if all.len() < 2 { all.pop() } else { None };

@@ -257,11 +257,9 @@ pub(super) fn heat(raw: &HeatTerm) -> HeatPlan<'_> {
     }
 }
 
-/// The share of friction heat that enters the side of the contact points: the share given, or what that leaves.
-pub(super) fn frictional_heat(partition: &Datum, is_other: bool) -> HeatPlan<'_> {
-    heat_law(&[("frictional_heat", partition)], None, move |v, _| FrictionalHeat {
-        partition: if is_other { 1.0 - v[0] } else { v[0] },
-    })
+/// The share of friction heat that enters the side `on`.
+pub(super) fn frictional_heat(partition: &Datum) -> HeatPlan<'_> {
+    heat_law(&[("frictional_heat", partition)], None, |v, _| FrictionalHeat { partition: v[0] })
 }
 
 /// What a law of wear takes and makes.

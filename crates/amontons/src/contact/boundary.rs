@@ -55,7 +55,7 @@ pub struct Contact {
     /// Fraction of the depth that comes off the side `on`; the rest comes off what it faces.
     pub wear_fraction: f64,
     /// v_F in m/s, one field per component; empty for a foundation at rest. Its tangential part counts: along ν it
-    /// moves by the gap.
+    /// moves by the gap. Of a pair it is a velocity of the side `with` besides that of its body.
     pub foundation_velocity: Vec<Field>,
 }
 
@@ -123,10 +123,10 @@ impl Contact {
         if self.pair.as_ref().is_some_and(|pair| pair.on_is_mortar) { -1.0 } else { 1.0 }
     }
 
-    /// Fraction of the wear depth that comes off the side that bears the contact points.
+    /// The fractions of the wear depth that come off the side `on` and off what it faces.
     #[must_use]
-    pub fn wear_of_bearing(&self) -> f64 {
-        if self.sign() < 0.0 { 1.0 - self.wear_fraction } else { self.wear_fraction }
+    pub fn wear_fractions(&self) -> [f64; 2] {
+        [self.wear_fraction, 1.0 - self.wear_fraction]
     }
 
     /// Whether the power of friction enters the bodies whole, as at a pair: what does not enter the bearing side enters
@@ -321,11 +321,17 @@ impl ContactBoundary {
         v
     }
 
-    /// The values of a scalar field over all nodes at the contact points, on the side that bears them.
+    /// The values of a scalar field over all nodes at the contact points, on the side `on` of each contact, whichever
+    /// side of a pair bears the points; zero where a point of the other side faces nothing.
     #[must_use]
-    pub fn scalars_at(&self, values: &[f64]) -> List<f64> {
+    pub fn scalars_on(&self, contacts: &[Contact], values: &[f64]) -> List<f64> {
         let at = |point: &PointOnBoundary| {
-            point.nodes.iter().take(point.own).map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
+            let (own, other) = point.nodes.split_at(point.own);
+            let sum = |nodes: &[(usize, f64)]| -> f64 {
+                nodes.iter().map(|&(node, value)| value * values[self.nodes[node] as usize]).sum()
+            };
+            // The shares of the other side are negative in the jump.
+            if contacts[point.contact].sign() > 0.0 { sum(own) } else { 0.0 - sum(other) }
         };
         self.points.iter().map(at).collect()
     }

@@ -17,6 +17,7 @@ pub mod obstacle;
 mod pair;
 mod table;
 mod wear;
+mod worn;
 
 pub(crate) use arrays::arrays;
 pub use arrays::{ArrayFriction, ArrayHeat, ArrayNormal, ArrayWear, CONTACT_INPUTS};
@@ -39,6 +40,7 @@ pub use obstacle::Obstacle;
 pub use pair::{Geometry, Pair, Supports};
 pub use table::{PiecewiseLinear, TableFault};
 pub use wear::{Archard, WearLaw};
+pub use worn::{Worn, WornSides};
 
 #[cfg(test)]
 pub(crate) use {
@@ -59,9 +61,9 @@ pub struct ContactPoint {
     pub slip_speed: f64,
     /// Power of friction q·w_τ in W/m²; heat laws see it.
     pub friction_power: f64,
-    /// Temperature θ of the body in K.
+    /// Temperature θ of the body in K; of a pair that of the side `on`.
     pub temperature: f64,
-    /// Temperature θ_F of the foundation in K.
+    /// Temperature θ_F of the foundation in K; of a pair that of the side `with`. Heat laws see it.
     pub foundation_temperature: f64,
 }
 

@@ -92,7 +92,7 @@ fn assert_rate(law: &dyn NormalLaw, a: f64, [rate, other]: [f64; 2], [r, size]: 
     if a > 0.0 && law.least_slope(&X, f64::NEG_INFINITY, f64::INFINITY) >= 0.0 {
         // In series with a layer: p = G(r − λ p, ṙ − λ p/γ), with the slopes that it has.
         let (lambda, gamma) = (r / size, 0.1);
-        let by = Yield { lambda, lambda_rate: lambda / gamma, by_wear: 0.0 };
+        let by = Yield { lambda, lambda_rate: lambda / gamma, ..Yield::default() };
         let series = |h: f64, v: f64| resolvent(law, &X, a + h, rate + v, &by);
         let found = series(0.0, 0.0);
         let left = a - lambda * found.value;

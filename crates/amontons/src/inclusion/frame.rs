@@ -15,6 +15,9 @@ pub struct Frame {
     pub gap_rate: f64,
     /// v_F(t_n) in m/s, tangential.
     pub velocity: Point,
+    /// By how much the gap opens at the point within the step per depth that wears off there: 1, but less where the
+    /// surface that wears is faced in part.
+    pub opening: f64,
 }
 
 /// State of one contact point.
@@ -32,8 +35,10 @@ pub struct PointState {
     pub q: Point,
     /// Slip velocity w_τ − v_F in m/s.
     pub slip: Point,
-    /// Depth that wears off in the step, m.
+    /// Depth that wears off in the step, of both bodies of a pair together, m.
     pub wear: f64,
+    /// By how much the gap opens by it in the step, m.
+    pub opened: f64,
     /// Open, stick or slip.
     pub status: Status,
 }
@@ -48,7 +53,7 @@ pub struct PointDerivative {
     pub force: PointTangent,
     /// Of the force in the temperature of the body, Pa/K.
     pub force_by_temperature: Point,
-    /// Of the depth that wears off in the step in the velocity, s.
+    /// Of the depth by which the gap opens by wear in the step in the velocity, s.
     pub wear: Point,
     /// Of that depth in the temperature, m/K.
     pub wear_by_temperature: f64,

@@ -48,7 +48,7 @@ pub struct Lumped {
 /// The contact points at given temperatures of the body.
 #[derive(Clone, Debug, Default)]
 pub struct Exchange {
-    /// Temperature of the body at each point, K.
+    /// Temperature of the body that bears each point, K.
     pub temperature: List<f64>,
     /// Temperature of what each point faces, K: of the foundation, or of the other body of a pair.
     pub opposite: List<f64>,
@@ -63,6 +63,13 @@ pub struct Exchange {
 }
 
 impl Exchange {
+    /// The temperature of the side `on` at each point, K.
+    #[must_use]
+    pub fn temperatures_on(&self, contacts: &[Contact], boundary: &ContactBoundary) -> List<f64> {
+        let sides = boundary.points.iter().zip(self.temperature.iter().zip(&self.opposite));
+        sides.map(|(point, (own, other))| if contacts[point.contact].sign() > 0.0 { *own } else { *other }).collect()
+    }
+
     /// At each point what leaves the side that bears it, and what enters the other side of a pair, W/m².
     pub fn sides(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
         self.flux.iter().zip(&self.rubbed).map(|(flux, rubbed)| [flux.value, flux.value + rubbed])
@@ -110,7 +117,18 @@ impl Law {
 }
 
 impl HeatStep<'_> {
-    /// What the laws see at a point.
+    /// The flux by the law out of the side that bears a point, at the temperatures of this side and of what it faces.
+    /// The law is that of the side `on`.
+    fn flux(&self, i: usize, temperature: f64, opposite: f64) -> Flux {
+        let contact = &self.contacts[self.boundary.points[i].contact];
+        if contact.sign() > 0.0 {
+            contact.heat.flux(&self.at(i, temperature, opposite))
+        } else {
+            contact.heat.flux(&self.at(i, opposite, temperature)).across(self.rubbed(i))
+        }
+    }
+
+    /// What the laws see at a point, at the temperatures of the side `on` and of what it faces.
     pub(super) fn at(&self, i: usize, temperature: f64, foundation: f64) -> ContactPoint {
         let state = &self.states[i];
         ContactPoint {
@@ -157,7 +175,7 @@ impl HeatStep<'_> {
         let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
         let lambda = rho.iter().map(|rho| if *rho > 0.0 { rho.recip() } else { 0.0 }).collect();
         let term = Thermal { step: self, interface, lambda };
-        let right = Right { r, guess, proximal: None };
+        let right = Right { r, guess, proximal: None, is_repeated: false };
         let start = Iterate { x: List::copied(guess), multipliers: term.start(guess) };
         let outcome = iterate(
             &term,
@@ -239,8 +257,7 @@ impl Thermal<'_> {
 
     /// The law of a point at a temperature with the flux Q as multiplier.
     fn law(&self, i: usize, temperature: f64, foundation: f64, flux: f64) -> Law {
-        let contact = &self.step.contacts[self.interface.rows[i].contact];
-        let heat = |temperature: f64| contact.heat.flux(&self.step.at(i, temperature, foundation));
+        let heat = |temperature: f64| self.step.flux(i, temperature, foundation);
         let lambda = self.lambda[i];
         let z = temperature + lambda * flux;
         // The temperature τ at which H is (z − τ)/λ: the difference of both rises with τ.

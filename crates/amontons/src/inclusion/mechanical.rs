@@ -77,8 +77,10 @@ pub struct MechanicalStep<'a> {
     pub w_prescribed: &'a [f64],
     /// The foundation at each contact point.
     pub frames: &'a [Frame],
-    /// Temperature of the body at the contact points that the step is made with, K.
+    /// Temperature at the contact points that the step is made with, of the side `on`, K.
     pub temperature: &'a [f64],
+    /// Whether the step is solved again for what the round-off leaves.
+    pub is_repeated: bool,
 }
 
 /// The mechanical term of a step.
@@ -160,6 +162,7 @@ impl<'a> Mechanical<'a> {
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),
             held: self.held(i),
+            opening: self.step.frames[i].opening,
         };
         Laws::new(&site, &self.kinematics(i, w), multiplier)
     }

@@ -60,6 +60,8 @@ pub(super) struct Right<'a> {
     pub guess: &'a [f64],
     /// β and the anchor of a proximal term β diag(S) (x − anchor).
     pub proximal: Option<(f64, List<f64>)>,
+    /// Whether the step is solved again for what the round-off leaves: then round-off of any size ends the iteration.
+    pub is_repeated: bool,
 }
 
 impl Right<'_> {
@@ -77,8 +79,20 @@ impl Right<'_> {
             return Ok(false);
         }
         let here = bits * condensed.magnitude(&sizes)?;
-        let excused = excused(here, scale, || Ok(bits * condensed.magnitude(&self.sizes(self.guess))?))?;
+        let excused = self.excused(here, scale, || Ok(bits * condensed.magnitude(&self.sizes(self.guess))?))?;
         Ok(residual <= here.min(excused))
+    }
+
+    /// The round-off that may excuse a residual: all of it where it is small beside the largest term, else no more than
+    /// a few times that of the guess. An iterate that runs away, as where nothing holds a body, has a round-off that
+    /// exceeds everything that acts on the body, and would always be a solution.
+    fn excused(
+        &self,
+        here: f64,
+        scale: f64,
+        at_guess: impl FnOnce() -> Result<f64, SolveError>,
+    ) -> Result<f64, SolveError> {
+        if here <= BESIDE * scale || self.is_repeated { Ok(here) } else { Ok(GROWN * at_guess()?) }
     }
 
     /// |x| + |x̂|: x − x̂ is a difference of larger numbers.
@@ -96,13 +110,6 @@ impl Right<'_> {
             Ok(f64::EPSILON * condensed.magnitude(&sizes)?)
         }
     }
-}
-
-/// The round-off that may excuse a residual: all of it where it is small beside the largest term, else no more than a
-/// few times that of the guess. An iterate that runs away, as where nothing holds a body, has a round-off that exceeds
-/// everything that acts on the body, and would always be a solution.
-fn excused(here: f64, scale: f64, at_guess: impl FnOnce() -> Result<f64, SolveError>) -> Result<f64, SolveError> {
-    if here <= BESIDE * scale { Ok(here) } else { Ok(GROWN * at_guess()?) }
 }
 
 /// Values on Γ_C and multipliers.
@@ -165,7 +172,7 @@ impl<T: Term> Evaluation<T> {
             };
             let here = noise(x, &laws, residual)?;
             let at_guess = || noise(right.guess, &term.laws(right.guess, &at.multipliers), 0.0);
-            tight.max(if residual <= here { here.min(excused(here, scale, at_guess)?) } else { here })
+            tight.max(if residual <= here { here.min(right.excused(here, scale, at_guess)?) } else { here })
         } else {
             tight
         };

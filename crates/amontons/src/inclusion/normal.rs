@@ -29,7 +29,7 @@ pub(super) struct Approach<'a> {
     /// r but for what wears off in the step, m, and its rate where the law presses, min(ṙ, r/γ) in m/s.
     pub penetration: f64,
     pub rate: f64,
-    /// λ_w in m/Pa: λ_w p₊ is the depth that wears off.
+    /// λ_w in m/Pa: λ_w p₊ is the depth by which the gap opens by wear.
     pub by_wear: f64,
 }
 
@@ -42,8 +42,8 @@ pub(super) struct Normal {
     pub pressed: f64,
     /// ∂J/∂w_ν at fixed p, Pa s/m.
     pub slope: f64,
-    /// ∂J/∂z at fixed w_ν, Pa/m.
-    pub by_penetration: f64,
+    /// ∂J/∂z + (1/γ) ∂J/∂ż, Pa/m: the slope in a depth that the gap opens by within the step.
+    pub by_depth: f64,
     /// 1 − λ ∂J/∂z − λ/γ ∂J/∂ż, but not zero; 1 for a function.
     pub yielding: f64,
 }
@@ -53,19 +53,20 @@ impl Normal {
     pub fn new(at: &Approach, p: f64) -> Normal {
         let lambda = match at.response {
             Response::Given => {
-                return Normal { pressure: p, pressed: p, slope: 0.0, by_penetration: 0.0, yielding: 1.0 };
+                return Normal { pressure: p, pressed: p, slope: 0.0, by_depth: 0.0, yielding: 1.0 };
             }
             Response::Function => 0.0,
             Response::Multiplier { lambda } => lambda,
         };
-        let by = Yield { lambda, lambda_rate: lambda / at.gamma, by_wear: at.by_wear };
+        let (lambda_rate, by_wear_rate) = (lambda / at.gamma, at.by_wear / at.gamma);
+        let by = Yield { lambda, lambda_rate, by_wear: at.by_wear, by_wear_rate };
         let (z, rate) = (at.penetration + lambda * p, at.rate + by.lambda_rate * p);
         let Pressure { value, slope, by_rate } = resolvent(at.law, at.x, z, rate, &by);
         Normal {
             pressure: if at.response == Response::Function { value } else { p },
             pressed: value,
             slope: at.gamma * slope + by_rate,
-            by_penetration: slope,
+            by_depth: slope + by_rate / at.gamma,
             yielding: (1.0 - slope * lambda - by_rate * by.lambda_rate).max(STIFF.recip()),
         }
     }

@@ -6,14 +6,14 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::heat::HeatStep;
-use crate::contact::{Contact, FRICTION, HeatLaw};
+use crate::contact::{Contact, FRICTION, Flux, HeatLaw};
 use crate::list::List;
 
 /// Heat that passes a contact, W in a step and J since the start.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Passed {
-    /// Out of the side that bears the contact points, by [`HeatLaw::mechanism`] in the order of their names; friction
-    /// heat that enters it is negative.
+    /// Out of the side `on`, by [`HeatLaw::mechanism`] in the order of their names; friction heat that enters it is
+    /// negative.
     pub by: List<(Cow<'static, str>, f64)>,
     /// Made by friction between the two bodies of a pair, of which each receives a part; zero at foundations.
     pub rubbed: f64,
@@ -38,25 +38,16 @@ impl Passed {
         }
     }
 
-    /// What has left the side `on` of a contact: what leaves one side by conduction enters the other, and friction heat
-    /// that does not enter one side enters the other.
+    /// What has left the side `on` of a contact, by name.
     #[must_use]
-    pub fn out_of_on(&self, contact: &Contact) -> BTreeMap<String, f64> {
-        let mut by: BTreeMap<String, f64> = self.by.iter().map(|(name, heat)| (name.to_string(), *heat)).collect();
-        if contact.sign() < 0.0 {
-            for flow in by.values_mut() {
-                *flow = 0.0 - *flow;
-            }
-            if self.rubbed != 0.0 || by.contains_key(FRICTION) {
-                *by.entry(FRICTION.to_owned()).or_default() -= self.rubbed;
-            }
-        }
-        by
+    pub fn by_name(&self) -> BTreeMap<String, f64> {
+        self.by.iter().map(|(name, heat)| (name.to_string(), *heat)).collect()
     }
 }
 
 impl HeatStep<'_> {
-    /// The heat that passes each contact at the fluxes Q, with θ and θ_F at the points.
+    /// The heat that passes each contact at the fluxes Q out of the sides that bear the points, with the temperatures
+    /// of these sides and of what they face.
     pub(super) fn passed(&self, flux: &[f64], temperatures: &[[f64; 2]]) -> List<Passed> {
         let none = |contact: &Contact| Passed {
             by: List::with_capacity(contact.heat.parts().len().max(1)),
@@ -68,17 +59,23 @@ impl HeatStep<'_> {
             let (Some(contact), Some(passed)) = (self.contacts.get(point.contact), all.get_mut(point.contact)) else {
                 continue;
             };
-            passed.rubbed += point.weight * self.rubbed(i);
-            self.split(i, &*contact.heat, *flux, *at, |mechanism, value| {
+            let (rubbed, [own, other]) = (self.rubbed(i), *at);
+            passed.rubbed += point.weight * rubbed;
+            let (flux, at) = if contact.sign() > 0.0 {
+                (*flux, [own, other])
+            } else {
+                (Flux { value: *flux, ..Flux::default() }.across(rubbed).value, [other, own])
+            };
+            self.split(i, &*contact.heat, flux, at, |mechanism, value| {
                 passed.add(Cow::Borrowed(mechanism), point.weight * value);
             });
         }
         all
     }
 
-    /// Splits the flux Q of a point. Friction heat does not depend on the temperatures. The rest is divided in the
-    /// ratio of the laws, which stays exact where a conductance is so large that θ − θ_F is round-off; where the
-    /// difference vanishes, in that of their slopes.
+    /// Splits the flux out of the side `on` at a point. Friction heat does not depend on the temperatures. The rest is
+    /// divided in the ratio of the laws, which stays exact where a conductance is so large that θ − θ_F is round-off;
+    /// where the difference vanishes, in that of their slopes.
     fn split(
         &self,
         i: usize,

@@ -33,6 +33,8 @@ pub(super) struct Site<'a> {
     pub slides_out: bool,
     /// Along which tangents there is no friction.
     pub held: [bool; 2],
+    /// By how much the gap opens per depth that wears off.
+    pub opening: f64,
 }
 
 /// What moves a point: its kinematics at an iterate.
@@ -46,10 +48,11 @@ pub(super) struct Kinematics {
     pub temperature: f64,
 }
 
-/// What wears off in the step: the depth is k κ ‖w_τ‖ p₊.
+/// What wears off in the step: the depth is k κ ‖w_τ‖ p₊, and the gap opens by a part c of it.
 #[derive(Clone, Copy, Debug, Default)]
 struct Wear {
-    /// k κ, and k times its derivative in the temperature.
+    /// k κ; c k κ, and its derivative in the temperature.
+    depth: f64,
     rate: f64,
     by_temperature: f64,
 }
@@ -76,8 +79,9 @@ pub(super) struct Laws {
     pub friction: Friction,
     /// r in m, with what wears off in the step.
     pub penetration: f64,
-    /// Depth that wears off in the step, m.
+    /// Depth that wears off in the step, and by how much the gap opens by it, m.
     pub worn: f64,
+    pub opened: f64,
     pub status: Status,
     /// Whether it is on the branch of sticking; without a bound, as it was.
     pub sticks: bool,
@@ -112,9 +116,10 @@ impl Laws {
             temperature: at.temperature,
             ..ContactPoint::default()
         };
-        let wear = contact.wear.as_ref().map_or_else(Wear::default, |law| Wear {
-            rate: site.gamma * law.coefficient(&seen),
-            by_temperature: site.gamma * law.by_temperature(&seen),
+        let wear = contact.wear.as_ref().map_or_else(Wear::default, |law| {
+            let depth = site.gamma * law.coefficient(&seen);
+            let by_temperature = site.opening * site.gamma * law.by_temperature(&seen);
+            Wear { depth, rate: site.opening * depth, by_temperature }
         });
         let by_wear = wear.rate * speed;
         let approach = Approach {
@@ -128,8 +133,9 @@ impl Laws {
         };
         let normal = Normal::new(&approach, multiplier.p);
         let (load, sign) = load(contact.normal.graph(), normal.pressed);
-        let worn = by_wear * normal.pressure.max(0.0);
-        let penetration = at.penetration - worn;
+        let pressing = normal.pressure.max(0.0);
+        let (worn, opened) = (wear.depth * speed * pressing, by_wear * pressing);
+        let penetration = at.penetration - opened;
         let seen = ContactPoint {
             penetration,
             pressure: load,
@@ -148,8 +154,7 @@ impl Laws {
         };
         // With p ∈ G(z − (λ + λ_w) p): ∂p/∂λ_w = −p ∂p/∂z. At a point that sticks the slip is round-off and has no
         // direction.
-        let by_depth =
-            if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_penetration / normal.yielding };
+        let by_depth = if friction.sticks { 0.0 } else { -normal.pressed.max(0.0) * normal.by_depth / normal.yielding };
         // δp = s k δw_ν, or for a graph δp = (s k δw_ν + J − p)/(1 − λ s); the bound follows p + δp.
         let follows = sign * s.by_pressure;
         let slopes = Slopes {
@@ -162,7 +167,7 @@ impl Laws {
             pressure_by_temperature: wear.by_temperature * speed * by_depth,
         };
         let sticks = if s.value > 0.0 { friction.sticks } else { multiplier.sticks };
-        Laws { normal, friction, penetration, worn, status, sticks, wear, slopes, held: site.held }
+        Laws { normal, friction, penetration, worn, opened, status, sticks, wear, slopes, held: site.held }
     }
 
     /// Takes the point as sticking.
@@ -221,7 +226,7 @@ impl Laws {
         let speed = self.friction.speed();
         let (mut wear, mut wear_by_temperature) = ([0.0; 3], 0.0);
         if self.normal.pressure > 0.0 && self.status == Status::Slip && speed > 0.0 {
-            // That of k κ ‖w_τ‖ p.
+            // That of c k κ ‖w_τ‖ p.
             let along = self.friction.along();
             let in_slip = [0.0, self.normal.pressure * along[0], self.normal.pressure * along[1]];
             wear = std::array::from_fn(|e| self.wear.rate * (in_slip[e] + speed * tangent[0][e]));
@@ -246,6 +251,7 @@ impl Laws {
             q: row.tangential(&self.friction.q),
             slip: row.tangential(&self.friction.slip),
             wear: self.worn,
+            opened: self.opened,
             status: self.status,
         }
     }

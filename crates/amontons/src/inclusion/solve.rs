@@ -44,7 +44,7 @@ impl MechanicalStep<'_> {
         let term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let [r, guess] = [r, guess].map(|v| term.interface.turned(v));
-        let right = Right { r: &r, guess: &guess, proximal: None };
+        let right = Right { r: &r, guess: &guess, proximal: None, is_repeated: self.is_repeated };
         let start = Iterate { x: guess.clone(), multipliers: term.predicted(&guess, term.local(multipliers)) };
         let (end, iterations) = term.solve(condensed, &right, start)?;
         *multipliers = term.global(&end.multipliers);

@@ -132,7 +132,7 @@ impl<'a> Evaluator<'a> {
                 *sum += at_node * g;
             }
         }
-        let (strain, rate) = (self.strain(cell, &self.state.u), self.strain(cell, &self.state.w));
+        let (strain, rate) = (self.strain(cell, self.state.deformation()), self.strain(cell, &self.state.w));
         let Some(material) = self.material else { return PointValues { strain, ..PointValues::default() } };
         let mut stress = material.stress(&self.map.position, &strain, &rate, theta);
         for b in 0..self.branches.len() {

@@ -24,10 +24,11 @@ use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, PointState};
 use crate::list::List;
 use crate::machine;
+use crate::mesh::defects::components;
 use crate::problem::Problem;
 use crate::scheme::{
-    Accumulated, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Reactions, Scheme, State,
-    StepReport,
+    Accumulated, Carried, ContactReport, Counts, CouplingReport, Discretization, Kept, Ledger, Reactions, Scheme,
+    State, StepReport,
 };
 use crate::tensor::Point;
 
@@ -37,7 +38,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -140,6 +141,7 @@ struct Body {
     q: List<Point>,
     sticks: List<bool>,
     branches: List<List<f64>>,
+    carried: Carried,
     surface: Accumulated,
     ledger: Ledger,
     counts: Counts,
@@ -173,6 +175,7 @@ struct ReportPoint {
     q: Point,
     slip: Point,
     wear: f64,
+    opened: f64,
     status: u8,
     temperature: f64,
     opposite: f64,
@@ -200,6 +203,7 @@ impl Body {
                     q: state.q,
                     slip: state.slip,
                     wear: state.wear,
+                    opened: state.opened,
                     status: STATUS.iter().position(|s| *s == state.status).unwrap_or_default() as u8,
                     temperature,
                     opposite,
@@ -246,6 +250,7 @@ impl Body {
             q: state.multipliers.q,
             sticks: state.multipliers.sticks,
             branches: state.branches,
+            carried: state.carried,
             surface: state.surface,
             ledger: state.ledger,
             counts: state.counts,
@@ -279,6 +284,7 @@ impl Body {
                         q: p.q,
                         slip: p.slip,
                         wear: p.wear,
+                        opened: p.opened,
                         status: STATUS.get(usize::from(p.status)).copied().unwrap_or(Status::Open),
                     })
                     .collect(),
@@ -302,6 +308,7 @@ impl Body {
             theta: self.theta,
             multipliers: Multipliers { p: self.p, q: self.q, sticks: self.sticks },
             branches: self.branches,
+            carried: self.carried,
             surface: self.surface,
             ledger: self.ledger,
             counts: self.counts,
@@ -357,6 +364,11 @@ impl Checkpoint {
             if found == expected { Ok(()) } else { Err(CheckpointError::Shape { what, found, expected }) }
         };
         same("displacements", self.state.u.len(), nodes * dim)?;
+        if !self.state.carried.rigid.is_empty() {
+            same("deformations", self.state.carried.deformation.len(), nodes * dim)?;
+            let bodies = components(&discretization.mesh).len();
+            same("bodies", self.state.carried.rigid.len(), bodies)?;
+        }
         same("velocities", self.state.w.len(), nodes * dim)?;
         same("temperatures", self.state.theta.len(), nodes)?;
         same("branches", self.state.branches.len(), discretization.branches.len())?;
@@ -377,6 +389,12 @@ impl Checkpoint {
             let of_points = [report.contact.states.len(), report.contact.temperature.len(), report.contact.flux.len()];
             of_points.into_iter().try_for_each(|kept| same("contact points", kept, points))?;
         }
+        let worn = &self.state.surface.worn;
+        let (kept, expected): (Vec<usize>, _) =
+            (worn.depths.iter().map(|d| d.len()).collect(), discretization.worn.lengths());
+        same("sides that wear", kept.len(), expected.len())?;
+        kept.into_iter().zip(expected).try_for_each(|(kept, of)| same("vertices of a side that wears", kept, of))?;
+        same("volumes worn off", worn.volumes.len(), problem.contacts.len())?;
         same("foundations", self.state.surface.foundation.len(), problem.contacts.len())?;
         same("contacts", self.state.surface.passed.len(), problem.contacts.len())?;
         same("steps", self.state.step, self.state.step.min(problem.steps))

@@ -11,7 +11,7 @@ use crate::tensor::Sym;
 pub(super) fn figures(last: &Snapshot) -> Figures {
     let Snapshot { problem, state, report, .. } = *last;
     let mesh = &problem.mesh;
-    let (strain, strain_at) = largest_strain(mesh, &state.u);
+    let (strain, strain_at) = largest_strain(mesh, state.deformation());
     let of_side = |(side, contact): (usize, &Contact)| {
         let cell = cell_heights(mesh, mesh.facets.get(contact.bearing())?)
             .into_iter()

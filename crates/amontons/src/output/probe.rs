@@ -7,7 +7,7 @@ use super::quantity::{Base, OnContact, Quantity, Selection};
 use super::reaction::Held;
 use super::recovery::{Recovery, Sample, Stencil, evaluate, sampling};
 use super::{PointValues, Snapshot};
-use crate::contact::{ContactBoundary, Status, read, read_vector};
+use crate::contact::{Contact, ContactBoundary, Shares, Status, read, read_vector};
 use crate::convergence::Locator;
 use crate::element::{Element, ShapeTable};
 use crate::mesh::{CellMap, FacetMap, FacetSet, Mesh};
@@ -32,6 +32,10 @@ pub struct Probe {
 /// Stresses, strains and heat fluxes at points and on sides are the recovered ones ([`super::nodal_stress`]),
 /// interpolated from the nodes of the cell, so that they do not reach over the boundary of a region. Means and
 /// integrals over a region are those of the values in the cells themselves.
+///
+/// Quantities of contact over a side are those of all contact points of its contacts. Over either side of a pair they
+/// are those of the points of the pair, whichever side bears these; `traction` and `slip_velocity` are those of the
+/// side that is named, and at a point those of the side `on`. `wear` over a side of a pair is the depth off its body.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ProbePlace {
     /// At a point, m: interpolated in the cell in which it lies; at a point of several cells in the first of them.
@@ -85,8 +89,8 @@ pub enum ProbeError {
     /// A quantity that needs a normal, elsewhere than on a side.
     #[error("{0} elsewhere than on a side")]
     Normal(String),
-    /// A quantity of contact elsewhere than on a side that bears contact.
-    #[error("{0} elsewhere than on a side that bears contact")]
+    /// A quantity of contact elsewhere than on a side of a contact.
+    #[error("{0} elsewhere than on a side of a contact")]
     Contact(String),
     /// A reaction elsewhere than where the displacement or the temperature is prescribed.
     #[error("{0} elsewhere than where the {1} is prescribed")]
@@ -116,11 +120,22 @@ pub struct ProbeSet {
 struct Prepared {
     quantity: Quantity,
     take: Option<Take>,
-    /// For a quantity of contact: contact points with their shares in a value, and the weight of the value.
-    contact: Vec<(Vec<(usize, f64)>, f64)>,
+    /// For a quantity of contact.
+    contact: OnPoints,
     /// For a reaction.
     held: Option<Held>,
     spots: Vec<Spot>,
+}
+
+/// Contact points that a probe reads.
+#[derive(Debug, Default)]
+struct OnPoints {
+    /// Contact points with their shares in a value, and the weight of the value.
+    values: Vec<(Shares, f64)>,
+    /// The contacts of whose points the other side is read: vectors are those of the points, turned round.
+    turned: Vec<usize>,
+    /// A side of a pair whose depth is read in the place of points.
+    worn: Option<String>,
 }
 
 /// A point where a quantity is evaluated.
@@ -210,21 +225,7 @@ impl Prepared {
             return self.quantity.parts(dim, &held.resultant(now));
         }
         if let Base::Contact(quantity) = self.quantity.base {
-            let value = |i: usize| on_contact(now, quantity, i);
-            let mean = |shares: &[(usize, f64)]| match (shares, quantity) {
-                (&[(i, _)], _) => value(i),
-                (_, OnContact::Traction) => read_vector(shares, value),
-                _ => [read(shares, |i| value(i)[0]), 0.0, 0.0],
-            };
-            let all: Vec<(f64, Vec<f64>)> = self
-                .contact
-                .iter()
-                .map(|(shares, weight)| (*weight, self.quantity.parts(dim, &mean(shares))))
-                .collect();
-            let count = self.quantity.columns(dim).len();
-            return (0..count)
-                .map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c]))))
-                .collect();
+            return self.on_points(dim, now, quantity);
         }
         let mut all: Vec<(f64, Vec<f64>)> = Vec::with_capacity(self.spots.len());
         for spot in &self.spots {
@@ -244,6 +245,50 @@ impl Prepared {
         let count = all.first().map_or(0, |(_, values)| values.len());
         (0..count).map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c])))).collect()
     }
+}
+
+impl Prepared {
+    /// A quantity of contact.
+    fn on_points(&self, dim: usize, now: &Snapshot, quantity: OnContact) -> Vec<f64> {
+        if let Some(side) = &self.contact.worn {
+            let of_side = now.discretization.worn.of_side(side, &now.state.surface.worn.depths);
+            return vec![of_side.map_or(0.0, |of_side| reduce(self.take, faced(of_side).into_iter()))];
+        }
+        let points = &now.discretization.boundary.points;
+        let turned = |i: usize| points.get(i).is_some_and(|point| self.contact.turned.contains(&point.contact));
+        let value = |i: usize| {
+            let value = on_contact(now, quantity, i);
+            let is_vector = matches!(quantity, OnContact::Traction | OnContact::SlipVelocity);
+            if is_vector && turned(i) { value.map(|component| 0.0 - component) } else { value }
+        };
+        let mean = |shares: &[(usize, f64)]| match (shares, quantity) {
+            (&[(i, _)], _) => value(i),
+            (_, OnContact::Traction) => read_vector(shares, value),
+            _ => [read(shares, |i| value(i)[0]), 0.0, 0.0],
+        };
+        let contact_of = |i: usize| now.problem.contacts.get(points.get(i)?.contact);
+        let is_of_pair = |i: usize| contact_of(i).is_some_and(|contact| contact.pair.is_some());
+        // The points of a pair that is updated have other weights in every step.
+        let weight = |shares: &[(usize, f64)], weight: f64| match (shares, self.take) {
+            (&[(i, _)], Some(_)) if is_of_pair(i) => {
+                now.report.and_then(|report| report.contact.weights.get(i)).copied().unwrap_or(weight)
+            }
+            _ => weight,
+        };
+        let of = |(shares, w): &(Shares, f64)| (weight(shares, *w), self.quantity.parts(dim, &mean(shares)));
+        let all = faced(self.contact.values.iter().map(of));
+        let count = self.quantity.columns(dim).len();
+        (0..count).map(|c| reduce(self.take, all.iter().map(|(weight, values)| (*weight, values[c])))).collect()
+    }
+}
+
+/// What has a weight: what nothing faces takes no part in extremes. All of them where nothing has a weight.
+fn faced<T>(all: impl Iterator<Item = (f64, T)>) -> Vec<(f64, T)> {
+    let mut all: Vec<(f64, T)> = all.collect();
+    if all.iter().any(|(weight, _)| *weight != 0.0) {
+        all.retain(|(weight, _)| *weight != 0.0);
+    }
+    all
 }
 
 /// The value at a contact point, a number in the first component; that of a step is not a number at t = 0.
@@ -277,7 +322,7 @@ fn reduce(take: Option<Take>, values: impl Iterator<Item = (f64, f64)>) -> f64 {
         None | Some(Take::Integral) => sums(&mut values).1,
         Some(Take::Mean) => {
             let (measure, sum) = sums(&mut values);
-            sum / measure
+            if measure == 0.0 && sum == 0.0 { 0.0 } else { sum / measure }
         }
         Some(Take::Max) => extreme(f64::max, &mut values),
         Some(Take::Min) => extreme(f64::min, &mut values),
@@ -300,8 +345,10 @@ fn integral_degree(element: &Element) -> usize {
 
 /// Where a probe reads in a mesh.
 enum Found<'a> {
-    /// Contact points with their weights.
-    Contact(Vec<(usize, f64)>),
+    /// Contact points with their weights, and the contacts whose vectors are turned.
+    Contact(Vec<(usize, f64)>, Vec<usize>),
+    /// The depth off a side of a pair.
+    Worn,
     /// Nodes at which values are prescribed.
     Held(Held),
     Point {
@@ -314,7 +361,7 @@ enum Found<'a> {
 }
 
 /// What a probe reads: contact points, reactions, or spots in the body.
-type Read = (Vec<(Vec<(usize, f64)>, f64)>, Option<Held>, Vec<Spot>);
+type Read = (OnPoints, Option<Held>, Vec<Spot>);
 
 /// Prepares probes, each patch of the recovery once.
 struct Builder<'a> {
@@ -341,7 +388,7 @@ impl<'a> Builder<'a> {
     fn spots(&mut self, probe: &Probe) -> Result<Read, ProbeError> {
         let quantity = probe.quantity;
         let spots = match self.check(probe)? {
-            Found::Contact(points) => {
+            Found::Contact(points, turned) => {
                 // Tractions alternate between the nodes of quadratic facets: their extremes are those of their means
                 // about vertices.
                 let is_traction = matches!(quantity.base, Base::Contact(OnContact::Pressure | OnContact::Traction));
@@ -350,15 +397,20 @@ impl<'a> Builder<'a> {
                     _ => None,
                 };
                 let alone = || points.iter().map(|&(i, weight)| (vec![(i, 1.0)], weight)).collect();
-                return Ok((extremes.unwrap_or_else(alone), None, Vec::new()));
+                let values = extremes.unwrap_or_else(alone);
+                return Ok((OnPoints { values, turned, worn: None }, None, Vec::new()));
             }
-            Found::Held(held) => return Ok((Vec::new(), Some(held), Vec::new())),
+            Found::Worn => {
+                let worn = if let ProbePlace::On(name, _) = &probe.place { Some(name.clone()) } else { None };
+                return Ok((OnPoints { worn, ..OnPoints::default() }, None, Vec::new()));
+            }
+            Found::Held(held) => return Ok((OnPoints::default(), Some(held), Vec::new())),
             Found::Point { block, cell, x } => vec![self.at(quantity, block, cell, &x)],
             Found::Side(set, take) => self.on(quantity, set, take),
             Found::Region(region, Take::Mean | Take::Integral) => self.within(quantity, region),
             Found::Region(region, Take::Max | Take::Min) => self.at_nodes(quantity, region),
         };
-        Ok((Vec::new(), None, spots))
+        Ok((OnPoints::default(), None, spots))
     }
 
     /// Whether the body has the quantity there, and the place in the mesh.
@@ -389,19 +441,8 @@ impl<'a> Builder<'a> {
             ProbePlace::On(side, take) => {
                 let set =
                     mesh.facets.get(side).ok_or_else(|| ProbeError::Side(mesh.facets.keys().cloned().collect()))?;
-                match (quantity.base, self.problem.contacts.iter().position(|contact| contact.bearing() == side)) {
-                    (Base::Contact(_), Some(side)) => {
-                        let points = self.boundary().points.iter().enumerate();
-                        Ok(Found::Contact(
-                            points
-                                .filter(|(_, point)| point.contact == side)
-                                .map(|(i, point)| (i, point.weight))
-                                .collect(),
-                        ))
-                    }
-                    (Base::Contact(_), None) => Err(ProbeError::Contact(quantity.name())),
-                    _ => Ok(Found::Side(set, *take)),
-                }
+                let Base::Contact(of) = quantity.base else { return Ok(Found::Side(set, *take)) };
+                self.of_side(side, of).ok_or_else(|| ProbeError::Contact(quantity.name()))
             }
             ProbePlace::Region(..) if matches!(quantity.base, Base::Contact(_)) => {
                 Err(ProbeError::Contact(quantity.name()))
@@ -483,7 +524,27 @@ impl<'a> Builder<'a> {
                 .min_by(|(_, a), (_, b)| away(&a.x).total_cmp(&away(&b.x)))
                 .map(|(i, _)| vec![(i, 1.0)])
         };
-        weights.filter(|weights| !weights.is_empty()).or_else(nearest).map(Found::Contact)
+        let points = weights.filter(|weights| !weights.is_empty()).or_else(nearest)?;
+        let contacts = self.problem.contacts.iter().enumerate();
+        let turned = contacts.filter(|(_, contact)| contact.sign() < 0.0).map(|(i, _)| i).collect();
+        Some(Found::Contact(points, turned))
+    }
+
+    /// The points of the contacts that a side takes part in, on either side of a pair; the depth off a side of a pair.
+    /// None for a side without contact.
+    fn of_side(&mut self, side: &str, quantity: OnContact) -> Option<Found<'a>> {
+        let contacts = &self.problem.contacts;
+        let of_side = |contact: &Contact| contact.sides().any(|name| name == side);
+        let all: Vec<usize> = (0..contacts.len()).filter(|&i| of_side(&contacts[i])).collect();
+        if all.is_empty() {
+            return None;
+        }
+        if quantity == OnContact::Wear && all.iter().any(|&i| contacts[i].pair.is_some()) {
+            return Some(Found::Worn);
+        }
+        let turned = all.iter().copied().filter(|&i| contacts[i].bearing() != side).collect();
+        let points = self.boundary().points.iter().enumerate().filter(|(_, point)| all.contains(&point.contact));
+        Some(Found::Contact(points.map(|(i, point)| (i, point.weight)).collect(), turned))
     }
 
     fn find(&mut self, point: &Point) -> Result<Found<'a>, ProbeError> {

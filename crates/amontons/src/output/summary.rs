@@ -8,11 +8,11 @@ use super::{Snapshot, cell_values, limits, strain_norm};
 use crate::contact::{Contact, PointOnBoundary, Status};
 use crate::hypotheses::warnings::Figures;
 use crate::hypotheses::{self, Finding, warnings};
-use crate::inclusion::PointState;
+use crate::inclusion::{Passed, PointState};
 use crate::linalg::max_abs;
 use crate::machine;
 use crate::problem::Problem;
-use crate::scheme::{ContactReport, Contraction, Ledger};
+use crate::scheme::{Accumulated, ContactReport, Contraction, Ledger};
 use crate::tensor::Point;
 use crate::units::Units;
 
@@ -210,7 +210,6 @@ impl ContactSummary {
         let of_all = |values: [f64; 3]| values[..dim].to_vec();
         let pressing: f64 = states().map(|(point, s)| point.weight * s.pressure.max(0.0)).sum();
         let moment = |c: usize| states().map(|(point, s)| point.weight * s.pressure.max(0.0) * point.x[c]).sum::<f64>();
-        let wear = || points().filter_map(|(i, point)| Some((weight(i, point), *state.surface.wear.get(i)?)));
         let only = side.or((!several).then_some(0));
         let of_pair = only.and_then(|side| problem.contacts.get(side)).filter(|contact| contact.pair.is_some());
         let (force, heat_flow) = if side.is_some() || of_pair.is_some() {
@@ -223,8 +222,8 @@ impl ContactSummary {
             (contact.force, contact.heat_flow)
         };
         let one = only.and_then(|side| Some((side, problem.contacts.get(side)?)));
-        let passed = one.and_then(|(side, of)| Some(state.surface.passed.get(side)?.out_of_on(of)));
-        let wear_volume = sum(&mut wear().map(|(weight, depth)| weight * depth));
+        let [wear_volume, wear_max] = worn_off(now, contact, side);
+        let volumes = one.and_then(|(side, of)| Some(of_sides(of, *state.surface.worn.volumes.get(side)?)));
         let about_axis = states().map(|(point, s)| point.sign * point.weight * point.x[0] * s.q[2]);
         let sides = if several && side.is_none() { 0..problem.contacts.len() } else { 0..0 };
         ContactSummary {
@@ -238,24 +237,47 @@ impl ContactSummary {
             slip: count(Status::Slip),
             area: sum(&mut states().filter(|(_, s)| s.status != Status::Open).map(|(point, _)| point.weight)),
             center: of_all([0, 1, 2].map(|c| if pressing > 0.0 { moment(c) / pressing } else { 0.0 })),
-            wear_max: wear().fold(0.0, |max, (_, depth)| depth.max(max)),
+            wear_max,
             wear_volume,
-            wear_volumes: one.map(|(_, of)| of_sides(of, wear_volume)).unwrap_or_default(),
+            wear_volumes: volumes.unwrap_or_default(),
             moment_defect: one.and_then(|(side, of)| moment_defect(problem, of, contact.moments.get(side)?)),
-            heat_passed: passed.unwrap_or_default(),
+            heat_passed: one
+                .and_then(|(side, _)| state.surface.passed.get(side))
+                .map(Passed::by_name)
+                .unwrap_or_default(),
             foundation_temperature: only.and_then(|side| state.surface.foundation.get(side).copied().flatten()),
-            sides: sides
-                .map(|side| (problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side))))
-                .collect(),
+            sides: sides.map(|side| ContactSummary::of_contact(now, contact, side)).collect(),
         }
+    }
+
+    /// The name of a contact and its points.
+    fn of_contact(now: &Snapshot, contact: &ContactReport, side: usize) -> (String, ContactSummary) {
+        (now.problem.contacts[side].on.clone(), ContactSummary::new(now, contact, Some(side)))
     }
 }
 
+/// The volume worn off and the largest depth, of all contacts or of one. What has come off bodies that slide over each
+/// other is kept by these, and no longer where their contact points are.
+fn worn_off(now: &Snapshot, contact: &ContactReport, side: Option<usize>) -> [f64; 2] {
+    let Snapshot { problem, discretization, state, .. } = *now;
+    let Accumulated { wear, worn, .. } = &state.surface;
+    let is_meant = |contact: usize| side.is_none_or(|side| contact == side);
+    let is_pair = |contact: usize| problem.contacts.get(contact).is_some_and(|contact| contact.pair.is_some());
+    let points = || discretization.boundary.points.iter().zip(wear).enumerate();
+    let meant = || points().filter(|(_, (point, _))| is_meant(point.contact));
+    let still = meant().filter(|(_, (point, _))| !is_pair(point.contact));
+    let still = still.map(|(i, (point, depth))| contact.weights.get(i).copied().unwrap_or(point.weight) * depth);
+    let of_pairs = worn.volumes.iter().enumerate().filter(|(contact, _)| is_meant(*contact) && is_pair(*contact));
+    let volume = sum(&mut still.chain(of_pairs.map(|(_, [on, with])| on + with)));
+    let of_bodies = (0..problem.contacts.len()).filter(|contact| is_meant(*contact));
+    let deepest = of_bodies.map(|contact| discretization.worn.largest(contact, &worn.depths)).fold(0.0, f64::max);
+    [volume, meant().fold(deepest, |most, (_, (_, depth))| depth.max(most))]
+}
+
 /// The volume off each side of a pair that wears.
-fn of_sides(contact: &Contact, volume: f64) -> BTreeMap<String, f64> {
-    let shares = [contact.wear_fraction, 1.0 - contact.wear_fraction];
-    let sides = contact.sides().zip(shares).filter(|_| contact.wear.is_some() && contact.pair.is_some());
-    sides.map(|(side, share)| (side.to_owned(), share * volume)).collect()
+fn of_sides(contact: &Contact, volumes: [f64; 2]) -> BTreeMap<String, f64> {
+    let sides = contact.sides().zip(volumes).filter(|_| contact.wear.is_some() && contact.pair.is_some());
+    sides.map(|(side, volume)| (side.to_owned(), volume)).collect()
 }
 
 /// The components of a moment that a problem has; none of a foundation, on a line, and in a body of revolution that
@@ -364,7 +386,7 @@ impl Final {
             penetration_per_cell: figures.penetration.map(|p| p.depth / p.cell).filter(|_| physics.has_mechanics()),
             norms: Norms {
                 displacement_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.u)),
-                displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, &state.u)),
+                displacement_v: physics.has_mechanics().then(|| strain_norm(&problem.mesh, state.deformation())),
                 velocity_l2: physics.has_mechanics().then(|| discretization.norm(&discretization.mass, &state.w)),
                 temperature_l2: physics.has_heat().then(|| discretization.norm(&discretization.mass, &state.theta)),
             },

@@ -138,14 +138,16 @@ fn on_side(
             ..Node::default()
         }
     };
-    let worn = now.problem.contacts.get(side.contact).map_or(1.0, Contact::wear_of_bearing);
+    let contact = now.problem.contacts.get(side.contact);
+    let worn = contact.map_or(1.0, |contact| contact.wear_fraction);
+    let is_on = contact.is_some_and(|contact| side.name == contact.on);
     let mut points: Vec<Vec<OfPoint>> = vec![Vec::new(); of_side.len()];
     for (i, point) in boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side.contact) {
         let Some((values, status, weight)) = Values::at(now, report, i, point) else { continue };
         let (own, other) = point.nodes.split_at(point.own.min(point.nodes.len()));
         // The shares of the other side are negative in the jump.
         let (mut values, shares, sign) = if side.bears { (values, own, 1.0) } else { (values.across(), other, -1.0) };
-        values.wear *= if side.bears { worn } else { 1.0 - worn };
+        values.wear *= worn;
         for (k, &(node, share)) in shares.iter().enumerate() {
             let node = boundary.nodes.get(node).and_then(|node| of_side.binary_search(node).ok());
             if let Some(points) = node.and_then(|node| points.get_mut(node)) {
@@ -154,7 +156,18 @@ fn on_side(
             }
         }
     }
-    of_side.iter().zip(&points).map(|(node, points)| begin(node).with(points, has_own)).collect()
+    // The depth off a body of a pair is kept by the body, and not by the points that it faces now.
+    let is_pair = contact.is_some_and(|contact| contact.pair.is_some());
+    let depths = &state.surface.worn.depths;
+    let depth = |node: &u32| now.discretization.worn.depth(side.contact, is_on, *node, depths).unwrap_or(0.0);
+    let made = of_side.iter().zip(&points).map(|(node, points)| {
+        let mut made = begin(node).with(points, has_own);
+        if is_pair {
+            made.mean.wear = depth(node);
+        }
+        made
+    });
+    made.collect()
 }
 
 /// What happens at a contact point, as its side sees it.

@@ -59,6 +59,10 @@ fn no_mechanics(step: &Step) -> Mechanics {
     Mechanics {
         u: zero(),
         w: zero(),
+        v: List::new(),
+        rigid: List::new(),
+        relative: None,
+        carried: step.old.carried.clone(),
         multipliers: step.old.multipliers.clone(),
         branches: step.old.branches.clone(),
         relaxing: List::new(),

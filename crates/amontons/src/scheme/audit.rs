@@ -23,7 +23,8 @@ pub(super) fn audit(step: &Step, m: &Mechanics, heat: &Heat) -> Ledger {
     // terms closes.
     let mut turned_over = energy.load_work.abs() + energy.thermal_work.abs() + energy.modulus_work.abs();
     if (before.closing_error + error).abs() > TELLING * (before.turned_over + turned_over) {
-        let sizes = absolute(&m.w, &step.discrete.elastic_sizes(&step.sizes(&m.w), &m.theta));
+        let v = m.moving();
+        let sizes = absolute(v, &step.discrete.elastic_sizes(&step.sizes(v), &m.theta));
         turned_over += explained(error, step.k * sizes);
     }
 
@@ -83,8 +84,10 @@ pub(super) struct Powers {
 /// Blocks of the vectors that [`Powers`] are sums of, from an entry on.
 pub(super) struct PowerTerms<'a> {
     pub first: usize,
+    /// The displacement that strains see, the velocity, and its part that strains see.
     pub u: &'a [f64],
     pub w: &'a [f64],
+    pub v: &'a [f64],
     pub mass_w: &'a [f64],
     pub a_u: &'a [f64],
     pub b_w: &'a [f64],
@@ -96,15 +99,15 @@ impl Powers {
     /// The sums over a block, those of all blocks to be given to [`Powers::new`].
     pub fn of_block(step: &Step, of: &PowerTerms) -> [f64; 7] {
         let Step { discrete, old, products, .. } = *step;
-        let PowerTerms { first, u, w, mass_w, a_u, b_w, thermal, load } = *of;
+        let PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load } = *of;
         let [w_old, mass_old] = [&old.w, &products.mass_w].map(|v| &v[first..first + w.len()]);
         let [kinetic, inertial, viscous, thermal, load] =
-            sum_block([w, w_old, mass_w, mass_old, b_w, thermal, load], |entries| {
-                let [w, w_old, mass_w, mass_old, b_w, thermal, load] = entries;
-                [w * mass_w, (w - w_old) * (mass_w - mass_old), w * b_w, w * thermal, w * load]
+            sum_block([w, w_old, v, mass_w, mass_old, b_w, thermal, load], |entries| {
+                let [w, w_old, v, mass_w, mass_old, b_w, thermal, load] = entries;
+                [w * mass_w, (w - w_old) * (mass_w - mass_old), v * b_w, v * thermal, w * load]
             });
         let [elastic, strained] = if discrete.is_linear() {
-            let [u_old, a_old] = [&old.u, &products.a_u].map(|v| &v[first..first + u.len()]);
+            let [u_old, a_old] = [step.deformation_before(), &products.a_u].map(|v| &v[first..first + u.len()]);
             sum_block([u, u_old, a_u, a_old], |[u, u_old, a_u, a_old]| [u * a_u, (u - u_old) * (a_u - a_old)])
         } else {
             [0.0; 2]
@@ -208,18 +211,18 @@ fn contact(step: &Step, m: &Mechanics, load_work: f64) -> OnContact {
         let (normal, weight) = (&contacts[point.contact].normal, k * point.weight);
         let w_nu = tensor::dot(&boundary.vector_at(point, discrete.mesh.dim, &m.w), &state.normal);
         if changes {
-            let before = state.penetration - k * (w_nu - frame.gap_rate) + state.wear;
+            let before = state.penetration - k * (w_nu - frame.gap_rate) + state.opened;
             start += point.weight * normal.potential(&point.x, before);
         }
         sum.friction += weight * tensor::dot(&state.q, &state.slip);
         sum.energy += point.weight * energy;
         sum.pressing += weight * state.pressure * (w_nu - frame.gap_rate);
-        sum.worn += point.weight * state.pressure * state.wear;
+        sum.worn += point.weight * state.pressure * state.opened;
         if let Some(at_rest) = at_rest {
             // What the pressure has beyond that at rest dissipates along [r] = k (w_ν − ġ) − [h]; along [h] all of it
             // is lost with wear.
             let beyond = state.pressure - at_rest;
-            sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.wear);
+            sum.damping += point.weight * beyond * (k * (w_nu - frame.gap_rate) - state.opened);
         }
         sum.load_work -= weight * (state.pressure * frame.gap_rate + tensor::dot(&state.q, &frame.velocity));
     }

@@ -67,7 +67,7 @@ impl<'a> Coupled<'a> {
         let coupling = self.step.problem.coupling;
         let (pass, defect, progress) = match coupling {
             Coupling::Staggered => {
-                let pass = self.pass(&self.step.old.theta, &self.step.old.u, None)?;
+                let pass = self.pass(&self.step.old.theta, self.step.old.deformation(), None)?;
                 let report = CouplingReport { passes: self.passes, ..CouplingReport::default() };
                 return Ok(self.made(pass, report));
             }
@@ -104,7 +104,8 @@ impl<'a> Coupled<'a> {
     /// θ ↦ the temperature of (4.2) at the displacement that (4.1) has with θ.
     fn pass_in_turn(&mut self, theta: &[f64], from: Option<&Pass>) -> Result<Pass, StepError> {
         let mechanics = Mechanics::solve(&self.step, self.mechanics, theta, from.map(|from| &from.mechanics), &mut ())?;
-        let begun = heat::Begun::new(&self.step, self.heat, &mechanics.u, from.map(|from| &from.heat))?;
+        let begun =
+            heat::Begun::new(&self.step, self.heat, mechanics.deformed(&self.step), from.map(|from| &from.heat))?;
         let heat = begun.solve(&self.step, self.heat, &mechanics.states)?;
         Ok(self.count(Pass { mechanics, heat }))
     }
@@ -120,7 +121,8 @@ impl<'a> Coupled<'a> {
             max_abs(&change)
         };
         let Pass { mechanics, heat } = pass;
-        let contact = mechanics.contact_change(&self.step, self.mechanics, &heat.exchange.temperature);
+        let on_contact = heat.exchange.temperatures_on(self.step.contacts, self.step.boundary);
+        let contact = mechanics.contact_change(&self.step, self.mechanics, &on_contact);
         let mut force = difference(&discrete.thermal_force(&heat.theta), &contact);
         if discrete.softens() {
             let a_u = discrete.apply_a(&mechanics.u, &heat.theta);
@@ -131,7 +133,7 @@ impl<'a> Coupled<'a> {
             }
         }
         let force = change(force, &pass.mechanics.thermal, &discrete.v);
-        let supply = change(discrete.e.apply(&pass.mechanics.u), &pass.heat.coupling, &discrete.q);
+        let supply = change(discrete.e.apply(pass.mechanics.deformed(&self.step)), &pass.heat.coupling, &discrete.q);
         let force = self.step.relative(force, pass.mechanics.scale, "mechanics")?;
         Ok(force.max(self.step.relative(supply, pass.heat.scale, "heat")?))
     }
@@ -149,7 +151,7 @@ impl<'a> Coupled<'a> {
 
     /// Φ is iterated until its arguments are its values.
     fn fixed_point(&mut self) -> Result<(Pass, f64, Progress), StepError> {
-        let mut pass = self.pass(&self.step.old.theta, &self.step.old.u, None)?;
+        let mut pass = self.pass(&self.step.old.theta, self.step.old.deformation(), None)?;
         let mut progress = Progress::default();
         loop {
             let defect = self.defect(&pass)?;
@@ -158,7 +160,7 @@ impl<'a> Coupled<'a> {
                 Verdict::Failed => return Err(self.failed(defect, progress.contraction())),
                 Verdict::GoOn => {}
             }
-            pass = self.pass(&pass.heat.theta, &pass.mechanics.u, Some(&pass))?;
+            pass = self.pass(&pass.heat.theta, pass.mechanics.deformed(&self.step), Some(&pass))?;
         }
     }
 
@@ -379,7 +381,7 @@ impl Linearised {
     /// δθ − Φ′ δθ, times P⁻¹J.
     fn apply(&self, coupled: &mut Coupled, change: &[f64]) -> Result<List<f64>, SolveError> {
         let Step { discrete, boundary, rule: Rule { gamma, .. }, .. } = coupled.step;
-        let warmer = boundary.scalars_at(change);
+        let warmer = boundary.scalars_on(coupled.step.contacts, change);
         let contact = on_degrees(
             boundary,
             &discrete.v,

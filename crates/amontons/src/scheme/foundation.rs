@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::system::Step;
-use crate::contact::{Contact, ContactBoundary, PointOnBoundary};
+use crate::contact::{Contact, ContactBoundary, PointOnBoundary, Worn};
+use crate::discretization::Discretization;
 use crate::inclusion::{Exchange, Frame, Passed, PointState};
 use crate::list::List;
 use crate::problem::Problem;
@@ -12,8 +13,10 @@ use crate::tensor::{self, Point, dot};
 /// What Γ_C and the foundation accumulate from step to step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Accumulated {
-    /// Depth worn off at each contact point, m.
+    /// Depth worn off at each contact point, m; of a pair that of both bodies where they face each other now.
     pub wear: List<f64>,
+    /// What has come off the sides of pairs.
+    pub worn: Worn,
     /// Work of friction at each contact point since the start, J/m².
     pub friction_work: List<f64>,
     /// θ_F of each contact whose foundation has a heat capacity, K; none where it is prescribed.
@@ -24,7 +27,8 @@ pub struct Accumulated {
 
 impl Accumulated {
     /// At t = 0.
-    pub(super) fn new(problem: &Problem, boundary: &ContactBoundary) -> Accumulated {
+    pub(super) fn new(problem: &Problem, discrete: &Discretization) -> Accumulated {
+        let boundary = &discrete.boundary;
         let n = boundary.points.len();
         let first =
             |side: usize| boundary.points.iter().find(|point| point.contact == side).map_or([0.0; 3], |point| point.x);
@@ -34,21 +38,27 @@ impl Accumulated {
         };
         Accumulated {
             wear: List::filled(0.0, n),
+            worn: discrete.worn.fresh(),
             friction_work: List::filled(0.0, n),
             foundation: problem.contacts.iter().enumerate().map(start).collect(),
             passed: List::filled(Passed::default(), problem.contacts.len()),
         }
     }
 
-    /// After a step of length k.
-    pub(super) fn after(&self, k: f64, states: &[PointState], exchange: &Exchange) -> Accumulated {
-        let wear = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
+    /// After a step.
+    pub(super) fn after(&self, step: &Step, states: &[PointState], exchange: &Exchange) -> Accumulated {
+        let Step { contacts, discrete, boundary, k, .. } = *step;
+        let mut wear: List<f64> = self.wear.iter().zip(states).map(|(wear, state)| wear + state.wear).collect();
+        let depths: List<f64> = states.iter().map(|state| state.wear).collect();
+        let worn = discrete.worn.after(contacts, boundary, &self.worn, &depths);
+        let at_points = discrete.worn.at_points(contacts, boundary, &wear, &worn.depths);
+        wear.iter_mut().zip(&at_points).for_each(|(wear, [depth, _])| *wear = *depth);
         let friction_work =
             self.friction_work.iter().zip(states).map(|(work, state)| work + k * dot(&state.q, &state.slip)).collect();
         let powers = exchange.passed.iter().map(Some).chain(std::iter::repeat(None));
         let passed = self.passed.iter().zip(powers);
         let passed = passed.map(|(sum, power)| power.map_or_else(|| sum.clone(), |power| sum.after(k, power)));
-        Accumulated { wear, friction_work, foundation: exchange.foundation.clone(), passed: passed.collect() }
+        Accumulated { wear, worn, friction_work, foundation: exchange.foundation.clone(), passed: passed.collect() }
     }
 }
 
@@ -56,12 +66,13 @@ impl Accumulated {
 ///
 /// Without an obstacle ν is that of the body and g(x, t) the datum. An obstacle has the distance δ and the normal n at
 /// the nearest point of its surface to x, or to x + u_{n−1} where it is followed: with ν = −n,
-/// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}.
+/// δ(x + u_n) ≈ δ(x + u_{n−1}) − ν·(u_n − u_{n−1}), so g = δ + ν·u_{n−1}. `worn` has the depth worn off at each point
+/// and by how much the gap opens per depth that wears off; it is empty where nothing wears.
 pub(super) fn frames(
     problem: &Problem,
     boundary: &ContactBoundary,
     u: &[f64],
-    wear: &[f64],
+    worn: &[[f64; 2]],
     [from, to]: [f64; 2],
 ) -> List<Frame> {
     let (all, dim) = (&boundary.points, problem.mesh.dim);
@@ -74,16 +85,20 @@ pub(super) fn frames(
         let x: List<Point> = points.iter().map(|point| point.x).collect();
         let [gap_from, gap] = [from, to].map(|t| contact.gap.values(&x, t));
         let velocity = velocities(contact, &x, to);
+        // Where the side `with` bears the points, its own motion is the slip.
+        let sign = contact.sign();
         let moves = contact.obstacle.as_ref().map_or([0.0; 3], |obstacle| {
             let [from, to] = [from, to].map(|t| obstacle.place(t));
             std::array::from_fn(|c| rate(to[c] - from[c]))
         });
         for (i, point) in points.iter().enumerate() {
+            let [depth, opening] = worn.get(first + i).copied().unwrap_or([0.0, 1.0]);
             let mut frame = Frame {
                 normal: point.normal,
                 gap: gap[i],
                 gap_rate: rate(gap[i] - gap_from[i]),
-                velocity: velocity.get(i).copied().unwrap_or_default(),
+                velocity: velocity.get(i).map_or([0.0; 3], |v| v.map(|v| sign * v)),
+                opening,
             };
             if contact.pair.as_ref().is_some_and(|pair| !pair.gap_is_given) {
                 frame.gap += point.gap;
@@ -97,7 +112,7 @@ pub(super) fn frames(
                 frame.gap_rate += rate(now.distance - before.distance);
                 frame.velocity = std::array::from_fn(|c| frame.velocity[c] + moves[c]);
             }
-            frame.gap += wear.get(first + i).copied().unwrap_or(0.0);
+            frame.gap += depth;
             let along = dot(&frame.velocity, &frame.normal);
             frame.velocity = std::array::from_fn(|c| frame.velocity[c] - along * frame.normal[c]);
             frames.push(frame);
@@ -116,6 +131,13 @@ fn velocities(contact: &Contact, x: &[Point], t: f64) -> List<Point> {
 }
 
 impl Step<'_> {
+    /// The depth worn off at each contact point, and by how much its gap opens per depth that wears off; empty where
+    /// nothing wears.
+    pub(super) fn worn(&self) -> List<[f64; 2]> {
+        let Accumulated { wear, worn, .. } = &self.old.surface;
+        self.discrete.worn.at_points(self.contacts, self.boundary, wear, &worn.depths)
+    }
+
     /// The moment of the forces on both bodies of each contact.
     pub(super) fn moments(&self, states: &[PointState]) -> List<Point> {
         let lambda = states.iter().map(|s| std::array::from_fn(|c| s.pressure * s.normal[c] + s.q[c]));

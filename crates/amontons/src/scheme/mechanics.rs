@@ -3,13 +3,14 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::apart::{Carried, Rigid, Whole};
 use super::audit::{PowerTerms, Powers};
 use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, over_blocks, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
 use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, copy, map, map_block, max_abs, zeros};
+use crate::linalg::{SolveError, Tangent, by_blocks, copy, map, map_block, max_abs, zeros};
 use crate::list::{Lent, List};
 use crate::tensor::Point;
 
@@ -20,6 +21,12 @@ const NO_MOTION: f64 = 16.0 * f64::EPSILON;
 pub(super) struct Mechanics {
     pub u: List<f64>,
     pub w: List<f64>,
+    /// Where rigid motions are taken apart: w − W, W, and what the contact points are given relative to it; and u by
+    /// its parts.
+    pub v: List<f64>,
+    pub rigid: List<Rigid>,
+    pub relative: Option<Given>,
+    pub carried: Carried,
     pub multipliers: Multipliers,
     /// z_n of the branches that relax, and the force of their springs; empty without.
     pub branches: List<List<f64>>,
@@ -72,7 +79,7 @@ pub(super) struct Given {
     w_prescribed: List<f64>,
     /// The foundation at the contact points.
     pub frames: List<Frame>,
-    /// The temperature that the half-step is made with, at the contact points.
+    /// The temperature that the half-step is made with, at the contact points on the side `on`.
     temperature: List<f64>,
 }
 
@@ -83,8 +90,19 @@ impl Given {
         Given {
             u_bar: boundary.restricted(discrete.mesh.dim, bar.u),
             w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
-            frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
+            frames: frames(problem, boundary, &old.u, &step.worn(), [old.t, t]),
             temperature: List::new(),
+        }
+    }
+
+    /// The same as bodies see it that move with rigid velocities W; `v` has the velocities less W.
+    fn relative(&self, step: &Step, rigid: &[Rigid], v: &[f64]) -> Given {
+        let Step { discrete, boundary, .. } = *step;
+        Given {
+            u_bar: boundary.restricted(discrete.mesh.dim, step.deformation_before()),
+            w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, v)),
+            frames: step.seen_from(&self.frames, rigid),
+            temperature: self.temperature.clone(),
         }
     }
 
@@ -119,6 +137,7 @@ impl Given {
             w_prescribed: &self.w_prescribed,
             frames: &self.frames,
             temperature: &self.temperature,
+            is_repeated: step.apart.is_some(),
         })
     }
 
@@ -130,7 +149,18 @@ impl Given {
         w: &[f64],
         multipliers: &Multipliers,
     ) -> Result<bool, SolveError> {
-        let [from, to] = [&step.old.w, w].map(|w| half.system.kept_of(w));
+        self.is_unique_between(step, half, [&step.old.w, w], multipliers)
+    }
+
+    /// The same between two velocities.
+    fn is_unique_between(
+        &self,
+        step: &Step,
+        half: &mut HalfStep,
+        ends: [&[f64]; 2],
+        multipliers: &Multipliers,
+    ) -> Result<bool, SolveError> {
+        let [from, to] = ends.map(|w| half.system.kept_of(w));
         let HalfStep { system, on_contact, .. } = half;
         self.on_boundary(step, on_contact).map_or(Ok(true), |on_boundary| {
             on_boundary.is_unique(system.condensed_mut(), [&from, &to], [&step.old.multipliers, multipliers])
@@ -181,7 +211,7 @@ impl Mechanics {
         let mut is_stale = !is_linear && !softens;
         loop {
             if is_stale {
-                let u = step.displacement(&now.w);
+                let u = step.deformed(&now.w);
                 let tangent = discrete.mechanical_tangent(step.rule, &u, &now.w, &equation.warmed);
                 let at = if softens { theta } else { &[] };
                 half.replace(tangent, at).map_err(|source| step.singular(source))?;
@@ -209,6 +239,21 @@ impl Mechanics {
         }
     }
 
+    /// The part of the velocity that strains see.
+    pub fn moving(&self) -> &[f64] {
+        if self.relative.is_some() { &self.v } else { &self.w }
+    }
+
+    /// What the contact points were given with that velocity.
+    fn seen(&self) -> &Given {
+        self.relative.as_ref().unwrap_or(&self.given)
+    }
+
+    /// The displacement that strains see.
+    pub fn deformed<'m>(&'m self, step: &Step) -> &'m [f64] {
+        if step.apart.is_some() { &self.carried.deformation } else { &self.u }
+    }
+
     /// Factorizes K_u as it is at the solution.
     pub fn renew(&self, step: &Step, half: &mut HalfStep) -> Result<(), SolveError> {
         let warmed = step.discrete.warmed(&self.theta);
@@ -219,29 +264,30 @@ impl Mechanics {
     /// Whether a step would have one solution between w_{n−1} and the velocity of a state, as far as laws that fall are
     /// concerned.
     pub fn is_unique(step: &Step, half: &mut HalfStep, end: &State) -> Result<bool, StepError> {
-        let given = Given { temperature: step.boundary.scalars_at(&step.old.theta), ..Given::new(step, &end.w) };
+        let temperature = step.boundary.scalars_on(step.contacts, &step.old.theta);
+        let given = Given { temperature, ..Given::new(step, &end.w) };
         given.is_unique(step, half, &end.w, &end.multipliers).map_err(|source| step.unsolved("mechanics", source))
     }
 
-    /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures at the contact points.
+    /// Σ ω Nᵀ of the change of the contact forces when their laws see other temperatures of the side `on`.
     pub fn contact_change(&self, step: &Step, half: &HalfStep, temperature: &[f64]) -> List<f64> {
-        let w = half.system.kept_of(&self.w);
+        let w = half.system.kept_of(self.moving());
         let forces = |given: &Given| {
             given
                 .on_boundary(step, &half.on_contact)
                 .map_or_else(List::new, |laws| laws.forces(half.system.condensed(), &w, &self.multipliers))
         };
         let (now, then) =
-            (forces(&self.given), forces(&Given { temperature: List::copied(temperature), ..self.given.clone() }));
+            (forces(self.seen()), forces(&Given { temperature: List::copied(temperature), ..self.seen().clone() }));
         let change = now.iter().zip(&then).map(|(now, then)| std::array::from_fn(|c| then[c] - now[c]));
         on_degrees(step.boundary, &step.discrete.v, change)
     }
 
     /// The derivatives of the contact forces at the solution: what they add to S, and what each contact point sees.
     pub fn contact_tangent(&self, step: &Step, half: &mut HalfStep) -> (Tangent, List<PointDerivative>) {
-        let w = half.system.kept_of(&self.w);
+        let w = half.system.kept_of(self.moving());
         let HalfStep { system, on_contact, .. } = half;
-        self.given
+        self.seen()
             .on_boundary(step, on_contact)
             .map_or_else(Default::default, |laws| laws.tangent(system.condensed_mut(), &w, &self.multipliers))
     }
@@ -266,8 +312,8 @@ impl<'a> Equation<'a> {
         mut given: Given,
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
-        given.temperature = step.boundary.scalars_at(theta);
-        let numbers = |Frame { gap, gap_rate, normal: n, velocity: v }: &Frame| {
+        given.temperature = step.boundary.scalars_on(step.contacts, theta);
+        let numbers = |Frame { gap, gap_rate, normal: n, velocity: v, .. }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
         step.finite(&given.frames.iter().flat_map(numbers).collect::<List<f64>>(), "the foundation")?;
@@ -297,7 +343,8 @@ impl<'a> Equation<'a> {
         let right = self.right(now);
         step.finite(&right, "the data")?;
         let HalfStep { system, on_contact, .. } = half;
-        let on_boundary = self.given.on_boundary(step, on_contact);
+        let relative = step.apart.map(|_| self.given.relative(step, &now.rigid, &now.w));
+        let on_boundary = relative.as_ref().unwrap_or(&self.given).on_boundary(step, on_contact);
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
         let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
@@ -322,38 +369,53 @@ impl<'a> Equation<'a> {
         let Settled { x, multipliers, states, .. } = settled;
         let w = half.system.expand(x, &now.w).map_err(|source| self.step.unsolved("mechanics", source))?;
         self.step.finite(&w, "mechanics")?;
-        self.balance(w, multipliers, states)
+        self.balance(w, &now.rigid, multipliers, states)
     }
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
     fn balance(
         &self,
-        w: List<f64>,
+        mut v: List<f64>,
+        rigid: &[Rigid],
         multipliers: Multipliers,
         states: List<PointState>,
     ) -> Result<Balanced<'a>, StepError> {
         let Step { discrete, k, .. } = *self.step;
-        let u = self.step.displacement(&w);
+        // What the pass has added to the rigid motion is put to it.
+        let more = self.step.take(&mut v);
+        let rigid: List<Rigid> = rigid.iter().zip(&more).map(|(a, b)| a.and(b)).collect();
         let (force, contact_force) = contact_forces(self.step, &states);
-        let (inertia, mut rest) = (self.inertia(), zeros(w.len()));
+        let rigid = self.step.driven(&rigid, &v, [&self.load, &contact_force], &states);
+        let whole = self.step.apart.map(|_| self.step.with_rigid(&rigid, &v));
+        let w: &[f64] = whole.as_ref().unwrap_or(&v);
+        let u = self.step.deformed(&v);
+        let (inertia, mut rest) = (self.inertia(), zeros(v.len()));
         // Of each block of the terms what is left of (4.1), the largest entries, and the sums of the audit.
         let of_block = |first: usize, [mass_w, a_u, b_w]: [&[f64]; 3], rest: &mut [f64]| {
-            let [load, thermal, bar, force, u, w] =
-                [&*self.load, &self.thermal, &self.step.products.mass_w, &contact_force, &u, &w]
-                    .map(|v| &v[first..first + mass_w.len()]);
+            let [load, thermal, bar, force] = [&*self.load, &self.thermal, &self.step.products.mass_w, &contact_force]
+                .map(|v| &v[first..first + mass_w.len()]);
+            let [u, w, v] = [&*u, w, &*v].map(|v| &v[first..first + mass_w.len()]);
             let largest = map_block([force, load, thermal, mass_w, bar, b_w, a_u], rest, |[force, terms @ ..]| {
                 force - right_hand_side(inertia, terms)
             });
-            let terms = PowerTerms { first, u, w, mass_w, a_u, b_w, thermal, load };
+            let terms = PowerTerms { first, u, w, v, mass_w, a_u, b_w, thermal, load };
             (largest, Powers::of_block(self.step, &terms))
         };
-        let (products, blocks) = discrete.mechanical_products_then([&u, &w], &self.warmed, &mut rest, of_block);
-        let iterate = Iterate::new(self.step, w, multipliers, products);
+        let (products, blocks) = if self.step.apart.is_some() {
+            let products = products_apart(self.step, [&u, &v], &rigid, &self.warmed);
+            let [mass_w, a_u, _, b_w] = &products;
+            let blocks = by_blocks([mass_w, a_u, b_w], &mut rest, of_block);
+            (products, blocks)
+        } else {
+            discrete.mechanical_products_then([&u, &v], &self.warmed, &mut rest, of_block)
+        };
+        let support_rates = discrete.v.prescribed_of(w);
+        let iterate = Iterate { rigid, ..Iterate::new(self.step, v, multipliers, products) };
         let ([_, load, thermal, mass_w, bar, b_w, a_u], powers) = over_blocks(&blocks);
         rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
-        let support_work = reactions.iter().zip(discrete.v.prescribed_of(&iterate.w)).map(|(r, w)| k * r * w).sum();
+        let support_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w).sum();
         discrete.v.mask(&mut rest);
         let driven = (inertia * mass_w.max(bar)).max(thermal).max(load);
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
@@ -389,7 +451,7 @@ impl<'a> Equation<'a> {
             let w: List<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
             let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
             let states = self.given.states(self.step, half, &w, &multipliers);
-            let shorter = self.balance(w, multipliers, states)?;
+            let shorter = self.balance(w, &now.rigid, multipliers, states)?;
             if shorter.residual < next.residual {
                 next = shorter;
             }
@@ -419,14 +481,25 @@ impl<'a> Equation<'a> {
                 round_off(&w, &sizes)
             }
         })?;
-        let Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
-        let is_unique =
-            given.is_unique(step, half, &w, &multipliers).map_err(|source| step.unsolved("mechanics", source))?;
+        let Iterate { w: v, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
+        let relative = step.apart.map(|_| given.relative(step, &rigid, &v));
+        let seen = relative.as_ref().unwrap_or(&given);
+        let from = step.apart.map(|_| step.less_rigid(&rigid, &step.old.w));
+        let ends = [from.as_deref().unwrap_or(&step.old.w), &*v];
+        let is_unique = seen
+            .is_unique_between(step, half, ends, &multipliers)
+            .map_err(|source| step.unsolved("mechanics", source))?;
+        let branches = step.branches(&v);
+        let Whole { u, w, v, carried } = step.whole(&rigid, u, v);
         Ok(Mechanics {
             u,
             is_unique,
-            branches: step.branches(&w),
+            branches,
             w,
+            v,
+            rigid,
+            relative,
+            carried,
             multipliers,
             states,
             iterations,
@@ -450,9 +523,11 @@ impl<'a> Equation<'a> {
     }
 }
 
-/// A velocity with the terms of (4.1) that it makes, or those of the state before.
+/// A velocity with the terms of (4.1) that it makes, or those of the state before. Where rigid motions are taken apart
+/// it is less these.
 struct Iterate<'a> {
     w: List<f64>,
+    rigid: List<Rigid>,
     multipliers: Multipliers,
     mass_w: Cow<'a, List<f64>>,
     a_u: Cow<'a, List<f64>>,
@@ -497,7 +572,7 @@ impl Iterate<'_> {
     /// At a velocity, with M w, a(u, ·), a(w, ·) and b(w, ·) of it.
     fn new(step: &Step, w: List<f64>, multipliers: Multipliers, products: [List<f64>; 4]) -> Self {
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
-        Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
+        Iterate { relaxing: step.relaxing(&w), w, rigid: List::new(), multipliers, mass_w, a_u, a_w, b_w }
     }
 }
 
@@ -521,13 +596,17 @@ impl<'a> Begun<'a> {
         for (i, _) in step.boundary.points.iter().enumerate().filter(|(_, point)| point.weight == 0.0) {
             (multipliers.p[i], multipliers.q[i]) = (0.0, [0.0; 3]);
         }
-        let now = if discrete.is_linear() && !changes {
+        let rigid = step.take(&mut w);
+        let now = if step.apart.is_some() {
+            let products = products_apart(step, [&step.deformed(&w), &w], &rigid, warmed);
+            Iterate { rigid, ..Iterate::new(step, w, multipliers, products) }
+        } else if discrete.is_linear() && !changes {
             // a(ū + γ w̄, ·) without another product.
             let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
             let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(Cow::Borrowed);
-            Iterate { relaxing: step.relaxing(&w), w, multipliers, mass_w, a_u, a_w, b_w }
+            Iterate { relaxing: step.relaxing(&w), w, rigid, multipliers, mass_w, a_u, a_w, b_w }
         } else {
-            let products = discrete.mechanical_products(&step.displacement(&w), &w, warmed);
+            let products = discrete.mechanical_products(&step.deformed(&w), &w, warmed);
             Iterate::new(step, w, multipliers, products)
         };
         Begun { now, load, given }
@@ -535,17 +614,26 @@ impl<'a> Begun<'a> {
 
     /// At a solution of the same step.
     fn from(step: &Step, m: &'a Mechanics, warmed: &Warmed) -> Begun<'a> {
-        let Mechanics { w, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
-        let (w, multipliers) = (w.clone(), multipliers.clone());
+        let Mechanics { rigid, multipliers, load, given, mass_w, a_u, a_w, b_w, relaxing, .. } = m;
+        let (w, multipliers) = (List::copied(m.moving()), multipliers.clone());
         let now = if step.discrete.softens() {
             let products = step.discrete.mechanical_products(&m.u, &w, warmed);
             Iterate::new(step, w, multipliers, products)
         } else {
             let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(Cow::Borrowed);
-            Iterate { w, multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
+            Iterate { w, rigid: rigid.clone(), multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
         };
         Begun { now, load: Arc::clone(load), given: given.clone() }
     }
+}
+
+/// M w, a(d, ·), a(v, ·) and b(v, ·) where rigid motions W are taken apart: w = W + v.
+fn products_apart(step: &Step, [d, v]: [&[f64]; 2], rigid: &[Rigid], warmed: &Warmed) -> [List<f64>; 4] {
+    let mut products = step.discrete.mechanical_products(d, v, warmed);
+    let whole = step.with_rigid(rigid, &zeros(v.len()));
+    let inertia = step.discrete.inertia().1.apply(&whole);
+    products[0].iter_mut().zip(&inertia).for_each(|(sum, term)| *sum += term);
+    products
 }
 
 /// The resultant of σν on Γ_C, and Σ ω Nᵀ (p ν + q) over all degrees of freedom.

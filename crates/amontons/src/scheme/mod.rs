@@ -1,6 +1,7 @@
 //! Time stepping: Problem 4.1, one step after the other.
 
 mod alone;
+mod apart;
 mod audit;
 mod coupling;
 mod datum;
@@ -13,6 +14,7 @@ mod mixing;
 mod system;
 
 pub use crate::discretization::Discretization;
+pub use apart::{Carried, Rigid};
 pub use euler::BackwardEuler;
 pub use foundation::Accumulated;
 pub use ledger::Ledger;
@@ -45,6 +47,8 @@ pub struct State {
     pub multipliers: Multipliers,
     /// Displacement z_i whose strain is that of the springs of each branch that relaxes, m, node-major.
     pub branches: List<List<f64>>,
+    /// u with the rigid motions of bodies taken apart that have moved far; empty where none is.
+    pub carried: Carried,
     /// What Γ_C and the foundation keep.
     pub surface: Accumulated,
     /// Energies and flows since the start.

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
+use super::apart::Apart;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
 use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
@@ -45,6 +46,8 @@ pub(super) struct Step<'a> {
     pub k: f64,
     /// The rule in time.
     pub rule: Rule,
+    /// Where rigid motions of bodies are taken apart from their deformation.
+    pub apart: Option<Apart<'a>>,
 }
 
 /// What the rule in time adds to: with backward Euler the state before.
@@ -73,15 +76,10 @@ pub(super) enum Rounded {
 }
 
 impl Step<'_> {
-    /// ū + γ w.
-    pub fn displacement(&self, w: &[f64]) -> List<f64> {
-        let gamma = self.rule.gamma;
-        map([self.bar.u, w], |[u, w]| u + gamma * w)
-    }
-
-    /// |ū| + γ |w|, the sizes of what u_n is the sum of.
-    pub fn sizes(&self, w: &[f64]) -> List<f64> {
-        self.bar.u.iter().zip(w).map(|(u, w)| u.abs() + self.rule.gamma * w.abs()).collect()
+    /// |ū| + γ |v|, the sizes of what the displacement is the sum of that strains see.
+    pub fn sizes(&self, v: &[f64]) -> List<f64> {
+        let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
+        before.iter().zip(v).map(|(u, v)| u.abs() + self.rule.gamma * v.abs()).collect()
     }
 
     /// The state of the branches that relax.
@@ -255,7 +253,8 @@ pub(super) struct Products {
 impl Products {
     /// The products of a state.
     pub fn of(discrete: &Discretization, state: &State) -> Products {
-        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(&state.u, &state.w, &discrete.warmed(&state.theta));
+        let warmed = discrete.warmed(&state.theta);
+        let [mass_w, a_u, a_w, b_w] = discrete.mechanical_products(state.deformation(), &state.w, &warmed);
         let [mass_theta, d_theta] = discrete.thermal_products(&state.theta);
         Products { t: state.t, mass_w, a_u, a_w, b_w, mass_theta, d_theta }
     }

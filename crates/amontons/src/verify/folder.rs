@@ -196,7 +196,7 @@ impl Files<'_> {
             let contact = self.folder.join(output::contact_file(step));
             if !self.case.problem.contacts.is_empty() {
                 match Table::read(&contact) {
-                    Ok(points) => tables::contact(&points, history, row, &mut differences),
+                    Ok(points) => tables::contact(&points, &self.case.problem, (history, row), &mut differences),
                     Err(what) => found.faults.push(format!("{}: {what}", output::contact_file(step))),
                 }
             }

@@ -12,6 +12,7 @@ mod common;
 mod boundary;
 mod cyclic;
 mod dimensions;
+mod far;
 mod points;
 mod reactions;
 mod rigid_motion;

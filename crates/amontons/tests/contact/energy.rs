@@ -50,9 +50,8 @@ fn compliance_energy_and_scheme_dissipation_have_their_closed_forms() {
 /// Wear under a damped layer is counted once: what the scheme dissipates is not negative and vanishes with the step.
 #[test]
 fn wear_under_a_damped_layer_is_counted_once() {
-    // With wear and scheme of the ledger before added up: 0.156, 0.039, 0.0097 at these steps.
     let mut last = f64::INFINITY;
-    for (steps, expected) in [(16, 0.156), (64, 0.039), (256, 0.0097)] {
+    for steps in [16, 64, 256] {
         let problem = paper(&[
             "mesh.n=4",
             &format!("time.steps={steps}"),
@@ -73,8 +72,9 @@ fn wear_under_a_damped_layer_is_counted_once() {
             state = next;
         }
         let found = state.ledger.scheme_dissipation;
-        assert!((found / expected - 1.0).abs() < 0.01, "{steps} steps: {found}, expected {expected}");
-        assert!(found < 0.3 * last && state.ledger.relative_closing_error().abs() < 1e-12);
+        // First order in the step: four times as many steps leave a fourth.
+        assert!(last.is_infinite() || (last / found - 4.0).abs() < 0.3, "{steps} steps: {found} after {last}");
+        assert!(state.ledger.relative_closing_error().abs() < 1e-12);
         last = found;
     }
 }

@@ -191,6 +191,6 @@ fn elsewhere_there_is_no_contact() {
             .replace("BELT", "[1, 0]");
         let text = text.replace("QUADRATURE", "nodal").replace("\"STIFFNESS\"", "100") + &probe;
         let error = case::parse(&Source::new("body.toml", text), &[]).unwrap_err().to_string();
-        assert!(error.contains("slip_velocity_x elsewhere than on a side that bears contact"), "{whole}: {error}");
+        assert!(error.contains("slip_velocity_x elsewhere than on a side of a contact"), "{whole}: {error}");
     }
 }

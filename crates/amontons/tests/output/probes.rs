@@ -294,7 +294,7 @@ fn faults_of_probes_have_their_places() {
         &probe("pressure", "on = \"left\"\ntake = \"max\""),
         &[(
             3,
-            "12: probe[0].quantity: found pressure elsewhere than on a side that bears contact, expected a quantity that exists there",
+            "12: probe[0].quantity: found pressure elsewhere than on a side of a contact, expected a quantity that exists there",
         )],
     );
     case(

@@ -262,7 +262,7 @@ fn heat_is_split_by_what_it_passes_by() {
         let memory = common::solve(&problem);
         let contact = &problem.contacts[0];
         let last = memory.states.last().expect("a state");
-        let out = last.surface.passed[0].out_of_on(contact);
+        let out = last.surface.passed[0].by_name();
         assert_eq!(out.keys().collect::<Vec<_>>(), ["constant", "friction", "pressure", "radiation"]);
         let made = last.ledger.heat_pairs;
         assert!(made > 0.0 && (out["friction"] + 0.3 * made).abs() < 1e-12 * made, "{} of {made}", out["friction"]);

@@ -160,7 +160,9 @@ impl Run {
         let (contact, problem) = (&self.reports[step - 1].contact, &self.case.problem);
         let side = problem.contacts.iter().position(|c| c.pair.is_some() == (which == "interface")).expect("a contact");
         let rubbing = ContactPoint { friction_power: 1.0, ..ContactPoint::default() };
-        let share = -problem.contacts[side].heat.flux(&rubbing).value;
+        // The law is that of `on`: what does not enter it enters the other side.
+        let of_on = -problem.contacts[side].heat.flux(&rubbing).value;
+        let share = if problem.contacts[side].sign() > 0.0 { of_on } else { 1.0 - of_on };
         let boundary = &self.discretization.boundary;
         let of_side = boundary.points.iter().enumerate().filter(|(_, point)| point.contact == side);
         let of = |(i, point): (usize, &amontons::contact::PointOnBoundary)| {

@@ -67,8 +67,8 @@ pub(in crate::case) struct Contact {
     /// In the place of `on` and `with`: all bodies that are near each other at rest are pairs with these laws.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,
-    /// The side of a pair that bears the contact points and their laws, `on` or `with`; default: the finer one,
-    /// of similar ones the smaller one, or that of the softer body.
+    /// The side of a pair that bears the contact points, `on` or `with`; default: the finer one, of similar ones the
+    /// smaller one, or that of the softer body. The other keys do not change their meaning with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nonmortar: Option<String>,
     /// When the points of a pair that face each other are found; default: `reference`.
@@ -86,8 +86,8 @@ pub(in crate::case) struct Contact {
     /// Shape of the rigid foundation. Omit it if the gap describes the foundation.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obstacle: Option<Obstacle>,
-    /// Velocity v_F of the foundation, or of the mortar side besides its own, in m/s, one entry per component; empty
-    /// for a foundation at rest.
+    /// Velocity v_F of the foundation, or of the side `with` besides that of its body, in m/s, one entry per component;
+    /// empty for a foundation at rest.
     ///
     /// Only its tangential part is used. The slip velocity is w_τ − v_F. In the plane three entries are a velocity with
     /// a part out of the plane, of a body of revolution with one about its axis: ω r is `"100*x"` at 100 rad/s.
@@ -153,8 +153,8 @@ pub(in crate::case) enum Wear {
         #[schemars(range(min = 0.0, max = 1.0))]
         fraction: Option<f64>,
     },
-    /// Archard's law with a coefficient that depends on the temperature of the body, linear between the points of a
-    /// table and constant outside.
+    /// Archard's law with a coefficient that depends on the temperature of the body, of a pair that of the side `on`,
+    /// linear between the points of a table and constant outside.
     ArchardTemperature {
         /// Temperatures in K in increasing order.
         temperature: Vec<f64>,
@@ -350,8 +350,8 @@ pub(in crate::case) enum Friction {
         #[schemars(extend("minimum" = 0))]
         cap: Option<Datum>,
     },
-    /// Friction coefficient that depends on the temperature of the body, linear between the points of a table and
-    /// constant outside.
+    /// Friction coefficient that depends on the temperature of the body, of a pair that of the side `on`, linear
+    /// between the points of a table and constant outside.
     Temperature {
         /// Temperatures in K in increasing order.
         temperature: Vec<f64>,

@@ -25,7 +25,7 @@ pub use radiation::{Radiation, STEFAN_BOLTZMANN};
 pub use ramp::Ramp;
 pub use sum::Sum;
 
-/// A heat flux leaving the body, W/m², with its slopes.
+/// A heat flux leaving the body, of a pair that of the side `on`, in W/m², with its slopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Flux {
     /// q·ν in W/m².
@@ -44,7 +44,25 @@ pub struct Flux {
     pub by_friction_power: f64,
 }
 
-/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F.
+impl Flux {
+    /// The flux out of the other body of a pair, in which friction makes this power in W/m²: what heat leaves one body
+    /// enters the other, and so does the heat of friction that does not enter the first.
+    #[must_use]
+    pub fn across(&self, friction_power: f64) -> Flux {
+        Flux {
+            value: 0.0 - self.value - friction_power,
+            by_temperature: 0.0 - self.by_foundation,
+            by_foundation: 0.0 - self.by_temperature,
+            by_penetration: 0.0 - self.by_penetration,
+            by_pressure: 0.0 - self.by_pressure,
+            by_slip_speed: 0.0 - self.by_slip_speed,
+            by_friction_power: -1.0 - self.by_friction_power,
+        }
+    }
+}
+
+/// The heat flux from the body into the foundation, nondecreasing in θ and nonincreasing in θ_F; of a pair from the
+/// side `on` into the side `with`, whichever bears the contact points.
 pub trait HeatLaw: Debug + Send + Sync {
     /// The flux at a point.
     fn flux(&self, at: &ContactPoint) -> Flux;

@@ -101,23 +101,26 @@ pub struct Yield {
     pub lambda: f64,
     /// λ/γ in m/(Pa s), γ that of the rule in time.
     pub lambda_rate: f64,
-    /// λ_w in m/Pa: λ_w p₊ is the depth that wears off in a step.
+    /// λ_w in m/Pa: λ_w p₊ is the depth by which the gap opens by wear in a step.
     pub by_wear: f64,
+    /// λ_w/γ in m/(Pa s): by λ_w p₊/γ the penetration grows the slower.
+    pub by_wear_rate: f64,
 }
 
-/// Solves p ∈ G(z − λ p − λ_w p₊, ż − λ p/γ), for a law that does not fall or with λ = λ_w = 0: where the law is a
+/// Solves p ∈ G(z − λ p − λ_w p₊, ż − (λ p + λ_w p₊)/γ), for a law that does not fall or with λ = 0: where the law is a
 /// function, by Newton's method between zero and its value at z, where the difference of both sides changes its sign.
 /// The slopes are those of p in z and ż.
 #[must_use]
 pub fn resolvent(law: &dyn NormalLaw, x: &Point, z: f64, rate: f64, by: &Yield) -> Pressure {
-    let Yield { lambda, lambda_rate, by_wear } = *by;
+    let Yield { lambda, lambda_rate, by_wear, by_wear_rate } = *by;
     if law.graph() != GraphKind::Function {
         let fresh = law.pressure(x, z, rate, lambda);
         return if by_wear <= 0.0 || fresh.value <= 0.0 { fresh } else { law.pressure(x, z, rate, lambda + by_wear) };
     }
     let at = |z: f64, rate: f64| law.pressure(x, z, if z > 0.0 { rate } else { 0.0 }, 0.0);
     let fresh = at(z, rate);
-    let lambda = if fresh.value > 0.0 { lambda + by_wear } else { lambda };
+    let (lambda, lambda_rate) =
+        if fresh.value > 0.0 { (lambda + by_wear, lambda_rate + by_wear_rate) } else { (lambda, lambda_rate) };
     if lambda <= 0.0 || fresh.value == 0.0 {
         return Pressure { slope: fresh.slope / (1.0 + lambda * fresh.slope), ..fresh };
     }

@@ -10,7 +10,7 @@ use crate::material::VTK_COMPONENTS;
 use crate::mesh::Block;
 use crate::output::{PointValues, StoredFields, cell_values, columns};
 use crate::problem::Problem;
-use crate::scheme::{Accumulated, Counts, Discretization, Ledger, State};
+use crate::scheme::{Accumulated, Carried, Counts, Discretization, Ledger, State};
 use crate::tensor::Sym;
 use crate::vtu::{Array, Grid};
 
@@ -103,6 +103,7 @@ impl Fields {
                 .iter()
                 .map(|branch| List::filled(0.0, branch.size(nodes * self.dim)))
                 .collect(),
+            carried: Carried::default(),
             surface: Accumulated::default(),
             ledger: Ledger::default(),
             counts: Counts::default(),

@@ -6,6 +6,7 @@ use super::fields::Differences;
 use crate::contact::Status;
 use crate::machine;
 use crate::output::{LONGEST, columns};
+use crate::problem::Problem;
 
 /// A table of numbers under a line of names; words are read as not a number.
 pub(super) struct Table {
@@ -91,9 +92,19 @@ pub(super) fn audit(history: &Table) -> Audit {
 }
 
 /// The contact points at a step against its row in the history.
-pub(super) fn contact(points: &Table, history: &Table, row: usize, differences: &mut Differences) {
+pub(super) fn contact(
+    points: &Table,
+    problem: &Problem,
+    (history, row): (&Table, usize),
+    differences: &mut Differences,
+) {
+    // What has worn off bodies that slide over each other is not where their points are.
+    let stays = !problem.contacts.iter().any(|contact| contact.pair.is_some() && contact.wear.is_some());
+    let weights = points.column(columns::WEIGHT.name);
     for status in [Status::Open, Status::Stick, Status::Slip] {
-        let count = points.status.iter().filter(|word| *word == status.name()).count() as f64;
+        // Points of a pair that nothing faces now are not counted.
+        let of_status = points.status.iter().zip(&weights).filter(|(word, _)| *word == status.name());
+        let count = of_status.filter(|(_, weight)| **weight > 0.0).count() as f64;
         if let Some(told) = history.value(row, status.name()) {
             differences.note(format!("{} of contact/ against history.csv", status.name()), count - told, told);
         }
@@ -102,16 +113,16 @@ pub(super) fn contact(points: &Table, history: &Table, row: usize, differences: 
     for (name, of) in
         [(columns::PENETRATION_MAX.name, columns::PENETRATION.name), (columns::WEAR_MAX.name, columns::WEAR.name)]
     {
-        if let Some(told) = history.value(row, name) {
+        if let Some(told) = history.value(row, name).filter(|_| stays || of != columns::WEAR.name) {
             differences.note(format!("{name} of contact/ against history.csv"), largest(of) - told, told);
         }
     }
-    let (weights, wear) = (points.column(columns::WEIGHT.name), points.column(columns::WEAR.name));
+    let wear = points.column(columns::WEAR.name);
     let touching = points.status.iter().zip(&weights).filter(|(word, _)| *word != Status::Open.name());
     let area = touching.map(|(_, weight)| weight).sum::<f64>();
     let volume = weights.iter().zip(&wear).map(|(weight, wear)| weight * wear).sum::<f64>();
     for (name, value) in [(columns::CONTACT_AREA.name, area), (columns::WEAR_VOLUME.name, volume)] {
-        if let Some(told) = history.value(row, name) {
+        if let Some(told) = history.value(row, name).filter(|_| stays || name != columns::WEAR_VOLUME.name) {
             differences.note(format!("{name} of contact/ against history.csv"), value - told, told);
         }
     }

@@ -1,0 +1,328 @@
+//! Bodies that move far: their rigid motion apart from their deformation.
+//!
+//! The displacement of a small stiff body that has moved far is the same number at all nodes up to its last digits,
+//! and K u of it is the round-off of that number. With u = R + d, R a rigid motion of each body, K u = K d; with the
+//! velocity w = W + v likewise, d_n = d_{n−1} + k v_n and R_n = R_{n−1} + k W_n. Everything that depends on strains
+//! sees d and v. On Γ_C the rigid motions are those of the foundation with the opposite sign. After each pass over the
+//! body the rigid part of v is put to W, so that the deformation has all its digits in the next one, whatever the
+//! acceleration.
+
+use serde::{Deserialize, Serialize};
+
+use super::State;
+use super::system::Step;
+use crate::contact::Status;
+use crate::inclusion::{Frame, PointState};
+use crate::linalg::map;
+use crate::list::List;
+use crate::mesh::Mesh;
+use crate::mesh::defects::components;
+use crate::problem::Problem;
+use crate::tensor::{Point, dot, length};
+
+/// Share of the moments of a body below which its nodes lie on a line, about which they do not turn.
+const FLAT: f64 = 1e-9;
+/// Sine of the angle between two normals that are those of one plane.
+const ACROSS: f64 = 1e-6;
+
+/// A rigid motion of small angles about the centre c of a body: a + b × (x − c).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rigid {
+    /// a, m or m/s.
+    pub translation: Point,
+    /// b, in radians or per second.
+    pub rotation: Point,
+}
+
+impl Rigid {
+    /// The sum of two motions.
+    pub(super) fn and(&self, other: &Rigid) -> Rigid {
+        let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + b[c]);
+        Rigid {
+            translation: sum(&self.translation, &other.translation),
+            rotation: sum(&self.rotation, &other.rotation),
+        }
+    }
+}
+
+/// The displacement of a state with the rigid motion of each body taken apart; empty where it is not.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Carried {
+    /// R of each body, in the order of the lowest nodes.
+    pub rigid: List<Rigid>,
+    /// d = u − R, m, node-major.
+    pub deformation: List<f64>,
+}
+
+impl State {
+    /// The displacement whose strains are those of the body: u, or d where a rigid motion is taken apart.
+    #[must_use]
+    pub fn deformation(&self) -> &[f64] {
+        if self.carried.rigid.is_empty() { &self.u } else { &self.carried.deformation }
+    }
+}
+
+/// The bodies of a mesh, whose rigid motions have no strain.
+#[derive(Debug)]
+pub(super) struct Bodies {
+    dim: usize,
+    all: Vec<Body>,
+    /// The body of each node; none of a node without cells.
+    of_node: Vec<Option<usize>>,
+}
+
+#[derive(Debug)]
+struct Body {
+    nodes: Vec<u32>,
+    /// x − c of each node, and the inverse of Σ (|x − c|² 1 − (x − c)(x − c)ᵀ); zero where nothing turns.
+    arms: Vec<Point>,
+    inverse: [Point; 3],
+}
+
+impl Bodies {
+    /// None where rigid motions are not free of forces or not those of the mesh: with springs and dashpots, and of a
+    /// sector, whose nodes follow each other turned; and where laws are not linear.
+    pub fn new(problem: &Problem, mesh: &Mesh, is_linear: bool) -> Option<Bodies> {
+        let is_free = problem.boundary.iter().all(|b| b.spring.is_none() && b.dashpot.is_none());
+        if !is_linear || !is_free || !problem.cyclic.is_empty() {
+            return None;
+        }
+        let turns = mesh.dim > 1 && !mesh.axisymmetric;
+        let of = |nodes: Vec<u32>| {
+            let n = nodes.len().max(1) as f64;
+            let x = |node: &u32| mesh.points[*node as usize];
+            let centre: Point = std::array::from_fn(|c| nodes.iter().map(|node| x(node)[c]).sum::<f64>() / n);
+            let arm = |node: &u32| -> Point { std::array::from_fn(|c| x(node)[c] - centre[c]) };
+            let arms: Vec<Point> = nodes.iter().map(arm).collect();
+            let inverse = if turns { inverse(&arms, mesh.dim) } else { [[0.0; 3]; 3] };
+            Body { nodes, arms, inverse }
+        };
+        let all: Vec<Body> = components(mesh).into_iter().map(|part| of(part.nodes)).collect();
+        let mut of_node = vec![None; mesh.points.len()];
+        for (number, body) in all.iter().enumerate() {
+            body.nodes.iter().for_each(|&node| of_node[node as usize] = Some(number));
+        }
+        Some(Bodies { dim: mesh.dim, all, of_node })
+    }
+
+    /// Takes the rigid motion of each body off a field: the one that is nearest to it in the mean square over the
+    /// nodes. A body of revolution moves along its axis alone.
+    pub fn take(&self, is_axisymmetric: bool, v: &mut [f64]) -> List<Rigid> {
+        let all = self.all.iter().map(|body| {
+            let at = |node: u32| -> Point {
+                std::array::from_fn(|c| if c < self.dim { v[node as usize * self.dim + c] } else { 0.0 })
+            };
+            let n = body.nodes.len().max(1) as f64;
+            let moves = |c: usize| c < self.dim && !(is_axisymmetric && c == 0);
+            let mean = |c: usize| body.nodes.iter().map(|&node| at(node)[c]).sum::<f64>() / n;
+            let translation: Point = std::array::from_fn(|c| if moves(c) { mean(c) } else { 0.0 });
+            let moment = body.nodes.iter().zip(&body.arms).fold([0.0; 3], |sum: Point, (&node, arm)| {
+                let v = at(node);
+                let turn = cross(arm, &std::array::from_fn(|c| v[c] - translation[c]));
+                std::array::from_fn(|c| sum[c] + turn[c])
+            });
+            let rotation = std::array::from_fn(|c| dot(&body.inverse[c], &moment));
+            Rigid { translation, rotation }
+        });
+        let all: List<Rigid> = all.collect();
+        self.add(&all, -1.0, v);
+        all
+    }
+
+    /// Adds a multiple of rigid motions to a field.
+    pub fn add(&self, rigid: &[Rigid], factor: f64, field: &mut [f64]) {
+        for (body, Rigid { translation, rotation }) in self.all.iter().zip(rigid) {
+            for (&node, arm) in body.nodes.iter().zip(&body.arms) {
+                let turned = cross(rotation, arm);
+                for c in 0..self.dim {
+                    field[node as usize * self.dim + c] += factor * (translation[c] + turned[c]);
+                }
+            }
+        }
+    }
+}
+
+/// The motion at the end of a step: u and w, and where rigid motions are taken apart v = w − W and u by its parts.
+pub(super) struct Whole {
+    pub u: List<f64>,
+    pub w: List<f64>,
+    pub v: List<f64>,
+    pub carried: Carried,
+}
+
+/// Where a step takes rigid motions apart.
+#[derive(Clone, Copy)]
+pub(super) struct Apart<'a> {
+    pub bodies: &'a Bodies,
+    pub carried: &'a Carried,
+}
+
+impl Step<'_> {
+    /// Takes the rigid motions off velocities; none where the step does not take them apart.
+    pub fn take(&self, w: &mut [f64]) -> List<Rigid> {
+        let mesh = &self.discrete.mesh;
+        self.apart.map_or_else(List::new, |apart| apart.bodies.take(mesh.axisymmetric, w))
+    }
+
+    /// A field with rigid motions added; as it is where none are taken apart.
+    pub fn with_rigid(&self, rigid: &[Rigid], field: &[f64]) -> List<f64> {
+        let mut field = List::copied(field);
+        if let Some(apart) = self.apart {
+            apart.bodies.add(rigid, 1.0, &mut field);
+        }
+        field
+    }
+
+    /// A field less rigid motions.
+    pub fn less_rigid(&self, rigid: &[Rigid], field: &[f64]) -> List<f64> {
+        let mut field = List::copied(field);
+        if let Some(apart) = self.apart {
+            apart.bodies.add(rigid, -1.0, &mut field);
+        }
+        field
+    }
+
+    /// Displacement and velocity put together of the rigid velocities W, the displacement that strains see and v.
+    pub fn whole(&self, rigid: &[Rigid], deformation: List<f64>, v: List<f64>) -> Whole {
+        if self.apart.is_none() {
+            return Whole { u: deformation, w: v, v: List::new(), carried: Carried::default() };
+        }
+        let moved = self.carried_on(rigid);
+        let (u, w) = (self.with_rigid(&moved, &deformation), self.with_rigid(rigid, &v));
+        Whole { u, w, v, carried: Carried { rigid: moved, deformation } }
+    }
+
+    /// The rigid velocities with those translations that balance load, contact forces and inertia of each body. The
+    /// mass of a small body may be the round-off of its stiffness, so that a factor of K knows nothing of it. Only
+    /// where neither supports nor contact hold a body: across the normals of points that press, if none sticks.
+    pub fn driven(&self, rigid: &[Rigid], v: &[f64], forces: [&[f64]; 2], states: &[PointState]) -> List<Rigid> {
+        let (rho, form) = self.discrete.inertia();
+        let (Some(apart), factor, [load, contact]) = (self.apart, rho / self.rule.delta, forces) else {
+            return List::copied(rigid);
+        };
+        if factor == 0.0 {
+            return List::copied(rigid);
+        }
+        let (w, masses) = (self.with_rigid(rigid, v), form.apply(&List::filled(1.0, v.len())));
+        let held = self.held_directions(apart.bodies, states);
+        let (dim, free) = (apart.bodies.dim, &self.discrete.v.free);
+        let of = |((body, rigid), held): ((&Body, &Rigid), &Option<Vec<Point>>)| {
+            let dofs = |c: usize| body.nodes.iter().map(move |&node| node as usize * dim + c);
+            let Some(held) = held.as_ref().filter(|_| (0..dim).all(|c| dofs(c).all(|i| free[i]))) else {
+                return *rigid;
+            };
+            let unbalanced = |c: usize| {
+                let force = |i: usize| contact[i] - load[i] + factor * masses[i] * (w[i] - self.bar.w[i]);
+                dofs(c).map(force).sum::<f64>() / (factor * dofs(c).map(|i| masses[i]).sum::<f64>())
+            };
+            let moves = |c: usize| c < dim && !(self.discrete.mesh.axisymmetric && c == 0);
+            let change: Point = std::array::from_fn(|c| if moves(c) { 0.0 - unbalanced(c) } else { 0.0 });
+            let change = held.iter().fold(change, |change, direction| less(&change, direction));
+            rigid.and(&Rigid { translation: change, rotation: [0.0; 3] })
+        };
+        apart.bodies.all.iter().zip(rigid).zip(&held).map(of).collect()
+    }
+
+    /// Orthonormal directions in which contact holds each body; none where it holds it in all.
+    fn held_directions(&self, bodies: &Bodies, states: &[PointState]) -> Vec<Option<Vec<Point>>> {
+        let mut held: Vec<Option<Vec<Point>>> = vec![Some(Vec::new()); bodies.all.len()];
+        for (point, state) in self.boundary.points.iter().zip(states) {
+            if state.status == Status::Open || point.weight == 0.0 {
+                continue;
+            }
+            for &(node, _) in &point.nodes {
+                let number = self.boundary.nodes.get(node).and_then(|&node| bodies.of_node[node as usize]);
+                let Some(of_body) = number.and_then(|number| held.get_mut(number)) else { continue };
+                let Some(directions) = of_body else { continue };
+                let across = directions.iter().fold(state.normal, |left, direction| less(&left, direction));
+                let size = length(&across);
+                if state.status == Status::Stick {
+                    *of_body = None;
+                } else if size > ACROSS {
+                    directions.push(across.map(|c| c / size));
+                }
+            }
+        }
+        held
+    }
+
+    /// R_{n−1} + γ W.
+    pub fn carried_on(&self, rigid: &[Rigid]) -> List<Rigid> {
+        let gamma = self.rule.gamma;
+        let sum = |a: &Point, b: &Point| std::array::from_fn(|c| a[c] + gamma * b[c]);
+        let old = self.apart.into_iter().flat_map(|apart| apart.carried.rigid.iter());
+        let both = old.zip(rigid).map(|(old, new)| Rigid {
+            translation: sum(&old.translation, &new.translation),
+            rotation: sum(&old.rotation, &new.rotation),
+        });
+        both.collect()
+    }
+
+    /// The displacement that strains see before the step.
+    pub fn deformation_before(&self) -> &[f64] {
+        self.apart.map_or(&self.old.u, |apart| &apart.carried.deformation)
+    }
+
+    /// That with the velocity `v`, less W where that is taken apart: ū + γ v, or d_{n−1} + γ v.
+    pub fn deformed(&self, v: &[f64]) -> List<f64> {
+        let gamma = self.rule.gamma;
+        let before: &[f64] = self.apart.map_or(self.bar.u, |apart| &apart.carried.deformation);
+        map([before, v], |[u, v]| u + gamma * v)
+    }
+
+    /// The foundation as bodies see it that move with their rigid motions: gaps, their rates and velocities less those.
+    pub fn seen_from(&self, frames: &[Frame], rigid: &[Rigid]) -> List<Frame> {
+        let (dim, size) = (self.discrete.mesh.dim, self.old.u.len());
+        let field = |rigid: &[Rigid]| self.with_rigid(rigid, &List::filled(0.0, size));
+        let (moved, velocity) = (field(&self.carried_on(rigid)), field(rigid));
+        let of = |(point, frame): (_, &Frame)| {
+            let [moved, velocity] = [&moved, &velocity].map(|field| self.boundary.vector_at(point, dim, field));
+            let along = dot(&velocity, &frame.normal);
+            Frame {
+                gap: frame.gap - dot(&moved, &frame.normal),
+                gap_rate: frame.gap_rate - along,
+                velocity: std::array::from_fn(|c| frame.velocity[c] - (velocity[c] - along * frame.normal[c])),
+                ..*frame
+            }
+        };
+        self.boundary.points.iter().zip(frames).map(of).collect()
+    }
+}
+
+/// A vector less its part along a direction.
+fn less(v: &Point, direction: &Point) -> Point {
+    let along = dot(v, direction);
+    std::array::from_fn(|c| v[c] - along * direction[c])
+}
+
+fn cross(a: &Point, b: &Point) -> Point {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// The inverse of the moments of a body; zero where its nodes lie on a line. In the plane it turns about the last axis
+/// alone.
+fn inverse(arms: &[Point], dim: usize) -> [Point; 3] {
+    let mut moments = [[0.0; 3]; 3];
+    for arm in arms {
+        let squared = dot(arm, arm);
+        for (a, row) in moments.iter_mut().enumerate() {
+            for (b, entry) in row.iter_mut().enumerate() {
+                *entry += if a == b { squared } else { 0.0 } - arm[a] * arm[b];
+            }
+        }
+    }
+    let mut inverse = [[0.0; 3]; 3];
+    if dim < 3 {
+        inverse[2][2] = if moments[2][2] > 0.0 { moments[2][2].recip() } else { 0.0 };
+        return inverse;
+    }
+    let [a, b, c] = moments;
+    let columns = [cross(&b, &c), cross(&c, &a), cross(&a, &b)];
+    let determinant = dot(&a, &columns[0]);
+    let size = moments[0][0] + moments[1][1] + moments[2][2];
+    if determinant > FLAT * size.powi(3) {
+        // The matrix is symmetric.
+        inverse = columns.map(|column| column.map(|entry| entry / determinant));
+    }
+    inverse
+}
