@@ -173,6 +173,7 @@ impl Mechanical<'_> {
         let laws = self.at_points(|i| self.laws_with(i, w, &free, self.in_energy(i, soft)));
         let increment: List<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
         let mut f = condensed.apply(&increment)?;
+        right.springs.iter().for_each(|spring| spring.add(spring.motion(w), &mut f));
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);
         let mut forces = List::filled(0.0, w.len());
@@ -223,6 +224,12 @@ impl Mechanical<'_> {
             }
             self.interface.add_tangent(i, &tangent, &mut curvature);
         }
+        let resists = |i: usize| {
+            let firm = |is: bool| f64::from(u8::from(is));
+            let [normal, drag] = [firm(now.laws[i].normal.slope > 0.0), firm(self.drag(i) > 0.0)];
+            [[normal, 0.0, 0.0], [0.0, drag, 0.0], [0.0, 0.0, drag]]
+        };
+        self.hold(&mut curvature, resists);
         curvature
     }
 }

@@ -1,14 +1,16 @@
 //! The mechanical step on Γ_C: normal contact, friction and wear.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::frame::{Frame, PointDerivative, PointState};
 use super::friction::Slip;
 use super::interface::{Interface, LocalTangent, Row};
+use super::loose::Loose;
 use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::rule::Rule;
+use super::settle::{Holds, resisting};
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
@@ -79,6 +81,8 @@ pub struct MechanicalStep<'a> {
     pub frames: &'a [Frame],
     /// Temperature of the body at the contact points that the step is made with, K.
     pub temperature: &'a [f64],
+    /// The rigid motions of parts that nothing but contact holds.
+    pub loose: &'a Arc<Loose>,
 }
 
 /// The mechanical term of a step.
@@ -96,6 +100,8 @@ pub(super) struct Mechanical<'a> {
     foundation: List<[f64; 2]>,
     /// States of the points at the last iterates that were evaluated, the last one last.
     seen: Mutex<[List<Status>; SEEN]>,
+    /// What holds rigid motions; none where the parts are held.
+    pub holds: Option<Holds>,
 }
 
 impl<'a> Mechanical<'a> {
@@ -117,7 +123,17 @@ impl<'a> Mechanical<'a> {
             step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
         let foundation =
             interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
-        Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation, seen: Mutex::default() }
+        Mechanical {
+            step,
+            interface,
+            rho,
+            response,
+            slip: Slip::Exact,
+            opening,
+            foundation,
+            seen: Mutex::default(),
+            holds: None,
+        }
     }
 
     /// Something of the laws at each point, laws on arrays evaluated for all points at once.
@@ -173,6 +189,7 @@ impl<'a> Mechanical<'a> {
             opening: self.opening.clone(),
             foundation: self.foundation.clone(),
             seen: Mutex::default(),
+            holds: self.holds.clone(),
         }
     }
 
@@ -283,8 +300,9 @@ impl MechanicalStep<'_> {
         w: &[f64],
         multipliers: &Multipliers,
     ) -> (Tangent, List<PointDerivative>) {
-        let term = Mechanical::new(self, Some(condensed));
+        let mut term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
+        term.find_motions(condensed);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
         let mut tangent = term.interface.empty_tangent();
         let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
@@ -293,6 +311,7 @@ impl MechanicalStep<'_> {
             laws.derivative(&term.interface.rows[i], self.dim)
         });
         let points = points.collect();
+        term.hold(&mut tangent, |i| resisting(&laws[i], self.dim));
         (tangent, points)
     }
 
@@ -434,6 +453,7 @@ impl Term for Mechanical<'_> {
             self.interface.scatter(i, &force.map(|f| -f), right);
             self.interface.add_tangent(i, &slope, &mut tangent);
         }
+        self.hold(&mut tangent, |i| resisting(&laws[i], self.step.dim));
         tangent
     }
 

@@ -6,7 +6,7 @@
 
 use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
-use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
+use crate::linalg::{Condensed, SolveError, Spring, Tangent, max_abs};
 use crate::list::List;
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
@@ -60,6 +60,8 @@ pub(super) struct Right<'a> {
     pub guess: &'a [f64],
     /// β and the anchor of a proximal term β diag(S) (x − anchor).
     pub proximal: Option<(f64, List<f64>)>,
+    /// The springs that hold motions at rest which nothing determines.
+    pub springs: &'a [Spring],
 }
 
 impl Right<'_> {
@@ -147,6 +149,7 @@ impl<T: Term> Evaluation<T> {
                 *rest -= beta * condensed.scale()[i] * (x[i] - anchor[i]);
             }
         }
+        right.springs.iter().for_each(|spring| spring.add(-spring.motion(x), &mut rest));
         let defects = term.defects(&laws);
         let mut errors = List::with_capacity(forces.len() + defects.len());
         errors.extend(forces.iter().zip(&rest).map(|(force, rest)| force - rest));

@@ -5,6 +5,7 @@ use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
+use super::settle::Settled;
 use super::{Failure, ITERATIONS, NotConverged, Solved};
 use crate::contact::PointOnBoundary;
 use crate::linalg::{Condensed, SolveError, max_abs};
@@ -26,7 +27,7 @@ const SHARPEST: f64 = 0.1;
 const APPROACH: usize = 20 * ITERATIONS;
 
 /// An iterate of the mechanical step.
-type Mechanics = Iterate<List<Multiplier>>;
+pub(super) type Mechanics = Iterate<List<Multiplier>>;
 
 impl MechanicalStep<'_> {
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for
@@ -41,15 +42,15 @@ impl MechanicalStep<'_> {
         guess: &[f64],
         multipliers: &mut Multipliers,
     ) -> Result<Solved, Failure> {
-        let term = Mechanical::new(self, Some(condensed));
+        let mut term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let [r, guess] = [r, guess].map(|v| term.interface.turned(v));
-        let right = Right { r: &r, guess: &guess, proximal: None };
+        term.find_motions(condensed);
         let start = Iterate { x: guess.clone(), multipliers: term.predicted(&guess, term.local(multipliers)) };
-        let (end, iterations) = term.solve(condensed, &right, start)?;
+        let Settled { end, iterations, loose, held } = term.solve_held(condensed, [&r, &guess], start)?;
         *multipliers = term.global(&end.multipliers);
         self.share(multipliers);
-        Ok(Solved { x: term.interface.back(&end.x), iterations })
+        Ok(Solved { x: term.interface.back(&end.x), iterations, loose, held })
     }
 
     /// Gives the points at a node and at one that follows it the same tractions, turned: they have the same unknowns,
@@ -104,7 +105,7 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step, with bounds that drop when slip starts on the right branches.
-    fn solve(
+    pub(super) fn solve(
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,

@@ -37,7 +37,7 @@ pub(super) const PREVIOUS: &str = "checkpoint/previous.bin";
 /// Where one is written before it becomes the newest.
 pub(super) const NEWER: &str = "checkpoint/newer.bin";
 const MAGIC: &[u8; 16] = b"amontons state\r\n";
-const VERSION: u32 = 12;
+const VERSION: u32 = 13;
 const HASH: usize = 32;
 const HEADER: usize = MAGIC.len() + 4 + HASH + 8;
 
@@ -157,6 +157,7 @@ struct Report {
     is_ambiguous: bool,
     residual: f64,
     coupling: CouplingReport,
+    loose: Vec<String>,
     force: Point,
     moments: List<Point>,
     heat_flow: f64,
@@ -215,6 +216,7 @@ impl Body {
                 is_ambiguous: report.is_ambiguous,
                 residual: report.residual,
                 coupling: report.coupling,
+                loose: report.loose.clone(),
                 force: contact.force,
                 moments: contact.moments.clone(),
                 heat_flow: contact.heat_flow,
@@ -264,6 +266,7 @@ impl Body {
             is_ambiguous: report.is_ambiguous,
             residual: report.residual,
             coupling: report.coupling,
+            loose: report.loose,
             reactions: report.reactions,
             contact: ContactReport {
                 weights: report.points.iter().map(|p| p.weight).collect(),
