@@ -44,6 +44,9 @@ pub struct Loose {
     columns: Vec<List<(u32, f64)>>,
     /// The part of each contact node, where it is, and how well its normal is known.
     nodes: Vec<Node>,
+    /// The part of each node of the mesh, and the first and the number of the motions of each part.
+    parts: Vec<u32>,
+    of_part: Vec<[usize; 2]>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -69,8 +72,10 @@ impl Loose {
         if floating.is_empty() {
             return loose;
         }
-        let part_of = part_of(mesh);
-        let part = |node: u32| part_of.get(node as usize).copied().unwrap_or(usize::MAX);
+        loose.parts = part_of(mesh);
+        let part_of = loose.parts.clone();
+        let part = |node: u32| part_of.get(node as usize).map_or(usize::MAX, |part| *part as usize);
+        loose.of_part = vec![[0; 2]; floating.iter().map(|motion| motion.part + 1).max().unwrap_or(0)];
         let doubts = doubts(mesh, contacts, &boundary.nodes);
         let position = |node: u32| mesh.points.get(node as usize).copied().unwrap_or_default();
         let of_node = |(node, doubt): (&u32, f64)| Node { x: position(*node), first: 0, count: 0, doubt };
@@ -95,10 +100,29 @@ impl Loose {
             for &i in &places {
                 (loose.nodes[i].first, loose.nodes[i].count) = (loose.motions.len(), motions.len());
             }
+            loose.of_part[number] = [loose.motions.len(), motions.len()];
             loose.motions.extend(motions);
             loose.columns.extend(columns);
         }
         loose
+    }
+
+    /// What forces over all nodes of the mesh, node-major, do along each of the motions: their sum, and that of their
+    /// sizes.
+    #[must_use]
+    pub fn loads(&self, mesh: &Mesh, forces: &[f64]) -> Vec<[f64; 2]> {
+        let mut loads = vec![[0.0; 2]; self.motions.len()];
+        for ((node, force), part) in forces.chunks_exact(mesh.dim).enumerate().zip(&self.parts) {
+            let (Some(x), Some([first, count])) = (mesh.points.get(node), self.of_part.get(*part as usize)) else {
+                continue;
+            };
+            let force: Point = std::array::from_fn(|c| force.get(c).copied().unwrap_or(0.0));
+            for (motion, load) in self.motions.iter().zip(&mut loads).skip(*first).take(*count) {
+                let v = motion.at(x);
+                *load = [load[0] + dot(&v, &force), load[1] + length(&v) * length(&force)];
+            }
+        }
+        loads
     }
 
     /// Whether there is no such motion.
@@ -122,12 +146,12 @@ impl Loose {
 }
 
 /// The part of each node of a mesh.
-fn part_of(mesh: &Mesh) -> Vec<usize> {
-    let mut part_of = vec![usize::MAX; mesh.points.len()];
+fn part_of(mesh: &Mesh) -> Vec<u32> {
+    let mut part_of = vec![u32::MAX; mesh.points.len()];
     for (number, part) in crate::mesh::defects::components(mesh).iter().enumerate() {
         for &node in &part.nodes {
             if let Some(part) = part_of.get_mut(node as usize) {
-                *part = number;
+                *part = number as u32;
             }
         }
     }
@@ -266,6 +290,30 @@ impl Jumps {
             Some(Free { a, vector, is_exact })
         });
         made.collect()
+    }
+
+    /// The largest distance between contact nodes along an axis.
+    pub fn extent(&self) -> f64 {
+        let along = |c: usize| {
+            let at = self.loose.nodes.iter().map(|node| node.x[c]);
+            at.clone().fold(f64::NEG_INFINITY, f64::max) - at.fold(f64::INFINITY, f64::min)
+        };
+        (0..3).map(along).fold(0.0, f64::max)
+    }
+
+    /// Whether a motion closes no point.
+    pub fn opens(&self, a: &[f64]) -> bool {
+        let most = a.iter().fold(0.0, |most: f64, a| most.max(a.abs()));
+        let normal = |jumps: &Vec<(u32, Local)>| jumps.iter().map(|(k, jump)| a[*k as usize] * jump[0]).sum::<f64>();
+        most > 0.0
+            && a.len() == self.loose.motions.len()
+            && self.points.iter().all(|jumps| normal(jumps) <= STILL * most * self.size)
+    }
+
+    /// The part of a vector over the unknowns, in the axes of space, that is a sum of the motions.
+    pub fn motion_of(&self, x: &[f64]) -> Vec<f64> {
+        let of = |column: &List<(u32, f64)>| column.iter().map(|(at, value)| value * x[*at as usize]).sum();
+        self.loose.columns.iter().map(of).collect()
     }
 
     /// What is not known of the jump of a point along a direction, by the motions.

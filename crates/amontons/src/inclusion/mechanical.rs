@@ -83,6 +83,8 @@ pub struct MechanicalStep<'a> {
     pub temperature: &'a [f64],
     /// The rigid motions of parts that nothing but contact holds.
     pub loose: &'a Arc<Loose>,
+    /// What the loads do along each of these motions, and what they would do if none of them cancelled.
+    pub loads: &'a [[f64; 2]],
 }
 
 /// The mechanical term of a step.
@@ -139,6 +141,11 @@ impl<'a> Mechanical<'a> {
     /// Something of the laws at each point, laws on arrays evaluated for all points at once.
     pub fn at_points<T: Send + 'static>(&self, of: impl Fn(usize) -> T) -> List<T> {
         per_point(&arrays(self.step.contacts), self.interface.len(), of)
+    }
+
+    /// ū_ν − g at a point, m.
+    pub fn opening(&self, i: usize) -> f64 {
+        self.opening.get(i).map_or(0.0, |[opening, _]| *opening)
     }
 
     pub fn contact(&self, i: usize) -> &Contact {

@@ -3,13 +3,14 @@
 
 use std::sync::Arc;
 
-use super::loose::{Free, Jumps, Resists, Undetermined};
+use super::Failure;
+use super::loose::{DOUBTFUL, Free, Jumps, Resists, Undetermined};
 use super::mechanical::Mechanical;
 use super::newton::{Right, Term};
 use super::point::Laws;
 use super::solve::Mechanics;
-use super::{Failure, NotConverged};
-use crate::linalg::{Condensed, Spring, Tangent};
+use crate::contact::Status;
+use crate::linalg::{Condensed, SolveError, Spring, Tangent, dot, max_abs};
 use crate::list::List;
 
 /// Share of the forces on a part, each by what it does along a motion, that drives it: less is round-off.
@@ -18,6 +19,10 @@ const DRIVES: f64 = 1e-6;
 /// not resisted at all, and one in doubt.
 const LEAST: f64 = 1e-9;
 const LARGE: f64 = 0.1;
+/// How many times the extent of all contact nodes and gaps is far away.
+const FAR: f64 = 1e3;
+/// Share of the forces along a motion that is out of balance where a body slides.
+const SLIPS: f64 = 1e-3;
 /// Stiffness of a point, relative to the largest of its tangent, below which it resists nothing.
 const RESISTS: f64 = 1e-9;
 
@@ -110,14 +115,14 @@ impl Mechanical<'_> {
             let (end, iterations) = self.solve(condensed, &Right { r, guess, proximal: None, springs: &[] }, start)?;
             return Ok(Settled { end, iterations, loose: Vec::new(), held: List::new() });
         };
-        let driven: Vec<Undetermined> = holds.held.iter().filter_map(|(free, _)| driven(free, r)).collect();
-        if holds.held.iter().any(|(free, _)| free.is_exact) && !driven.is_empty() {
+        let driven: Vec<Undetermined> = holds.held.iter().filter_map(|(free, _)| self.driven(free)).collect();
+        if !driven.is_empty() {
             return Err(Failure::Driven(driven));
         }
         let springs = holds.springs();
         let right = Right { r, guess, proximal: None, springs: &springs };
-        let (end, iterations) = self.solve(condensed, &right, start).map_err(|why| self.driven_by(why, r))?;
-        let excess = self.excess(r, &end);
+        let (end, iterations) = self.solve(condensed, &right, start)?;
+        let excess = self.excess(&end);
         if !excess.is_empty() {
             return Err(Failure::Driven(excess));
         }
@@ -132,10 +137,10 @@ impl Mechanical<'_> {
         (mut end, mut iterations): (Mechanics, usize),
     ) -> Result<Settled, Failure> {
         let free = self.left_free(&end);
-        let size = crate::linalg::dot(&end.x, &end.x).sqrt();
+        let size = dot(&end.x, &end.x).sqrt();
         let moves = |free: &&Free| {
             let share = if free.is_exact { LEAST } else { LARGE };
-            crate::linalg::dot(&free.vector, &end.x).abs() > share * size
+            dot(&free.vector, &end.x).abs() > share * size
         };
         let moving: Vec<Free> = free.iter().filter(moves).cloned().collect();
         let before = self.holds.clone();
@@ -145,7 +150,7 @@ impl Mechanical<'_> {
             }
             let springs = self.holds.as_ref().map(Holds::springs).unwrap_or_default();
             match self.solve(condensed, &Right { springs: &springs, ..right.clone() }, end.clone()) {
-                Ok((least, more)) if self.excess(right.r, &least).is_empty() => {
+                Ok((least, more)) if self.excess(&least).is_empty() => {
                     (end, iterations) = (least, iterations + more);
                 }
                 Ok(_) | Err(Failure::NotConverged(_) | Failure::Driven(_)) => self.holds = before,
@@ -172,38 +177,83 @@ impl Mechanical<'_> {
     }
 
     /// The motions that are held by more than what the mesh does not know of the forces of contact.
-    fn excess(&self, r: &[f64], end: &Mechanics) -> Vec<Undetermined> {
+    fn excess(&self, end: &Mechanics) -> Vec<Undetermined> {
         let Some(holds) = &self.holds else { return Vec::new() };
         let laws = self.laws(&end.x, &end.multipliers);
         let of = |(free, spring): &(Free, Spring)| {
             let load = spring.stiffness * spring.motion(&end.x);
+            let size = max_abs(&free.vector);
             let of_point = |(i, laws): (usize, &Laws)| {
                 let [p, q1, q2] = laws.force();
                 let doubt = holds.jumps.doubt(i, &[[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], &free.a);
-                self.interface.rows[i].weight * (p.abs() + q1.hypot(q2)) * doubt
+                self.interface.rows[i].weight * (p.abs() + q1.hypot(q2)) * (DOUBTFUL * doubt + DRIVES * size)
             };
             let doubtful: f64 = laws.iter().enumerate().map(of_point).sum();
-            let is_borne = load.abs() <= super::loose::DOUBTFUL * doubtful + DRIVES * along(free, r);
-            (!is_borne).then(|| Undetermined { load, sum: free.a.to_vec() })
+            (load.abs() > doubtful + DRIVES * self.load(free)[1]).then(|| Undetermined { load, sum: free.a.to_vec() })
         };
         holds.held.iter().filter_map(of).collect()
     }
 
-    /// Why a step has no solution: what drives the body, where no contact holds it against its load.
-    fn driven_by(&self, why: Failure, _r: &[f64]) -> Failure {
-        match why {
-            Failure::NotConverged(NotConverged { .. }) | Failure::Linear(_) | Failure::Driven(_) => why,
+    /// What the loads do along a motion, and what they would do if none of them cancelled.
+    fn load(&self, free: &Free) -> [f64; 2] {
+        let terms = || free.a.iter().zip(self.step.loads);
+        [terms().map(|(a, load)| a * load[0]).sum(), terms().map(|(a, load)| a.abs() * load[1]).sum()]
+    }
+
+    /// What the loads do along a motion that no contact resists, if it is not their round-off.
+    fn driven(&self, free: &Free) -> Option<Undetermined> {
+        let [load, size] = self.load(free);
+        (free.is_exact && load.abs() > DRIVES * size).then(|| Undetermined { load, sum: free.a.to_vec() })
+    }
+
+    /// Beyond which distance a part of the body meets nothing, as a velocity in m/s; infinite where no part is loose.
+    pub fn far(&self) -> f64 {
+        let Some(holds) = &self.holds else { return f64::INFINITY };
+        let gap = (0..self.interface.len()).map(|i| self.opening(i).abs()).fold(0.0, f64::max);
+        FAR * (holds.jumps.extent() + gap) / self.step.rule.gamma
+    }
+
+    /// The rigid motion that drives the parts of the body apart without end: that of the loads, if it closes no point,
+    /// else that which a direction is made of.
+    pub fn moved(&self, direction: &[f64]) -> Vec<Undetermined> {
+        let Some(holds) = &self.holds else { return Vec::new() };
+        let loads: Vec<f64> = self.step.loads.iter().map(|[load, _]| *load).collect();
+        let sum =
+            if holds.jumps.opens(&loads) { loads } else { holds.jumps.motion_of(&self.interface.back(direction)) };
+        vec![Undetermined { sum, load: 0.0 }]
+    }
+
+    /// The motions that the points resist by no more than slip at an iterate, and that are not in balance.
+    pub fn slipping(
+        &self,
+        condensed: &dyn Condensed,
+        right: &Right,
+        at: &Mechanics,
+    ) -> Result<Vec<Undetermined>, SolveError> {
+        let Some(holds) = &self.holds else { return Ok(Vec::new()) };
+        let laws = self.laws(&at.x, &at.multipliers);
+        let resists = |i: usize| {
+            let [normal, first, second] = resisting(&laws[i], self.step.dim);
+            if laws[i].status == Status::Slip { [normal, [0.0; 3], [0.0; 3]] } else { [normal, first, second] }
+        };
+        let free = holds.jumps.free(&self.interface, resists, &holds.frees(), (false, holds.scale.len()));
+        let increment: List<f64> = at.x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
+        let inner = condensed.apply(&increment)?;
+        let mut forces = List::filled(0.0, at.x.len());
+        for (i, laws) in laws.iter().enumerate() {
+            self.interface.scatter(i, &laws.projected(), &mut forces);
         }
+        let rest: List<f64> = right.r.iter().zip(&inner).zip(&forces).map(|((r, s), f)| r - s - f).collect();
+        let drives = |free: &Free| {
+            let load = dot(&free.vector, &rest);
+            (load.abs() > SLIPS * along(free, &forces).max(along(free, right.r)))
+                .then(|| Undetermined { load, sum: free.a.to_vec() })
+        };
+        Ok(free.iter().filter_map(drives).collect())
     }
 }
 
 /// The sizes of forces by what they do along a motion.
 fn along(free: &Free, r: &[f64]) -> f64 {
     free.vector.iter().zip(r).map(|(v, r)| (v * r).abs()).sum()
-}
-
-/// What forces do along a motion, if it is not their round-off.
-fn driven(free: &Free, r: &[f64]) -> Option<Undetermined> {
-    let load = crate::linalg::dot(&free.vector, r);
-    (free.is_exact && load.abs() > DRIVES * along(free, r)).then(|| Undetermined { load, sum: free.a.to_vec() })
 }

@@ -106,7 +106,7 @@ impl Teller<'_> {
             return format!("{} along the axis of revolution", verb("moves", "move"));
         }
         let rate = length(&turn);
-        if rate * self.size <= NOTHING * most {
+        if rate * self.size <= DIGITS * most {
             return format!("{} along {}", verb("moves", "move"), self.direction(&shift));
         }
         let (verb, axis) = (verb("turns", "turn"), turn.map(|c| c / rate));

@@ -76,6 +76,8 @@ pub(super) struct Given {
     pub frames: List<Frame>,
     /// The temperature that the half-step is made with, at the contact points.
     temperature: List<f64>,
+    /// What the loads do along the rigid motions that nothing but contact holds.
+    loads: Vec<[f64; 2]>,
 }
 
 impl Given {
@@ -87,6 +89,7 @@ impl Given {
             w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
             frames: frames(problem, boundary, &old.u, &old.surface.wear, [old.t, t]),
             temperature: List::new(),
+            loads: Vec::new(),
         }
     }
 
@@ -122,6 +125,7 @@ impl Given {
             frames: &self.frames,
             temperature: &self.temperature,
             loose: step.loose,
+            loads: &self.loads,
         })
     }
 
@@ -270,6 +274,7 @@ impl<'a> Equation<'a> {
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_at(theta);
+        given.loads = step.loose.loads(&step.discrete.mesh, &load);
         let numbers = |Frame { gap, gap_rate, normal: n, velocity: v }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
