@@ -174,7 +174,7 @@ impl Mechanical<'_> {
         let free = Multiplier::default();
         let laws = self.at_points(|i| self.laws_with(i, w, &free, self.in_energy(i, soft)));
         let increment: List<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
-        let mut f = condensed.apply(&increment)?;
+        let mut f = right.product(condensed, increment)?;
         right.springs.iter().for_each(|spring| spring.add(spring.motion(w), &mut f));
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);

@@ -47,6 +47,8 @@ pub struct Loose {
     /// The part of each node of the mesh, and the first and the number of the motions of each part.
     parts: Vec<u32>,
     of_part: Vec<[usize; 2]>,
+    /// Number of unknowns of the contact nodes.
+    unknowns: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -72,6 +74,10 @@ impl Loose {
         if floating.is_empty() {
             return loose;
         }
+        let mut all: Vec<u32> = unknown.iter().copied().flatten().collect();
+        all.sort_unstable();
+        all.dedup();
+        loose.unknowns = all.len();
         loose.parts = part_of(mesh);
         let part_of = loose.parts.clone();
         let part = |node: u32| part_of.get(node as usize).map_or(usize::MAX, |part| *part as usize);
@@ -189,8 +195,11 @@ pub(super) struct Jumps {
     /// N_i Z of each point by its motions, and what the mesh does not know of it.
     points: List<Vec<(u32, Local)>>,
     doubts: List<Doubt>,
-    /// Largest value of a motion at an unknown.
+    /// The motions over the unknowns in the bases of the nodes, orthonormal.
+    columns: Vec<List<(u32, f64)>>,
+    /// Largest value of a motion at an unknown, and the number of unknowns of the contact nodes.
     size: f64,
+    covers: usize,
 }
 
 /// How well the jump of a point is known: up to an angle, and along a turn common to both sides up to a distance.
@@ -219,10 +228,11 @@ impl Jumps {
         let count = loose.motions.len();
         let mut points = List::filled(Vec::new(), interface.len());
         let unit = |k: usize| -> List<f64> { (0..count).map(|j| f64::from(u8::from(j == k))).collect() };
-        let mut most = 0.0;
+        let (mut most, mut columns) = (0.0, Vec::new());
         for k in 0..count {
             let column = interface.turned(&loose.vector(&unit(k), size));
             most = column.iter().fold(most, |most: f64, value| most.max(value.abs()));
+            columns.push((0u32..).zip(column.iter().copied()).filter(|(_, value)| *value != 0.0).collect());
             for (i, point) in points.iter_mut().enumerate().filter(|(i, _)| boundary.points[*i].weight > 0.0) {
                 let jump = interface.change(i, &column);
                 if jump.iter().any(|c| *c != 0.0) {
@@ -244,7 +254,7 @@ impl Jumps {
             }
         };
         let doubts = boundary.points.iter().map(doubt).collect();
-        Jumps { loose: Arc::clone(loose), points, doubts, size: most }
+        Jumps { loose: Arc::clone(loose), points, doubts, columns, size: most, covers: loose.unknowns }
     }
 
     /// The motions that the directions in which points resist leave free, beside those that are held already. With
@@ -290,6 +300,26 @@ impl Jumps {
             Some(Free { a, vector, is_exact })
         });
         made.collect()
+    }
+
+    /// The number of unknowns of the contact nodes.
+    pub fn covers(&self) -> usize {
+        self.covers
+    }
+
+    /// Takes the rigid motions off a vector over the unknowns.
+    pub fn take_off(&self, x: &mut [f64]) {
+        for column in &self.columns {
+            let share: f64 = column.iter().map(|(at, value)| value * x[*at as usize]).sum();
+            column.iter().for_each(|(at, value)| x[*at as usize] -= share * value);
+        }
+    }
+
+    /// Adds the forces that do along each motion what is given, to forces that do nothing.
+    pub fn put_on(&self, loads: &[[f64; 2]], r: &mut [f64]) {
+        for (column, [load, _]) in self.columns.iter().zip(loads) {
+            column.iter().for_each(|(at, value)| r[*at as usize] += load * value);
+        }
     }
 
     /// The largest distance between contact nodes along an axis.

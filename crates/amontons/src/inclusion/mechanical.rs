@@ -2,6 +2,7 @@
 
 use std::sync::{Arc, Mutex, PoisonError};
 
+use super::STIFF;
 use super::frame::{Frame, PointDerivative, PointState};
 use super::friction::Slip;
 use super::interface::{Interface, LocalTangent, Row};
@@ -25,6 +26,8 @@ const SHARPEST: f64 = 1024.0;
 /// Relative change of a pressure within the round-off of the penetration above which the law jumps there. Of a law
 /// without a jump it is at most 1e-9 of the largest pressure, by the number above; a jump is of the order of one.
 const JUMP: f64 = 1e-3;
+/// Least stiffness of a point over ρ: a few iterations more, however unlike the parts are.
+const LEAST_STIFF: f64 = 1024.0;
 /// Iterates whose states are kept, to name the points that do not settle where a step fails.
 const SEEN: usize = 8;
 
@@ -96,6 +99,8 @@ pub(super) struct Mechanical<'a> {
     pub response: List<Response>,
     /// How friction is taken at all points.
     pub slip: Slip,
+    /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
+    stiff: f64,
     /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
     opening: List<[f64; 2]>,
     /// v_F along the tangents at each point.
@@ -125,8 +130,10 @@ impl<'a> Mechanical<'a> {
             step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
         let foundation =
             interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
+        let stiff = if step.loose.is_empty() { STIFF } else { stiff_beside(&rho) };
         Mechanical {
             step,
+            stiff,
             interface,
             rho,
             response,
@@ -178,6 +185,7 @@ impl<'a> Mechanical<'a> {
             response,
             rho: self.rho[i],
             slip: self.slip,
+            stiff: self.stiff,
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),
             is_smooth: self.step.boundary.points[i].is_smooth,
@@ -193,6 +201,7 @@ impl<'a> Mechanical<'a> {
             rho: self.rho.clone(),
             response: self.response.clone(),
             slip,
+            stiff: self.stiff,
             opening: self.opening.clone(),
             foundation: self.foundation.clone(),
             seen: Mutex::default(),
@@ -535,6 +544,16 @@ impl Term for Mechanical<'_> {
         points.sort_by(|(a, _), (b, _)| left[*b].total_cmp(&left[*a]));
         points
     }
+}
+
+/// Stiffness of a point that sticks over ρ where rigid motions of stiff parts are held by soft ones. The round-off of
+/// stiff points is ε times their stiffness, and has to be as far below that of the soft parts as these are below their
+/// own points: κ the ratio of the largest and the least ρ, that is 2/√(ε κ), 2²⁷ where all are alike.
+fn stiff_beside(rho: &[f64]) -> f64 {
+    let some = || rho.iter().copied().filter(|rho| *rho > 0.0);
+    let (least, most) = (some().fold(f64::INFINITY, f64::min), some().fold(0.0, f64::max));
+    let ratio = if most > least { most / least } else { 1.0 };
+    (2.0 / (f64::EPSILON * ratio).sqrt()).clamp(LEAST_STIFF, STIFF)
 }
 
 /// The tangential components.

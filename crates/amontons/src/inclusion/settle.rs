@@ -112,7 +112,8 @@ impl Mechanical<'_> {
         start: Mechanics,
     ) -> Result<Settled, Failure> {
         let Some(holds) = &self.holds else {
-            let (end, iterations) = self.solve(condensed, &Right { r, guess, proximal: None, springs: &[] }, start)?;
+            let right = Right { r, guess, proximal: None, springs: &[], rigid: None };
+            let (end, iterations) = self.solve(condensed, &right, start)?;
             return Ok(Settled { end, iterations, loose: Vec::new(), held: List::new() });
         };
         let driven: Vec<Undetermined> = holds.held.iter().filter_map(|(free, _)| self.driven(free)).collect();
@@ -120,7 +121,15 @@ impl Mechanical<'_> {
             return Err(Failure::Driven(driven));
         }
         let springs = holds.springs();
-        let right = Right { r, guess, proximal: None, springs: &springs };
+        // Where the interior is eliminated the unknowns are those of the contact nodes, and the resultants are known.
+        let jumps = Arc::clone(&holds.jumps);
+        let rigid = (jumps.covers() == condensed.len()).then_some(&*jumps);
+        let mut r = List::copied(r);
+        if let Some(rigid) = rigid {
+            rigid.take_off(&mut r);
+            rigid.put_on(self.step.loads, &mut r);
+        }
+        let right = Right { r: &r, guess, proximal: None, springs: &springs, rigid };
         let (end, iterations) = self.solve(condensed, &right, start)?;
         let excess = self.excess(&end);
         if !excess.is_empty() {
@@ -232,13 +241,15 @@ impl Mechanical<'_> {
     ) -> Result<Vec<Undetermined>, SolveError> {
         let Some(holds) = &self.holds else { return Ok(Vec::new()) };
         let laws = self.laws(&at.x, &at.multipliers);
+        // Along motions that close no point: what opens may yet be held.
         let resists = |i: usize| {
-            let [normal, first, second] = resisting(&laws[i], self.step.dim);
-            if laws[i].status == Status::Slip { [normal, [0.0; 3], [0.0; 3]] } else { [normal, first, second] }
+            let [_, first, second] = resisting(&laws[i], self.step.dim);
+            let sticks = laws[i].status == Status::Stick;
+            [[1.0, 0.0, 0.0], if sticks { first } else { [0.0; 3] }, if sticks { second } else { [0.0; 3] }]
         };
         let free = holds.jumps.free(&self.interface, resists, &holds.frees(), (false, holds.scale.len()));
         let increment: List<f64> = at.x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
-        let inner = condensed.apply(&increment)?;
+        let inner = right.product(condensed, increment)?;
         let mut forces = List::filled(0.0, at.x.len());
         for (i, laws) in laws.iter().enumerate() {
             self.interface.scatter(i, &laws.projected(), &mut forces);
@@ -246,14 +257,10 @@ impl Mechanical<'_> {
         let rest: List<f64> = right.r.iter().zip(&inner).zip(&forces).map(|((r, s), f)| r - s - f).collect();
         let drives = |free: &Free| {
             let load = dot(&free.vector, &rest);
-            (load.abs() > SLIPS * along(free, &forces).max(along(free, right.r)))
+            let [acts, size] = self.load(free);
+            (acts.abs() > SLIPS * size && load.abs() > SLIPS * acts.abs())
                 .then(|| Undetermined { load, sum: free.a.to_vec() })
         };
         Ok(free.iter().filter_map(drives).collect())
     }
-}
-
-/// The sizes of forces by what they do along a motion.
-fn along(free: &Free, r: &[f64]) -> f64 {
-    free.vector.iter().zip(r).map(|(v, r)| (v * r).abs()).sum()
 }

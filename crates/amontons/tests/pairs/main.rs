@@ -6,6 +6,7 @@ mod common;
 
 mod automatic;
 mod faults;
+mod loose;
 mod manufactured;
 mod mortar;
 mod orders;
