@@ -57,6 +57,7 @@ pub mod output;
 pub mod plot;
 pub mod problem;
 pub mod quadrature;
+pub mod rigid;
 pub mod run;
 pub mod scheme;
 pub mod space;

@@ -109,6 +109,8 @@ findings! {
     AbsoluteZero = "absolute-zero", Warning, Mechanics;
     /// Penetration deeper than a cell.
     Penetration = "penetration", Warning, Mechanics;
+    /// Rigid motions that nothing determines.
+    Undetermined = "undetermined-motion", Warning, Mechanics;
 }
 
 /// The equations that a problem must have for a finding to say something about it.

@@ -16,7 +16,7 @@ use super::mechanical::Mechanical;
 use super::newton::Right;
 use super::normal::Response;
 use super::point::{Laws, Multiplier};
-use super::{ITERATIONS, STIFF};
+use super::{Failure, ITERATIONS, STIFF};
 use crate::contact::GraphKind;
 use crate::linalg::{Condensed, SolveError, Tangent, dot, max_abs};
 use crate::list::List;
@@ -55,11 +55,7 @@ impl Mechanical<'_> {
 
     /// The minimum of the energy, or what is reached of it, and the Newton iterations. Layers are taken as softer than
     /// they are at first: then few points open and close in each iteration, however stiff the layers are.
-    pub(super) fn descend(
-        &self,
-        condensed: &mut dyn Condensed,
-        right: &Right,
-    ) -> Result<(List<f64>, usize), SolveError> {
+    pub(super) fn descend(&self, condensed: &mut dyn Condensed, right: &Right) -> Result<(List<f64>, usize), Failure> {
         let mut reached = (List::copied(right.guess), 0);
         for soft in SOFTENED.map(Some).into_iter().filter(|soft| self.is_softer(*soft)).chain([None]) {
             reached = self.descend_from(condensed, right, reached, soft)?;
@@ -86,7 +82,7 @@ impl Mechanical<'_> {
         right: &Right,
         (mut w, before): (List<f64>, usize),
         soft: Option<f64>,
-    ) -> Result<(List<f64>, usize), SolveError> {
+    ) -> Result<(List<f64>, usize), Failure> {
         let mut now = self.gradient(condensed, right, &w, soft)?;
         let (mut least, mut stalled) = (f64::INFINITY, 0);
         let enough = if soft.is_some() { NEAR } else { FOUND };
@@ -100,10 +96,11 @@ impl Mechanical<'_> {
             }
             let Some(step) = self.downhill(condensed, &now)? else { return Ok((w, iteration)) };
             let start = dot(&now.f, &step);
-            let Some((next, there)) = self.search(condensed, right, [&w, &step], start, soft)? else {
-                return Ok((w, iteration));
-            };
-            (w, now) = (next, there);
+            match self.search(condensed, right, [&w, &step], start, soft)? {
+                Searched::Found(next, there) => (w, now) = (next, *there),
+                Searched::Lost => return Ok((w, iteration)),
+                Searched::Escapes => return Err(Failure::Driven(self.moved(&step))),
+            }
         }
         Ok((w, before + ITERATIONS))
     }
@@ -130,7 +127,8 @@ impl Mechanical<'_> {
         Ok(leads_down(&step).then_some(step))
     }
 
-    /// The point on a direction where the energy has fallen far enough.
+    /// The point on a direction where the energy has fallen far enough. Where it still falls when the parts of the body
+    /// are far beyond each other, it falls for ever.
     fn search(
         &self,
         condensed: &dyn Condensed,
@@ -138,17 +136,21 @@ impl Mechanical<'_> {
         [w, step]: [&[f64]; 2],
         start: f64,
         soft: Option<f64>,
-    ) -> Result<Option<(List<f64>, Gradient)>, SolveError> {
+    ) -> Result<Searched, SolveError> {
         let (mut low, mut high, mut alpha) = (0.0, f64::INFINITY, 1.0);
+        let far = self.far() / max_abs(step);
         for _ in 0..SEARCH {
             let there: List<f64> = w.iter().zip(step).map(|(w, step)| w + alpha * step).collect();
             let gradient = self.gradient(condensed, right, &there, soft)?;
             let share = dot(&gradient.f, step) / start.abs();
             if (ENOUGH[0]..=ENOUGH[1]).contains(&share) {
-                return Ok(Some((there, gradient)));
+                return Ok(Searched::Found(there, Box::new(gradient)));
             }
             if share < 0.0 {
                 low = alpha;
+                if low > far {
+                    return Ok(Searched::Escapes);
+                }
             } else {
                 high = alpha;
             }
@@ -159,7 +161,7 @@ impl Mechanical<'_> {
                 (true, true) => 0.5 * (low + high),
             };
         }
-        Ok(None)
+        Ok(Searched::Lost)
     }
 
     fn gradient(
@@ -172,7 +174,8 @@ impl Mechanical<'_> {
         let free = Multiplier::default();
         let laws = self.at_points(|i| self.laws_with(i, w, &free, self.in_energy(i, soft)));
         let increment: List<f64> = w.iter().zip(right.guess).map(|(w, guess)| w - guess).collect();
-        let mut f = condensed.apply(&increment)?;
+        let mut f = right.product(condensed, increment)?;
+        right.springs.iter().for_each(|spring| spring.add(spring.motion(w), &mut f));
         let mut scale = max_abs(&f).max(max_abs(right.r));
         f.iter_mut().zip(right.r).for_each(|(f, r)| *f -= r);
         let mut forces = List::filled(0.0, w.len());
@@ -223,8 +226,22 @@ impl Mechanical<'_> {
             }
             self.interface.add_tangent(i, &tangent, &mut curvature);
         }
+        let resists = |i: usize| {
+            let firm = |is: bool| f64::from(u8::from(is));
+            let [normal, drag] = [firm(now.laws[i].normal.slope > 0.0), firm(self.drag(i) > 0.0)];
+            [[normal, 0.0, 0.0], [0.0, drag, 0.0], [0.0, 0.0, drag]]
+        };
+        self.hold(&mut curvature, resists);
         curvature
     }
+}
+
+/// Where a search has ended.
+enum Searched {
+    Found(List<f64>, Box<Gradient>),
+    Lost,
+    /// The energy falls for ever: the body leaves what could hold it.
+    Escapes,
 }
 
 /// F at a velocity, its largest term, and the contact points.

@@ -58,6 +58,8 @@ pub(super) struct Friction {
     z_length: f64,
     is_smooth: bool,
     shape: Option<Shape>,
+    /// Stiffness of a point that sticks over ρ.
+    pub stiff: f64,
 }
 
 impl Friction {
@@ -68,7 +70,19 @@ impl Friction {
             let z_length = z[0].hypot(z[1]).hypot(speed);
             let round = z.map(|c| c * (bound / z_length));
             let projected = shape.map_or(round, |s| map(&s.factor, &round));
-            return Friction { q, slip, bound, sticks: false, projected, rho, z, z_length, is_smooth: true, shape };
+            return Friction {
+                q,
+                slip,
+                bound,
+                sticks: false,
+                projected,
+                rho,
+                z,
+                z_length,
+                is_smooth: true,
+                shape,
+                stiff: STIFF,
+            };
         }
         let (round_q, round_slip) = shape.map_or((q, slip), |s| (map(&s.inverse, &q), map(&s.factor, &slip)));
         let z: Tangential = std::array::from_fn(|a| round_q[a] + rho * round_slip[a]);
@@ -76,7 +90,7 @@ impl Friction {
         let sticks = z_length <= bound;
         let round = if sticks { z } else { z.map(|c| c * (bound / z_length)) };
         let projected = shape.map_or(round, |s| map(&s.factor, &round));
-        Friction { q, slip, bound, sticks, projected, rho, z, z_length, is_smooth: false, shape }
+        Friction { q, slip, bound, sticks, projected, rho, z, z_length, is_smooth: false, shape, stiff: STIFF }
     }
 
     /// Slip speed ‖w_τ − v_F‖ in m/s.
@@ -129,7 +143,7 @@ impl Friction {
                 }
             }
         } else if self.sticks {
-            let stiffness = STIFF * self.rho;
+            let stiffness = self.stiff * self.rho;
             for a in 0..2 {
                 force[a] = q[a] + stiffness * slip[a];
                 tangent[a][a] = stiffness;
@@ -140,7 +154,7 @@ impl Friction {
             // there.
             let n = self.z.map(|c| c / self.z_length);
             let m = [-n[1], n[0]];
-            let turn = (self.bound / (self.z_length - self.bound)).min(STIFF);
+            let turn = (self.bound / (self.z_length - self.bound)).min(self.stiff);
             let across = q[0] * m[0] + q[1] * m[1];
             for a in 0..2 {
                 force[a] = (self.bound + change) * n[a];

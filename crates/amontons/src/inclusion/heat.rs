@@ -175,7 +175,7 @@ impl HeatStep<'_> {
         let rho = interface.stiffness(self.boundary, self.unknown, condensed.scale());
         let lambda = rho.iter().map(|rho| if *rho > 0.0 { rho.recip() } else { 0.0 }).collect();
         let term = Thermal { step: self, interface, lambda };
-        let right = Right { r, guess, proximal: None, is_repeated: false };
+        let right = Right { r, guess, proximal: None, is_repeated: false, springs: &[], rigid: None };
         let start = Iterate { x: List::copied(guess), multipliers: term.start(guess) };
         let outcome = iterate(
             &term,
@@ -188,7 +188,8 @@ impl HeatStep<'_> {
             return Err(failure.into());
         }
         let exchange = term.exchange(&outcome.end.x, &outcome.end.multipliers);
-        Ok((Solved { x: outcome.end.x, iterations: outcome.iterations }, exchange))
+        let solved = Solved { x: outcome.end.x, iterations: outcome.iterations, ..Solved::default() };
+        Ok((solved, exchange))
     }
 
     /// The derivative of Σ ω Nᵀ q·ν in θ at a solution. A foundation with a heat capacity follows all of its contact

@@ -1,14 +1,17 @@
 //! The mechanical step on Γ_C: normal contact, friction and wear.
 
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 
+use super::STIFF;
 use super::frame::{Frame, PointDerivative, PointState};
 use super::friction::Slip;
 use super::interface::{Interface, LocalTangent, Row};
+use super::loose::Loose;
 use super::newton::Term;
 use super::normal::Response;
 use super::point::{Kinematics, Laws, Multiplier, Site};
 use super::rule::Rule;
+use super::settle::{Holds, resisting};
 use crate::arrays::per_point;
 use crate::contact::{Contact, ContactBoundary, ContactPoint, GraphKind, Status, arrays};
 use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
@@ -23,6 +26,8 @@ const SHARPEST: f64 = 1024.0;
 /// Relative change of a pressure within the round-off of the penetration above which the law jumps there. Of a law
 /// without a jump it is at most 1e-9 of the largest pressure, by the number above; a jump is of the order of one.
 const JUMP: f64 = 1e-3;
+/// Least stiffness of a point over ρ: a few iterations more, however unlike the parts are.
+const LEAST_STIFF: f64 = 1024.0;
 /// Iterates whose states are kept, to name the points that do not settle where a step fails.
 const SEEN: usize = 8;
 
@@ -81,6 +86,10 @@ pub struct MechanicalStep<'a> {
     pub temperature: &'a [f64],
     /// Whether the step is solved again for what the round-off leaves.
     pub is_repeated: bool,
+    /// The rigid motions of parts that nothing but contact holds.
+    pub loose: &'a Arc<Loose>,
+    /// What the loads do along each of these motions, and what they would do if none of them cancelled.
+    pub loads: &'a [[f64; 2]],
 }
 
 /// The mechanical term of a step.
@@ -92,12 +101,16 @@ pub(super) struct Mechanical<'a> {
     pub response: List<Response>,
     /// How friction is taken at all points.
     pub slip: Slip,
+    /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
+    stiff: f64,
     /// ū_ν − g at each point, m, and the size of the terms it is the difference of.
     opening: List<[f64; 2]>,
     /// v_F along the tangents at each point.
     foundation: List<[f64; 2]>,
     /// States of the points at the last iterates that were evaluated, the last one last.
     seen: Mutex<[List<Status>; SEEN]>,
+    /// What holds rigid motions; none where the parts are held.
+    pub holds: Option<Holds>,
 }
 
 impl<'a> Mechanical<'a> {
@@ -119,12 +132,29 @@ impl<'a> Mechanical<'a> {
             step.boundary.points.iter().zip(step.frames).map(|(point, frame)| step.opening(point, frame)).collect();
         let foundation =
             interface.rows.iter().zip(step.frames).map(|(row, frame)| tail(row.local(&frame.velocity))).collect();
-        Mechanical { step, interface, rho, response, slip: Slip::Exact, opening, foundation, seen: Mutex::default() }
+        let stiff = if step.loose.is_empty() { STIFF } else { stiff_beside(&rho) };
+        Mechanical {
+            step,
+            stiff,
+            interface,
+            rho,
+            response,
+            slip: Slip::Exact,
+            opening,
+            foundation,
+            seen: Mutex::default(),
+            holds: None,
+        }
     }
 
     /// Something of the laws at each point, laws on arrays evaluated for all points at once.
     pub fn at_points<T: Send + 'static>(&self, of: impl Fn(usize) -> T) -> List<T> {
         per_point(&arrays(self.step.contacts), self.interface.len(), of)
+    }
+
+    /// ū_ν − g at a point, m.
+    pub fn opening(&self, i: usize) -> f64 {
+        self.opening.get(i).map_or(0.0, |[opening, _]| *opening)
     }
 
     pub fn contact(&self, i: usize) -> &Contact {
@@ -159,6 +189,7 @@ impl<'a> Mechanical<'a> {
             response,
             rho: self.rho[i],
             slip: self.slip,
+            stiff: self.stiff,
             in_space: self.step.dim == 3,
             slides_out: self.slides_out(i),
             held: self.held(i),
@@ -175,9 +206,11 @@ impl<'a> Mechanical<'a> {
             rho: self.rho.clone(),
             response: self.response.clone(),
             slip,
+            stiff: self.stiff,
             opening: self.opening.clone(),
             foundation: self.foundation.clone(),
             seen: Mutex::default(),
+            holds: self.holds.clone(),
         }
     }
 
@@ -218,7 +251,7 @@ impl<'a> Mechanical<'a> {
 
     /// Along which tangents there is no friction, since both sides are held alike there. A tie in space holds them all the
     /// same; in the plane there is nothing to tie.
-    fn held(&self, i: usize) -> [bool; 2] {
+    pub fn held(&self, i: usize) -> [bool; 2] {
         let in_space = self.step.dim == 3;
         match self.step.boundary.points[i].held.iter().filter(|held| **held != [0.0; 3]).count() {
             0 => [false; 2],
@@ -303,8 +336,9 @@ impl MechanicalStep<'_> {
         w: &[f64],
         multipliers: &Multipliers,
     ) -> (Tangent, List<PointDerivative>) {
-        let term = Mechanical::new(self, Some(condensed));
+        let mut term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
+        term.find_motions(condensed);
         let (w, local) = (term.interface.turned(w), term.local(multipliers));
         let mut tangent = term.interface.empty_tangent();
         let laws = term.at_points(|i| term.laws_at(i, &w, &local[i]));
@@ -313,6 +347,7 @@ impl MechanicalStep<'_> {
             laws.derivative(&term.interface.rows[i], self.dim)
         });
         let points = points.collect();
+        term.hold(&mut tangent, |i| resisting(&laws[i], self.dim));
         (tangent, points)
     }
 
@@ -454,6 +489,7 @@ impl Term for Mechanical<'_> {
             self.interface.scatter(i, &force.map(|f| -f), right);
             self.interface.add_tangent(i, &slope, &mut tangent);
         }
+        self.hold(&mut tangent, |i| resisting(&laws[i], self.step.dim));
         tangent
     }
 
@@ -528,6 +564,16 @@ impl Term for Mechanical<'_> {
         points.sort_by(|(a, _), (b, _)| left[*b].total_cmp(&left[*a]));
         points
     }
+}
+
+/// Stiffness of a point that sticks over ρ where rigid motions of stiff parts are held by soft ones. The round-off of
+/// stiff points is ε times their stiffness, and has to be as far below that of the soft parts as these are below their
+/// own points: κ the ratio of the largest and the least ρ, that is 2/√(ε κ), 2²⁷ where all are alike.
+fn stiff_beside(rho: &[f64]) -> f64 {
+    let some = || rho.iter().copied().filter(|rho| *rho > 0.0);
+    let (least, most) = (some().fold(f64::INFINITY, f64::min), some().fold(0.0, f64::max));
+    let ratio = if most > least { most / least } else { 1.0 };
+    (2.0 / (f64::EPSILON * ratio).sqrt()).clamp(LEAST_STIFF, STIFF)
 }
 
 /// The tangential components.

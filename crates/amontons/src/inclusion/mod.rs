@@ -23,23 +23,27 @@
 //! | `passed` | heat that passes a contact, by what it passes by |
 //! | `newton` | the semismooth Newton iteration over a term |
 //! | `solve`, `descent` | what is done where it does not end |
+//! | `loose`, `settle` | rigid motions that contact leaves free, and what holds them |
 
 mod descent;
 mod frame;
 mod friction;
 mod heat;
 mod interface;
+mod loose;
 mod mechanical;
 mod newton;
 mod normal;
 mod passed;
 mod point;
 mod rule;
+mod settle;
 mod solve;
 
 pub use frame::{Frame, PointDerivative, PointState, PointTangent};
 pub use heat::{Exchange, HeatStep, Lumped};
 pub use interface::{Interface, Local, LocalTangent, Row, basis};
+pub use loose::{Loose, Undetermined};
 pub use mechanical::{MechanicalStep, Multipliers};
 pub use passed::Passed;
 pub use rule::Rule;
@@ -64,12 +68,16 @@ pub(crate) const BESIDE: f64 = 1e-4;
 pub(crate) const GROWN: f64 = 10.0;
 
 /// A nonsmooth iteration that ended.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Solved {
     /// The unknowns on Γ_C.
     pub x: List<f64>,
     /// Newton iterations.
     pub iterations: usize,
+    /// The rigid motions that nothing determines.
+    pub loose: Vec<Undetermined>,
+    /// The forces of the springs that hold some of them, by unknown, N; empty if they bear nothing.
+    pub held: List<f64>,
 }
 
 /// Why a step on Γ_C has no solution.
@@ -79,6 +87,8 @@ pub enum Failure {
     NotConverged(NotConverged),
     /// The condensed system could not be applied or solved.
     Linear(SolveError),
+    /// Loads drive rigid motions that nothing resists.
+    Driven(Vec<Undetermined>),
 }
 
 impl From<NotConverged> for Failure {

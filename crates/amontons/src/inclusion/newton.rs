@@ -4,9 +4,10 @@
 //! **Globalisation.** After a first full step, which leaves the pattern of the guess, steps are halved until the
 //! residual decreases; where that ends at a kink, a full step leaves it.
 
+use super::loose::Jumps;
 use super::{BESIDE, GROWN, NotConverged, SHORTEST_STEP, TOLERANCE};
 use crate::contact::Status;
-use crate::linalg::{Condensed, SolveError, Tangent, max_abs};
+use crate::linalg::{Condensed, SolveError, Spring, Tangent, max_abs};
 use crate::list::List;
 
 /// Residual of the linear systems relative to the one before, where they are solved by an iteration: the part of what
@@ -62,9 +63,22 @@ pub(super) struct Right<'a> {
     pub proximal: Option<(f64, List<f64>)>,
     /// Whether the step is solved again for what the round-off leaves: then round-off of any size ends the iteration.
     pub is_repeated: bool,
+    /// The springs that hold motions at rest which nothing determines.
+    pub springs: &'a [Spring],
+    /// The rigid motions that S does not resist to the last bit; none where it is not known.
+    pub rigid: Option<&'a Jumps>,
 }
 
 impl Right<'_> {
+    /// S x, without what round-off makes of rigid motions.
+    pub fn product(&self, condensed: &dyn Condensed, mut x: List<f64>) -> Result<List<f64>, SolveError> {
+        let Some(rigid) = self.rigid else { return condensed.apply(&x) };
+        rigid.take_off(&mut x);
+        let mut product = condensed.apply(&x)?;
+        rigid.take_off(&mut product);
+        Ok(product)
+    }
+
     /// Whether a residual is no more than the round-off of S (x − x̂), small beside the largest term: a sum of n terms
     /// has √n/2 last bits of theirs, and never less than one.
     pub fn is_round_off(
@@ -144,7 +158,7 @@ impl<T: Term> Evaluation<T> {
         let x = &at.x;
         let laws = term.laws(x, &at.multipliers);
         let increment: List<f64> = x.iter().zip(right.guess).map(|(x, guess)| x - guess).collect();
-        let inner = condensed.apply(&increment)?;
+        let inner = right.product(condensed, increment)?;
         let mut forces = List::filled(0.0, x.len());
         term.forces(&laws, &mut forces);
         let scale = max_abs(&inner).max(max_abs(&forces)).max(max_abs(right.r));
@@ -154,6 +168,7 @@ impl<T: Term> Evaluation<T> {
                 *rest -= beta * condensed.scale()[i] * (x[i] - anchor[i]);
             }
         }
+        right.springs.iter().for_each(|spring| spring.add(-spring.motion(x), &mut rest));
         let defects = term.defects(&laws);
         let mut errors = List::with_capacity(forces.len() + defects.len());
         errors.extend(forces.iter().zip(&rest).map(|(force, rest)| force - rest));

@@ -1,6 +1,5 @@
 //! (2.8) at one contact point: the pressure p as multiplier of the penetration, linearised.
 
-use super::STIFF;
 use crate::contact::{NormalLaw, Pressure, Yield, resolvent};
 use crate::tensor::Point;
 
@@ -31,6 +30,8 @@ pub(super) struct Approach<'a> {
     pub rate: f64,
     /// λ_w in m/Pa: λ_w p₊ is the depth by which the gap opens by wear.
     pub by_wear: f64,
+    /// Stiffness of a point on a rigid foundation over ρ.
+    pub stiff: f64,
 }
 
 /// The pressure at an iterate: p the multiplier and J(r + λ p), what the law makes of it, with slopes.
@@ -67,7 +68,7 @@ impl Normal {
             pressed: value,
             slope: at.gamma * slope + by_rate,
             by_depth: slope + by_rate / at.gamma,
-            yielding: (1.0 - slope * lambda - by_rate * by.lambda_rate).max(STIFF.recip()),
+            yielding: (1.0 - slope * lambda - by_rate * by.lambda_rate).max(at.stiff.recip()),
         }
     }
 

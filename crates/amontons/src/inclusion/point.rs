@@ -28,6 +28,8 @@ pub(super) struct Site<'a> {
     /// ρ of friction in Pa s/m, and how friction is taken.
     pub rho: f64,
     pub slip: Slip,
+    /// Stiffness of a point that sticks, or lies on a rigid foundation, over ρ.
+    pub stiff: f64,
     /// Whether slip has two directions, and whether the foundation slides where the body does not move.
     pub in_space: bool,
     pub slides_out: bool,
@@ -130,6 +132,7 @@ impl Laws {
             penetration: at.penetration,
             rate: at.rate,
             by_wear,
+            stiff: site.stiff,
         };
         let normal = Normal::new(&approach, multiplier.p);
         let (load, sign) = load(contact.normal.graph(), normal.pressed);
@@ -145,7 +148,8 @@ impl Laws {
         let s = if site.is_smooth() { Bound::default() } else { contact.friction.bound(&seen) };
         let [nu, t1, t2] = &site.row.basis;
         let shape = contact.friction.cone(&site.x, nu).map(|cone| Shape::new(&cone, [t1, t2]));
-        let friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.how());
+        let mut friction = Friction::new(multiplier.q, at.slip, site.rho, s.value, shape, site.how());
+        friction.stiff = site.stiff;
         let status = match (s.value > 0.0, friction.sticks) {
             (true, true) => Status::Stick,
             (true, false) => Status::Slip,

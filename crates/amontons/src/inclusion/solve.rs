@@ -5,9 +5,10 @@ use super::mechanical::{Mechanical, MechanicalStep, Multipliers};
 use super::newton::{Effort, Evaluation, Iterate, Right, iterate};
 use super::normal::Response;
 use super::point::Multiplier;
+use super::settle::Settled;
 use super::{Failure, ITERATIONS, NotConverged, Solved};
 use crate::contact::PointOnBoundary;
-use crate::linalg::{Condensed, SolveError, max_abs};
+use crate::linalg::{Condensed, max_abs};
 use crate::list::List;
 use crate::tensor::Point;
 
@@ -24,9 +25,11 @@ const SHARP: f64 = 1e-12;
 const SHARPEST: f64 = 0.1;
 /// Iterations after which proximal steps have failed too.
 const APPROACH: usize = 20 * ITERATIONS;
+/// The same where a body slides under a load that friction does not bear.
+const SLIDES: usize = ITERATIONS;
 
 /// An iterate of the mechanical step.
-type Mechanics = Iterate<List<Multiplier>>;
+pub(super) type Mechanics = Iterate<List<Multiplier>>;
 
 impl MechanicalStep<'_> {
     /// Solves the step: `guess` and `multipliers` are where the iteration starts, `r` the reduced right-hand side for
@@ -41,15 +44,15 @@ impl MechanicalStep<'_> {
         guess: &[f64],
         multipliers: &mut Multipliers,
     ) -> Result<Solved, Failure> {
-        let term = Mechanical::new(self, Some(condensed));
+        let mut term = Mechanical::new(self, Some(condensed));
         condensed.turn(&term.interface.turns);
         let [r, guess] = [r, guess].map(|v| term.interface.turned(v));
-        let right = Right { r: &r, guess: &guess, proximal: None, is_repeated: self.is_repeated };
+        term.find_motions(condensed);
         let start = Iterate { x: guess.clone(), multipliers: term.predicted(&guess, term.local(multipliers)) };
-        let (end, iterations) = term.solve(condensed, &right, start)?;
+        let Settled { end, iterations, loose, held } = term.solve_held(condensed, [&r, &guess], start)?;
         *multipliers = term.global(&end.multipliers);
         self.share(multipliers);
-        Ok(Solved { x: term.interface.back(&end.x), iterations })
+        Ok(Solved { x: term.interface.back(&end.x), iterations, loose, held })
     }
 
     /// Gives the points at a node and at one that follows it the same tractions, turned: they have the same unknowns,
@@ -104,7 +107,7 @@ impl Mechanical<'_> {
     }
 
     /// Solves the step, with bounds that drop when slip starts on the right branches.
-    fn solve(
+    pub(super) fn solve(
         &self,
         condensed: &mut dyn Condensed,
         right: &Right,
@@ -182,12 +185,7 @@ impl Mechanical<'_> {
     /// A path that leads to the solution: the step without friction, or with it as a drag where pressures fall, and
     /// then with smooth friction, ever sharper. Where the step has one solution, so has each of these (book, Theorem
     /// 2), and smooth steps are what Newton's method is made for.
-    fn path(
-        &self,
-        condensed: &mut dyn Condensed,
-        right: &Right,
-        held: &[bool],
-    ) -> Result<(Mechanics, usize), SolveError> {
+    fn path(&self, condensed: &mut dyn Condensed, right: &Right, held: &[bool]) -> Result<(Mechanics, usize), Failure> {
         let (x, mut iterations) =
             if self.rises() { self.descend(condensed, right)? } else { (List::copied(right.guess), 0) };
         let mut now = Iterate { multipliers: self.at_minimum(&x, held), x };
@@ -228,7 +226,9 @@ impl Mechanical<'_> {
         mut why: NotConverged,
     ) -> Result<(Mechanics, usize), Failure> {
         let mut beta = 1.0;
-        while why.iterations < APPROACH && beta * f64::EPSILON < 1.0 {
+        let most =
+            if self.slipping(condensed, right, &reached)?.is_empty() { APPROACH } else { why.iterations + SLIDES };
+        while why.iterations < most && beta * f64::EPSILON < 1.0 {
             let before = why.iterations;
             let near = Right { proximal: Some((beta, reached.x.clone())), ..right.clone() };
             let made = iterate(self, condensed, &near, reached.clone(), &NEAR)?;
@@ -244,6 +244,7 @@ impl Mechanical<'_> {
                 Some(failure) => why = NotConverged { iterations: iterations + made.iterations, ..failure },
             }
         }
-        Err(why.into())
+        let slipping = self.slipping(condensed, right, &reached)?;
+        Err(if slipping.is_empty() { why.into() } else { Failure::Driven(slipping) })
     }
 }

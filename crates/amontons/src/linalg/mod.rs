@@ -46,7 +46,7 @@ pub use products::{mechanical_products, thermal_products};
 pub use sparse::BlockMatrix;
 pub use supernodal::Supernodal;
 pub use system::System;
-pub use tangent::{Entry, Share, Tangent};
+pub use tangent::{Entry, Share, Spring, Tangent};
 pub use turn::Turn;
 pub use unknowns::{Layout, Unknowns};
 pub use vectors::{

@@ -14,7 +14,7 @@ use super::krylov::gmres;
 use super::lu::{Cholesky, Lu, SparseLu, Square};
 use super::numeric::{Ended, has_factor};
 use super::stop::Stop;
-use super::tangent::Tangent;
+use super::tangent::{Spring, Tangent};
 use super::turn::{Turn, turn};
 use super::vectors::max_abs;
 use crate::list::List;
@@ -144,6 +144,11 @@ impl Schur {
         let mut matrix = Square::of(self.s().as_ref());
         for (i, j, value) in tangent.entries() {
             matrix.add(i as usize, j as usize, value);
+        }
+        for Spring { stiffness, vector } in tangent.springs() {
+            for (i, a) in vector {
+                vector.iter().for_each(|(j, b)| matrix.add(*i as usize, *j as usize, stiffness * a * b));
+            }
         }
         matrix
     }

@@ -4,6 +4,9 @@ use std::ops::Range;
 
 use crate::list::List;
 
+/// Share of the stiffness of S on the diagonal in the place of springs.
+const SPREAD: f64 = 0.1;
+
 /// An entry of J: row, column, value.
 pub type Entry = (u32, u32, f64);
 
@@ -23,6 +26,33 @@ pub struct Tangent {
     /// The rows of N of all points, one after the other.
     shares: List<Share>,
     points: List<Point>,
+    springs: Vec<Spring>,
+}
+
+/// α v vᵀ: a spring that holds a motion of many unknowns, each named at most once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spring {
+    /// α.
+    pub stiffness: f64,
+    /// v.
+    pub vector: List<(u32, f64)>,
+}
+
+impl Spring {
+    /// v·x.
+    #[must_use]
+    pub fn motion(&self, x: &[f64]) -> f64 {
+        self.vector.iter().map(|(at, value)| value * x.get(*at as usize).copied().unwrap_or(0.0)).sum()
+    }
+
+    /// y += α v times a number.
+    pub fn add(&self, factor: f64, y: &mut [f64]) {
+        for (at, value) in &self.vector {
+            if let Some(y) = y.get_mut(*at as usize) {
+                *y += self.stiffness * factor * value;
+            }
+        }
+    }
 }
 
 /// ω Fᵀ T N of a point: F = N but for terms that have no such form.
@@ -45,7 +75,7 @@ impl Tangent {
     /// No forces, with room for those of `points` contact points that see `shares` unknowns in all.
     #[must_use]
     pub fn with_capacity(points: usize, shares: usize) -> Tangent {
-        Tangent { shares: List::with_capacity(shares), points: List::with_capacity(points) }
+        Tangent { shares: List::with_capacity(shares), points: List::with_capacity(points), springs: Vec::new() }
     }
 
     /// Adds ω Nᵀ T N of one contact point: its weight ω, its row of N and T, rows the force.
@@ -74,6 +104,33 @@ impl Tangent {
         let one = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
         let of = |(i, value): (usize, f64)| self.add(value, &[(i as u32, [1.0, 0.0, 0.0])], &one);
         values.into_iter().enumerate().for_each(of);
+    }
+
+    /// Adds a spring, which is no part of [`Tangent::entries`].
+    pub fn hold(&mut self, spring: Spring) {
+        self.springs.push(spring);
+    }
+
+    /// The springs.
+    pub(super) fn springs(&self) -> &[Spring] {
+        &self.springs
+    }
+
+    /// The same without springs, their stiffness spread over the diagonal: what a preconditioner may take in their
+    /// place. `scale` is the stiffness of S at an unknown.
+    #[must_use]
+    pub(super) fn spread(&self, scale: &[f64]) -> Tangent {
+        let mut tangent = Tangent { springs: Vec::new(), ..self.clone() };
+        let mut held: Vec<u32> =
+            self.springs.iter().flat_map(|spring| spring.vector.iter().map(|(at, _)| *at)).collect();
+        held.sort_unstable();
+        held.dedup();
+        let one = [[1.0, 0.0, 0.0], [0.0; 3], [0.0; 3]];
+        for at in held {
+            let stiffness = scale.get(at as usize).map_or(0.0, |scale| SPREAD * scale);
+            tangent.add(stiffness, &[(at, [1.0, 0.0, 0.0])], &one);
+        }
+        tangent
     }
 
     fn push(&mut self, shares: impl Iterator<Item = Share>) -> Range<usize> {
@@ -106,7 +163,11 @@ impl Tangent {
     #[must_use]
     pub fn renamed(&self, name: impl Fn(u32) -> u32) -> Tangent {
         let shares = self.shares.iter().map(|&(unknown, on)| (name(unknown), on)).collect();
-        Tangent { shares, points: self.points.clone() }
+        let named = |spring: &Spring| Spring {
+            stiffness: spring.stiffness,
+            vector: spring.vector.iter().map(|&(unknown, value)| (name(unknown), value)).collect(),
+        };
+        Tangent { shares, points: self.points.clone(), springs: self.springs.iter().map(named).collect() }
     }
 
     /// The part on the unknowns that have a new name, under these names; the others are left out.
@@ -140,12 +201,15 @@ impl Tangent {
                 y[*unknown as usize] += on[0] * force[0] + on[1] * force[1] + on[2] * force[2];
             }
         }
+        for spring in &self.springs {
+            spring.add(factor * spring.motion(x), y);
+        }
     }
 
     /// Whether nothing is added.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
+        self.points.is_empty() && self.springs.is_empty()
     }
 
     /// Whether it is the same to the last bit.
@@ -163,7 +227,13 @@ impl Tangent {
         };
         let of_share =
             |&(unknown, on): &Share| std::iter::once(u64::from(unknown)).chain(on.into_iter().map(f64::to_bits));
-        self.points.iter().flat_map(of_point).chain(self.shares.iter().flat_map(of_share))
+        let of_spring = |spring: &Spring| {
+            let entries: Vec<u64> =
+                spring.vector.iter().flat_map(|(at, value)| [u64::from(*at), value.to_bits()]).collect();
+            [spring.stiffness.to_bits(), entries.len() as u64].into_iter().chain(entries)
+        };
+        let points = self.points.iter().flat_map(of_point).chain(self.shares.iter().flat_map(of_share));
+        points.chain(self.springs.iter().flat_map(of_spring))
     }
 
     /// Whether the part of every point is symmetric to round-off.

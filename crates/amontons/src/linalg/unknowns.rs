@@ -200,6 +200,15 @@ impl Unknowns {
         links::follow(&self.links, frames, components, full);
     }
 
+    /// Forces on the unknowns that are kept, over all degrees of freedom; none at nodes that follow others.
+    #[must_use]
+    pub fn forces(&self, kept: &[f64], size: usize) -> List<f64> {
+        let mut full = zeros(size);
+        self.kept().iter().zip(kept).for_each(|(&dof, force)| full[dof as usize] = *force);
+        frame::leave(&self.frames.0, self.frames.1, &mut full);
+        full
+    }
+
     /// The sum of [`Unknowns::add`].
     #[must_use]
     pub fn sum(&self, x: &[f64], full: &[f64]) -> List<f64> {

@@ -159,6 +159,7 @@ struct Report {
     is_ambiguous: bool,
     residual: f64,
     coupling: CouplingReport,
+    loose: Vec<String>,
     force: Point,
     moments: List<Point>,
     heat_flow: f64,
@@ -219,6 +220,7 @@ impl Body {
                 is_ambiguous: report.is_ambiguous,
                 residual: report.residual,
                 coupling: report.coupling,
+                loose: report.loose.clone(),
                 force: contact.force,
                 moments: contact.moments.clone(),
                 heat_flow: contact.heat_flow,
@@ -269,6 +271,7 @@ impl Body {
             is_ambiguous: report.is_ambiguous,
             residual: report.residual,
             coupling: report.coupling,
+            loose: report.loose,
             reactions: report.reactions,
             contact: ContactReport {
                 weights: report.points.iter().map(|p| p.weight).collect(),

@@ -28,6 +28,7 @@ pub(super) fn figures(last: &Snapshot) -> Figures {
         strain_at,
         temperature: state.temperatures,
         outside: outside(problem, state.temperatures, strain, state.t),
+        loose: report.map(|report| report.loose.clone()).unwrap_or_default(),
         penetration: sides.max_by(|a, b| (a.depth / a.cell).total_cmp(&(b.depth / b.cell))),
     }
 }

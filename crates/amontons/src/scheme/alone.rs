@@ -3,7 +3,7 @@
 use super::audit::Powers;
 use super::coupling::Made;
 use super::heat::{Amounts, Begun, Heat};
-use super::mechanics::{Given, Mechanics};
+use super::mechanics::{Given, Hold, Mechanics};
 use super::system::{HalfStep, Step};
 use super::{CouplingReport, StepError};
 use crate::contact::Flux;
@@ -79,6 +79,7 @@ fn no_mechanics(step: &Step) -> Mechanics {
         a_u: zero(),
         a_w: zero(),
         b_w: zero(),
+        hold: Hold::default(),
         given: Given::default(),
         force: [0.0; 3],
         reactions: List::new(),

@@ -16,7 +16,7 @@ use super::{
     StepError, StepReport,
 };
 use crate::contact::{Contact, ContactBoundary, Supports};
-use crate::inclusion::{Multipliers, Rule};
+use crate::inclusion::{Loose, Multipliers, Rule};
 use crate::linalg::{Backend, Choice, Decided, SolveError, System, dot};
 use crate::list::{Keeping, List};
 use crate::problem::{Problem, with_supports};
@@ -40,6 +40,8 @@ pub struct BackwardEuler {
     /// The temperature at which matrices are factorized at first.
     start: Vec<f64>,
     systems: Systems,
+    /// The rigid motions of the parts that nothing but contact holds.
+    loose: Arc<Loose>,
     /// Those of halved steps: k/2, k/4 and so on, kept while steps are halved.
     halved: Vec<Systems>,
     /// Factorizations of systems that were given up, of the matrices and of contact systems.
@@ -179,6 +181,9 @@ impl BackwardEuler {
             discrete: Arc::clone(discrete),
             backend: Arc::clone(backend),
             start,
+            loose: Arc::new(
+                systems.mechanics.as_ref().map_or_else(Loose::default, |half| half.motions(problem, discrete)),
+            ),
             systems,
             halved: Vec::new(),
             given_up: (0, 0),
@@ -269,6 +274,7 @@ impl BackwardEuler {
             k: *k,
             rule: *rule,
             apart: None,
+            loose: &self.loose,
         };
         Mechanics::is_unique(&now, mechanics, end)
     }
@@ -310,7 +316,7 @@ impl BackwardEuler {
             .take()
             .filter(|p| p.t.to_bits() == old.t.to_bits())
             .unwrap_or_else(|| Products::of(&self.discrete, old));
-        let Self { problem, discrete, systems, halved, bodies, .. } = self;
+        let Self { problem, discrete, systems, halved, bodies, loose, .. } = self;
         let Systems { k, rule, mechanics, heat } =
             halvings.checked_sub(1).and_then(|level| halved.get_mut(level)).unwrap_or(systems);
         let contacts = contacts_at(problem, t);
@@ -332,6 +338,7 @@ impl BackwardEuler {
                 .and_then(Option::as_ref)
                 .filter(|_| !old.carried.rigid.is_empty())
                 .map(|bodies| Apart { bodies, carried: &old.carried }),
+            loose,
         };
         let before = krylov_iterations(mechanics.as_ref(), heat.as_ref());
         let made = match (&mut *mechanics, &mut *heat) {
@@ -403,6 +410,7 @@ impl Made {
             is_ambiguous: !mechanics.is_unique,
             residual,
             coupling,
+            loose: step.motions(&mechanics.hold.loose),
             reactions: Reactions { force: mechanics.reactions, heat: heat.reactions },
             contact: ContactReport {
                 moments: step.moments(&mechanics.states),

@@ -9,8 +9,8 @@ use super::foundation::frames;
 use super::system::{ACCEPTED, HalfStep, REFINE, Renewal, Rounded, Step, on_degrees, over_blocks, without_contact};
 use super::{State, StepError};
 use crate::discretization::Warmed;
-use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule};
-use crate::linalg::{SolveError, Tangent, by_blocks, copy, map, map_block, max_abs, zeros};
+use crate::inclusion::{Frame, MechanicalStep, Multipliers, PointDerivative, PointState, Rule, Solved, Undetermined};
+use crate::linalg::{SolveError, Tangent, by_blocks, copy, dot, map, map_block, max_abs, zeros};
 use crate::list::{Lent, List};
 use crate::tensor::Point;
 
@@ -48,6 +48,8 @@ pub(super) struct Mechanics {
     pub a_u: List<f64>,
     pub a_w: List<f64>,
     pub b_w: List<f64>,
+    /// What holds rigid motions.
+    pub hold: Hold,
     /// What the contact points were given.
     pub given: Given,
     /// Resultant of σν on Γ_C.
@@ -81,6 +83,8 @@ pub(super) struct Given {
     pub frames: List<Frame>,
     /// The temperature that the half-step is made with, at the contact points on the side `on`.
     temperature: List<f64>,
+    /// What the loads do along the rigid motions that nothing but contact holds.
+    loads: Vec<[f64; 2]>,
 }
 
 impl Given {
@@ -92,6 +96,7 @@ impl Given {
             w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, w)),
             frames: frames(problem, boundary, &old.u, &step.worn(), [old.t, t]),
             temperature: List::new(),
+            loads: Vec::new(),
         }
     }
 
@@ -103,6 +108,7 @@ impl Given {
             w_prescribed: boundary.restricted(discrete.mesh.dim, &Given::prescribed(step, v)),
             frames: step.seen_from(&self.frames, rigid),
             temperature: self.temperature.clone(),
+            loads: self.loads.clone(),
         }
     }
 
@@ -138,6 +144,8 @@ impl Given {
             frames: &self.frames,
             temperature: &self.temperature,
             is_repeated: step.apart.is_some(),
+            loose: step.loose,
+            loads: &self.loads,
         })
     }
 
@@ -220,7 +228,7 @@ impl Mechanics {
             newton += settled.iterations;
             passes += 1;
             let next = if is_linear {
-                let states = settled.states.clone();
+                let states = settled.found.states.clone();
                 rayon::join(|| equation.expand(half, &now, settled), || beside.with_rest(&states)).0?
             } else {
                 let next = equation.expand(half, &now, settled)?;
@@ -313,6 +321,7 @@ impl<'a> Equation<'a> {
         (theta, warmed): (&'a [f64], Warmed<'a>),
     ) -> Result<Equation<'a>, StepError> {
         given.temperature = step.boundary.scalars_on(step.contacts, theta);
+        given.loads = step.loose.loads(&step.discrete.mesh, &load);
         let numbers = |Frame { gap, gap_rate, normal: n, velocity: v, .. }: &Frame| {
             [*gap, *gap_rate, n[0], n[1], n[2], v[0], v[1], v[2]]
         };
@@ -348,12 +357,15 @@ impl<'a> Equation<'a> {
         let guess = system.kept_of(&now.w);
         let mut multipliers = now.multipliers.clone();
         let mut x = system.reduce(&right).map_err(|source| step.unsolved("mechanics", source))?;
-        let iterations = system
+        let Solved { iterations, loose, held, .. } = system
             .settle(&mut x, &now.w, |condensed, r| {
                 let contact = || {
-                    let Some(on_boundary) = &on_boundary else { return without_contact(condensed, r, &guess) };
-                    let solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
-                    Ok((solved.x, solved.iterations))
+                    let Some(on_boundary) = &on_boundary else {
+                        let (x, iterations) = without_contact(condensed, r, &guess)?;
+                        return Ok((x, Solved { iterations, ..Solved::default() }));
+                    };
+                    let mut solved = on_boundary.solve(condensed, r, &guess, &mut multipliers)?;
+                    Ok((std::mem::take(&mut solved.x), solved))
                 };
                 rayon::join(contact, || beside.with_contact()).0
             })
@@ -361,25 +373,21 @@ impl<'a> Equation<'a> {
         let increments = &x[system.unknowns().interior..];
         let kept: List<f64> = guess.iter().zip(increments).map(|(value, change)| value + change).collect();
         let states = on_boundary.map_or_else(List::new, |of| of.states(system.condensed(), &kept, &multipliers));
-        Ok(Settled { x, multipliers, states, iterations })
+        let forces = if held.is_empty() { held } else { system.unknowns().forces(&held, now.w.len()) };
+        Ok(Settled { x, found: Found { multipliers, states, hold: Hold { loose, forces } }, iterations })
     }
 
     /// The backward sweep, and what is left of (4.1) with the velocity that it makes.
     fn expand(&self, half: &HalfStep, now: &Iterate, settled: Settled) -> Result<Balanced<'a>, StepError> {
-        let Settled { x, multipliers, states, .. } = settled;
+        let Settled { x, found, .. } = settled;
         let w = half.system.expand(x, &now.w).map_err(|source| self.step.unsolved("mechanics", source))?;
         self.step.finite(&w, "mechanics")?;
-        self.balance(w, &now.rigid, multipliers, states)
+        self.balance(w, &now.rigid, found)
     }
 
     /// The residual of (4.1) tested with every basis function; at prescribed nodes it is the reaction.
-    fn balance(
-        &self,
-        mut v: List<f64>,
-        rigid: &[Rigid],
-        multipliers: Multipliers,
-        states: List<PointState>,
-    ) -> Result<Balanced<'a>, StepError> {
+    fn balance(&self, mut v: List<f64>, rigid: &[Rigid], found: Found) -> Result<Balanced<'a>, StepError> {
+        let Found { multipliers, states, hold } = found;
         let Step { discrete, k, .. } = *self.step;
         // What the pass has added to the rigid motion is put to it.
         let more = self.step.take(&mut v);
@@ -410,12 +418,15 @@ impl<'a> Equation<'a> {
             discrete.mechanical_products_then([&u, &v], &self.warmed, &mut rest, of_block)
         };
         let support_rates = discrete.v.prescribed_of(w);
-        let iterate = Iterate { rigid, ..Iterate::new(self.step, v, multipliers, products) };
+        let held_work = k * dot(&hold.forces, &w[..hold.forces.len()]);
+        rest.iter_mut().zip(&hold.forces).for_each(|(rest, force)| *rest -= force);
+        let iterate = Iterate { rigid, hold, ..Iterate::new(self.step, v, multipliers, products) };
         let ([_, load, thermal, mass_w, bar, b_w, a_u], powers) = over_blocks(&blocks);
         rest.iter_mut().zip(&iterate.relaxing).for_each(|(rest, relaxing)| *rest += relaxing);
         discrete.v.gather(&mut rest);
         let reactions = discrete.v.prescribed_of(&rest);
-        let support_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w).sum();
+        let reaction_work = reactions.iter().zip(support_rates).map(|(r, w)| k * r * w);
+        let support_work = reaction_work.sum::<f64>() + held_work;
         discrete.v.mask(&mut rest);
         let driven = (inertia * mass_w.max(bar)).max(thermal).max(load);
         let contact = discrete.v.largest_at(&self.step.boundary.nodes, &contact_force);
@@ -451,7 +462,8 @@ impl<'a> Equation<'a> {
             let w: List<f64> = now.w.iter().zip(&next.iterate.w).map(|(old, new)| part(*old, *new)).collect();
             let multipliers = now.multipliers.towards(&next.iterate.multipliers, alpha);
             let states = self.given.states(self.step, half, &w, &multipliers);
-            let shorter = self.balance(w, &now.rigid, multipliers, states)?;
+            let hold = now.hold.towards(&next.iterate.hold, alpha);
+            let shorter = self.balance(w, &now.rigid, Found { multipliers, states, hold })?;
             if shorter.residual < next.residual {
                 next = shorter;
             }
@@ -481,7 +493,7 @@ impl<'a> Equation<'a> {
                 round_off(&w, &sizes)
             }
         })?;
-        let Iterate { w: v, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing } = iterate;
+        let Iterate { w: v, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold } = iterate;
         let relative = step.apart.map(|_| given.relative(step, &rigid, &v));
         let seen = relative.as_ref().unwrap_or(&given);
         let from = step.apart.map(|_| step.less_rigid(&rigid, &step.old.w));
@@ -514,6 +526,7 @@ impl<'a> Equation<'a> {
             a_w: a_w.into_owned(),
             b_w: b_w.into_owned(),
             relaxing,
+            hold,
             given,
             force,
             reactions,
@@ -535,6 +548,24 @@ struct Iterate<'a> {
     b_w: Cow<'a, List<f64>>,
     /// Σ ∫ 𝓖ε(z):ε(·) of the branches that relax.
     relaxing: List<f64>,
+    hold: Hold,
+}
+
+/// What holds the rigid motions that nothing determines.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Hold {
+    pub loose: Vec<Undetermined>,
+    /// The forces of the springs over all degrees of freedom, N; empty if there are none.
+    pub forces: List<f64>,
+}
+
+impl Hold {
+    /// A part α of the way to another one.
+    fn towards(&self, other: &Hold, alpha: f64) -> Hold {
+        let before = self.forces.iter().copied().chain(std::iter::repeat(0.0));
+        let forces = other.forces.iter().zip(before).map(|(new, old)| old + alpha * (new - old)).collect();
+        Hold { loose: other.loose.clone(), forces }
+    }
 }
 
 /// The sum of the terms of (4.1) without contact.
@@ -545,10 +576,16 @@ fn right_hand_side(inertia: f64, [load, thermal, mass_w, bar, b_w, a_u]: [f64; 6
 /// A pass whose contact is solved: the increments on Γ_C with what is reduced to the body, and the contact points.
 struct Settled {
     x: List<f64>,
-    multipliers: Multipliers,
-    states: List<PointState>,
+    found: Found,
     /// Newton iterations on Γ_C.
     iterations: usize,
+}
+
+/// What was found on Γ_C.
+struct Found {
+    multipliers: Multipliers,
+    states: List<PointState>,
+    hold: Hold,
 }
 
 /// What is left of (4.1) at an iterate.
@@ -572,7 +609,8 @@ impl Iterate<'_> {
     /// At a velocity, with M w, a(u, ·), a(w, ·) and b(w, ·) of it.
     fn new(step: &Step, w: List<f64>, multipliers: Multipliers, products: [List<f64>; 4]) -> Self {
         let [mass_w, a_u, a_w, b_w] = products.map(Cow::Owned);
-        Iterate { relaxing: step.relaxing(&w), w, rigid: List::new(), multipliers, mass_w, a_u, a_w, b_w }
+        let relaxing = step.relaxing(&w);
+        Iterate { relaxing, w, rigid: List::new(), multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
     }
 }
 
@@ -604,7 +642,8 @@ impl<'a> Begun<'a> {
             // a(ū + γ w̄, ·) without another product.
             let a_u = Cow::Owned(map([&products.a_u, &products.a_w], |[a_u, a_w]| a_u + gamma * a_w));
             let [mass_w, a_w, b_w] = [&products.mass_w, &products.a_w, &products.b_w].map(Cow::Borrowed);
-            Iterate { relaxing: step.relaxing(&w), w, rigid, multipliers, mass_w, a_u, a_w, b_w }
+            let relaxing = step.relaxing(&w);
+            Iterate { relaxing, w, rigid, multipliers, mass_w, a_u, a_w, b_w, hold: Hold::default() }
         } else {
             let products = discrete.mechanical_products(&step.deformed(&w), &w, warmed);
             Iterate::new(step, w, multipliers, products)
@@ -621,7 +660,8 @@ impl<'a> Begun<'a> {
             Iterate::new(step, w, multipliers, products)
         } else {
             let [mass_w, a_u, a_w, b_w] = [mass_w, a_u, a_w, b_w].map(Cow::Borrowed);
-            Iterate { w, rigid: rigid.clone(), multipliers, mass_w, a_u, a_w, b_w, relaxing: relaxing.clone() }
+            let (rigid, relaxing, hold) = (rigid.clone(), relaxing.clone(), m.hold.clone());
+            Iterate { w, rigid, multipliers, mass_w, a_u, a_w, b_w, relaxing, hold }
         };
         Begun { now, load: Arc::clone(load), given: given.clone() }
     }

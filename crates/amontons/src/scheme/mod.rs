@@ -101,6 +101,8 @@ pub struct StepReport {
     pub residual: f64,
     /// How the half-steps were coupled.
     pub coupling: CouplingReport,
+    /// Rigid motions that nothing determines, in words: they are the least.
+    pub loose: Vec<String>,
     /// What the prescribed displacements and temperatures take.
     pub reactions: Reactions,
     /// The contact points.
@@ -124,6 +126,7 @@ impl StepReport {
                     .reduce(Contraction::max),
                 defect: [first.coupling.defect, self.coupling.defect].into_iter().flatten().reduce(f64::max),
             },
+            loose: self.loose,
             reactions: self.reactions,
             contact: self.contact,
         }
@@ -219,6 +222,16 @@ pub enum StepError {
         unsettled: String,
         /// Whether no point of a body without inertia that contact alone holds sticks: it may slide away.
         slides: bool,
+    },
+    /// Loads drive motions without strain that nothing resists.
+    #[error("step {step} (t = {t:.6e}): a load drives what no support and no contact holds: {motions}")]
+    Driven {
+        /// The step n that failed.
+        step: usize,
+        /// t_n in s.
+        t: f64,
+        /// The motions in words.
+        motions: String,
     },
     /// The solution of the step does not satisfy its equations: the system is too ill-conditioned.
     #[error(

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::apart::Apart;
 use super::{Discretization, State, StepError};
 use crate::contact::{Contact, ContactBoundary, Status};
-use crate::inclusion::{BESIDE, Failure, GROWN, NotConverged, Rule};
+use crate::inclusion::{BESIDE, Failure, GROWN, Loose, NotConverged, Rule, Undetermined};
 use crate::linalg::{
     Backend, BlockMatrix, Condensed, EXACT, Layout, SolveError, System, Tangent, is_finite, larger, map, zeros,
 };
@@ -14,6 +14,7 @@ use crate::list::List;
 use crate::mesh::defects::components;
 use crate::model::rigid_motions;
 use crate::problem::Problem;
+use crate::rigid::{described, floating};
 use crate::space::Space;
 use crate::tensor::Point;
 
@@ -48,6 +49,8 @@ pub(super) struct Step<'a> {
     pub rule: Rule,
     /// Where rigid motions of bodies are taken apart from their deformation.
     pub apart: Option<Apart<'a>>,
+    /// The rigid motions of the parts that nothing but contact holds.
+    pub loose: &'a Arc<Loose>,
 }
 
 /// What the rule in time adds to: with backward Euler the state before.
@@ -164,7 +167,17 @@ impl Step<'_> {
                 StepError::NotConverged { step, t: self.t, part, parts, why: Box::new(why), unsettled, slides }
             }
             Failure::Linear(source) => self.unsolved(part, source),
+            Failure::Driven(driven) => {
+                let motions = self.motions(&driven).join("; ");
+                StepError::Driven { step: self.n, t: self.t, motions }
+            }
         }
+    }
+
+    /// Rigid motions in words.
+    pub fn motions(&self, motions: &[Undetermined]) -> Vec<String> {
+        let sums: Vec<Vec<f64>> = motions.iter().map(|motion| motion.sum.clone()).collect();
+        described(&self.problem.mesh, &self.loose.motions, &sums)
     }
 
     /// Whether no point of a body without inertia that contact alone holds sticks at the last iterate.
@@ -291,6 +304,12 @@ impl HalfStep {
         let dofs = contact.iter().flat_map(|&node| (0..components).map(move |c| node as usize * components + c));
         let on_contact = dofs.map(|dof| position[dof]).collect();
         Ok(HalfStep { system, on_contact, at: Vec::new() })
+    }
+
+    /// The motions of the parts that nothing but contact holds.
+    pub fn motions(&self, problem: &Problem, discrete: &Discretization) -> Loose {
+        let Discretization { mesh, boundary, v, .. } = discrete;
+        Loose::new(mesh, boundary, &problem.contacts, v, (&self.on_contact, &floating(problem)))
     }
 }
 

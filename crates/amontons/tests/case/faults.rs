@@ -227,8 +227,6 @@ spoiled! {
         "paper.toml:46:15: boundary[0].temperature: found a temperature on \"top\", expected heat exchange or a temperature, not both; remove contact.heat or the temperature";
     temperature_on_contact: "on = \"bottom\"" => "on = \"right\""
         "paper.toml:54:15: boundary[2].temperature: found a temperature on \"right\", expected heat exchange or a temperature, not both; remove contact.heat or the temperature";
-    no_gamma_d_and_no_density: "displacement = [0, 0]\ntemperature = 0\n[[boundary]]                         # Γ_N¹" => "temperature = 0\n[[boundary]]                         # Γ_N¹" set "material.density=0"
-        "paper.toml:43:1: boundary: found no displacement prescribed and density 0, expected a part Γ_D that holds the body; give `displacement` on a side, or a positive material.density";
     steady_heat_without_temperature: "" => "" set "boundary=[]" set "material.heat_capacity=0" set "contact.heat={law='none'}"
         "--set boundary=[]: boundary: found no temperature prescribed and heat_capacity 0, expected a side whose temperature is known; give `temperature` on a side, or a positive material.heat_capacity";
     side_without_condition: "traction = [1.4, 0.4]\ntemperature = 0" => ""

@@ -7,6 +7,7 @@ mod common;
 mod automatic;
 mod faults;
 mod formulation;
+mod loose;
 mod manufactured;
 mod meaning;
 mod mortar;

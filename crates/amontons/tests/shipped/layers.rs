@@ -15,6 +15,7 @@ const LAYERS: &[&[&str]] = &[
     &["material", "contact", "space"],
     &["linalg"],
     &["problem"],
+    &["rigid"],
     &["inclusion"],
     &["forms"],
     &["discretization"],

@@ -15,6 +15,7 @@
 //! | `temperature-range` | temperatures leave the range that the data allow | the run |
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
 //! | `penetration` | a foundation gives way by more than the size of a cell | the run |
+//! | `undetermined-motion` | no support, contact or load determines a rigid motion | the run |
 
 mod jump;
 mod run;

@@ -15,7 +15,7 @@ const RANGE: f64 = 0.01;
 const PENETRATION: f64 = 0.1;
 
 /// What a run came to, to be judged.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Figures {
     /// Largest principal strain in magnitude at the last step, and where.
     pub strain: f64,
@@ -27,6 +27,8 @@ pub struct Figures {
     pub outside: [Option<f64>; 2],
     /// Largest penetration beside the cells of its side at the last step; none without contact.
     pub penetration: Option<Penetration>,
+    /// The rigid motions that nothing determines in the last step, in words.
+    pub loose: Vec<String>,
 }
 
 /// A penetration beside the cells of the side.
@@ -48,6 +50,7 @@ pub fn of_run(problem: &Problem, figures: &Figures) -> Vec<Finding> {
         temperature_range(problem, figures),
         absolute_zero(problem, figures),
         penetration(problem, figures),
+        undetermined(problem, figures),
     ];
     parts.into_iter().flatten().collect()
 }
@@ -117,6 +120,20 @@ fn absolute_zero(problem: &Problem, figures: &Figures) -> Option<Finding> {
         message,
         repair,
     ))
+}
+
+/// Motions that nothing determines: they are the least, and another mesh may give others.
+fn undetermined(problem: &Problem, figures: &Figures) -> Option<Finding> {
+    let [first, rest @ ..] = figures.loose.as_slice() else { return None };
+    let motions = rest.iter().fold(first.clone(), |told, motion| format!("{told}; {motion}"));
+    let message = format!(
+        "nothing determines in the last step whether {motions}: no support, no closed contact and no friction resists it, and no load acts along it; of all such \
+         motions the results have the least"
+    );
+    let place = problem.contacts.iter().enumerate().map(|(side, _)| problem.contact_path(side)).next();
+    let repair = "hold the motion by `displacement` or `normal_displacement` on a side or at a point (`at`), which then bears nothing, if its size matters";
+    let place = place.unwrap_or_else(|| "contact".to_owned());
+    Some(warning(FindingId::Undetermined, &place, [figures.loose.len() as f64, 0.0], message, repair))
 }
 
 fn penetration(problem: &Problem, figures: &Figures) -> Option<Finding> {

@@ -124,7 +124,7 @@ impl Iterative {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
         };
-        let by_degree = tangent.renamed(|unknown| self.unknowns.dofs[unknown as usize]);
+        let by_degree = tangent.spread(&self.scale).renamed(|unknown| self.unknowns.dofs[unknown as usize]);
         preconditioner.add(&body, &by_degree, &self.turns_by_degree)?;
         (self.preconditioner, self.tangent) = (Some(preconditioner), Some(tangent.clone()));
         Ok(())
