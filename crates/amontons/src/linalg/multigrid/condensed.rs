@@ -213,9 +213,10 @@ impl Iterative {
         Ok((x, solved.iterations))
     }
 
-    /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves.
+    /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves. By conjugate
+    /// gradients where J is symmetric, as long as they meet no energy that is not positive, else by GMRES.
     fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(List<f64>, f64), SolveError> {
-        let is_symmetric = tangent.is_symmetric();
+        let mut has_energy = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (zeros(b.len()), copy(b), 1.0);
         let whole = self.weight(b);
         let products = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
@@ -223,7 +224,8 @@ impl Iterative {
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
             let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(repeated, tangent, v));
-            let (change, made) = if is_symmetric {
+            let had_energy = has_energy;
+            let (change, made) = if has_energy {
                 let solved = conjugate_gradients(
                     product,
                     |r| self.precondition(self.spread(r)),
@@ -231,6 +233,7 @@ impl Iterative {
                     |r| self.weight(r),
                     (goal, products),
                 )?;
+                has_energy = solved.definite == Definite::Seen;
                 (solved.x, solved.iterations)
             } else {
                 self.flexible(product, &rest, (goal, products))?
@@ -241,7 +244,7 @@ impl Iterative {
             self.settle(&rest, &mut x);
             self.leave(tangent, b, &x, &mut rest);
             let now = self.weight(&rest) / whole;
-            let stalls = now > 0.5 * left || now.is_nan();
+            let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
             left = now;
             // The recurrence and the true residual differ a little.
             if left <= NEARLY * wanted || (stalls && repeated.is_none()) {
@@ -289,7 +292,9 @@ impl Condensed for Iterative {
         if self.is_empty() {
             return Ok(true);
         }
-        self.prepare(tangent)?;
+        // A preconditioner that had taken up what makes K + J indefinite would hide it: with it the product is near the
+        // identity, and no energy that conjugate gradients meet is negative.
+        self.prepare(&tangent.resisting())?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: List<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(None, tangent, v));
