@@ -88,6 +88,11 @@ impl Tangent {
         self.points.iter().flat_map(|point| self.of_point(point))
     }
 
+    /// The unknowns that points see, some several times.
+    pub fn unknowns(&self) -> impl Iterator<Item = u32> + '_ {
+        self.shares.iter().map(|(unknown, _)| *unknown)
+    }
+
     /// The entries of one point after the other.
     pub fn points(&self) -> impl Iterator<Item = Vec<Entry>> + '_ {
         self.points.iter().map(|point| self.of_point(point).collect())

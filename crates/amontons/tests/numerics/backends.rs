@@ -505,7 +505,7 @@ fn a_run_goes_on_with_the_solver_that_it_began_with() {
     let settings = || Settings { certificate: false, ..Settings::default() };
     let summary = run::run(&problem, &settings(), &mut []).expect("a run");
     assert_eq!(summary.solver.backend, "direct");
-    let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned() };
+    let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned(), may_change: false };
     let kept = Kept { solvers: vec![decided(2), decided(1)], ..Kept::default() };
     let state = BackwardEuler::new(&problem).expect("a regular system").initial().expect("finite data");
     let from = Checkpoint { state, report: None, work: Work::default(), kept, k: problem.k(), fallback: None };
