@@ -95,10 +95,7 @@ fn inertia(mesh: &Mesh, gradients: &[Point], cell: &[u32], moment: &[[f64; 3]; 3
         }
     }
     let entry = |r: usize, s: usize| {
-        (0..dim)
-            .flat_map(|a| (0..dim).map(move |b| (a, b)))
-            .map(|(a, b)| j[r][a] * moment[a][b] * j[s][b])
-            .sum::<f64>()
+        (0..dim).flat_map(|a| (0..dim).map(move |b| (a, b))).map(|(a, b)| j[r][a] * moment[a][b] * j[s][b]).sum::<f64>()
     };
     std::array::from_fn(|r| std::array::from_fn(|s| entry(r, s)))
 }

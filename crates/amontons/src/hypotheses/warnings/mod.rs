@@ -7,6 +7,8 @@
 //! | `part-free` | a part of the body can move without strain and has no contact | supports |
 //! | `point-force` | a force acts on points, or in space along an edge | the data |
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
+//! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep beside the gap between them | the gap of the mesh |
+//! | `start-inside` | a side is inside an obstacle at t = 0, or deep inside a foundation | distances at the contact points |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
 //! | `coefficient-jump` | a coefficient of the material jumps within a cell | its values along the edges of cells |
@@ -16,6 +18,7 @@
 //! | `absolute-zero` | a temperature is below the absolute zero of a radiating contact | the run |
 //! | `penetration` | a foundation gives way by more than the size of a cell | the run |
 
+mod gaps;
 mod jump;
 mod run;
 mod supports;
@@ -48,6 +51,8 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(supports::part_free(problem));
     findings.extend(supports::contact_held(problem));
     findings.extend(supports::point_force(problem));
+    findings.extend(gaps::of_pairs(problem));
+    findings.extend(gaps::of_foundations(problem));
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));
