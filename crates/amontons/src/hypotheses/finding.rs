@@ -101,6 +101,8 @@ findings! {
     ExpansionScale = "expansion-scale", Warning, Both;
     /// An expansion tensor without a component zz in plane strain.
     ExpansionZz = "expansion-zz", Warning, Both;
+    /// The mean dilatation of cells whose dilatation is constant.
+    MeanDilatation = "mean-dilatation", Warning, Mechanics;
     /// A coefficient that jumps within a cell.
     CoefficientJump = "coefficient-jump", Warning, Any;
     /// Cells that are too large for the heat of Γ_C.

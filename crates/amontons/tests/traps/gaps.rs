@@ -103,9 +103,9 @@ fn facets_deeper_than_the_clearance() {
         let finding = told(&bearing(19.99e-3, [64, 72], "Q1", swap), "pair-gap").expect("a warning");
         let depths = [sagitta(19.99e-3, 64.0), sagitta(20e-3, 72.0)];
         assert!(depths.iter().all(|depth| *depth > 10e-6));
-        for told in
-            ["24.1 µm those of \"shaft_outer\"", "19.0 µm those of \"ring_inner\"", "pressures follow the facets"]
-        {
+        let words =
+            "the facets of \"ring_inner\" are 19.0 µm deep, those of \"shaft_outer\" 24.1 µm, beside a mean gap of ";
+        for told in [words, "pressures follow the facets"] {
             assert!(finding.message.contains(told), "{}", finding.message);
         }
         assert!(finding.warns() && finding.repair.is_some_and(|repair| repair.contains("gap = \"10 µm\"")));
@@ -124,7 +124,7 @@ fn facets_deeper_than_the_clearance() {
     }
     // An interference that is drawn overlaps, and is told as that.
     let drawn = told(&bearing(20.1e-3, [64, 64], "Q1", &[]), "pair-gap").expect("a warning");
-    assert!(drawn.message.contains("they overlap at rest by up to 100 µm"), "{}", drawn.message);
+    assert!(drawn.message.contains("they overlap at rest by up to 99.9 µm"), "{}", drawn.message);
 }
 
 /// A cylinder that touches a block in one point has facets deeper than its gap there, as every mesh has.
@@ -166,9 +166,23 @@ fn a_side_that_starts_inside() {
     no_word(level("y + 0.01 + x/10"));
     let [deep, _] = warns(level("-y - 0.01 - x/10"), "contact.obstacle");
     assert!((deep - 0.21 / 1.01f64.sqrt()).abs() < 1e-12, "{deep}");
-    // A foundation: an interference is meant, a tenth of a cell is not.
+    // The gap of a foundation is a datum: a preload is meant.
     no_word(block(&["contact.gap=-1e-3"]));
-    assert!((warns(block(&["contact.gap=-0.03"]), "contact.gap")[0] - 0.03).abs() < 1e-15);
-    warns(block(&["initial={ displacement = [0, -0.05] }"]), "contact.gap");
-    no_word(block(&["initial={ displacement = [0, -0.05] }", "contact.gap=0.05"]));
+    no_word(block(&["contact.gap=-0.03"]));
+    // The body may start elsewhere.
+    warns(block(&[&floor("-0.1 + t"), "initial={ displacement = [0, -0.15] }"]), "contact.obstacle");
+    no_word(block(&[&floor("0.125"), "initial={ displacement = [0, 0.125] }"]));
+}
+
+/// The mean of a constant dilatation is itself: of linear triangles and tetrahedra it is told, of other cells not.
+#[test]
+fn a_mean_dilatation_that_changes_nothing() {
+    let of = |elements: &str| {
+        let elements = format!("mesh.elements=\"{elements}\"");
+        told(&problem(crate::BLOCK, &["material.dilatation=\"mean\"", &elements]), "mean-dilatation")
+    };
+    let [cells, none] = warns(of("P1"), "material.dilatation");
+    assert_eq!([cells, none], [64.0, 0.0]);
+    ["P2", "Q1", "Q2"].iter().for_each(|elements| no_word(of(elements)));
+    no_word(told(&problem(crate::BLOCK, &[]), "mean-dilatation"));
 }

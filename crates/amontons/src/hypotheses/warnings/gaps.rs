@@ -1,4 +1,4 @@
-//! `pair-gap`, `start-inside`: what the mesh makes of the gap of a contact at rest.
+//! `pair-gap`, `start-inside`: the gap of pairs as the mesh makes it, and of sides in front of obstacles, at rest.
 //!
 //! The vertices of a curved side lie on it, and its facets cut in by their depth. Where both sides are curved alike, as
 //! a shaft in its bearing, and their facets do not face each other one by one, the gap of the mesh is that of the
@@ -12,10 +12,9 @@ use super::warning;
 use crate::contact::{Contact, PointOnBoundary};
 use crate::element::ShapeTable;
 use crate::mesh::{FacetMap, FacetSet, Mesh};
-use crate::model::cell_heights;
 use crate::problem::Problem;
 use crate::tensor::{Point, dot, length};
-use crate::units::Measure;
+use crate::units::{Measure, Units};
 
 /// Depth of an overlap that is the round-off of a mesh file: relative to a facet, and to the size of the side.
 const OF_FACET: f64 = 1e-6;
@@ -26,8 +25,6 @@ const DEEP: f64 = 0.25;
 const VARIES: f64 = 0.05;
 /// Cosine of the angle between facets from which on there is a kink between them and no curvature: 35°.
 const KINK: f64 = 0.819;
-/// Share of the height of a cell by which a side is not meant to be inside a foundation at the start.
-const OF_CELL: f64 = 0.1;
 
 /// `pair-gap`: where bodies overlap at rest, and where the facets of their sides are deep beside the gap between them.
 /// Nothing is said of a gap that is given.
@@ -69,29 +66,30 @@ fn of_pair(
         return None;
     }
     let (from, to, unit) = units.range([low, high], Measure::Length);
-    let mut message = format!(
-        "the gap that the mesh gives between \"{}\" and \"{}\" goes from {from} to {to}{}",
-        contact.on,
-        names.iter().find(|name| **name != contact.on).unwrap_or(&names[1]),
-        if unit.is_empty() { unit } else { format!(" {unit}") }
-    );
+    let with = names.iter().find(|name| **name != contact.on).unwrap_or(&names[1]);
+    let mut message =
+        format!("the gap that the mesh gives between \"{}\" and \"{with}\" goes from {from} to {to}", contact.on);
+    message += &if unit.is_empty() { unit } else { format!(" {unit}") };
     if overlap > 0.0 {
-        let place = mesh.place(&deepest.x);
-        message += &format!(
-            "; they overlap at rest by up to {}, at {place}: the first step pushes them apart",
-            write(overlap)
-        );
+        let (depth, place) = (write(overlap), mesh.place(&deepest.x));
+        message += &format!("; they overlap at rest by up to {depth}, at {place}: the first step pushes them apart");
     }
     if cuts {
-        let each = names.iter().zip(depths).map(|(name, depth)| format!("{} those of \"{name}\"", write(depth)));
+        let [(first, own), (second, other)] = [0, 1].map(|side| (names[side], write(depths[side])));
         message += &format!(
-            "; the facets cut into the curved sides by {}, and the gap is {} in the mean: pressures follow the facets",
-            each.collect::<Vec<_>>().join(", "),
+            "; the facets of \"{first}\" are {own} deep, those of \"{second}\" {other}, beside a mean gap of {}: pressures follow the facets",
             write(mean)
         );
     }
+    let numbers = if overlap > 0.0 { [overlap, round_off] } else { [deep, DEEP * mean] };
+    let place = format!("{}.gap", problem.contact_path(number));
+    Some(warning(FindingId::PairGap, &place, numbers, message, repair(cuts, units)))
+}
+
+/// What repairs a gap.
+fn repair(cuts: bool, units: Units) -> String {
     let example = if units.of(Measure::Length).is_empty() { "" } else { ", such as gap = \"10 µm\"," };
-    let repair = if cuts {
+    if cuts {
         format!(
             "give the clearance or interference as `gap`{example} in place of the gap of the mesh, or take finer or quadratic cells"
         )
@@ -99,63 +97,47 @@ fn of_pair(
         format!(
             "give an interference that is meant as `gap`{example} in place of the gap of the mesh, take `close = true` to let the bodies touch without stress, or mend the mesh"
         )
-    };
-    let numbers = if overlap > 0.0 { [overlap, round_off] } else { [deep, DEEP * mean] };
-    let place = format!("{}.gap", problem.contact_path(number));
-    Some(warning(FindingId::PairGap, &place, numbers, message, repair))
+    }
 }
 
-/// `start-inside`: a side that is inside an obstacle at t = 0, or inside a foundation by more than a tenth of a cell.
-pub(super) fn of_foundations(problem: &Problem) -> Vec<Finding> {
-    let foundations = || problem.contacts.iter().enumerate().filter(|(_, contact)| contact.pair.is_none());
-    if foundations().next().is_none() {
+/// `start-inside`: a side that is inside an obstacle at t = 0, by more than its own facets cut in. The gap of a
+/// foundation without an obstacle is a datum: a negative one is a preload that is meant.
+pub(super) fn of_obstacles(problem: &Problem) -> Vec<Finding> {
+    if problem.contacts.iter().all(|contact| contact.obstacle.is_none()) {
         return Vec::new();
     }
     let boundary = problem.contact_boundary();
-    foundations().filter_map(|(number, contact)| starts(problem, &boundary.points, number, contact)).collect()
+    let sides = problem.contacts.iter().enumerate();
+    sides.filter_map(|(number, contact)| of_obstacle(problem, &boundary.points, number, contact)).collect()
 }
 
-fn starts(problem: &Problem, points: &[PointOnBoundary], number: usize, contact: &Contact) -> Option<Finding> {
-    let mesh = &*problem.mesh;
+fn of_obstacle(problem: &Problem, points: &[PointOnBoundary], number: usize, contact: &Contact) -> Option<Finding> {
+    let (mesh, obstacle) = (&*problem.mesh, contact.obstacle.as_ref()?);
     let set = mesh.facets.get(&contact.on)?;
     let displaced = |x: &Point| -> Point {
         std::array::from_fn(|c| problem.initial.displacement.get(c).map_or(0.0, |field| field.value(x, 0.0)))
     };
     let inside = |point: &PointOnBoundary| {
         let u = displaced(&point.x);
-        let gap = contact.gap.value(&point.x, 0.0);
-        let Some(obstacle) = &contact.obstacle else { return dot(&u, &point.normal) - gap };
         let x: Point = std::array::from_fn(|c| point.x[c] + if obstacle.updated { u[c] } else { 0.0 });
         let nearest = obstacle.nearest(&x, 0.0);
         let moved = if obstacle.updated { 0.0 } else { dot(&u, &nearest.normal) };
-        -(nearest.distance + moved + gap)
+        -(nearest.distance + moved + contact.gap.value(&point.x, 0.0))
     };
     let depths: Vec<(&PointOnBoundary, f64)> =
         points.iter().filter(|point| point.contact == number).map(|point| (point, inside(point))).collect();
-    let limit = if contact.obstacle.is_some() {
-        round_off(mesh, set).max(depth(mesh, set))
-    } else {
-        let heights = cell_heights(mesh, set).into_iter().map(|cell| cell.height);
-        OF_CELL * heights.fold(f64::INFINITY, f64::min)
-    };
+    let limit = round_off(mesh, set).max(depth(mesh, set));
     let (deepest, most) = *depths.iter().filter(|(_, depth)| *depth > limit).max_by(|a, b| a.1.total_cmp(&b.1))?;
-    let what = if contact.obstacle.is_some() { "obstacle" } else { "foundation" };
     let message = format!(
-        "at t = 0 \"{}\" is inside the {what} by up to {}, at {}, and at {} of its {} contact points: the first step pushes it out",
+        "at t = 0 \"{}\" is inside the obstacle by up to {}, at {}, and at {} of its {} contact points: the first step pushes it out",
         contact.on,
         problem.units().write(most, Measure::Length),
         mesh.place(&deepest.x),
         depths.iter().filter(|(_, depth)| *depth > limit).count(),
         depths.len()
     );
-    let (key, repair) = match &contact.obstacle {
-        Some(_) => (
-            "obstacle",
-            "let the obstacle start outside of the body: move it, turn its normal, or turn the sign of its level, which is positive outside of the obstacle; leave it if an interference is meant",
-        ),
-        None => ("gap", "give a gap that is not negative at t = 0; leave it if an interference is meant"),
-    };
-    let place = format!("{}.{key}", problem.contact_path(number));
+    let repair = "let the obstacle start outside of the body: move it, turn its normal, or turn the sign of its level, which is positive outside of the obstacle; leave it if an interference is meant";
+    let place = format!("{}.obstacle", problem.contact_path(number));
     Some(warning(FindingId::StartInside, &place, [most, limit], message, repair))
 }
 
