@@ -118,6 +118,8 @@ fn workload(problem: &ProblemData) -> Workload {
         steps,
         rubs: problem.contacts.iter().any(|contact| !contact.friction.is_frictionless()),
         joins: problem.contacts.iter().any(joins),
+        slenderness: problem.mesh.slenderness(),
+        is_plane: problem.mesh.dim < 3,
     }
 }
 

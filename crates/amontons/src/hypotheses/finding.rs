@@ -93,10 +93,16 @@ findings! {
     PointForce = "point-force", Warning, Mechanics;
     /// Contact points whose normal displacement is prescribed.
     ContactHeld = "contact-held", Warning, Mechanics;
+    /// Pairs that overlap at rest, or whose facets are deep beside the gap between them.
+    PairGap = "pair-gap", Warning, Mechanics;
+    /// Sides that are inside an obstacle at the start.
+    StartInside = "start-inside", Warning, Mechanics;
     /// An expansion tensor of the size of α.
     ExpansionScale = "expansion-scale", Warning, Both;
     /// An expansion tensor without a component zz in plane strain.
     ExpansionZz = "expansion-zz", Warning, Both;
+    /// The mean dilatation of cells whose dilatation is constant.
+    MeanDilatation = "mean-dilatation", Warning, Mechanics;
     /// A coefficient that jumps within a cell.
     CoefficientJump = "coefficient-jump", Warning, Any;
     /// Cells that are too large for the heat of Γ_C.

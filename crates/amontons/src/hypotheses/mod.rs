@@ -11,7 +11,7 @@
 //! | `softening` | a contact law softens, so that a step may have several solutions; absent otherwise | the laws |
 //! | `mesh-quality` | the shape of the cells | their geometry |
 //! | `contact-possible` | whether contact can occur at all | an energy estimate |
-//! | `pairs` | which part of the nonmortar side of each pair is faced, and how deep sides overlap; absent without pairs | the rows of the pair |
+//! | `pairs` | which part of the nonmortar side of each pair is faced; absent without pairs | the rows of the pair |
 //! | `energy`, `heat` | the audit of a run | the run |
 //! | others of kind `warning` | traps in data and runs: [`warnings`]; absent where nothing is wrong | data, the run |
 //!

@@ -1,10 +1,9 @@
 //! Pairs of deformable bodies: what the theory says of a foundation it does not say of them.
 
 use super::{Certificate, Constants, Finding, FindingId, FindingStatus, judged};
-use crate::contact::{Contact, Supports};
-use crate::contact::mortar::{Mortar, mean_facet};
+use crate::contact::mortar::Mortar;
+use crate::contact::{Contact, Pair, Supports};
 use crate::problem::{Problem, with_supports};
-use crate::units::Measure;
 
 /// The first pair of a problem, by the number of its contact.
 pub(super) fn first(problem: &Problem) -> Option<usize> {
@@ -25,16 +24,14 @@ pub(super) fn certificate(problem: &Problem) -> Certificate {
     Certificate { findings, constants }
 }
 
-/// Depth of an overlap, relative to a facet, that is not the round-off of a mesh file.
-const DEEP: f64 = 1e-6;
 /// Share of a side that is as good as all of it.
 const WHOLE: f64 = 1.0 - 1e-6;
 
-/// `pairs`: which side bears the contact points, how much of it the other side faces, and where the sides overlap at
-/// rest.
+/// `pairs`: which side bears the contact points, and how much of it the other side faces. Fails where that is nothing,
+/// and the pairing is not made anew in each step.
 pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
-    let (mut told, mut is_partly, mut deepest) = (Vec::new(), false, 0.0);
+    let (mut told, mut is_partly, mut is_apart) = (Vec::new(), false, false);
     for contact in problem.contacts.iter().filter(|contact| contact.pair.is_some()) {
         let of = |supports: Supports| contact.pairing(mesh, &mesh.points, supports).map(|sides| Mortar::new(&sides));
         let (Some(mortar), Some(facing)) = (with_supports(&space, None, of), contact.facing()) else { continue };
@@ -46,25 +43,17 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
             "\"{bearing}\" bears {points} contact points, and \"{facing}\" faces {:.4} % of it; pressures miss the balance of moments by levers of up to {lever:.1e} m",
             100.0 * share
         ));
-        let is_geometric = contact.pair.as_ref().is_some_and(|pair| !pair.gap_is_given && !pair.closes);
-        let facet = mesh.facets.get(bearing).map_or(0.0, |set| mean_facet(mesh, set));
-        let size = if mesh.dim == 3 { facet.sqrt() } else { facet };
-        let overlap = mortar.rows.iter().filter(|_| is_geometric).min_by(|a, b| a.gap.total_cmp(&b.gap));
-        if let Some(row) = overlap.filter(|row| row.gap < -DEEP * size) {
-            deepest = row.gap.min(deepest);
-            let place = mesh.place(&mesh.points[row.node as usize]);
-            told.push(format!(
-                "they overlap at rest by up to {}, at {place}: the first step pushes them apart",
-                problem.units().write(-row.gap, Measure::Length)
-            ));
-        }
+        is_apart |= mortar.covered == 0.0 && !contact.pair.as_ref().is_some_and(Pair::is_updated);
     }
     let first = first(problem)?;
-    let status = if is_partly || deepest < 0.0 { FindingStatus::NotCovered } else { FindingStatus::Holds };
+    let status = match (is_apart, is_partly) {
+        (true, _) => FindingStatus::Fails,
+        (false, true) => FindingStatus::NotCovered,
+        (false, false) => FindingStatus::Holds,
+    };
     let finding = Finding::new(FindingId::Pairs, status, told.join("; "), &problem.contact_path(first));
-    Some(if deepest < 0.0 {
-        finding
-            .repair("take `close = true` to let them touch without stress, or `gap` for an interference that is meant")
+    Some(if is_apart {
+        finding.repair("name sides that face each other, or take `geometry = \"updated\"` if they do so later")
     } else {
         finding
     })

@@ -398,7 +398,11 @@ impl MechanicalStep<'_> {
             }
             term.interface.add_tangent(i, &tangent, &mut sum);
         }
-        condensed.is_positive_definite(&sum)
+        match condensed.is_positive_definite(&sum) {
+            // What an iteration leaves open is not known to be unique.
+            Err(SolveError::NotConverged { .. }) => Ok(false),
+            found => found,
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Which backend solves a system: that which is predicted to take less time, if it fits into memory.
+//! Which backend solves a system: that which is predicted to take less time, if it fits into memory. An iteration that
+//! takes more work than a factor would have is left for it ([`super::relief`]).
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -8,6 +9,7 @@ use super::estimate::{Choice, Decided, Estimate, Workload};
 use super::factor::{Backend, Factor, has_factor};
 use super::graph::Graph;
 use super::multigrid::Multigrid;
+use super::relief::Relief;
 use super::sparse::BlockMatrix;
 use super::stop::Stop;
 use super::supernodal::Interruptible;
@@ -49,7 +51,9 @@ impl Backend for Automatic {
         } else {
             self.multigrid.order(matrix, layout)
         };
-        Unknowns { choice: Some(Arc::new(choice)), ..unknowns }
+        let relief = || Arc::new(Relief::new(&estimate, self.work.joins, layout.leading_contact()));
+        let relief = choice.may_change.then(relief);
+        Unknowns { choice: Some(Arc::new(choice)), relief, ..unknowns }
     }
 
     fn factorize(&self, matrix: &Arc<BlockMatrix>, unknowns: &Unknowns) -> Result<Box<dyn Factor>, SolveError> {

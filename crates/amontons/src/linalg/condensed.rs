@@ -8,6 +8,7 @@ use std::fmt::Debug;
 use faer::Mat;
 
 use super::error::SolveError;
+use super::relief::Account;
 use super::tangent::Tangent;
 use super::turn::Turn;
 use crate::list::List;
@@ -83,6 +84,14 @@ pub trait Condensed: Debug + Send + Sync {
     /// Takes tangents as those whose factors were at hand in the run that this one goes on from: to factorize them
     /// again is not counted again.
     fn recall(&mut self, _kept: &[TangentKey]) {}
+
+    /// Work of an iteration that may be left for a factor.
+    fn account(&self) -> Account {
+        Account::default()
+    }
+
+    /// Goes on from the work that was counted before, with another matrix or in the run that this one goes on from.
+    fn go_on_from(&mut self, _account: Account) {}
 
     /// Krylov iterations so far.
     fn iterations(&self) -> usize {

@@ -46,7 +46,9 @@ impl System {
         self.factor = self.backend.factorize(&self.unknowns.matrix(matrix), &self.unknowns)?;
         self.factorizations = (self.factorizations.0 + 1, self.factorizations.1 + self.condensed.factorizations());
         self.iterations += self.condensed.iterations();
+        let account = self.condensed.account();
         self.condensed = self.factor.condensed();
+        self.condensed.go_on_from(account);
         Ok(())
     }
 

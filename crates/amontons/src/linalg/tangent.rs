@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::list::List;
+use crate::tensor::Sym;
 
 /// Share of the stiffness of S on the diagonal in the place of springs.
 const SPREAD: f64 = 0.1;
@@ -144,6 +145,11 @@ impl Tangent {
         self.points.iter().flat_map(|point| self.of_point(point))
     }
 
+    /// The unknowns that points see, some several times.
+    pub fn unknowns(&self) -> impl Iterator<Item = u32> + '_ {
+        self.shares.iter().map(|(unknown, _)| *unknown)
+    }
+
     /// The entries of one point after the other.
     pub fn points(&self) -> impl Iterator<Item = Vec<Entry>> + '_ {
         self.points.iter().map(|point| self.of_point(point).collect())
@@ -236,6 +242,20 @@ impl Tangent {
         points.chain(self.springs.iter().flat_map(of_spring))
     }
 
+    /// The part that resists motion: the symmetric part of each T without its negative principal values. K with it is
+    /// positive definite where K is.
+    #[must_use]
+    pub fn resisting(&self) -> Tangent {
+        let mut part = Tangent::with_capacity(self.points.len(), self.shares.len());
+        for point in &self.points {
+            let row = self.shares.get(point.jump.clone()).unwrap_or_default();
+            if point.force == point.jump && point.weight > 0.0 {
+                part.add(point.weight, row, &resisting(&point.slope));
+            }
+        }
+        part
+    }
+
     /// Whether the part of every point is symmetric to round-off.
     #[must_use]
     pub fn is_symmetric(&self) -> bool {
@@ -249,6 +269,13 @@ impl Tangent {
             }
         })
     }
+}
+
+/// The symmetric part of a slope without its negative principal values.
+fn resisting(slope: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let axes = Sym::from_fn(3, |a, b| 0.5 * (slope[a][b] + slope[b][a])).principal_axes();
+    let entry = |a: usize, b: usize| axes.iter().map(|(value, v)| value.max(0.0) * v[a] * v[b]).sum();
+    std::array::from_fn(|a| std::array::from_fn(|b| entry(a, b)))
 }
 
 /// Whether two vectors are multiples of one another, as those of a symmetric f nᵀ.
@@ -285,6 +312,21 @@ mod tests {
         assert!(by_points.iter().zip(&by_entries).all(|(a, b)| (a - b).abs() <= 1e-14 * largest));
         let all: Vec<Entry> = tangent.points().flatten().collect();
         assert_eq!(all, tangent.entries().collect::<Vec<Entry>>());
+    }
+
+    /// What resists is what is left without the negative principal values, and forces that are no multiples of a jump
+    /// are left out.
+    #[test]
+    fn what_resists_has_no_negative_principal_value() {
+        let row = [(0, [1.0, 0.0, 0.0]), (1, [0.0, 1.0, 0.0]), (2, [0.0, 0.0, 1.0])];
+        let mut tangent = Tangent::new();
+        // Principal values 3 along (1, 1, 0)/√2, −1 along (1, −1, 0)/√2, and −2.
+        tangent.add(2.0, &row, &[[1.0, 2.0, 0.0], [2.0, 1.0, 0.0], [0.0, 0.0, -2.0]]);
+        tangent.add_product_of(1.0, &[(0, 1.0)], &[(2, 1.0)]);
+        let mut y = [0.0; 3];
+        tangent.resisting().add_product(1.0, &[1.0, 0.0, 5.0], &mut y);
+        assert!((y[0] - 3.0).abs() < 1e-14 && (y[1] - 3.0).abs() < 1e-14 && y[2].abs() < 1e-14, "{y:?}");
+        assert!(Tangent::new().resisting().is_empty());
     }
 
     /// The part on some unknowns has the entries between them, and none of a point that sees others alone.

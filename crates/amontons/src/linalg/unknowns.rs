@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::estimate::Choice;
 use super::graph::Graph;
 use super::ordering::{Ordering, nested_dissection};
+use super::relief::Relief;
 use super::sparse::BlockMatrix;
 use super::vectors::{BLOCK, copy, zeros};
 use crate::list::List;
@@ -47,7 +48,7 @@ impl<'a> Layout<'a> {
         let mut position = vec![u32::MAX; self.free.len()];
         dofs.iter().enumerate().for_each(|(k, &dof)| position[dof as usize] = k as u32);
         let links = self.links.into();
-        Unknowns { dofs, position, interior, points: Arc::new([]), frames, links, choice: None }
+        Unknowns { dofs, position, interior, points: Arc::new([]), frames, links, choice: None, relief: None }
     }
 
     /// The matrix of the unknowns: in their directions, and without the nodes that follow others.
@@ -69,10 +70,16 @@ impl<'a> Layout<'a> {
         if self.links.is_empty() {
             return nested_dissection(graph, self.points, &keep, self.contact);
         }
+        nested_dissection(graph, self.points, &keep, &self.leading_contact())
+    }
+
+    /// The contact nodes, ascending, with the nodes that they follow in place of those that follow others.
+    #[must_use]
+    pub fn leading_contact(&self) -> Vec<u32> {
         let mut contact: Vec<u32> = self.contact.iter().map(|&node| leader(self.links, node)).collect();
         contact.sort_unstable();
         contact.dedup();
-        nested_dissection(graph, self.points, &keep, &contact)
+        contact
     }
 }
 
@@ -93,6 +100,8 @@ pub struct Unknowns {
     pub links: Arc<[Link]>,
     /// How systems are solved and why, where a backend has chosen.
     pub choice: Option<Arc<Choice>>,
+    /// When an iteration is left for a factor; none where it is not.
+    pub relief: Option<Arc<Relief>>,
 }
 
 impl Unknowns {

@@ -2,7 +2,7 @@
 
 use super::{CellMap, Mesh};
 use crate::element::{Element, ShapeTable};
-use crate::tensor::Point;
+use crate::tensor::{Point, Sym};
 
 impl Mesh {
     /// The worst quality over all cells, where 1 is a regular cell and 0 a flat one.
@@ -35,6 +35,26 @@ impl Mesh {
         }
         worst
     }
+
+    /// How slender the cells are that all but a tenth of them are no more slender than: the longest beside the shortest
+    /// semi-axis of the ellipsoid of inertia of the nodes, 1 for a regular cell. 1 without cells.
+    #[must_use]
+    pub fn slenderness(&self) -> f64 {
+        let mut all = Vec::new();
+        for block in &self.blocks {
+            let element = block.element;
+            let moment = moment(element, self.dim);
+            let table = ShapeTable::new(element, 1);
+            all.extend(block.cells().map(|cell| {
+                let inertia = inertia(self, table.gradients(0), cell, &moment);
+                let axes = Sym::from_fn(3, |r, c| inertia[r][c]).eigenvalues(self.dim);
+                let [least, most] = axes.into_iter().fold([f64::INFINITY, 0.0], |[l, m], e| [e.min(l), e.max(m)]);
+                (most / least.max(f64::MIN_POSITIVE)).sqrt()
+            }));
+        }
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() - all.len().div_ceil(10)).copied().unwrap_or(1.0)
+    }
 }
 
 /// Second moment of the nodes of the reference cell about their centre.
@@ -54,6 +74,17 @@ fn moment(element: &Element, dim: usize) -> [[f64; 3]; 3] {
 
 fn quality(mesh: &Mesh, jacobian: f64, gradients: &[Point], cell: &[u32], moment: &[[f64; 3]; 3]) -> f64 {
     let dim = mesh.dim;
+    let inertia = inertia(mesh, gradients, cell, moment);
+    let trace: f64 = (0..dim).map(|r| inertia[r][r]).sum();
+    let [m0, m1, m2] = moment;
+    let cross: Point = [m1[1] * m2[2] - m1[2] * m2[1], m1[2] * m2[0] - m1[0] * m2[2], m1[0] * m2[1] - m1[1] * m2[0]];
+    let determinant = jacobian * jacobian * crate::tensor::dot(m0, &cross);
+    dim as f64 * determinant.powf(1.0 / dim as f64) / trace
+}
+
+/// T = J R Jᵀ.
+fn inertia(mesh: &Mesh, gradients: &[Point], cell: &[u32], moment: &[[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let dim = mesh.dim;
     let mut j = [[0.0; 3]; 3];
     for (&node, gradient) in cell.iter().zip(gradients) {
         let p = &mesh.points[node as usize];
@@ -63,18 +94,10 @@ fn quality(mesh: &Mesh, jacobian: f64, gradients: &[Point], cell: &[u32], moment
             }
         }
     }
-    let trace: f64 = (0..dim)
-        .map(|r| {
-            (0..dim)
-                .flat_map(|a| (0..dim).map(move |b| (a, b)))
-                .map(|(a, b)| j[r][a] * moment[a][b] * j[r][b])
-                .sum::<f64>()
-        })
-        .sum();
-    let [m0, m1, m2] = moment;
-    let cross: Point = [m1[1] * m2[2] - m1[2] * m2[1], m1[2] * m2[0] - m1[0] * m2[2], m1[0] * m2[1] - m1[1] * m2[0]];
-    let determinant = jacobian * jacobian * crate::tensor::dot(m0, &cross);
-    dim as f64 * determinant.powf(1.0 / dim as f64) / trace
+    let entry = |r: usize, s: usize| {
+        (0..dim).flat_map(|a| (0..dim).map(move |b| (a, b))).map(|(a, b)| j[r][a] * moment[a][b] * j[s][b]).sum::<f64>()
+    };
+    std::array::from_fn(|r| std::array::from_fn(|s| entry(r, s)))
 }
 
 fn centre(mesh: &Mesh, cell: &[u32]) -> Point {

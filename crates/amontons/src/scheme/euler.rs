@@ -551,19 +551,21 @@ impl Scheme for BackwardEuler {
     }
 
     fn kept(&self) -> Kept {
-        let all = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
+        let all = || std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::all);
         let halves = std::iter::once(&self.systems).chain(&self.halved).flat_map(Systems::halves);
         let of = |half: &Option<HalfStep>, components: usize| {
             let choice = half.as_ref()?.system.choice()?;
-            Some(Decided { components, direct: choice.is_direct(), why: choice.why.clone() })
+            let Choice { why, may_change, .. } = choice.clone();
+            Some(Decided { components, direct: choice.is_direct(), why, may_change })
         };
         let Systems { mechanics, heat, .. } = &self.systems;
         let solvers = [of(mechanics, self.discrete.mesh.dim), of(heat, 1)].into_iter().flatten().collect();
         Kept {
             halvings: self.halved.len(),
             temperatures: halves.map(|half| half.at.clone()).collect(),
-            tangents: all.map(|system| system.condensed().kept()).collect(),
+            tangents: all().map(|system| system.condensed().kept()).collect(),
             solvers,
+            accounts: all().map(|system| system.condensed().account()).collect(),
         }
     }
 
@@ -574,8 +576,13 @@ impl Scheme for BackwardEuler {
             let recalled = systems.recall(&self.discrete, &mut temperatures);
             recalled.map_err(|(part, source)| SetupError::Factor { part, source })?;
         }
-        let all = std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut);
-        all.zip(&kept.tangents).for_each(|(system, kept)| system.condensed_mut().recall(kept));
+        for (i, system) in
+            std::iter::once(&mut self.systems).chain(&mut self.halved).flat_map(Systems::all_mut).enumerate()
+        {
+            let condensed = system.condensed_mut();
+            kept.tangents.get(i).into_iter().for_each(|kept| condensed.recall(kept));
+            kept.accounts.get(i).into_iter().for_each(|account| condensed.go_on_from(*account));
+        }
         Ok(())
     }
 
@@ -593,6 +600,11 @@ impl Scheme for BackwardEuler {
 
     fn backend_reason(&self) -> String {
         let choice = self.systems.all().find_map(System::choice);
-        choice.map_or_else(|| Choice::ASKED.to_owned(), |choice| choice.why.clone())
+        let why = choice.map_or_else(|| Choice::ASKED.to_owned(), |choice| choice.why.clone());
+        if self.systems.all().any(|system| system.condensed().account().is_left) {
+            format!("{why}; the iteration took more work than predicted and was left for a factor")
+        } else {
+            why
+        }
     }
 }

@@ -25,7 +25,7 @@ use std::sync::Arc;
 
 use crate::contact::{Flux, Status};
 use crate::inclusion::{Multipliers, NotConverged, PointState};
-use crate::linalg::{Backend, Decided, SolveError, TangentKey};
+use crate::linalg::{Account, Backend, Decided, SolveError, TangentKey};
 use crate::list::List;
 use crate::problem::{Coupling, Faults, Problem, Uncovered};
 use crate::tensor::Point;
@@ -374,6 +374,9 @@ pub struct Kept {
     pub tangents: Vec<Vec<TangentKey>>,
     /// How systems are solved, where the program has chosen.
     pub solvers: Vec<Decided>,
+    /// The work of the iteration of each system.
+    #[serde(default)]
+    pub accounts: Vec<Account>,
 }
 
 /// Makes the scheme that steps a problem with these forms through time, with the backend that solves its linear

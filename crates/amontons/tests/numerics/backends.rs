@@ -8,8 +8,8 @@ use amontons::discretization::Discretization;
 use amontons::hypotheses::{self, FindingId, FindingStatus};
 use amontons::inclusion::Rule;
 use amontons::linalg::{
-    Backend, BlockMatrix, Condensed, Decided, EXACT, Factor, Layout, Multigrid, SolveError, Supernodal, System,
-    Tangent, Unknowns,
+    Automatic, Backend, BlockMatrix, Condensed, Decided, EXACT, Factor, Layout, Multigrid, SolveError, Supernodal,
+    System, Tangent, Unknowns,
 };
 use amontons::material::{Isotropic, Material, StressState};
 use amontons::mesh::Block;
@@ -505,7 +505,7 @@ fn a_run_goes_on_with_the_solver_that_it_began_with() {
     let settings = || Settings { certificate: false, ..Settings::default() };
     let summary = run::run(&problem, &settings(), &mut []).expect("a run");
     assert_eq!(summary.solver.backend, "direct");
-    let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned() };
+    let decided = |components| Decided { components, direct: false, why: "it had to be".to_owned(), may_change: false };
     let kept = Kept { solvers: vec![decided(2), decided(1)], ..Kept::default() };
     let state = BackwardEuler::new(&problem).expect("a regular system").initial().expect("finite data");
     let from = Checkpoint { state, report: None, work: Work::default(), kept, k: problem.k(), fallback: None };
@@ -520,4 +520,104 @@ fn a_run_goes_on_with_the_solver_that_it_began_with() {
     run::run(&asked, &settings(), &mut [&mut whole]).expect("a run");
     let last = |memory: &Memory| memory.states.last().map(|state| (state.u.clone(), state.theta.clone()));
     assert_eq!(last(&resumed), last(&whole));
+}
+
+/// A belt of slender cells around a drum: in the plane a factor is taken, whichever way the drum turns. The tensions are
+/// as the exponential of friction and angle.
+#[test]
+fn a_belt_of_slender_cells_is_solved_with_a_factor() {
+    let belt = |sets: &[&str]| {
+        let sets: Vec<String> = sets.iter().map(|set| (*set).to_owned()).collect();
+        case::parse(&Source::new("belt.toml", BELT), &sets).expect("a valid case").problem
+    };
+    for turns in [r#"["-y", "x"]"#, r#"["y", "-x"]"#] {
+        for n in ["[1, 150]", "[1, 180]"] {
+            let problem = belt(&[&format!("contact.foundation_velocity={turns}"), &format!("mesh.n={n}")]);
+            let settings = Settings { certificate: false, ..Settings::default() };
+            let mut memory = Memory::new().states_every(1);
+            let summary = run::run(&problem, &settings, &mut [&mut memory]).expect("a run");
+            assert_eq!((summary.solver.backend.as_str(), summary.solver.krylov_iterations), ("direct", 0));
+            // The reaction at the start balances the end and the drum: T₂ = T₁ exp(±0.3 π), T₁ = 1 kN/m.
+            let force = summary.last.contact.map(|contact| contact.force[1]).expect("contact");
+            let sign = if turns.starts_with("[\"-") { 1.0 } else { -1.0 };
+            let expected = 1e3 * (1.0 + (sign * 0.3 * std::f64::consts::PI).exp());
+            assert!((force.abs() - expected).abs() < 3e-3 * expected, "{turns} {n}: {force}, {expected}");
+        }
+    }
+}
+
+/// A belt of 0.2 mm on a drum of 100 mm.
+const BELT: &str = r#"
+name = "belt"
+[mesh]
+kind = "ring"
+radii = [0.1, 0.1002]
+angle = 3.14159265358979
+n = [1, 150]
+elements = "Q2"
+[time]
+end = 1.0
+steps = 1
+[material]
+density = 0
+elasticity = { law = "isotropic", young = 1e9, poisson = 0.0, stress_state = "plane-stress" }
+[[boundary]]
+on = "start"
+displacement = ["free", 0]
+[[boundary]]
+on = "end"
+traction = [0, -5e6]
+[contact]
+on = "inner"
+normal = { law = "signorini" }
+friction = { law = "coulomb", coefficient = 0.3 }
+foundation_velocity = ["-y", "x"]
+obstacle = { shape = "cylinder", center = [0, 0], radius = 0.1 }
+"#;
+
+/// An iteration on a plate that is nearly incompressible, which takes far more products than predicted, is left for a
+/// factor: the results are those of a factor, the work is bounded, and a run that is taken up again, before or after
+/// that, or on other threads has the same bits.
+#[test]
+fn an_iteration_that_lags_is_left_for_a_factor() {
+    let sets = ["material.elasticity.poisson=0.4999", "mesh.n=[8, 2, 8]"].map(str::to_owned);
+    let problem = case::parse(&Source::new("dragged.toml", DRAGGED), &sets).expect("a valid case").problem;
+    let begun = |may_change| {
+        let before = [Decided { components: 3, direct: false, why: "it had to be".to_owned(), may_change }];
+        let backend = Automatic::default().decided(&before).expect("a choice");
+        problem.with(|data| data.backend = backend).expect("valid data")
+    };
+    let (changing, staying) = (begun(true), begun(false));
+    let mut scheme = BackwardEuler::new(&changing).expect("a regular system");
+    let mut states = vec![scheme.initial().expect("finite data")];
+    let mut kept = vec![scheme.kept()];
+    for _ in 0..problem.steps {
+        let next = scheme.step(states.last().expect("a state")).expect("a step").0;
+        states.push(next);
+        kept.push(scheme.kept());
+    }
+    assert!(scheme.backend_reason().ends_with("was left for a factor"), "{}", scheme.backend_reason());
+    assert!(kept.last().is_some_and(|kept| kept.accounts.iter().any(|account| account.is_left)));
+    let last = states.last().expect("a state");
+    let (direct, iterative) = (state(&problem, Arc::new(Supernodal)), state(&staying, staying.backend.clone()));
+    let scale = direct.u.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+    let difference = direct.u.iter().zip(&last.u).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+    assert!(difference <= 1e-8 * scale, "{:.1e}", difference / scale);
+    let products = [last, &iterative].map(|state| state.counts.krylov_iterations);
+    assert!(products[0] > 0 && 4 * products[0] < products[1], "{products:?}");
+    for from in 0..problem.steps {
+        let mut scheme = BackwardEuler::new(&changing).expect("a regular system");
+        scheme.recall(&kept[from]).expect("the same factors");
+        let mut state = states[from].clone();
+        for expected in &states[from + 1..] {
+            state = scheme.step(&state).expect("a step").0;
+            assert!(state == *expected, "taken up after {from}, step {} is another", state.step);
+        }
+    }
+    for threads in [1, 2] {
+        let mut memory = Memory::new().states_every(1);
+        let settings = Settings { threads: Some(threads), certificate: false, ..Settings::default() };
+        run::run(&changing, &settings, &mut [&mut memory]).expect("a run");
+        assert!(memory.states.last() == Some(last), "another result on {threads} threads");
+    }
 }

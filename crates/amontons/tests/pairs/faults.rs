@@ -157,7 +157,7 @@ fn faced(text: &str) -> hypotheses::Finding {
     all.into_iter().find(|finding| finding.id == FindingId::Pairs).expect("a finding on the pair")
 }
 
-/// Which side bears the points is told, how much of it is faced, and where the sides overlap.
+/// Which side bears the points is told, and how much of it is faced.
 #[test]
 fn what_faces_what_is_told() {
     let finding = faced(CASE);
@@ -170,15 +170,10 @@ fn what_faces_what_is_told() {
     let finding = faced(&CASE.replace("origin = [1.0, 1.0]", "origin = [3.0, 1.0]"));
     assert_eq!(finding.status, FindingStatus::NotCovered);
     assert!(finding.message.contains("faces 50.0000 % of it"), "{}", finding.message);
+    let finding = faced(&CASE.replace("origin = [1.0, 1.0]", "origin = [4.5, 1.0]"));
+    assert!(finding.warns() && finding.message.contains("faces 0.0000 % of it"), "{finding:?}");
     let deep = CASE.replace("origin = [1.0, 1.0]", "origin = [1.0, 0.875]");
-    let finding = faced(&deep);
-    assert!(
-        finding.message.contains("they overlap at rest by up to 125 mm, at x = 1.0, y = 0.875"),
-        "{}",
-        finding.message
-    );
-    let closed = faced(&deep.replace("with = \"disc_top\"", "with = \"disc_top\"\nclose = true"));
-    assert_eq!(closed.status, FindingStatus::Holds);
+    assert_eq!(faced(&deep).status, FindingStatus::Holds);
 }
 
 /// Where no side is named: the finer side; of similar ones the smaller side, of equal ones that of the softer body, or

@@ -385,3 +385,55 @@ fn a_block_that_is_moved_while_it_falls_is_found() {
         }
     }
 }
+
+/// A block is pressed onto another and shaken, with friction that falls from 0.6 to 0.4 within slip of 0.1 m/s.
+const SHAKEN: &str = r#"
+name = "shaken"
+units = "dimensionless"
+[mesh]
+kind = "blocks"
+blocks = [
+  { name = "a", elements = "Q1", size = [1.0, 0.4, 1.0], origin = [0, -0.4, 0], n = [2, 2, 2] },
+  { name = "b", elements = "Q1", size = [1.0, 0.4, 1.0], n = [3, 2, 3] },
+]
+[time]
+end = 0.4
+steps = 8
+[material]
+density = 0
+elasticity = { law = "isotropic", young = 1.0, poisson = 0.3 }
+[[boundary]]
+on = "b_top"
+displacement = ["0.02*sin(5*t)", "-0.01*min(1, t/0.1)", 0]
+[[boundary]]
+on = "a_bottom"
+displacement = [0, 0, 0]
+[contact]
+on = "b_bottom"
+with = "a_top"
+normal = { law = "signorini" }
+friction = { law = "static-kinetic", static = 0.6, kinetic = 0.4, decay_speed = 0.1 }
+[solver]
+solver = "iterative"
+"#;
+
+/// An iteration tells the steps with several solutions that a factor tells: seven of eight without inertia, whose body
+/// is softer than friction falls, and none with enough of it. Both take the same Newton iterations.
+#[test]
+fn falling_friction_is_told_by_an_iteration_as_by_a_factor() {
+    let swapped =
+        SHAKEN.replace("on = \"b_bottom\"", "on = \"a_top\"").replace("with = \"a_top\"", "with = \"b_bottom\"");
+    let soft = SHAKEN.replace(r#"{ law = "signorini" }"#, r#"{ law = "compliance", stiffness = 50.0 }"#);
+    let heavy = SHAKEN.replace("density = 0", "density = 0.1");
+    for (text, ambiguous) in [(SHAKEN, 7), (&swapped, 7), (&soft, 7), (&heavy, 0)] {
+        let last = |text: &str| made(text).states.pop().expect("a state");
+        let (factor, iteration) = (last(&text.replace("iterative", "direct")), last(text));
+        assert_eq!([&factor, &iteration].map(|state| state.counts.ambiguous_steps), [ambiguous; 2]);
+        let newton = [&factor, &iteration].map(|state| state.counts.newton_mechanics_total);
+        assert!(newton[1] <= newton[0] + newton[0] / 4, "{newton:?}");
+        assert!(iteration.counts.krylov_iterations <= 8 * newton[1], "{}", iteration.counts.krylov_iterations);
+        let scale = factor.u.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+        let difference = factor.u.iter().zip(&iteration.u).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+        assert!(difference <= 1e-7 * scale, "{:.1e}", difference / scale);
+    }
+}

@@ -9,6 +9,7 @@
 #[macro_use]
 #[path = "../common/body.rs"]
 mod body;
+mod gaps;
 mod model;
 
 use std::sync::Arc;

@@ -7,8 +7,11 @@
 //! | `part-free` | a part of the body can move without strain and has no contact | supports |
 //! | `point-force` | a force acts on points, or in space along an edge | the data |
 //! | `contact-held` | the normal displacement of a contact point is prescribed, so that its law does not act | supports |
+//! | `pair-gap` | bodies of a pair overlap at rest, or facets are deep beside the gap between them | the gap of the mesh |
+//! | `start-inside` | a side is inside an obstacle at t = 0 | distances at the contact points |
 //! | `expansion-scale` | 𝓜 has the size of a coefficient of thermal expansion α | the material |
 //! | `expansion-zz` | 𝓜 is a matrix in plane strain, so that 𝓜_zz = 0 | the material |
+//! | `mean-dilatation` | the mean dilatation is asked of linear simplices, which it changes nothing in | the cells |
 //! | `coefficient-jump` | a coefficient of the material jumps within a cell | its values along the edges of cells |
 //! | `thermal-layer` | the heat of Γ_C does not get through a cell | lengths |
 //! | `strain` | the strain is not small | the run |
@@ -17,6 +20,7 @@
 //! | `penetration` | a foundation gives way by more than the size of a cell | the run |
 //! | `undetermined-motion` | no support, contact or load determines a rigid motion | the run |
 
+mod gaps;
 mod jump;
 mod run;
 mod supports;
@@ -26,6 +30,7 @@ pub use run::{Figures, Penetration, of_run};
 
 use super::laws::{at, norm};
 use super::{Finding, FindingId, FindingStatus};
+use crate::material::Dilatation;
 use crate::mesh::FacetSet;
 use crate::mesh::defects::coincident;
 use crate::problem::Problem;
@@ -49,9 +54,12 @@ pub(super) fn of_data(problem: &Problem) -> Vec<Finding> {
     findings.extend(supports::part_free(problem));
     findings.extend(supports::contact_held(problem));
     findings.extend(supports::point_force(problem));
+    findings.extend(gaps::of_pairs(problem));
+    findings.extend(gaps::of_obstacles(problem));
     for (region, _) in problem.materials.iter().enumerate() {
         findings.extend(expansion_scale(problem, region));
         findings.extend(expansion_zz(problem, region));
+        findings.extend(mean_dilatation(problem, region));
         findings.extend(jump::jump(problem, region));
     }
     findings.extend(thermal::layer(problem));
@@ -156,4 +164,26 @@ fn expansion_zz(problem: &Problem, region: usize) -> Option<Finding> {
         message.to_owned(),
         repair,
     ))
+}
+
+/// `mean-dilatation`: the dilatation of a linear triangle or tetrahedron is constant, so that its mean is itself.
+fn mean_dilatation(problem: &Problem, region: usize) -> Option<Finding> {
+    let mesh = &*problem.mesh;
+    problem.materials.get(region).filter(|material| material.dilatation == Dilatation::Mean)?;
+    let of_region = problem.region_of(region);
+    let cells = mesh.blocks.iter().filter(|block| of_region.is_none_or(|region| block.region == region));
+    let counts: Vec<(bool, usize)> =
+        cells.map(|block| (block.element.nodes.len() == mesh.dim + 1 && mesh.dim > 1, block.cells().count())).collect();
+    let simplices: usize = counts.iter().filter(|(is_simplex, _)| *is_simplex).map(|(_, count)| count).sum();
+    if simplices == 0 {
+        return None;
+    }
+    let all: usize = counts.iter().map(|(_, count)| count).sum();
+    let message = format!(
+        "dilatation = \"mean\" changes nothing in {simplices} of {all} cells, linear {}, whose dilatation is constant: near incompressibility they stay far too stiff",
+        if mesh.dim == 2 { "triangles" } else { "tetrahedra" }
+    );
+    let repair = "take quadrilaterals, hexahedra or quadratic cells: elements = \"Q1\", \"Q2\" or \"P2\" in [mesh]";
+    let numbers = [simplices as f64, 0.0];
+    Some(warning(FindingId::MeanDilatation, &material_key(problem, region, "dilatation"), numbers, message, repair))
 }

@@ -6,9 +6,11 @@ use rayon::prelude::*;
 
 use super::local::Local;
 use super::precondition::{Body, Preconditioner};
+use super::relieved::Relieved;
 use crate::linalg::condensed::Condensed;
 use crate::linalg::error::SolveError;
 use crate::linalg::krylov::{Definite, conjugate_gradients, gmres};
+use crate::linalg::relief::Account;
 use crate::linalg::sparse::{BlockMatrix, Repeated};
 use crate::linalg::stop::Stop;
 use crate::linalg::tangent::Tangent;
@@ -50,6 +52,10 @@ pub(super) struct Iterative {
     /// What the preconditioner has taken up; none where that is in other bases.
     tangent: Option<Tangent>,
     iterations: usize,
+    /// Work so far, and the factor that the iteration is left for; that it could not be made.
+    account: Account,
+    relieved: Option<Relieved>,
+    has_no_factor: bool,
     stop: Stop,
 }
 
@@ -81,6 +87,9 @@ impl Iterative {
             preconditioner: None,
             tangent: None,
             iterations: 0,
+            account: Account::default(),
+            relieved: None,
+            has_no_factor: false,
             stop,
         }
     }
@@ -119,12 +128,15 @@ impl Iterative {
             return Ok(());
         }
         let preconditioner = self.preconditioner.take();
+        if let (None, Some(relief)) = (&preconditioner, &self.unknowns.relief) {
+            relief.count_matrix(&mut self.account);
+        }
         let body = self.body();
         let mut preconditioner = match preconditioner {
             Some(preconditioner) => preconditioner,
             None => Preconditioner::new(&body, &self.stop)?,
         };
-        let by_degree = tangent.spread(&self.scale).renamed(|unknown| self.unknowns.dofs[unknown as usize]);
+        let by_degree = self.by_degree(&tangent.spread(&self.scale));
         preconditioner.add(&body, &by_degree, &self.turns_by_degree)?;
         (self.preconditioner, self.tangent) = (Some(preconditioner), Some(tangent.clone()));
         Ok(())
@@ -213,17 +225,94 @@ impl Iterative {
         Ok((x, solved.iterations))
     }
 
-    /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves.
+    /// Counts products.
+    fn count(&mut self, products: usize) {
+        self.iterations += products;
+        if let Some(relief) = &self.unknowns.relief {
+            relief.count_products(&mut self.account, products);
+        }
+    }
+
+    /// Whether a system with this tangent may be left for a factor: one that keeps the unknowns of Γ_C does not know a
+    /// term elsewhere, as that of a proximal step.
+    fn may_be_relieved_of(&self, tangent: &Tangent) -> bool {
+        let (components, _) = self.matrix.block_shape();
+        let node = |unknown: u32| self.unknowns.dofs.get(unknown as usize).map(|dof| dof / components.max(1) as u32);
+        self.unknowns.relief.as_ref().is_some_and(|relief| {
+            let is_kept = |node: u32| relief.contact.binary_search(&node).is_ok();
+            !self.has_no_factor && tangent.unknowns().all(|unknown| node(unknown).is_some_and(is_kept))
+        })
+    }
+
+    /// Whether it is left.
+    fn is_relieved_of(&self, tangent: &Tangent) -> bool {
+        self.account.is_left && self.may_be_relieved_of(tangent)
+    }
+
+    /// Products after which it is.
+    fn products_left(&self, tangent: &Tangent) -> usize {
+        match &self.unknowns.relief {
+            Some(relief) if self.may_be_relieved_of(tangent) => relief.products_left(&self.account),
+            _ => usize::MAX,
+        }
+    }
+
+    /// The factor that the iteration is left for, which is made once; none where it cannot be made.
+    fn factor(&mut self) -> Result<Option<&mut Relieved>, SolveError> {
+        if let (None, Some(relief)) = (&self.relieved, &self.unknowns.relief) {
+            self.preconditioner = None;
+            match Relieved::new(&self.matrix, &self.unknowns, &self.free, relief, &self.stop) {
+                Ok(made) => self.relieved = Some(made),
+                Err(SolveError::Interrupted) => return Err(SolveError::Interrupted),
+                Err(_) => self.has_no_factor = true,
+            }
+        }
+        Ok(self.relieved.as_mut())
+    }
+
+    /// The solution of (S + J) x = b by the factor, if the iteration is left for it.
+    fn by_factor(&mut self, tangent: &Tangent, b: &[f64]) -> Result<Option<List<f64>>, SolveError> {
+        if !self.is_relieved_of(tangent) {
+            return Ok(None);
+        }
+        let mut straight = self.spread(b);
+        self.turns_by_degree.iter().for_each(|turn| turn.back(&mut straight));
+        let (turns, by_degree) = (self.turns_by_degree.clone(), self.by_degree(tangent));
+        let Some(factor) = self.factor()? else { return Ok(None) };
+        let mut x = factor.solve(&by_degree, &turns, &straight)?;
+        turns.iter().for_each(|turn| turn.forward(&mut x));
+        Ok(Some(self.unknowns.pick(&x)))
+    }
+
+    /// Whether S + J is positive definite, by the factor, if the iteration is left for it.
+    fn definite_by_factor(&mut self, tangent: &Tangent) -> Result<Option<bool>, SolveError> {
+        if !self.is_relieved_of(tangent) {
+            return Ok(None);
+        }
+        let (turns, by_degree) = (self.turns_by_degree.clone(), self.by_degree(tangent));
+        let Some(factor) = self.factor()? else { return Ok(None) };
+        factor.is_positive_definite(&by_degree, &turns).map(Some)
+    }
+
+    /// A tangent by degree of freedom.
+    fn by_degree(&self, tangent: &Tangent) -> Tangent {
+        tangent.renamed(|unknown| self.unknowns.dofs.get(unknown as usize).copied().unwrap_or_default())
+    }
+
+    /// Products until the residual is `wanted` of b, from x = 0: the solution, and what it leaves. By conjugate
+    /// gradients where J is symmetric, as long as they meet no energy that is not positive, else by GMRES.
     fn iterate(&mut self, tangent: &Tangent, b: &[f64], wanted: f64) -> Result<(List<f64>, f64), SolveError> {
-        let is_symmetric = tangent.is_symmetric();
+        let mut has_energy = tangent.is_symmetric();
         let (mut x, mut rest, mut left) = (zeros(b.len()), copy(b), 1.0);
         let whole = self.weight(b);
-        let products = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
-        let mut repeated = self.repeated.as_ref();
+        let most = (NUMBERS / b.len()).clamp(PRODUCTS[0], PRODUCTS[1]);
+        let mut by_rows = self.repeated.is_some();
         for _ in 0..LOOKS {
             let goal = (wanted / left).min(0.1);
+            let repeated = self.repeated.as_ref().filter(|_| by_rows);
             let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(repeated, tangent, v));
-            let (change, made) = if is_symmetric {
+            let (had_energy, products) = (has_energy, most.min(self.products_left(tangent)));
+            let (change, made) = if has_energy {
                 let solved = conjugate_gradients(
                     product,
                     |r| self.precondition(self.spread(r)),
@@ -231,25 +320,24 @@ impl Iterative {
                     |r| self.weight(r),
                     (goal, products),
                 )?;
+                has_energy = solved.definite == Definite::Seen;
                 (solved.x, solved.iterations)
             } else {
                 self.flexible(product, &rest, (goal, products))?
             };
-            self.iterations += made;
+            self.count(made);
             add_combination(&mut x, &[1.0], &[change]);
             self.leave(tangent, b, &x, &mut rest);
             self.settle(&rest, &mut x);
             self.leave(tangent, b, &x, &mut rest);
             let now = self.weight(&rest) / whole;
-            let stalls = now > 0.5 * left || now.is_nan();
+            let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
             left = now;
             // The recurrence and the true residual differ a little.
-            if left <= NEARLY * wanted || (stalls && repeated.is_none()) {
+            if left <= NEARLY * wanted || (stalls && !by_rows) || self.is_relieved_of(tangent) {
                 break;
             }
-            if stalls {
-                repeated = None;
-            }
+            by_rows &= !stalls;
         }
         Ok((x, left))
     }
@@ -272,8 +360,21 @@ impl Condensed for Iterative {
         if b.iter().all(|b| *b == 0.0) {
             return Ok(());
         }
+        if let Some(x) = self.by_factor(tangent, b)? {
+            b.copy_from_slice(&x);
+            return Ok(());
+        }
         self.prepare(tangent)?;
+        if let Some(relief) = &self.unknowns.relief {
+            relief.count_system(&mut self.account);
+        }
         let (x, left) = self.iterate(tangent, b, enough)?;
+        if left > NEARLY * enough
+            && let Some(x) = self.by_factor(tangent, b)?
+        {
+            b.copy_from_slice(&x);
+            return Ok(());
+        }
         b.copy_from_slice(&x);
         // Half of the digits that were asked for are as good as a stalled iteration has to be.
         if left <= enough.sqrt() {
@@ -289,13 +390,18 @@ impl Condensed for Iterative {
         if self.is_empty() {
             return Ok(true);
         }
-        self.prepare(tangent)?;
+        if let Some(found) = self.definite_by_factor(tangent)? {
+            return Ok(found);
+        }
+        // A preconditioner that had taken up what makes K + J indefinite would hide it: with it the product is near the
+        // identity, and no energy that conjugate gradients meet is negative.
+        self.prepare(&tangent.resisting())?;
         // Fractional parts of multiples of the golden ratio: no eigenvector is orthogonal to them by symmetry.
         let b: List<f64> = (1..=self.len()).map(|i| (i as f64 * 0.618_033_988_749_894_9).fract() - 0.5).collect();
         let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(None, tangent, v));
         let precondition = |r: &[f64]| self.precondition(self.spread(r));
         let solved = conjugate_gradients(product, precondition, &b, norm, (SEEN, PRODUCTS[0] * LOOKS))?;
-        self.iterations += solved.iterations;
+        self.count(solved.iterations);
         match solved.definite {
             Definite::No => Ok(false),
             Definite::Seen if solved.residual <= SEEN => Ok(true),
@@ -319,6 +425,14 @@ impl Condensed for Iterative {
 
     fn turns(&self) -> &[Turn] {
         &self.turns
+    }
+
+    fn account(&self) -> Account {
+        self.account
+    }
+
+    fn go_on_from(&mut self, account: Account) {
+        self.account = account;
     }
 
     fn iterations(&self) -> usize {

@@ -10,6 +10,7 @@ mod hierarchy;
 mod local;
 mod precondition;
 mod product;
+mod relieved;
 mod stored;
 mod surface;
 
