@@ -115,7 +115,9 @@ fn rows_in_the_plane_are_those_of_two_independent_programs() {
             if is_below { polygons(&nonmortar, &mortar) } else { polygons(&mortar, &nonmortar) };
         let first_prescribed = name.contains("first node prescribed");
         let first = mesh.points.len() - nonmortar.len();
-        let held = |node: u32| if first_prescribed && node as usize == first { AXES } else { [[0.0; 3]; 3] };
+        // Both bodies are held there.
+        let at = |node: usize| place(&mesh.points[node]);
+        let held = |node: u32| if first_prescribed && at(node as usize) == at(first) { AXES } else { [[0.0; 3]; 3] };
         let (nonmortar, mortar) = if is_below { (&lower, &upper) } else { (&upper, &lower) };
         let supports = Supports { held: &held, ..Supports::NONE };
         let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar, mortar, supports, keeps_all: false };
