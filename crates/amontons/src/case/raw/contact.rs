@@ -67,8 +67,8 @@ pub(in crate::case) struct Contact {
     /// In the place of `on` and `with`: all bodies that are near each other at rest are pairs with these laws.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub automatic: Option<Automatic>,
-    /// The side of a pair that bears the contact points, `on` or `with`; default: the finer one, of similar ones the
-    /// smaller one, or that of the softer body. The other keys do not change their meaning with it.
+    /// The side of a pair that bears the contact points, `on` or `with`; default: that of the softer body, else the one
+    /// that is covered more, the finer or the smaller one. The other keys do not change their meaning with it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub nonmortar: Option<String>,
     /// When the points of a pair that face each other are found; default: `reference`.

@@ -204,7 +204,7 @@ impl<'a> Pairing<'a> {
         let Supports { held, links, .. } = self.sides.supports;
         let shared: BTreeSet<u32> = self.sides.mortar.node_list().iter().map(|&node| leader(links, node)).collect();
         let dim = self.sides.mesh.dim;
-        let is_held = |node: u32| held(node).iter().filter(|direction| **direction != [0.0; 3]).count() == dim;
+        let is_held = |node: u32| held(node).iter().filter(|direction| **direction != [0.0; 3]).count() >= dim;
         let is_named = |number: usize| {
             let node = self.candidates.all[number].node;
             is_crossed(node) || shared.contains(&node) || is_held(node) && self.faced(number).into_iter().any(is_held)
