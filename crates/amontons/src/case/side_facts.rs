@@ -73,12 +73,7 @@ impl<'m> SideFacts<'m> {
         let sizes = sides.map(|side| self.sizes(side));
         let by_facets = || decide(sizes.map(|[facet, _]| facet), FINER);
         let by_size = || decide(sizes.map(|[_, size]| size), EQUAL);
-        by_support()
-            .or_else(by_stiffness)
-            .or_else(by_cover)
-            .or_else(by_facets)
-            .or_else(by_size)
-            .unwrap_or(false)
+        by_support().or_else(by_stiffness).or_else(by_cover).or_else(by_facets).or_else(by_size).unwrap_or(false)
     }
 
     /// Whether every node of a side is held in all directions.

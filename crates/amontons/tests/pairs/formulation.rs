@@ -92,7 +92,8 @@ fn compare(name: &str) {
         // Of revolution the table has the weights of the circle as well.
         all.add("weight", place.clone(), own.weight, number(point, "weight"));
         all.add("pressure", place.clone(), state.pressure, number(point, "pressure"));
-        let shift = if memory.states.len() > 2 && case.problem.contacts[0].pair.as_ref().is_some_and(|p| p.is_updated()) {
+        let shift = if memory.states.len() > 2 && case.problem.contacts[0].pair.as_ref().is_some_and(|p| p.is_updated())
+        {
             None
         } else {
             Some(number(point, "gap"))
@@ -107,9 +108,7 @@ fn compare(name: &str) {
         for (c, friction) in numbers(&point["friction"]).into_iter().enumerate() {
             all.add("friction", place.clone(), state.q[c], friction);
         }
-        for (key, sign, entries) in
-            [("own", 1.0, &own.nodes[..own.own]), ("other", -1.0, &own.nodes[own.own..])]
-        {
+        for (key, sign, entries) in [("own", 1.0, &own.nodes[..own.own]), ("other", -1.0, &own.nodes[own.own..])] {
             let mut found: BTreeMap<usize, f64> =
                 entries.iter().map(|&(node, value)| (boundary.nodes[node] as usize, sign * value)).collect();
             for entry in point[key].as_array().expect("entries") {

@@ -145,7 +145,14 @@ fn rows_in_space_are_those_of_two_independent_programs() {
 fn exact_rationals_on_one_line() {
     let line = |x: [f64; 3]| x.map(|x| [x, 0.0, 0.0]);
     let (mesh, [lower, upper]) = polygons(&line([0.0, 1.0, 2.0]), &line([0.0, 1.25, 2.0]));
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &lower, supports: Supports::NONE, keeps_all: false };
+    let sides = Sides {
+        mesh: &mesh,
+        x: &mesh.points,
+        nonmortar: &upper,
+        mortar: &lower,
+        supports: Supports::NONE,
+        keeps_all: false,
+    };
     let made = Mortar::new(&sides);
     let m = [[0.6, 0.05, -0.025], [-0.1, 0.95, 0.15], [0.0, 0.0, 0.375]];
     for ((row, weight), m) in made.rows.iter().zip([0.625, 1.0, 0.375]).zip(m) {
@@ -210,7 +217,14 @@ fn assert_pair(upper: &Mesh, lower: &Mesh, name: &str) {
     let mut bottom = upper.facets["bottom"].clone();
     bottom.blocks.iter_mut().for_each(|block| block.nodes.iter_mut().for_each(|node| *node += n));
     let top = lower.facets["top"].clone();
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &bottom, mortar: &top, supports: Supports::NONE, keeps_all: false };
+    let sides = Sides {
+        mesh: &mesh,
+        x: &mesh.points,
+        nonmortar: &bottom,
+        mortar: &top,
+        supports: Supports::NONE,
+        keeps_all: false,
+    };
     let made = Mortar::new(&sides);
     assert!((made.covered - made.measure).abs() < 1e-12, "{name}: {} of {}", made.covered, made.measure);
     let mut loads: BTreeMap<u32, f64> = BTreeMap::new();
@@ -258,7 +272,14 @@ fn the_nearest_facet_is_faced() {
     // One behind the lower side, one in front of it that looks away.
     mortar.push(&P1_SEGMENT, [first + 1, first]);
     mortar.push(&P1_SEGMENT, [first + 2, first + 3]);
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &mortar, supports: Supports::NONE, keeps_all: false };
+    let sides = Sides {
+        mesh: &mesh,
+        x: &mesh.points,
+        nonmortar: &upper,
+        mortar: &mortar,
+        supports: Supports::NONE,
+        keeps_all: false,
+    };
     let made = Mortar::new(&sides);
     let faced: BTreeSet<u32> = made.rows.iter().flat_map(|row| row.other.iter().map(|(node, _)| *node)).collect();
     assert!(faced.into_iter().eq(0..3));
@@ -271,7 +292,14 @@ fn the_nearest_facet_is_faced() {
 fn uncovered_nodes_have_no_weight() {
     let line = |x: &[f64]| x.iter().map(|&x| [x, 0.0, 0.0]).collect::<Vec<_>>();
     let (mesh, [lower, upper]) = polygons(&line(&[0.0, 1.0]), &line(&[0.0, 1.0, 2.0, 3.0]));
-    let sides = Sides { mesh: &mesh, x: &mesh.points, nonmortar: &upper, mortar: &lower, supports: Supports::NONE, keeps_all: false };
+    let sides = Sides {
+        mesh: &mesh,
+        x: &mesh.points,
+        nonmortar: &upper,
+        mortar: &lower,
+        supports: Supports::NONE,
+        keeps_all: false,
+    };
     assert_eq!(Mortar::new(&sides).rows.len(), 2);
     let all = Mortar::new(&Sides { keeps_all: true, ..sides }).rows;
     for (row, weight) in all.iter().zip([0.5, 0.5, 0.0, 0.0]) {

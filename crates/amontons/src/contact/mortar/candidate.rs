@@ -66,7 +66,8 @@ impl Candidates {
 
     /// Finds the shares σ: of the parts at a node that where the largest share of its hat is covered.
     pub fn cover(&mut self, facets: &Facets, covered: &[Covered]) {
-        for (number, part) in facets.parts().iter().enumerate().filter(|(number, _)| !covered[*number].samples.is_empty())
+        for (number, part) in
+            facets.parts().iter().enumerate().filter(|(number, _)| !covered[*number].samples.is_empty())
         {
             let whole = whole(facets, part);
             for corner in 0..part.corners.len() {

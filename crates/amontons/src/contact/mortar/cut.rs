@@ -143,13 +143,7 @@ impl Piece<'_> {
     }
 }
 
-fn segments(
-    nonmortar: &Facets,
-    opposite: &Opposite,
-    part: &Part,
-    facing: &[(usize, &Part)],
-    covered: &mut Covered,
-) {
+fn segments(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
     let [a, b] = [part.corners[0], part.corners[1]];
     let along: Point = std::array::from_fn(|c| b[c] - a[c]);
     let squared = dot(&along, &along);
@@ -264,13 +258,7 @@ struct Patch<'p> {
     distance: f64,
 }
 
-fn polygons(
-    nonmortar: &Facets,
-    opposite: &Opposite,
-    part: &Part,
-    facing: &[(usize, &Part)],
-    covered: &mut Covered,
-) {
+fn polygons(nonmortar: &Facets, opposite: &Opposite, part: &Part, facing: &[(usize, &Part)], covered: &mut Covered) {
     let plane = Plane::new(part);
     let flat = |part: &Part| -> Vec<Flat> { part.corners.iter().map(|x| plane.flat(x)).collect() };
     let own = flat(part);

@@ -31,9 +31,8 @@ impl Dual {
     /// The functions of a part with these points of quadrature; `is_dual` says that all corners have laws of their own.
     pub fn new(nonmortar: &Facets, mortar: &Facets, part: &Part, samples: &[Sample], is_dual: bool) -> Dual {
         let n = part.corners.len();
-        let integral = |f: &dyn Fn(&Sample) -> f64| -> f64 {
-            samples.iter().map(|sample| sample.weight * f(sample)).sum()
-        };
+        let integral =
+            |f: &dyn Fn(&Sample) -> f64| -> f64 { samples.iter().map(|sample| sample.weight * f(sample)).sum() };
         let weight: Vec<f64> = (0..n).map(|a| integral(&|sample| sample.hats[a])).collect();
         let psi = if is_dual { dual(n, &weight, &integral, samples) } else { constant(&weight, samples) };
         let (_, nodes) = nonmortar.facet(part.facet);

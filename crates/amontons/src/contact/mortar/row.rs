@@ -152,11 +152,8 @@ impl Gathered {
         let entries = |sums: &BTreeMap<Key, f64>| -> Vec<(Key, f64)> {
             sums.iter().map(|(&l, sum)| (l, sum / weight)).filter(|(_, share)| share.abs() > ROUND_OFF).collect()
         };
-        let (mut own, other) = if is_covered {
-            (entries(&self.own), entries(&self.other))
-        } else {
-            (vec![((node, 0), 1.0)], Vec::new())
-        };
+        let (mut own, other) =
+            if is_covered { (entries(&self.own), entries(&self.other)) } else { (vec![((node, 0), 1.0)], Vec::new()) };
         // The node of the point comes first.
         own.sort_by_key(|((j, power), _)| (*j != node, *power != 0));
         let place = |entries: &[(Key, f64)]| -> Point {
