@@ -104,9 +104,10 @@ fn sorted(entries: &[Entry], matrix: &str, of: fn(&Entry) -> Point) -> Vec<Point
 /// Held in every direction.
 const AXES: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
+/// Rows of sides that are partly covered join their rims: `formulation` has those.
 #[test]
 fn rows_in_the_plane_are_those_of_two_independent_programs() {
-    for (name, entries) in table().iter().filter(|(name, _)| *name != "bricks") {
+    for (name, entries) in table().iter().filter(|(name, _)| *name != "bricks" && !name.starts_with("partly covered")) {
         let mortar = sorted(entries, "M", |e| e.column);
         let mut nonmortar = sorted(entries, "D", |e| e.column);
         nonmortar.dedup_by(|a, b| place(a) == place(b));
