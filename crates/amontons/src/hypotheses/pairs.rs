@@ -2,7 +2,7 @@
 
 use super::{Certificate, Constants, Finding, FindingId, FindingStatus, judged};
 use crate::contact::mortar::Mortar;
-use crate::contact::{Contact, Pair, Supports};
+use crate::contact::{Contact, Supports};
 use crate::problem::{Problem, with_supports};
 
 /// The first pair of a problem, by the number of its contact.
@@ -27,11 +27,10 @@ pub(super) fn certificate(problem: &Problem) -> Certificate {
 /// Share of a side that is as good as all of it.
 const WHOLE: f64 = 1.0 - 1e-6;
 
-/// `pairs`: which side bears the contact points, and how much of it the other side faces. Fails where that is nothing,
-/// and the pairing is not made anew in each step.
+/// `pairs`: which side bears the contact points, and how much of it the other side faces.
 pub(super) fn faced(problem: &Problem) -> Option<Finding> {
     let (mesh, space) = (&*problem.mesh, problem.displacement_space());
-    let (mut told, mut is_partly, mut is_apart) = (Vec::new(), false, false);
+    let (mut told, mut is_partly) = (Vec::new(), false);
     for contact in problem.contacts.iter().filter(|contact| contact.pair.is_some()) {
         let of = |supports: Supports| contact.pairing(mesh, &mesh.points, supports).map(|sides| Mortar::new(&sides));
         let (Some(mortar), Some(facing)) = (with_supports(&space, None, of), contact.facing()) else { continue };
@@ -43,20 +42,10 @@ pub(super) fn faced(problem: &Problem) -> Option<Finding> {
             "\"{bearing}\" bears {points} contact points, and \"{facing}\" faces {:.4} % of it; pressures miss the balance of moments by levers of up to {lever:.1e} m",
             100.0 * share
         ));
-        is_apart |= mortar.covered == 0.0 && !contact.pair.as_ref().is_some_and(Pair::is_updated);
     }
     let first = first(problem)?;
-    let status = match (is_apart, is_partly) {
-        (true, _) => FindingStatus::Fails,
-        (false, true) => FindingStatus::NotCovered,
-        (false, false) => FindingStatus::Holds,
-    };
-    let finding = Finding::new(FindingId::Pairs, status, told.join("; "), &problem.contact_path(first));
-    Some(if is_apart {
-        finding.repair("name sides that face each other, or take `geometry = \"updated\"` if they do so later")
-    } else {
-        finding
-    })
+    let status = if is_partly { FindingStatus::NotCovered } else { FindingStatus::Holds };
+    Some(Finding::new(FindingId::Pairs, status, told.join("; "), &problem.contact_path(first)))
 }
 
 /// A finding on which the theory makes no statement because of a pair.

@@ -60,8 +60,15 @@ fn bodies_that_overlap_at_rest() {
         no_word(told(&blocks(origin, more), "pair-gap"));
     }
     // Millimetres, and the other side named first.
-    let small = ["mesh.scale=1e-3", "contact.on=\"b_top\"", "contact.with=\"a_bottom\""];
-    let [overlap, _] = warns(told(&blocks("[0.0, -0.125]", &small), "pair-gap"), "contact.gap");
+    let small = problem(
+        BLOCKS,
+        &[
+            "mesh.blocks=[{ name = \"a\", size = [1e-3, 5e-4], origin = [0.0, -1.25e-4], n = [4, 2], elements = \"Q1\" }, { name = \"b\", size = [1e-3, 5e-4], origin = [0.0, -5e-4], n = [6, 2], elements = \"Q1\" }]",
+            "contact.on=\"b_top\"",
+            "contact.with=\"a_bottom\"",
+        ],
+    );
+    let [overlap, _] = warns(told(&small, "pair-gap"), "contact.gap");
     assert!((overlap - 0.125e-3).abs() < 1e-17, "{overlap}");
 }
 
@@ -104,7 +111,7 @@ fn facets_deeper_than_the_clearance() {
         let depths = [sagitta(19.99e-3, 64.0), sagitta(20e-3, 72.0)];
         assert!(depths.iter().all(|depth| *depth > 10e-6));
         let words =
-            "the facets of \"ring_inner\" are 19.0 µm deep, those of \"shaft_outer\" 24.1 µm, beside a mean gap of ";
+            "the facets of \"ring_inner\" are 19 µm deep, those of \"shaft_outer\" 24.1 µm, beside a mean gap of ";
         for told in [words, "pressures follow the facets"] {
             assert!(finding.message.contains(told), "{}", finding.message);
         }
@@ -133,7 +140,7 @@ fn a_cylinder_on_a_block() {
     let text = BLOCKS
         .replace(
             r#"{ name = "a", size = [1.0, 0.5], n = [4, 2], elements = "Q1" }"#,
-            r#"{ name = "a", radii = [0, 0.25], center = [0.5, 0.25], n = [4, 32], elements = "Q1" }"#,
+            r#"{ name = "a", radii = [0, 0.25], origin = [0.5, 0.25], n = [4, 32], elements = "Q1" }"#,
         )
         .replace("a_bottom", "a_outer")
         .replace("[[boundary]]\non = \"a_top\"\ndisplacement = [0, -1e-3]\n", "[load]\nbody_force = [0, -1]\n");
@@ -183,6 +190,8 @@ fn a_mean_dilatation_that_changes_nothing() {
     };
     let [cells, none] = warns(of("P1"), "material.dilatation");
     assert_eq!([cells, none], [64.0, 0.0]);
-    ["P2", "Q1", "Q2"].iter().for_each(|elements| no_word(of(elements)));
+    for elements in ["P2", "Q1", "Q2"] {
+        no_word(of(elements));
+    }
     no_word(told(&problem(crate::BLOCK, &[]), "mean-dilatation"));
 }

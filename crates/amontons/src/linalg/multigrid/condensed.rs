@@ -312,6 +312,7 @@ impl Iterative {
             let repeated = self.repeated.as_ref().filter(|_| by_rows);
             let product = |v: &[f64]| self.stop.go_on().map(|()| self.sum(repeated, tangent, v));
             let (had_energy, products) = (has_energy, most.min(self.products_left(tangent)));
+            let mut meets_none = false;
             let (change, made) = if has_energy {
                 let solved = conjugate_gradients(
                     product,
@@ -320,7 +321,7 @@ impl Iterative {
                     |r| self.weight(r),
                     (goal, products),
                 )?;
-                has_energy = solved.definite == Definite::Seen;
+                meets_none = solved.definite == Definite::No;
                 (solved.x, solved.iterations)
             } else {
                 self.flexible(product, &rest, (goal, products))?
@@ -331,6 +332,8 @@ impl Iterative {
             self.settle(&rest, &mut x);
             self.leave(tangent, b, &x, &mut rest);
             let now = self.weight(&rest) / whole;
+            // Close to the solution an energy that is not positive is round-off.
+            has_energy &= !(meets_none && now > wanted.sqrt());
             let stalls = (now > 0.5 * left || now.is_nan()) && has_energy == had_energy;
             left = now;
             // The recurrence and the true residual differ a little.
