@@ -219,7 +219,7 @@ impl Run {
     }
 }
 
-const CASES: [&str; 14] = [
+const CASES: [&str; 13] = [
     "b-square-0-constant",
     "b-square-0-pressure",
     "b-square-10-constant",
@@ -227,7 +227,6 @@ const CASES: [&str; 14] = [
     "c-cycle",
     "c-cycle-compliance",
     "c-cycle-curved",
-    "c-slide-updated",
     "d-hertz",
     "d-hertz-friction",
     "e-rods",
@@ -357,5 +356,5 @@ fn assert_nodes(name: &str, run: &Run, nodes: &[BTreeMap<String, String>], scale
 /// `[verify]` of every case, closed forms among them, and heat that leaves one body and enters the other.
 #[test]
 fn every_case_verifies() {
-    assert_eq!(common::verified(&common::file(&format!("{FOLDER}/cases"))), 22);
+    assert_eq!(common::verified(&common::file(&format!("{FOLDER}/cases"))), 21);
 }
