@@ -21,7 +21,8 @@ use std::sync::Arc;
 use faer::{Mat, Side};
 
 use super::interface::{Interface, Local};
-use crate::contact::ContactBoundary;
+use super::mechanical::MechanicalStep;
+use crate::contact::{Contact, ContactBoundary, Pair, PointOnBoundary};
 use crate::linalg::Spring;
 use crate::list::List;
 use crate::mesh::Mesh;
@@ -66,7 +67,7 @@ impl Loose {
     pub fn new(
         mesh: &Mesh,
         boundary: &ContactBoundary,
-        contacts: &[crate::contact::Contact],
+        contacts: &[Contact],
         space: &Space,
         (unknown, floating): (&[Option<u32>], &[Motion]),
     ) -> Loose {
@@ -223,8 +224,9 @@ pub(super) struct Free {
 }
 
 impl Jumps {
-    /// Of motions at the points of an interface; `size` is the number of unknowns.
-    pub fn new(loose: &Arc<Loose>, interface: &Interface, boundary: &ContactBoundary, size: usize) -> Jumps {
+    /// Of the motions of a step at the points of its interface; `size` is the number of unknowns.
+    pub fn new(step: &MechanicalStep, interface: &Interface, size: usize) -> Jumps {
+        let MechanicalStep { loose, boundary, contacts, u_bar, dim, .. } = *step;
         let count = loose.motions.len();
         let mut points = List::filled(Vec::new(), interface.len());
         let unit = |k: usize| -> List<f64> { (0..count).map(|j| f64::from(u8::from(j == k))).collect() };
@@ -240,20 +242,29 @@ impl Jumps {
                 }
             }
         }
-        let doubt = |point: &crate::contact::PointOnBoundary| {
-            let nodes = point.nodes.iter().filter_map(|&(node, value)| Some((loose.nodes.get(node)?, value)));
+        let doubts_of = |point: &PointOnBoundary| {
+            let is_updated = contacts.get(point.contact).and_then(|c| c.pair.as_ref()).is_some_and(Pair::is_updated);
+            let nodes = || point.nodes.iter().filter_map(|&(i, value)| Some((i, loose.nodes.get(i)?, value)));
             let mut gap = [0.0; 3];
-            nodes.clone().for_each(|(node, value)| (0..3).for_each(|c| gap[c] += value * node.x[c]));
-            let own = nodes.clone().next();
-            let angle = nodes.filter(|(_, value)| *value != 0.0).fold(0.0, |most: f64, (node, _)| most.max(node.doubt));
+            for (i, node, value) in nodes() {
+                let moved = u_bar.get(i * dim..).map_or(&[][..], |u| u.get(..dim).unwrap_or_default());
+                for c in 0..dim {
+                    gap[c] += value * (node.x[c] + if is_updated { moved.get(c).copied().unwrap_or(0.0) } else { 0.0 });
+                }
+            }
+            // Only motions that both sides can have in common are known no better.
+            let is_common = point.own < point.nodes.len() && nodes().all(|(_, node, _)| node.count > 0);
+            let own = nodes().next();
             Doubt {
-                angle,
-                distance: if point.own < point.nodes.len() { length(&gap) } else { 0.0 },
-                first: own.map_or(0, |(node, _)| node.first),
-                count: own.map_or(0, |(node, _)| node.count),
+                angle: nodes()
+                    .filter(|(.., value)| *value != 0.0)
+                    .fold(0.0, |most: f64, (_, node, _)| most.max(node.doubt)),
+                distance: if is_common { length(&gap) } else { 0.0 },
+                first: own.map_or(0, |(_, node, _)| node.first),
+                count: own.map_or(0, |(_, node, _)| node.count),
             }
         };
-        let doubts = boundary.points.iter().map(doubt).collect();
+        let doubts = boundary.points.iter().map(doubts_of).collect();
         Jumps { loose: Arc::clone(loose), points, doubts, columns, size: most, covers: loose.unknowns }
     }
 
@@ -386,6 +397,27 @@ impl Jumps {
         let size = |terms: &Vec<(usize, f64)>| terms.iter().map(|(k, value)| a[*k] * value).sum::<f64>();
         let of = |direction: &Local| self.unknown(i, direction).iter().map(|terms| size(terms).powi(2)).sum::<f64>();
         resists.iter().filter(|d| d.iter().any(|c| *c != 0.0)).map(of).fold(0.0, f64::max).sqrt()
+    }
+
+    /// The springs of motions in a tangent, with the energy of D = diag(S) along them: D V (Vᵀ D V)⁻¹ Vᵀ D. The motion is
+    /// measured by D, so that a stiff part is moved towards what holds it, however far soft parts that hang on it sag.
+    pub fn springs(free: &[Free], scale: &[f64]) -> Vec<Spring> {
+        let n = free.len();
+        let product = |a: &Free, b: &Free| -> f64 {
+            a.vector.iter().zip(&b.vector).zip(scale).map(|((a, b), scale)| scale * a * b).sum()
+        };
+        let gram = Mat::from_fn(n, n, |i, j| product(&free[i], &free[j]));
+        let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return Vec::new() };
+        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
+        let of = |k: usize| {
+            let entry = |(at, scale): (usize, &f64)| {
+                let sum: f64 = free.iter().enumerate().map(|(i, free)| eigen.U()[(i, k)] * free.vector[at]).sum();
+                (at as u32, scale * sum)
+            };
+            let vector = scale.iter().enumerate().map(entry).filter(|(_, value)| *value != 0.0).collect();
+            Spring { stiffness: values[k].recip(), vector }
+        };
+        (0..n).filter(|&k| values[k] > 0.0).map(of).collect()
     }
 
     /// The spring that holds a motion, with the mean stiffness of the operator over it; `scale` is that of its unknowns.

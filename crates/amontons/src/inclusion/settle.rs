@@ -84,7 +84,7 @@ impl Mechanical<'_> {
             return;
         }
         let size = condensed.len();
-        let jumps = Arc::new(Jumps::new(self.step.loose, &self.interface, self.step.boundary, size));
+        let jumps = Arc::new(Jumps::new(self.step, &self.interface, size));
         let may = |i: usize| -> Resists {
             let rubs = !self.contact(i).friction.is_frictionless();
             let [first, second] = self.held(i).map(|held| f64::from(u8::from(rubs && !held)));
@@ -101,7 +101,7 @@ impl Mechanical<'_> {
         let Some(holds) = &self.holds else { return };
         holds.held.iter().for_each(|(_, spring)| tangent.hold(spring.clone()));
         let free = holds.jumps.free(&self.interface, resists, &holds.frees(), (false, holds.scale.len()));
-        free.iter().for_each(|free| tangent.hold(Jumps::spring(free, &holds.scale)));
+        Jumps::springs(&free, &holds.scale).into_iter().for_each(|spring| tangent.hold(spring));
     }
 
     /// Solves the step: see [`super::MechanicalStep::solve`].

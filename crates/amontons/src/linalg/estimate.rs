@@ -17,8 +17,8 @@ const RELAXED: f64 = 1.15;
 const LEVELS: f64 = 60.0;
 const CYCLE: f64 = 25.0;
 /// Products that a step takes with contact, how many more where it rubs, and what making the levels takes, in products.
-/// Cells that are s times as long as high take s times as many products: measured on cubes of 45 thousand unknowns whose
-/// cells are stretched by 1, 8 and 16 and systems solved to 1e-10: 312, 3213 and 5295 for a step with friction.
+/// Cells that are s times as long as high take s times as many products: measured on cubes of 45 thousand unknowns
+/// whose cells are stretched by 1, 8 and 16 and systems solved to 1e-10: 312, 3213 and 5295 for a step with friction.
 const PRODUCTS: f64 = 60.0;
 const RUBBING: f64 = 1.5;
 const MAKING: f64 = 35.0;

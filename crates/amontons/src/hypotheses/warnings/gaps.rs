@@ -54,7 +54,8 @@ fn of_pair(
         .collect();
     let (deepest, low) = *points.iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
     let high = points.iter().map(|(_, gap)| *gap).fold(low, f64::max);
-    let names = [contact.bearing(), contact.facing()?];
+    let pair = contact.pair.as_ref()?;
+    let names = [contact.on.as_str(), pair.with.as_str()];
     let sets = names.map(|name| mesh.facets.get(name));
     let depths = sets.map(|set| set.map_or(0.0, |set| depth(mesh, set)));
     let round_off = sets.iter().flatten().map(|set| round_off(mesh, set)).fold(0.0, f64::max);
@@ -66,18 +67,17 @@ fn of_pair(
         return None;
     }
     let (from, to, unit) = units.range([low, high], Measure::Length);
-    let with = names.iter().find(|name| **name != contact.on).unwrap_or(&names[1]);
-    let mut message =
-        format!("the gap that the mesh gives between \"{}\" and \"{with}\" goes from {from} to {to}", contact.on);
+    let [on, with] = names;
+    let mut message = format!("the gap that the mesh gives between \"{on}\" and \"{with}\" goes from {from} to {to}");
     message += &if unit.is_empty() { unit } else { format!(" {unit}") };
     if overlap > 0.0 {
         let (depth, place) = (write(overlap), mesh.place(&deepest.x));
         message += &format!("; they overlap at rest by up to {depth}, at {place}: the first step pushes them apart");
     }
     if cuts {
-        let [(first, own), (second, other)] = [0, 1].map(|side| (names[side], write(depths[side])));
+        let [own, other] = depths.map(write);
         message += &format!(
-            "; the facets of \"{first}\" are {own} deep, those of \"{second}\" {other}, beside a mean gap of {}: pressures follow the facets",
+            "; the facets of \"{on}\" are {own} deep, those of \"{with}\" {other}, beside a mean gap of {}: pressures follow the facets",
             write(mean)
         );
     }
